@@ -50,7 +50,7 @@ class SessionSignals(QObject):
         """Number under which the image was opened."""
         self._troubles: dict[str, str] = {}
         self._gathering = self._gathered = False
-        self._listeners: dict[type[Report], list[Callable[[Any], None]]] = {}
+        self._listeners: dict[type[Report], list[Callable[[Any], object]]] = {}
 
     def show(self, scene: Scene) -> None:
         """Show another scene."""
@@ -75,11 +75,11 @@ class SessionSignals(QObject):
             if self._gathered:
                 self.status_changed.emit()
 
-    def listen(self, kind: type[R], take: Callable[[R], None]) -> None:
+    def listen(self, kind: type[R], take: Callable[[R], object]) -> None:
         """Call `take` with all reports of one kind from now on."""
         self._listeners.setdefault(kind, []).append(take)
 
-    def stop_listening(self, kind: type[R], take: Callable[[R], None]) -> None:
+    def stop_listening(self, kind: type[R], take: Callable[[R], object]) -> None:
         """Call `take` no longer."""
         self._listeners[kind].remove(take)
 

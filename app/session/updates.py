@@ -14,6 +14,7 @@ from app.session.exchange.messages import (
     CommandFailed,
     Compiling,
     Exported,
+    Finished,
     Opened,
     Reconstruction,
     ReconstructionFailed,
@@ -46,6 +47,7 @@ class Progress:
         self._busy: dict[str, str] = {}
         self._shown_at = 0.0
         self._known = RunStatus()
+        session.listen(Finished, lambda finished: finished.then())
         session.listen(Probed, self._take_probed)
         session.listen(Compared, self._take_compared)
         session.listen(Shaded, lambda shaded: self._show(shaded=shaded))

@@ -24,7 +24,8 @@ from cpm_core.cli.output import (
 )
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats import load_pages
-from cpm_core.formats.contours.stack import check_stack_export, export_stack
+from cpm_core.formats.common.atomic import check_target
+from cpm_core.formats.stack_files import FOR_STACKS, export_stack
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.types import Array
@@ -44,7 +45,7 @@ def check_pages(arguments: argparse.Namespace, image: Path) -> None:
             given = f"--{name.replace('_', '-')}"
             raise ValueError(f"{given} is for one image, but --pages runs several: leave one of them out.")
     for path in arguments.export:
-        check_stack_export(path)
+        check_target(path, FOR_STACKS)
     check_targets(arguments.export, arguments, image)
 
 

@@ -78,10 +78,8 @@ class Surface:
     numbers: NDArray[np.int64] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
-        vertices = _rows_of_three("vertices", self.vertices).copy()
-        faces = _rows_of_three("faces", self.faces).astype(np.int64)
-        if not np.isfinite(vertices).all():
-            raise ValueError("A surface has vertices that are NaN or infinite: leave them out.")
+        vertices = rows_of_three("vertices", self.vertices).copy()
+        faces = rows_of_three("faces", self.faces).astype(np.int64)
         wrong = faces[(faces < 0) | (faces >= len(vertices))]
         if len(wrong):
             raise ValueError(f"A triangle names vertex {wrong[0]}, but there are {len(vertices)} vertices, from 0.")
@@ -243,13 +241,15 @@ class Surface:
         return np.unique(numbers, return_counts=True)[1]
 
 
-def _rows_of_three(name: str, values: ArrayLike) -> Array:
-    """Numbers, shape (N, 3)."""
+def rows_of_three(name: str, values: ArrayLike) -> Array:
+    """Finite numbers, shape (N, 3); ValueError for others, with their name."""
     rows = real_numbers(values)
     if rows.size == 0:
         return np.empty((0, 3))
     if rows.ndim != 2 or rows.shape[1] != 3:
-        raise ValueError(f"{name} have the shape {rows.shape} but must be (N, 3).")
+        raise ValueError(f"The {name} have the shape {rows.shape} but must be (N, 3).")
+    if not np.isfinite(rows).all():
+        raise ValueError(f"The {name} hold NaN or infinite numbers: leave them out.")
     return rows
 
 
@@ -298,24 +298,19 @@ def inside_of(surface: Surface, shape: tuple[int, ...]) -> Mask:
 
 def numbered(surface: Surface, shape: tuple[int, ...]) -> Index:
     """Number of the object that each voxel of a volume lies in: its own, or the largest first from 1 up; 0 outside."""
+    found = np.zeros(shape, np.int64)
     if surface.numbers is not None:
-        return _by_their_numbers(surface, surface.numbers, shape)
+        for number in np.unique(surface.numbers):  # where objects share voxels, the last one has them
+            alone = replace(surface, faces=surface.faces[surface.numbers == number], numbers=None)
+            found[inside_of(alone, shape)] = number
+        return found
     inside = inside_of(surface, shape)
     parts = parts_of(inside, corners=True)
     order = np.argsort(-parts.sizes, kind="stable")
     rank = np.empty_like(order)
     rank[order] = np.arange(1, len(order) + 1)
-    found = np.zeros(shape, np.int64)
     places = np.argwhere(inside)
     found[tuple(places.T)] = rank[parts.part_at(places)]
-    return found
-
-
-def _by_their_numbers(surface: Surface, numbers: Index, shape: tuple[int, ...]) -> Index:
-    """The number of each object in its voxels; where objects share voxels, that of the last one."""
-    found = np.zeros(shape, np.int64)
-    for number in np.unique(numbers):
-        found[inside_of(replace(surface, faces=surface.faces[numbers == number], numbers=None), shape)] = number
     return found
 
 
@@ -360,10 +355,12 @@ def surface_of_labels(
     for number, part in enumerate(parts, start=1):
         if part is None:
             continue
-        room = tuple(slice(max(side.start - _ROOM, 0), side.stop + _ROOM) for side in part) if open_border else part
-        inside = labels[room] == number if open_border else np.pad(labels[room] == number, _ROOM)
-        begin = [side.start - (0 if open_border else _ROOM) for side in room]
-        vertices, faces = zero_surface(inside.astype(np.float32) - np.float32(0.5))
+        inside = np.pad(labels[part] == number, _ROOM)
+        begin = np.array([side.start - _ROOM for side in part])
+        within = np.clip([begin, begin + inside.shape], 0, labels.shape) - begin
+        vertices, faces = zero_surface(
+            inside.astype(np.float32) - np.float32(0.5), tuple(map(tuple, within.T.tolist())) if open_border else None
+        )
         places.append(vertices + begin)
         corners.append(faces + count)
         numbers.append(np.full(len(faces), number))

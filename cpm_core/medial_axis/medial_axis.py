@@ -7,6 +7,7 @@ Snoeyink 2001, doi:10.1007/s00453-001-0014-x).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -180,8 +181,17 @@ def prune(axis: Axis, pruning: float) -> Axis:
         return axis
     count, part = parts(axis)
     roots = _largest(axis.radius, part, count)
-    graph = Graph(axis.points, _cut_back(axis, set(roots.tolist()), pruning))
-    _drop_stubs(graph)
+    reach = axis.radius.copy()  # how far the shape removed behind a vertex reaches around it
+
+    def is_covered(tip: int, following: int) -> bool:
+        reached = float(np.linalg.norm(axis.points[tip] - axis.points[following])) + reach[tip]
+        covered = bool(reached - axis.radius[following] <= pruning)
+        if covered:
+            reach[following] = max(reach[following], reached)
+        return covered
+
+    graph = Graph(axis.points, without_tips(axis, is_covered, frozenset(roots.tolist())))
+    graph.drop_spurs(_SHORTEST)
     _merge_junctions(graph, axis.radius)
     edges = graph.edges()
     return axis.only(edges, roots[~np.isin(np.arange(count), part[edges[:, 0]])])
@@ -205,36 +215,27 @@ def _largest(radius: Array, part: NDArray[np.int32], count: int) -> NDArray[np.i
     return largest
 
 
-def _cut_back(axis: Axis, roots: set[int], pruning: float) -> NDArray[np.int64]:
-    """Edges that remain when every tip is shortened as far as `pruning` allows."""
+def without_tips(axis: Axis, leaves: Callable[[int, int], bool], kept: frozenset[int] = frozenset()) -> Index:
+    """Edges that remain when tips are removed as long as they leave, which is asked of a tip and the vertex next to it.
+
+    Some vertices are kept in any case.
+    """
     links: list[set[int]] = [set() for _ in axis.points]
     for a, b in axis.edges.tolist():
         links[a].add(b)
         links[b].add(a)
-    radius = axis.radius.tolist()
-    reach = axis.radius.tolist()  # how far the shape removed behind a vertex reaches around it
-    tips = [v for v, near in enumerate(links) if len(near) == 1 and v not in roots]
+    tips = [v for v, near in enumerate(links) if len(near) == 1 and v not in kept]
     while tips:
         tip = tips.pop()
-        (following,) = links[tip]
-        reached = float(np.linalg.norm(axis.points[tip] - axis.points[following])) + reach[tip]
-        if reached - radius[following] > pruning:
+        if not links[tip]:  # the other end of the same edge has left
             continue
-        links[tip].clear()
-        links[following].discard(tip)
-        reach[following] = max(reach[following], reached)
-        if len(links[following]) == 1 and following not in roots:
-            tips.append(following)
+        (following,) = links[tip]
+        if leaves(tip, following):
+            links[tip].clear()
+            links[following].discard(tip)
+            if len(links[following]) == 1 and following not in kept:
+                tips.append(following)
     return np.array([(v, w) for v, near in enumerate(links) for w in near if v < w], np.int64).reshape(-1, 2)
-
-
-def _drop_stubs(graph: Graph) -> None:
-    """Remove branches shorter than a pixel, the shortest first."""
-    stubs = [graph.branch(end) for end in graph.ends().tolist()]
-    for stub in sorted(stubs, key=graph.length):
-        path = graph.branch(int(stub[0]))  # longer if its junction has become a plain vertex
-        if graph.degree(path[-1]) > 2 and graph.length(path) < _SHORTEST:
-            graph.drop(path)
 
 
 def _merge_junctions(graph: Graph, radius: Array) -> None:

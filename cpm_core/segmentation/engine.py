@@ -17,7 +17,6 @@ from numpy.typing import ArrayLike
 from cpm_core.contours.result import Result
 from cpm_core.field.placed_charges import PlacedCharge, placed_in
 from cpm_core.field.scale_field import ScaleField
-from cpm_core.field.volume_field import pitch_of
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions
@@ -125,7 +124,7 @@ class Engine(ImageFields):
             When there is no particle, or none inside the image and the regions of interest.
         """
         points = starting_points(seeds, self.image.shape, self.regions)
-        space = SpaceState(pitch_of(self.image.spacing), no_surface()) if self.image.ndim == 3 else None
+        space = SpaceState(self._pitch, no_surface()) if self.image.ndim == 3 else None
         none, nowhere = Particles.at_rest(points[:0]), no_coverage(())
         first = State(none, points, self.image.shape, self.scales, nowhere, regions=self.regions, space=space)
         return interventions.start_scale(first, self.scales - 1, self.regions)
@@ -153,7 +152,7 @@ class Engine(ImageFields):
         if state.stop_reason:
             return state
         state = interventions.applied(state, self.regions, parameters, charges)
-        field = self._charged.of(self._field_of(state, parameters), state.scale, state.charges)
+        field = self.charged(self._field_of(state, parameters), state.scale, state.charges)
         return self._stepped(state, field, parameters)
 
     def forces(
@@ -187,7 +186,7 @@ class Engine(ImageFields):
         asked = np.arange(state.count) if index is None else np.atleast_1d(np.asarray(index, dtype=np.int64))
         changed = interventions.applied(state, self.regions, parameters, charges)
         field = self._field_of(state, parameters)
-        charged = self._charged.of(field, state.scale, changed.charges)
+        charged = self.charged(field, state.scale, changed.charges)
         return forces_asked(
             state, changed, asked, lambda which: self._laws.forces(changed, field, charged, parameters, which)
         )

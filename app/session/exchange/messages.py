@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -146,6 +146,13 @@ class Report:
     """A message that the window must not miss; each kind is passed to its listeners."""
 
     __slots__ = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Finished(Report):
+    """Work on another thread is done; `then` is called on the window's thread."""
+
+    then: Callable[[], object]
 
 
 @dataclass(frozen=True, slots=True)

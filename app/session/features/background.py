@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
+from functools import partial
 from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
@@ -23,10 +24,8 @@ class LatestOnlyWorker(QObject):
     What the work fails with is shown by the session, with `activity`, which follows "while" in the sentence.
     """
 
-    done = Signal(object)
-    """Result of a piece of work."""
-    failed = Signal(str)
-    """What a piece of work failed with, in a sentence."""
+    _done = Signal(str, object)
+    """What a piece of work failed with, if it did, and what follows; sent by the thread that works."""
 
     def __init__(self, session: Session, name: str, activity: str) -> None:
         super().__init__(session)
@@ -35,19 +34,23 @@ class LatestOnlyWorker(QObject):
         self._session = session
         self._pool: ThreadPoolExecutor | None = ThreadPoolExecutor(1, name)
         self._newest: Future[None] | None = None
-        self.done.connect(self._succeed)
-        self.failed.connect(self._fail)
+        self._done.connect(self._finish)
 
     @property
     def idle(self) -> bool:
         """Whether there is no work."""
         return self._newest is None or self._newest.done()
 
-    def ask(self, work: Callable[[], object]) -> None:
-        """Do this in place of work that is still waiting; nothing is done any more once this is closed."""
+    def ask(
+        self, work: Callable[[], T], then: Callable[[T], object], failed: Callable[[], object] = lambda: None
+    ) -> None:
+        """Do this in place of work that is still waiting; nothing is done any more once this is closed.
+
+        On the window's thread, `then` is called with the result, or else `failed`.
+        """
         self.forget()
         if self._pool is not None:
-            self._newest = self._pool.submit(self._work, work)
+            self._newest = self._pool.submit(self._work, work, then, failed)
 
     def forget(self) -> None:
         """Drop waiting work."""
@@ -61,21 +64,17 @@ class LatestOnlyWorker(QObject):
             self._pool.shutdown()
             self._pool = None
 
-    def _work(self, work: Callable[[], object]) -> None:
+    def _work(self, work: Callable[[], T], then: Callable[[T], object], failed: Callable[[], object]) -> None:
         try:
             result = work()
         except Exception as error:  # shown to the user
-            self.failed.emit(sentence(error, self._activity))
+            self._done.emit(sentence(error, self._activity), failed)
         else:
-            self.done.emit(result)
+            self._done.emit("", partial(then, result))
 
-    # Called on the window's thread: methods, because Qt calls anything else on the thread that emits.
-
-    def _succeed(self, _: object) -> None:
-        self._session.trouble("", self._name)
-
-    def _fail(self, trouble: str) -> None:
+    def _finish(self, trouble: str, then: Callable[[], object]) -> None:  # Qt calls no lambda on the window's thread
         self._session.trouble(trouble, self._name)
+        then()
 
 
 class IdentityCache:
@@ -125,11 +124,10 @@ class AsyncCache(QObject):
         """What is made of something, or at first what is in its place meanwhile."""
         if name not in self._workers:
             self._workers[name] = LatestOnlyWorker(self._session, "cpm-slices", tr("drawing a slice"))
-            self._workers[name].done.connect(self._take)
         known = self._parts.get(name)
         if known is None or not is_same(known[0], given):
             known = self._parts[name] = given, meanwhile()
-            self._workers[name].ask(lambda: (name, given, make()))
+            self._workers[name].ask(make, partial(self._take, name, given))
         part: T = known[1]
         return part
 
@@ -138,8 +136,7 @@ class AsyncCache(QObject):
         for worker in self._workers.values():
             worker.close()
 
-    def _take(self, made: tuple[str, tuple[Any, ...], Any]) -> None:
-        name, given, part = made
+    def _take(self, name: str, given: tuple[Any, ...], part: object) -> None:
         if is_same(self._parts[name][0], given):
             self._parts[name] = given, part
             self.completed.emit()

@@ -13,8 +13,8 @@ from PySide6.QtCore import QObject, Signal
 
 from app.model.display.comparison import Tile
 from app.model.document.document import NOTHING_TO_START_FROM, Document
-from app.model.text.language import tr
-from app.session.exchange.messages import Report, sentence
+from app.model.text.language import from_core, tr
+from app.session.exchange.messages import sentence
 from app.session.features.truth_comparison import GroundTruth
 from app.session.session import Session
 from app.session.tasks.tasks import Task
@@ -34,19 +34,6 @@ class Done:
     result: Result | None = None
     facts: Facts | None = None
     trouble: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class ComparisonRun(Report):
-    """All runs of a comparison have ended."""
-
-
-@dataclass(frozen=True, slots=True)
-class ComparisonWritten(Report):
-    """Files of a comparison have been written; `notes` say what they leave out."""
-
-    files: tuple[Path, ...]
-    notes: tuple[str, ...] = ()
 
 
 class Comparison(QObject):
@@ -112,14 +99,19 @@ class Comparison(QObject):
             return
         start = self._start_of(document)
 
-        def work(task: Task) -> Report:
-            task.check_cancelled()
-            notes: list[str] = []
-            known = truth if isinstance(truth, Truth) else None
-            files = comparison.write_comparison(image, start, tiles, (path,), notes.append, known)
-            return ComparisonWritten(files, tuple(notes))
+        notes: list[str] = []
 
-        self._session.tasks.start(tr("Writing the comparison…"), work, tr("writing the comparison"), cancellable=False)
+        def work(task: Task) -> Sequence[Path]:
+            known = truth if isinstance(truth, Truth) else None
+            return comparison.write_comparison(image, start, tiles, (path,), notes.append, known)
+
+        def use(files: Sequence[Path]) -> None:
+            names = ", ".join(file.name for file in files)
+            wrote = (tr("Wrote {name}.").format(name=names),) if names else ()
+            self._session.say(" ".join((*wrote, *map(from_core, notes))))
+
+        name, activity = tr("Writing the comparison…"), tr("writing the comparison")
+        self._session.tasks.start(name, work, activity, cancellable=False, then=use)
 
     # Internal
 
@@ -131,7 +123,7 @@ class Comparison(QObject):
             self.task = None
             self.ended.emit()
 
-    def _run(self, image: Image, document: Document, tiles: Sequence[Tile], task: Task) -> Report:
+    def _run(self, image: Image, document: Document, tiles: Sequence[Tile], task: Task) -> None:
         """Run tiles; seeds, and an engine for each number of scales, serve all of them."""
         seed_cache, engines, lock, done = SeedCache(image), dict[int, Engine](), threading.Lock(), 0
 
@@ -189,8 +181,6 @@ class Comparison(QObject):
 
         with ThreadPoolExecutor(max(1, cores() - 1), thread_name_prefix="cpm-compare") as pool:
             list(pool.map(work, tiles))
-        task.check_cancelled()
-        return ComparisonRun()
 
     def _measured(self, result: Result, facts: Facts) -> Facts:
         """The facts of a run with its agreement with the ground truth, where one is known."""

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
 from app.model.document.saving import to_file
 from app.model.text.language import cause, tr
-from app.session.exchange.messages import CommandFailed, Report
+from app.session.exchange.messages import CommandFailed
 from app.session.session import Session
 from app.session.tasks.opening import images_in
 from app.session.tasks.tasks import Task
@@ -25,7 +26,7 @@ _RESULTS, _APPLIED, _TABLE = "contours", f"session{SUFFIX}", "summary.csv"
 
 
 @dataclass(frozen=True, slots=True)
-class BatchDone(Report):
+class BatchDone:
     """All images of a folder are done: how many there are, how many could not be used, and the table of all."""
 
     images: int
@@ -33,7 +34,7 @@ class BatchDone(Report):
     table: Path
 
 
-def apply_to_folder(session: Session, folder: Path) -> Task | None:
+def apply_to_folder(session: Session, folder: Path, then: Callable[[BatchDone], object]) -> Task | None:
     """Apply the session as it is to the images of a folder, on a thread; what is done there is not done again."""
     session.attempt(TOPIC)
     document = session.document
@@ -45,10 +46,10 @@ def apply_to_folder(session: Session, folder: Path) -> Task | None:
         return None
     name = tr("Running the images of {folder}…").format(folder=folder.name)
     work = partial(_apply, to_file(document, {}), folder)
-    return session.tasks.start(name, work, tr("running many images"), partial(CommandFailed, topic=TOPIC))
+    return session.tasks.start(name, work, tr("running many images"), partial(CommandFailed, topic=TOPIC), then=then)
 
 
-def _apply(session: SessionFile, folder: Path, task: Task) -> Report:
+def _apply(session: SessionFile, folder: Path, task: Task) -> BatchDone:
     from cpm_core.cli.batch import Batch
     from cpm_core.cli.workers import here
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass
+from collections.abc import Callable
 from pathlib import Path
 
 from PySide6.QtCore import QBuffer, QIODevice, QStandardPaths
@@ -11,14 +11,12 @@ from PySide6.QtGui import QImage
 
 from app.model.document.imported import Imported
 from app.model.text.language import tr
-from app.session.exchange.messages import Report
 from app.session.session import Session
 from app.session.tasks.tasks import Task
 from cpm_core import Image, load_centerlines, load_points
 from cpm_core.formats import (
     CONTOURS_READABLE,
     FOR_CENTERLINES,
-    Plane,
     decode_contours,
     plane_of,
     read_contours,
@@ -33,41 +31,19 @@ MOST_POINTS = 100_000
 _TABLE = ".csv"
 
 
-@dataclass(frozen=True, slots=True)
-class PointsRead(Report):
-    """Points have been read."""
-
-    path: Path
-    points: Points
+Found = Imported | Points
+"""What a file holds: contours, surfaces and center lines, or points."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class ContoursRead(Report):
-    """What was read for the image opened as `generation`, from a file or, without a path, the clipboard."""
+def read_file(session: Session, path: Path, use: Callable[[Found], object]) -> None:
+    """Start to read contours, a surface or points."""
+    image, plane = session.image, plane_of(session.image)
 
-    generation: int
-    imported: Imported
-    path: Path | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class PictureKept(Report):
-    """A picture of the clipboard has been written to a file, because a session needs one."""
-
-    path: Path
-
-
-def read_file(session: Session, path: Path) -> None:
-    """Start to read contours, a surface or points; reports `ContoursRead`, `PointsRead` or an error."""
-    image, plane, generation = session.image, _plane(session), session.image_generation
-
-    def work(task: Task) -> Report:
+    def work(task: Task) -> Found:
         if image is not None and image.ndim == 3:
-            if path.suffix.lower() == _TABLE:
-                return _points(path, 3)
-            return ContoursRead(generation, _in_volume(path, image), path)
+            return _points(path, 3) if path.suffix.lower() == _TABLE else _in_volume(path, image)
         try:
-            return ContoursRead(generation, Imported.of(read_contours(path, plane), path.name), path)
+            return Imported.of(read_contours(path, plane), path.name)
         except ValueError as error:
             if path.suffix.lower() != _TABLE or _names_contours(path):
                 raise
@@ -76,23 +52,32 @@ def read_file(session: Session, path: Path) -> None:
             except ValueError as other:
                 raise other from error
 
-    session.tasks.start(tr("Reading {name}…").format(name=path.name), work, f"reading {path.name}")
+    _start(session, path.name, work, f"reading {path.name}", use)
 
 
-def read_pasted(session: Session, content: bytes) -> None:
-    """Start to read contours of the clipboard; reports `ContoursRead` or an error."""
-    plane, generation, name = _plane(session), session.image_generation, tr("the clipboard")
+def read_pasted(session: Session, content: bytes, use: Callable[[Found], object]) -> None:
+    """Start to read contours of the clipboard."""
+    plane, name = plane_of(session.image), tr("the clipboard")
 
-    def work(task: Task) -> Report:
-        return ContoursRead(generation, Imported.of(decode_contours(content, name, plane), name))
+    def work(task: Task) -> Found:
+        return Imported.of(decode_contours(content, name, plane), name)
 
-    session.tasks.start(tr("Reading {name}…").format(name=name), work, "reading the clipboard")
+    _start(session, name, work, "reading the clipboard", use)
 
 
-def keep_picture(session: Session, picture: QImage) -> None:
-    """Start to write a picture of the clipboard to a file; reports `PictureKept` or an error."""
+def _start(
+    session: Session, name: str, work: Callable[[Task], Found], activity: str, use: Callable[[Found], object]
+) -> None:
+    """Read on a thread, and use what has been found unless another image has been opened."""
+    image = session.image_generation
+    then: Callable[[Found], object] = lambda found: use(found) if image == session.image_generation else None  # noqa: E731
+    session.tasks.start(tr("Reading {name}…").format(name=name), work, activity, then=then)
 
-    def work(task: Task) -> Report:
+
+def keep_picture(session: Session, picture: QImage, use: Callable[[Path], object]) -> None:
+    """Start to write a picture of the clipboard to a file, because a session needs one."""
+
+    def work(task: Task) -> Path:
         buffer = QBuffer()
         buffer.open(QIODevice.OpenModeFlag.WriteOnly)
         if not picture.save(buffer, "PNG"):  # type: ignore[call-overload]  # bytes are refused
@@ -102,18 +87,14 @@ def keep_picture(session: Session, picture: QImage) -> None:
         folder.mkdir(parents=True, exist_ok=True)
         path = folder / f"pasted-{hashlib.sha256(content).hexdigest()[:8]}.png"
         write_together([(path, content)])
-        return PictureKept(path)
+        return path
 
-    session.tasks.start(tr("Reading {name}…").format(name=tr("the clipboard")), work, "keeping the picture")
+    session.tasks.start(tr("Reading {name}…").format(name=tr("the clipboard")), work, "keeping the picture", then=use)
 
 
 def folder_of_pasted() -> Path:
     """The folder of pasted pictures among the user's data."""
     return Path(QStandardPaths.writableLocation(QStandardPaths.StandardLocation.GenericDataLocation)) / "cpm/pasted"
-
-
-def _plane(session: Session) -> Plane:
-    return plane_of(session.scene.image)
 
 
 def _in_volume(path: Path, volume: Image) -> Imported:
@@ -128,12 +109,12 @@ def _in_volume(path: Path, volume: Image) -> Imported:
     return Imported.of_surface(surface, volume, path.name, assumed)
 
 
-def _points(path: Path, axes: int = 2) -> PointsRead:
+def _points(path: Path, axes: int = 2) -> Points:
     positions = load_points(path, axes)
     if len(positions) > MOST_POINTS:
         message = tr("{name} has {count} points, but no more than {most} can be drawn.")
         raise ValueError(message.format(name=path.name, count=len(positions), most=MOST_POINTS))
-    return PointsRead(path, Points(tuple(map(tuple, positions.tolist()))))
+    return Points(tuple(map(tuple, positions.tolist())))
 
 
 def _names_contours(path: Path) -> bool:

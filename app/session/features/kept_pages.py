@@ -9,8 +9,6 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
 
-import numpy as np
-
 from app.model.document.document import Document, ImageReference
 from app.model.document.saving import restored
 from app.model.text.language import tr
@@ -18,11 +16,11 @@ from app.model.volume.parts import Parts
 from app.session.exchange.core_functions import Core
 from app.session.exchange.messages import sentence
 from app.session.tasks.tasks import Cancelled, Task
-from app.session.timeline.moments import RunAction, Stepped
-from app.session.timeline.plain_runs import FIGURES, RunsWriter
-from app.session.timeline.stored_runs import StoredBranch, StoredRun, StoredRuns
+from app.session.timeline.moments import Stepped
+from app.session.timeline.plain_runs import RunsWriter
+from app.session.timeline.stored_runs import Branch, StoredBranch, StoredRun, StoredRuns
 from app.session.undo_history import History
-from cpm_core import Contour, Image, Method, Page, Result, load_pages
+from cpm_core import Image, Method, Page, Result, load_pages
 from cpm_core.contours import apply, middle, with_kept
 from cpm_core.formats import Pages, Reading, SessionFile, decode, encode, page_from_plain, page_to_plain
 from cpm_core.pages import Follower, StackResult, StartingLine, fitting, trouble_of
@@ -45,7 +43,7 @@ class StackSource:
     by_channel : bool
         Whether its pages are its channels, as it has neither planes nor times.
     reading : Reading
-        How the page that is open is read.
+        How its pages are read.
     usual : int
         The page that is read when nobody chooses.
     """
@@ -66,18 +64,9 @@ class StackSource:
         count = parts.channels if by_channel else parts.pages
         return cls(path, name, count if count > 1 else 0, by_channel, reading, parts.usual)
 
-    def of_the_same(self, other: StackSource) -> StackSource:
-        """Another page of a stack whose file has been opened already."""
-        if "pages" in other.__dict__:
-            self.__dict__["pages"] = other.pages
-        return self
-
-    @property
-    def number(self) -> int:
-        """The page that is open."""
-        if self.by_channel:
-            return self.reading.channel or 1
-        return self.reading.page or self.usual
+    def number_of(self, reading: Reading) -> int:
+        """The page that is read so."""
+        return (reading.channel or 1) if self.by_channel else (reading.page or self.usual)
 
     def reading_of(self, number: int) -> Reading:
         """How a page is read; that which is read when nobody chooses needs no number."""
@@ -249,13 +238,12 @@ class StoredPages:
 class PlainPages(Mapping[str, Any]):
     """Pages as plain JSON, made when it is asked for: on the thread that writes a file, and not in the window's."""
 
-    def __init__(self, stored: StoredPages, here: int, result: StackResult | None) -> None:
-        self._asked = stored, here, result
+    def __init__(self, make: Callable[[], dict[str, Any]]) -> None:
+        self._make = make
 
     @cached_property
     def _plain(self) -> dict[str, Any]:
-        stored, here, result = self._asked
-        return stored.to_plain(here, result)
+        return self._make()
 
     def __getitem__(self, name: str) -> Any:
         return self._plain[name]
@@ -297,44 +285,6 @@ _NAME = tr("Run {number}").format(number=1)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class PageOrder:
-    """Which pages are run, and from where.
-
-    Attributes
-    ----------
-    source : StackSource
-        The stack.
-    numbers : sequence of int
-        The pages, from 1.
-    base : Document
-        The document whose parameters, limits, charges and start pages without their own take over.
-    following : bool
-        Whether each page starts from the contours of the one before.
-    kept : mapping of int to KeptPage
-        The pages that have a document already; those whose start the user has drawn keep it.
-    before : tuple of Page
-        What has been found on the pages before the first one.
-    """
-
-    source: StackSource
-    numbers: Sequence[int]
-    base: Document
-    following: bool
-    kept: Mapping[int, KeptPage]
-    before: tuple[Page, ...] = ()
-
-    def document(self, number: int, follower: Follower) -> tuple[Document, tuple[Start, ...]]:
-        """The document that a page is run with, and the starts that it was given by the page before."""
-        kept = self.kept.get(number)
-        document = bare(self.base) if kept is None else replace(kept.document, parameters=self.base.parameters)
-        if kept is not None and kept.own_start:
-            return document, ()
-        lines = follower.starts if self.following else ()
-        given = starts_along(lines) or self.base.starts
-        return started_by(document, given), given
-
-
-@dataclass(frozen=True, eq=False, slots=True)
 class PageDone:
     """A page that has been run: its document with the starts that it was given, its run and what was found."""
 
@@ -344,15 +294,26 @@ class PageDone:
     runs: Mapping[str, Any] | None = None
 
 
-def run_pages(order: PageOrder, core: Core, task: Task) -> Iterator[PageDone]:
-    """Run the pages of an order, each as soon as the one before is done; `Cancelled` when the task has been."""
-    follower = Follower(order.before)
-    for done, number in enumerate(order.numbers):
-        task.advance(done / len(order.numbers))
-        document, given = order.document(number, follower)
+def run_pages(
+    source: StackSource,
+    numbers: Sequence[int],
+    document_of: Callable[[int, tuple[StartingLine, ...]], tuple[Document, tuple[Start, ...]]],
+    before: Sequence[Page],
+    core: Core,
+    task: Task,
+) -> Iterator[PageDone]:
+    """Run pages, each as soon as the one before is done; `Cancelled` when the task has been.
+
+    `document_of` gives the document that a page is run with, and the starts that it is given by the page before, by its
+    number and the lines along the contours of that one; `before` are the pages before the first one.
+    """
+    follower = Follower(before)
+    for done, number in enumerate(numbers):
+        task.advance(done / len(numbers))
+        document, given = document_of(number, follower.starts)
         try:
-            image = order.source.pages[number - 1]
-            reference = ImageReference.of(Path(order.source.path), image, order.source.reading_of(number))
+            image = source.pages[number - 1]
+            reference = ImageReference.of(Path(source.path), image, source.reading_of(number))
             document = replace(document, image=reference, parameters=fitting(document.parameters, image))
             method, state, scales = _run(document, image, core, task)
             found = method.result(state, document.parameters)
@@ -366,7 +327,13 @@ def run_pages(order: PageOrder, core: Core, task: Task) -> Iterator[PageDone]:
             yield PageDone(Page(number, None, trouble=trouble), document, given)
             continue
         page = follower.take(number, result)
-        yield PageDone(page, document, given, _plain_run(document, method, state, scales, page.contours))
+        # as a session keeps a run for the timeline, with its last state and the numbers of its contours
+        last, action = state.step, Stepped(document.parameters, document.charges, method.regions)
+        branch = StoredBranch(Branch(1, _NAME, None, 0, last, scales), ((), *(((action,),) * last)))
+        runs = (StoredRun(document, document.sources, (branch,)),)
+        numbered = {contour.number: middle(contour) for contour in page.contours}
+        stored = StoredRuns(runs, (1, last), {(1, last): state}, numbered)
+        yield PageDone(page, document, given, RunsWriter().to_plain(stored))
 
 
 def _run(
@@ -385,20 +352,3 @@ def _run(
         if state.scale != scales[-1][1]:
             scales.append((state.step, state.scale))
     return method, state, tuple(scales)
-
-
-def _plain_run(
-    document: Document,
-    method: Method[Any],
-    state: MethodState,
-    scales: tuple[tuple[int, int], ...],
-    contours: Sequence[Contour],
-) -> Mapping[str, Any]:
-    """A run as a session keeps it for the timeline, with its last state and the numbers of its contours."""
-    last = state.step
-    action: RunAction = Stepped(document.parameters, document.charges, method.regions)
-    steps = ((), *(((action,),) * last))
-    branch = StoredBranch(1, _NAME, False, None, 0, steps, scales, np.empty((FIGURES, 0)))
-    run = StoredRun(document, document.sources, (branch,))
-    numbers = {contour.number: middle(contour) for contour in contours}
-    return RunsWriter().to_plain(StoredRuns((run,), (1, last), {(1, last): state}, numbers))

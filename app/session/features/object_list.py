@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from functools import reduce
+from functools import partial, reduce
 
 import numpy as np
 from PySide6.QtCore import QObject, Signal
@@ -18,7 +18,7 @@ from app.model.volume.surface_section import holds, size_of
 from app.session.features.background import LatestOnlyWorker
 from app.session.session import Session
 from cpm_core import Image, Surface
-from cpm_core.numerics import Array, Place, Position, polyline
+from cpm_core.numerics import Place, Position, polyline
 from cpm_core.objects.segmented import Line, SegmentedObject, SegmentedObjects, painted, union
 
 
@@ -72,9 +72,7 @@ class ObjectList(QObject):
         self._known, self._measured_in = session.document.objects, session.image
         self._figures: dict[int, tuple[Image, object, Figures]] = {}
         self._latest = LatestOnlyWorker(session, "cpm-object-measures", tr("measuring objects"))
-        self._latest.done.connect(self._use_figures)
         self._merging = LatestOnlyWorker(session, "cpm-merging", tr("merging objects"))
-        self._merging.done.connect(self._use_merged)
         session.document_changed.connect(self._follow)
         session.image_changed.connect(self._merging.forget)
 
@@ -106,7 +104,8 @@ class ObjectList(QObject):
 
     def under(self, at: Place) -> int:
         """Number of the smallest shown object at a place (row, col) [px], or (plane, row, col); 0 for none."""
-        around = [item for item in self.objects.items if not item.hidden and _encloses(item, at)]
+        shown, places = [item for item in self.objects.items if not item.hidden], np.array([at], dtype=float)
+        around = [item for item in shown if (holds(item, at) if len(at) == 3 else item.encloses(places)[0])]
         return min(around, key=size_of).number if around else 0
 
     # Choosing
@@ -176,7 +175,7 @@ class ObjectList(QObject):
         if len(items) < 2 or image is None:
             return
         if image.is_volume:
-            self._merging.ask(lambda: (items, reduce(union, items)))
+            self._merging.ask(lambda: reduce(union, items), partial(self._use_merged, items))
             return
         self._edit_chosen(tr("merge {what}"), objects.merge)
         self.choose((items[0].number,))
@@ -218,27 +217,23 @@ class ObjectList(QObject):
         self.choose(self.chosen & {item.number for item in items})
         missing = [item for item in items if self.figures(item) is None]
         if image is not None and missing:  # large objects have many pixels
+
+            def use(measured: dict[int, tuple[Image, object, Figures]]) -> None:
+                self._figures |= measured
+                self.changed.emit()
+
             self._latest.ask(
-                lambda: {item.number: (image, _boundary(item), _measured(item, image)) for item in missing}
+                lambda: {item.number: (image, _boundary(item), _measured(item, image)) for item in missing}, use
             )
         self.changed.emit()
 
-    def _use_merged(self, merged: tuple[tuple[SegmentedObject, ...], SegmentedObject]) -> None:
+    def _use_merged(self, items: tuple[SegmentedObject, ...], whole: SegmentedObject) -> None:
         """Put one object in the place of several, unless they have changed meanwhile."""
-        items, whole = merged
         if not all(any(known is item for known in self.objects.items) for item in items):
             self._session.say(tr("The objects have changed while they were merged: merge them again."), True)
             return
         self._edit(tr("merge {what}"), items, lambda document: objects.merge_into(document, items, whole))
         self.choose((whole.number,))
-
-    def _use_figures(self, measured: dict[int, tuple[Image, object, Figures]]) -> None:
-        self._figures |= measured
-        self.changed.emit()
-
-
-def _encloses(item: SegmentedObject, at: Place) -> bool:
-    return holds(item, at) if len(at) == 3 else bool(item.encloses(np.array([at], dtype=float))[0])
 
 
 _LEAST_MOVE = 0.3
@@ -305,7 +300,11 @@ class ObjectBrush:
         """The object that the newest stretch of the path touches."""
         items, newest = self._session.document.objects.items, np.array(self._path[-2:])
         way = polyline.sampled(newest, 0.5 * self._radius) if len(newest) > 1 else newest
-        near = [item for item in items if not item.hidden and _touches(item, way, self._radius)]
+        shown, radius = (item for item in items if not item.hidden), self._radius
+        near = [
+            item for item in shown
+            if item.encloses(way).any() or (polyline.distances_from_closed(item.boundary, way) < radius).any()
+        ]  # fmt: skip
         under = self._list.under(self._path[-1])
         near.sort(key=lambda item: (item.number not in self._list.chosen, item.number != under, item.area))
         return near[0] if near else None
@@ -323,8 +322,3 @@ class ObjectBrush:
             self._gesture,
         )
         self._list.choose((number,) if boundary else ())
-
-
-def _touches(item: SegmentedObject, way: Array, radius: float) -> bool:
-    """Whether a disk touches an object at one of some places, shape (N, 2)."""
-    return bool(item.encloses(way).any() or (polyline.distances_from_closed(item.boundary, way) < radius).any())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,16 +15,18 @@ from app.model.document import objects
 from app.model.document.document import Document
 from app.model.document.objects import AnySelection
 from app.model.text.language import tr
-from app.session.exchange.messages import Report
 from app.session.features.background import LatestOnlyWorker
-from app.session.features.selector import AnySelector, Partitions, selector_on
+from app.session.features.selector import Partitions, Selector
 from app.session.scene import Proposal
 from app.session.session import Session
 from app.session.tasks.tasks import Task
-from cpm_core import Image, Partition, Result, Selection, VolumeSelection, similar
+from cpm_core import Partition, Result, Selection, similar
 from cpm_core.numerics import Array, Place
 from cpm_core.objects.segmented import Click, selection_of
 from cpm_core.shapes import Everywhere, ImageStart
+
+_COVERED = 0.5
+"""Share of an object that others cover from which it counts as one of them."""
 
 MOST_OFFERED = 1 << 23
 """Pixels up to which the objects of the starts are offered; a partition takes some 200 bytes for each, and time."""
@@ -36,33 +39,23 @@ class Question:
     Of the starts only their number is compared: those of another run come with another selector.
     """
 
-    selector: AnySelector
+    selector: Selector
     clicks: tuple[Click, ...]
     pointed: Click | None
     count: int
     starts: tuple[Array, ...] = field(compare=False)
 
-    def answer(self) -> Answer:
-        """Select; takes some milliseconds for each click that is new."""
+    def answer(self) -> tuple[tuple[Proposal, ...], AnySelection | None]:
+        """The objects that are offered, and what a click under the pointer would take.
+
+        It takes some milliseconds for each click that is new.
+        """
         selector, clicks = self.selector, self.clicks
-        selection = selector.selection(clicks) if clicks else None
+        selection = selector.selection(clicks)
+        proposals = selector.proposals(self.starts) if selection is None else ()
         if selection is not None:
-            if isinstance(selection, VolumeSelection) and selection.found:
-                _ = selection.packed  # so that it can be taken at once
-            proposals: tuple[Proposal, ...] = (Proposal(selection, clicks, selector.edited),)
-        else:
-            proposals = selector.proposals(self.starts)
-        preview = None if self.pointed is None else selector.selection((*clicks, self.pointed))
-        return Answer(self, proposals, preview)
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Answer:
-    """The objects that are offered, and what a click under the pointer would take."""
-
-    question: Question
-    proposals: tuple[Proposal, ...]
-    preview: AnySelection | None
+            proposals = (Proposal(selection, clicks, selector.edited),)
+        return proposals, None if self.pointed is None else selector.selection((*clicks, self.pointed))
 
 
 class ObjectSelection(QObject):
@@ -79,16 +72,19 @@ class ObjectSelection(QObject):
         self._in_use = False
         self._pointed: Click | None = None
         self._dismissed: Result | None = None
-        self._selector: AnySelector | None = None
+        self._selector: Selector | None = None
         self._asked: Question | None = None
         self._remark, self._was_ready = "", False
         self._latest = LatestOnlyWorker(session, "cpm-objects", tr("selecting objects"))
-        self._latest.done.connect(self._use)
         self.partitions = Partitions(session, lambda: self._wanted)
-        self.partitions.changed.connect(self._use_partition)
+        self.partitions.changed.connect(self._follow)
+        self.partitions.changed.connect(self.changed)
         session.document_changed.connect(lambda _: self.partitions.look())
         session.document_changed.connect(lambda _: self._follow())
-        session.scene_changed.connect(self._withdraw)
+        # offer nothing of a run that has been reset or continues
+        session.scene_changed.connect(
+            lambda: None if not self.proposals or self.selecting or self._starts else self._follow()
+        )
         session.image_changed.connect(self._forget)
         self.offers_for: Callable[[Document], bool] = lambda document: True  # while the tool is not in use
 
@@ -174,6 +170,57 @@ class ObjectSelection(QObject):
         now = self._session.document.objects.items
         self.taken.emit(tuple(item.number for item in now if item.number in changed or item.number not in before))
 
+    # Objects of the document
+
+    def fit(self, numbers: frozenset[int]) -> None:
+        """Select the objects of these numbers anew by their own clicks; frozen ones stay as they are."""
+        partition, items = self.partitions.partition, self._session.document.objects.items
+        fitted = [item for item in items if item.number in numbers and item.clicks and not item.frozen]
+        if partition is None or not fitted:
+            self._session.say(tr("There is nothing to fit: choose objects that are not frozen."))
+            return
+
+        def work(task: Task) -> list[tuple[AnySelection, tuple[Click, ...], int]]:
+            found = []
+            selector = Selector(partition, items, 0)
+            for done, item in enumerate(fitted):
+                task.advance(done / len(fitted))
+                selection = selector.selection(item.clicks)
+                if selection is not None:
+                    found.append((selection, item.clicks, item.number))
+            return found
+
+        def use(found: list[tuple[AnySelection, tuple[Click, ...], int]]) -> None:
+            if partition.image is self._session.image:
+                self._session.edit(tr("fit objects"), lambda document: objects.replace_boundaries(document, found))
+
+        self._session.tasks.start(tr("Fitting objects to the contours…"), work, tr("fitting objects"), then=use)
+
+    def find_like(self, number: int) -> None:
+        """Add all objects that are like one and not among the objects yet."""
+        partition, known = self.partitions.partition, self._session.document.objects
+        if not isinstance(partition, Partition):  # a volume has no objects that are alike
+            self.partitions.look(again=True)
+            self._session.say(tr("The image is not prepared yet: try again in a moment."))
+            return
+        chosen = known[number]
+
+        def work(task: Task) -> list[Selection]:
+            taken = np.any([item.mask(partition.shape) for item in known.items], axis=0)
+            alike = similar(partition, selection_of(chosen, partition.shape))[1:]
+            return [each for each in alike if (each.mask & taken).sum() < _COVERED * each.mask.sum()]
+
+        def use(found: list[Selection]) -> None:
+            if partition.image is not self._session.image:
+                return
+            if not found:
+                self._session.say(tr("No other object like this one was found."))
+                return
+            self._session.edit(tr("all like this"), lambda document: objects.add(document, found, chosen.category))
+            self._session.say(tr("{count} objects like this one were found.").format(count=len(found)))
+
+        self._session.tasks.start(tr("Finding objects like this one…"), work, tr("finding objects"), then=use)
+
     def close(self) -> None:
         """End the threads."""
         self.partitions.close()
@@ -200,15 +247,6 @@ class ObjectSelection(QObject):
         """Whether a partition is needed."""
         return self._in_use or self.selecting or bool(self._starts)
 
-    def _use_partition(self) -> None:
-        self._follow()
-        self.changed.emit()
-
-    def _withdraw(self) -> None:
-        """Offer nothing of a run that has been reset or continues."""
-        if self.proposals and not (self.selecting or self._starts):
-            self._follow()
-
     def _follow(self) -> None:
         """Ask for what has changed."""
         partition, document = self.partitions.partition, self._session.document
@@ -218,23 +256,22 @@ class ObjectSelection(QObject):
         items, edited = document.objects.items, document.objects.edited
         known = self._selector
         if known is None or (known.partition, known.items, known.edited) != (partition, items, edited):
-            self._selector = selector_on(partition, items, edited)
-        assert self._selector is not None
+            known = self._selector = Selector(partition, items, edited)
         starts = self._starts if not document.objects.clicks else ()
-        question = Question(self._selector, document.objects.clicks, self._pointed, len(starts), starts)
+        question = Question(known, document.objects.clicks, self._pointed, len(starts), starts)
         last = self._asked
         if last is not None and not question.clicks and (last.clicks or last.selector.items is not items):
             self._offer(())  # what was offered has been taken or dropped
         if question != last:
             self._asked = question
-            self._latest.ask(question.answer)
+            self._latest.ask(question.answer, partial(self._use, question))
 
-    def _use(self, found: Answer) -> None:
-        question = found.question
+    def _use(self, question: Question, answer: tuple[tuple[Proposal, ...], AnySelection | None]) -> None:
+        proposals, preview = answer
         if question.selector is not self._selector or question.clicks != self._session.document.objects.clicks:
             return  # the next answer is on its way
-        proposals = found.proposals if question.clicks or self._starts else ()
-        self._show(preview=found.preview if self._pointed is not None else None)
+        proposals = proposals if question.clicks or self._starts else ()
+        self._show(preview=preview if self._pointed is not None else None)
         before = self.proposals
         self._offer(proposals)
         remark = proposals[0].selection.remark if question.clicks and proposals else ""
@@ -266,7 +303,8 @@ def without_effect(before: tuple[Proposal, ...], after: tuple[Proposal, ...]) ->
     """A sentence on the newest click if it has changed nothing of the object; else empty."""
     if len(before) != 1 or len(after) != 1 or len(after[0].clicks) != len(before[0].clicks) + 1:
         return ""
-    if not before[0].clicks or not _same(before[0].selection, after[0].selection):
+    one, other = before[0].selection, after[0].selection
+    if not before[0].clicks or type(one) is not type(other) or not one.same(other):  # type: ignore[arg-type]
         return ""
     if after[0].clicks[-1].inside:
         return tr("This click changes nothing: the place belongs to the object already.")
@@ -279,94 +317,3 @@ def corrected(offered: tuple[Proposal, ...], said: Click) -> Proposal | None:
         if each.selection.holds(np.array(said.places[:1]))[0]:
             return each
     return offered[0] if len(offered) == 1 else None
-
-
-def _same(one: AnySelection, other: AnySelection) -> bool:
-    """Whether two answers are the same object."""
-    if isinstance(one, VolumeSelection) or isinstance(other, VolumeSelection):
-        return isinstance(one, VolumeSelection) and isinstance(other, VolumeSelection) and one.same(other)
-    return one.same(other)
-
-
-_COVERED = 0.5
-"""Share of an object that others cover from which it counts as one of them."""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Fitted(Report):
-    """Selections of objects of an image, with their clicks and their numbers."""
-
-    image: Image
-    found: tuple[tuple[AnySelection, tuple[Click, ...], int], ...]
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Alike(Report):
-    """Selections of objects of an image that are like one, and the class of that one."""
-
-    image: Image
-    found: tuple[Selection, ...]
-    category: int
-
-
-class ObjectFitting(QObject):
-    """Selects objects on the present partition in tasks of their own; what is found is one step of undo."""
-
-    def __init__(self, session: Session, partitions: Partitions) -> None:
-        super().__init__(session)
-        self._session = session
-        self._partitions = partitions
-        session.listen(Fitted, self._use)
-        session.listen(Alike, self._add)
-
-    def fit(self, numbers: frozenset[int]) -> None:
-        """Select the objects of these numbers anew by their own clicks; frozen ones stay as they are."""
-        partition, items = self._partitions.partition, self._session.document.objects.items
-        fitted = [item for item in items if item.number in numbers and item.clicks and not item.frozen]
-        if partition is None or not fitted:
-            self._session.say(tr("There is nothing to fit: choose objects that are not frozen."))
-            return
-
-        def work(task: Task) -> Report:
-            found = []
-            selector = selector_on(partition, items, 0)
-            for done, item in enumerate(fitted):
-                task.advance(done / len(fitted))
-                selection = selector.selection(item.clicks)
-                if isinstance(selection, VolumeSelection) and selection.found:
-                    _ = selection.packed  # here, not on the window's thread
-                if selection is not None:
-                    found.append((selection, item.clicks, item.number))
-            return Fitted(partition.image, tuple(found))
-
-        self._session.tasks.start(tr("Fitting objects to the contours…"), work, tr("fitting objects"))
-
-    def find_like(self, number: int) -> None:
-        """Add all objects that are like one and not among the objects yet."""
-        partition, known = self._partitions.partition, self._session.document.objects
-        if not isinstance(partition, Partition):  # a volume has no objects that are alike
-            self._partitions.look(again=True)
-            self._session.say(tr("The image is not prepared yet: try again in a moment."))
-            return
-
-        def work(task: Task) -> Report:
-            chosen = known[number]
-            taken = np.any([item.mask(partition.shape) for item in known.items], axis=0)
-            alike = similar(partition, selection_of(chosen, partition.shape))[1:]
-            new = (each for each in alike if (each.mask & taken).sum() < _COVERED * each.mask.sum())
-            return Alike(partition.image, tuple(new), chosen.category)
-
-        self._session.tasks.start(tr("Finding objects like this one…"), work, tr("finding objects"))
-
-    def _add(self, alike: Alike) -> None:
-        if alike.image is not self._session.image:
-            return
-        if not alike.found:
-            self._session.say(tr("No other object like this one was found."))
-            return
-        self._session.edit(tr("all like this"), lambda document: objects.add(document, alike.found, alike.category))
-        self._session.say(tr("{count} objects like this one were found.").format(count=len(alike.found)))
-
-    def _use(self, fitted: Fitted) -> None:
-        if fitted.image is self._session.image:
-            self._session.edit(tr("fit objects"), lambda document: objects.replace_boundaries(document, fitted.found))

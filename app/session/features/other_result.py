@@ -6,17 +6,24 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from PySide6.QtCore import QObject, Signal
+from PySide6.QtCore import QObject, QTimer, Signal
 
 from app.model.text.language import tr
 from app.session.exchange.contour_tracking import TrackedContours
 from app.session.exchange.messages import Reconstruction
-from app.session.features.timeline import TimelineNavigation
 from app.session.scene import NO_CONTOURS, ReviewedContours, Scene
 from app.session.session import Session
-from app.session.worker.requests import Compared
+from app.session.timeline.stored_runs import Branch
+from app.session.timeline.timeline import Outline
+from app.session.worker.requests import Compare, Compared
 from app.session.worker.run import RESTING_SPEED
 from cpm_core import Contour, Image, Result, Skeleton, Truth, VolumeTruth, measure
+
+NOTHING = Outline()
+
+_EVERY, _SELDOM, _QUIET = 100, 500, 200
+"""Time between two comparisons while the timeline is scrubbed and during a run, and time without a change after which
+contours are compared [ms]."""
 
 Kind = Literal["branch", "kept", "truth", "image"]
 
@@ -41,20 +48,29 @@ class Other:
 
 
 class OtherResult(QObject):
-    """Chooses what the result is compared with, and gives the scenes on both sides of the divider."""
+    """Chooses what the result is compared with, and gives the scenes on both sides of the divider.
+
+    The state of another branch at the step that is shown is requested; the answer is `Scene.compared`.
+    """
 
     changed = Signal()
     """Something else is compared, or nothing."""
+    found_changed = Signal()
+    """`found` has been replaced."""
 
-    def __init__(self, session: Session, navigation: TimelineNavigation) -> None:
+    def __init__(self, session: Session) -> None:
         super().__init__(session)
         self._session = session
-        self._navigation = navigation
+        self._scene = session.scene
         self._chosen: Other | None = None
         self._kept: Scene | None = None
         self._made: tuple[object, object, ReviewedContours] = (None, None, NO_CONTOURS)
+        self._later = QTimer(self, singleShot=True)
+        self._later.timeout.connect(self._ask)
+        self._quiet = QTimer(self, singleShot=True, interval=_QUIET)
+        self._quiet.timeout.connect(self._compare_contours)
+        session.scene_changed.connect(self._follow)
         session.image_changed.connect(self._forget)
-        navigation.comparison.changed.connect(self._follow_branch)
 
     @property
     def chosen(self) -> Other | None:
@@ -62,15 +78,26 @@ class OtherResult(QObject):
         return self._chosen
 
     @property
+    def branch(self) -> int | None:
+        """The branch that is compared."""
+        return None if self._chosen is None else self._chosen.branch
+
+    @property
+    def found(self) -> Compared | None:
+        """The branch at the step that is shown; None while that is not known."""
+        compared = self._session.scene.compared
+        return compared if compared is not None and compared.branch is not None else None
+
+    @property
     def choices(self) -> tuple[Other, ...]:
         """All that can be compared, the most telling first."""
         if self._session.document.image is None:
             return ()
-        here = self._navigation.place[0]
-        branches = [branch for branch in self._navigation.outline.branches if branch.identity != here]
-        found = [Other("branch", branch.name, branch.identity) for branch in reversed(branches)]
+        found = [Other("branch", branch.name, branch.identity) for branch in reversed(self._branches)]
         if self._kept is not None:
-            found.append(Other("kept", _kept_title(self._kept)))
+            shown = self._kept.snapshot
+            step = shown.state.step if shown is not None else 0
+            found.append(Other("kept", tr("Kept result, step {step}").format(step=step) if step else tr("Kept result")))
         if self._session.scene.truth is not None:
             found.append(Other("truth", tr("Ground truth")))
         return (*found, Other("image", tr("Image alone")))
@@ -78,26 +105,28 @@ class OtherResult(QObject):
     @property
     def titles(self) -> tuple[str, str]:
         """What is on the left and on the right of the divider."""
-        here = self._navigation.branch(self._navigation.place[0])
-        near = here.name if here is not None and len(self._navigation.outline.branches) > 1 else tr("Result")
+        outline = self._outline
+        here = next((branch.name for branch in outline.branches if branch.identity == outline.branch), "")
+        near = here if len(outline.branches) > 1 else tr("Result")
         return near, self._chosen.title if self._chosen is not None else ""
 
     def choose(self, other: Other | None) -> None:
         """Compare with something else, or with nothing."""
-        before, self._chosen = self._chosen, other
-        if other is not None and other.kind == "branch":
-            if self._navigation.comparison.branch != other.branch:
-                self._navigation.comparison.compare(other.branch)
-        elif before is not None and before.kind == "branch":
-            self._navigation.comparison.compare(None)
+        before, self._chosen = self.branch, other
+        if self.branch != before:
+            self._ask()
+            self._quiet.start()
         self.changed.emit()
 
+    def compare(self, branch: int | None) -> None:
+        """Compare with a branch; None ends that."""
+        if branch != self.branch:
+            found = next((other for other in self.choices if other.branch == branch), None)
+            self.choose(None if branch is None else found)
+
     def toggle(self) -> None:
-        """Compare with nothing, or with the branch that is shown in the timeline, or else with the first choice."""
-        compared = self._navigation.comparison.branch
-        choices = self.choices
-        first = next((other for other in choices if compared is not None and other.branch == compared), None)
-        self.choose(None if self._chosen is not None else first or next(iter(choices), None))
+        """Compare with nothing, or else with the first choice."""
+        self.choose(None if self._chosen is not None else next(iter(self.choices), None))
 
     def keep(self) -> None:
         """Keep the present result, to compare later ones with it."""
@@ -164,24 +193,49 @@ class OtherResult(QObject):
             self._made = (source, marks, ReviewedContours.of(tracked, marks))
         return self._made[2]
 
-    def _follow_branch(self) -> None:
-        """The timeline compares another branch, or none."""
-        shown = self._navigation.comparison.branch
-        if shown != (self._chosen.branch if self._chosen is not None else None):
-            branch = self._navigation.branch(shown) if shown is not None else None
-            self._chosen = Other("branch", branch.name, branch.identity) if branch is not None else None
-            self.changed.emit()
+    @property
+    def _outline(self) -> Outline:
+        snapshot = self._session.scene.snapshot
+        return NOTHING if snapshot is None else snapshot.timeline
+
+    @property
+    def _branches(self) -> tuple[Branch, ...]:
+        """The branches but that which is shown."""
+        outline = self._outline
+        return tuple(branch for branch in outline.branches if branch.identity != outline.branch)
+
+    def _follow(self) -> None:
+        before, scene = self._scene, self._session.scene
+        self._scene = scene
+        if scene.compared is not before.compared:
+            self.found_changed.emit()
+        if self.branch is None:
+            return
+        if all(branch.identity != self.branch for branch in self._branches):
+            self._later.stop()
+            self.choose(None)
+            self._session.show(replace(self._session.scene, compared=None))
+        elif scene.snapshot is not before.snapshot or scene.contours.result is not before.contours.result:
+            self._quiet.start()
+            if not self._later.isActive():
+                self._later.start(_SELDOM if self._session.status.phase == "running" else _EVERY)
+
+    def _compare_contours(self) -> None:
+        """Compare the contours, which takes longer, once nothing changes any more."""
+        contours = self._session.scene.contours.result
+        if self.branch is not None and contours is not None and self._session.status.phase != "running":
+            self._ask(contours)
+
+    def _ask(self, against: Result | None = None) -> None:
+        snapshot = self._session.scene.snapshot
+        step = snapshot.state.step if snapshot is not None else 0
+        self._session.post(Compare(self._session.generation, self.branch, step, against))
 
     def _forget(self) -> None:
         """Another image has been opened."""
         self._kept, self._made = None, (None, None, NO_CONTOURS)
         if self._chosen is not None:
             self.choose(None)
-
-
-def _kept_title(scene: Scene) -> str:
-    step = scene.snapshot.state.step if scene.snapshot is not None else 0
-    return tr("Kept result, step {step}").format(step=step) if step else tr("Kept result")
 
 
 def _result(contours: tuple[Contour, ...], image: Image) -> Result:

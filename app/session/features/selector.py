@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
+from typing import cast
 
 import numpy as np
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from app.model.document.document import Document
 from app.model.document.modes import MODES
+from app.model.document.objects import AnySelection
 from app.model.text.language import tr
-from app.session.exchange.messages import Report
 from app.session.features.background import LatestOnlyWorker
 from app.session.scene import Proposal
 from app.session.session import Session
@@ -55,7 +56,7 @@ Source = Result | Everywhere
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Prepared(Report):
+class Prepared:
     """A partition, ready to select from, and what it was made from."""
 
     source: Source
@@ -81,10 +82,8 @@ class Partitions(QObject):
         self._everywhere: Prepared | None = None
         self._task: Task | None = None
         self._latest = LatestOnlyWorker(session, "cpm-partition", tr("preparing the selection of objects"))
-        self._latest.done.connect(self._take)
         self._quiet = QTimer(self, singleShot=True, interval=_QUIET)
         self._quiet.timeout.connect(self.look)
-        session.listen(Prepared, self._take)
         session.image_changed.connect(self._forget)
         session.scene_changed.connect(self.look)
         session.document_changed.connect(self._use_document)
@@ -115,7 +114,7 @@ class Partitions(QObject):
             if isinstance(source, Everywhere):
                 self._run(source)
             else:
-                self._latest.ask(lambda: Prepared(source, _ready(partition(source))))
+                self._latest.ask(lambda: Prepared(source, _ready(partition(source))), self._take)
 
     def close(self) -> None:
         """End the thread."""
@@ -133,7 +132,7 @@ class Partitions(QObject):
         return Everywhere(scene.image, parameters_everywhere(scene.document), scene.document.regions)
 
     def _run(self, source: Everywhere) -> None:
-        def work(task: Task) -> Report:
+        def work(task: Task) -> Prepared:
             image, grid = source.image, uniform_grid(source.image.shape)
             found = segment(
                 image, grid, source.parameters, regions=source.regions, progress=lambda _: task.check_cancelled()
@@ -141,7 +140,8 @@ class Partitions(QObject):
             return Prepared(source, _ready(partition(found)))
 
         name = tr("Finding contours everywhere, to select objects from…")
-        self._task = self._session.tasks.start(name, work, tr("preparing the selection of objects"))
+        activity = tr("preparing the selection of objects")
+        self._task = self._session.tasks.start(name, work, activity, then=self._take)
         self.changed.emit()
 
     def _take(self, prepared: Prepared) -> None:
@@ -197,64 +197,8 @@ def _ready(made: AnyPartition) -> AnyPartition:
     return made
 
 
-_MOST_BODIES = 8
-"""Number of answers that are kept: each has a surface."""
-
 _MOST_PLACES = 20
 """Places of a start by which its body is found."""
-
-
-class BodySelector:
-    """Selects on one partition; what has been selected once is the same object the next time.
-
-    Parameters
-    ----------
-    partition : VolumePartition
-        The partition.
-    items : sequence of SegmentedObject
-        The objects that there are.
-    edited : int
-        Number of the object that is being changed, 0 for none.
-    """
-
-    def __init__(self, partition: VolumePartition, items: Sequence[SegmentedObject], edited: int) -> None:
-        self.partition = partition
-        self.items = items
-        self.edited = edited
-        self._known: dict[tuple[bytes, str], VolumeSelection] = {}
-
-    def selection(self, clicks: tuple[Click, ...]) -> VolumeSelection | None:
-        """The bodies that clicks select; None while none of them is inside."""
-        inside = places_of(clicks, inside=True)
-        if not len(inside):
-            return None
-        selection = self.partition.select(inside, places_of(clicks, inside=False))
-        key = selection.bodies.tobytes(), selection.remark
-        if key not in self._known and len(self._known) == _MOST_BODIES:
-            self._known.pop(next(iter(self._known)))
-        known = self._known.setdefault(key, selection)
-        if known.found:
-            _ = known.surface  # made on this thread, not on that of the window
-        return known
-
-    def proposals(self, starts: Sequence[Array]) -> tuple[Proposal, ...]:
-        """The bodies in which runs were started, given the seeds of each start, unless they are objects already."""
-        found: dict[int, Proposal] = {}
-        taken = {body for item in self.items for body in self.partition.bodies_at(item.inside).tolist()}
-        for seeds in starts:
-            bodies = self.partition.bodies_at(seeds)
-            within = bodies[bodies > 0]
-            if not len(within):
-                continue
-            body = int(np.bincount(within).argmax())
-            places = seeds[bodies == body][:_MOST_PLACES].tolist()
-            clicks = (Click(tuple((plane, row, col) for plane, row, col in places)),)
-            selection = self.selection(clicks)
-            if body not in taken and body not in found and selection is not None and selection.found:
-                _ = selection.packed  # so that it can be taken at once
-                found[body] = Proposal(selection, clicks)
-        return tuple(found.values())
-
 
 _SAME_OBJECT = 0.5
 """Overlap (intersection over union) from which the selections of two starts are of one object."""
@@ -265,16 +209,16 @@ _UNCHANGED = 0.97
 _PLACES = 100
 """About so many pixels by which the object of a selection is found."""
 
-_MOST_SELECTIONS = 200
-"""Number of selections that are kept."""
+_MOST_SELECTIONS = 50
+"""Number of selections that are kept; in a volume, each has a surface."""
 
 
 class Selector:
-    """Selects on one partition; a list of clicks is selected with the selection without the last one as evidence.
+    """Selects on one partition; in an image, with the selection without the last click as evidence.
 
     Parameters
     ----------
-    partition : Partition
+    partition : Partition or VolumePartition
         The partition.
     items : sequence of SegmentedObject
         The objects that there are.
@@ -282,16 +226,18 @@ class Selector:
         Number of the object that is being changed, 0 for none: with its own clicks it is as it is.
     """
 
-    def __init__(self, partition: Partition, items: Sequence[SegmentedObject], edited: int) -> None:
+    def __init__(self, partition: AnyPartition, items: Sequence[SegmentedObject], edited: int) -> None:
         self.partition = partition
         self.items = items
         self.edited = edited
-        self._known: dict[tuple[Click, ...], Selection | None] = {}
+        self._known: dict[tuple[Click, ...], AnySelection | None] = {}
         self._changed = next((item for item in items if item.number == edited), None)
-        others = [item for item in items if item.frozen and item.number != edited]
-        self._elsewhere = np.concatenate([np.empty((0, 2)), *(_enclosed(item) for item in others)])
+        # the places of frozen objects that lie in them: not those of a line that was drawn around one
+        frozen = [item for item in items if item.frozen and item.number != edited and item.body is None]
+        within = (item.inside[item.encloses(item.inside)] for item in frozen)
+        self._elsewhere = np.concatenate([np.empty((0, 2)), *within])
 
-    def selection(self, clicks: tuple[Click, ...]) -> Selection | None:
+    def selection(self, clicks: tuple[Click, ...]) -> AnySelection | None:
         """The object that clicks select; None while none of them is inside."""
         if clicks not in self._known:
             if len(self._known) == _MOST_SELECTIONS:
@@ -299,13 +245,20 @@ class Selector:
             self._known[clicks] = self._select(clicks)
         return self._known[clicks]
 
-    def _select(self, clicks: tuple[Click, ...]) -> Selection | None:
-        inside = places_of(clicks, inside=True)
+    def _select(self, clicks: tuple[Click, ...]) -> AnySelection | None:
+        inside, outside = places_of(clicks, inside=True), places_of(clicks, inside=False)
         if not len(inside):
             return None
+        if isinstance(self.partition, VolumePartition):
+            made = self.partition.select(inside, outside)
+            known = (one for one in self._known.values() if isinstance(one, VolumeSelection) and one.same(made))
+            made = next((one for one in known if one.remark == made.remark), made)
+            if made.found:
+                _ = made.packed  # made on this thread, not on that of the window
+            return made
         if self._changed is not None and clicks == self._changed.clicks:
             return selection_of(self._changed, self.partition.shape)
-        outside, previous = places_of(clicks, inside=False), self.selection(clicks[:-1])
+        previous = cast("Selection | None", self.selection(clicks[:-1]))
         if previous is None and len(self._elsewhere):  # frozen objects only take away
             previous = self.partition.select(inside, outside)
         return self.partition.select(inside, np.concatenate([outside, self._elsewhere]), previous=previous)
@@ -313,17 +266,22 @@ class Selector:
     def proposals(self, starts: Sequence[Array]) -> tuple[Proposal, ...]:
         """The objects in which runs were started, given the seeds of each start; of frozen objects there are none.
 
-        An object that exists already is offered only if it has become another one.
+        An object that exists already is offered only if it has become another one, and never in a volume.
         """
+        if isinstance(self.partition, VolumePartition):
+            return self._bodies(self.partition, starts)
         found: list[Proposal] = []
         for seeds in starts:
-            clicks = (Click(tuple((row, col) for row, col in seeds.tolist())),)
+            clicks = (Click(tuple(map(tuple, seeds.tolist()))),)
             selection = self.selection(clicks)
-            if selection is None or not selection.contours or selection.only_places:
+            if not isinstance(selection, Selection) or not selection.contours or selection.only_places:
                 continue  # nothing was found, as from a start across an edge
             if any(overlap(selection.mask, other.selection.mask) > _SAME_OBJECT for other in found):
                 continue
-            places = _places_in(selection)
+            # the places that lie in it; if a line was drawn around it, pixels all over it
+            places, pixels = selection.inside[selection.holds(selection.inside)], np.argwhere(selection.mask)
+            if not len(places):
+                places = pixels[:: max(len(pixels) // _PLACES, 1)].astype(float)
             known = next((item for item in self.items if item.encloses(places).mean() > 0.5), None)
             if known is None:
                 found.append(Proposal(selection, clicks))
@@ -331,28 +289,20 @@ class Selector:
                 found.append(Proposal(selection, clicks, known.number))
         return tuple(found)
 
-
-AnySelector = Selector | BodySelector
-"""Selects objects in an image or in a volume."""
-
-
-def selector_on(partition: AnyPartition, items: Sequence[SegmentedObject], edited: int) -> AnySelector:
-    """A new selector on a partition; see `Selector`."""
-    if isinstance(partition, VolumePartition):
-        return BodySelector(partition, items, edited)
-    return Selector(partition, items, edited)
-
-
-def _enclosed(item: SegmentedObject) -> Array:
-    """The places of an object that lie in it: not those of a line that was drawn around it."""
-    return item.inside[item.encloses(item.inside)]
-
-
-def _places_in(selection: Selection) -> Array:
-    """The places that lie in a selection; of one that a line was drawn around, pixels all over it."""
-    within = selection.inside[selection.holds(selection.inside)]
-    pixels = np.argwhere(selection.mask)
-    return within if len(within) else pixels[:: max(len(pixels) // _PLACES, 1)].astype(float)
+    def _bodies(self, partition: VolumePartition, starts: Sequence[Array]) -> tuple[Proposal, ...]:
+        """The bodies in which most seeds of a start lie."""
+        found: list[Proposal] = []
+        taken = {0, *(body for item in self.items for body in partition.bodies_at(item.inside).tolist())}
+        for seeds in starts:
+            bodies = partition.bodies_at(seeds)
+            body = int(np.bincount(bodies[bodies > 0], minlength=1).argmax())
+            if body not in taken:
+                taken.add(body)
+                clicks = (Click(tuple(map(tuple, seeds[bodies == body][:_MOST_PLACES].tolist()))),)
+                selection = self.selection(clicks)
+                if selection is not None and selection.found:
+                    found.append(Proposal(selection, clicks))
+        return tuple(found)
 
 
 def overlap(one: Mask, other: Mask) -> float:

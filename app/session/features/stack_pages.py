@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from app.model.display.page_rows import PageRow, page_rows
@@ -23,7 +23,6 @@ from app.session.features.kept_pages import (
     Found,
     KeptPage,
     PageDone,
-    PageOrder,
     PlainPages,
     StackSource,
     StoredPages,
@@ -33,7 +32,6 @@ from app.session.features.kept_pages import (
     started_by,
     starts_along,
 )
-from app.session.scene import Item
 from app.session.session import Session
 from app.session.signals import EXPORTING, OPENING, RUNNING
 from app.session.storage.session_file import DocumentFile, Written
@@ -43,7 +41,7 @@ from app.session.undo_history import Change, History
 from cpm_core import Result
 from cpm_core.contours import apply, centroid
 from cpm_core.formats import ImageFile, export_stack, plain_shapes
-from cpm_core.pages import StackResult, starts_after
+from cpm_core.pages import StackResult, StartingLine, starts_after
 from cpm_core.shapes import Start
 
 _QUIET, _WHILE_RUNNING = 200, 1500
@@ -57,8 +55,6 @@ class StackPages(QObject):
     """Another page is open, or pages are being run, or no longer."""
     found = Signal()
     """What has been found on all pages has changed: `result`."""
-    _done = Signal(object)
-    """A page has been run: its order and PageDone, sent by the thread that runs them."""
 
     def __init__(self, session: Session, core: Core) -> None:
         super().__init__(session)
@@ -67,7 +63,10 @@ class StackPages(QObject):
         self._session = session
         self._file: DocumentFile | None = None
         self._source = StackSource()
-        self._ahead = 0
+        self.number = 1
+        """The page that is open, from 1."""
+        self.ahead = 0
+        """The page that is wanted, which is open or being opened."""
         self._turning = False
         self._kept: dict[int, KeptPage] = {}
         self._coming: dict[int, KeptPage] = {}
@@ -82,10 +81,8 @@ class StackPages(QObject):
         self._seen: Result | None = None
         self._drawn: tuple[Mapping[str, Any], ...] = ()
         self._linking = LatestOnlyWorker(session, "cpm-pages", tr("following objects through the pages"))
-        self._linking.done.connect(self._take_linked)
         self._later = QTimer(self, singleShot=True)
         self._later.timeout.connect(self._link)
-        self._done.connect(self._take_page)
         session.listen(Opened, self._take_opened)
         session.listen(Written, self._take_written)
         session.scene_changed.connect(self._look)
@@ -95,7 +92,9 @@ class StackPages(QObject):
         """Be saved with the session file."""
         self._file = document_file
         document_file.pages = self._plain
-        document_file.pages_unsaved = self._unsaved
+        document_file.pages_unsaved = lambda: any(
+            page.unsaved for number, page in self._kept.items() if number != self.number
+        )
 
     def close(self) -> None:
         """End the threads."""
@@ -113,41 +112,31 @@ class StackPages(QObject):
         """Number of pages of the stack; 0 where none is open as pages."""
         return self._source.count
 
-    @property
-    def number(self) -> int:
-        """The page that is open, from 1."""
-        return self._source.number
-
-    @property
-    def ahead(self) -> int:
-        """The page that is wanted, which is open or being opened."""
-        return self._ahead
-
     def is_drawn(self, document: Document) -> bool:
         """Whether the user has drawn where the run of the open page starts, not the page before."""
         return not self._given or document.starts != self._given
 
     def go(self, by: int) -> None:
         """Go to a page after this one, or before it; beyond a page that could not be opened."""
-        self.open(min(max(self._ahead + by, 1), self.count))
+        self.open(min(max(self.ahead + by, 1), self.count))
 
     def open(self, number: int) -> None:
         """Go to a page, once the runs of this one have been collected."""
-        if self._file is None or not 1 <= number <= self.count or number == self._ahead:
+        if self._file is None or not 1 <= number <= self.count or number == self.ahead:
             return
-        self._ahead = number
+        self.ahead = number
         if not self._turning:
             self._turning = True
             self._session.pause()
-            self._file.runs.collect(lambda _: self._turn())
+            self._file.runs.collect(self._turn)
 
     def _turn(self) -> None:
         """Keep the page that is open, and open the one that is wanted."""
         self._turning = False
-        if self._file is None or not self.count or self._ahead == self.number:
+        if self._file is None or not self.count or self.ahead == self.number:
             return
         here = self._kept[self.number] = self._here(self._file)
-        self._begin(self._ahead, self._kept.get(self._ahead) or self._fresh(here))
+        self._begin(self.ahead, self._kept.get(self.ahead) or self._fresh(here))
 
     def _begin(self, number: int, page: KeptPage) -> None:
         """Open a page with what is kept of it; the image stays where it is on the canvas."""
@@ -168,7 +157,7 @@ class StackPages(QObject):
     def _fresh(self, here: KeptPage) -> KeptPage:
         """A page on which nothing has been done yet: it takes over the drawing, or follows the page before."""
         document, given = bare(here.document), here.given or here.document.starts
-        before = self._found.get(self._ahead - 1)
+        before = self._found.get(self.ahead - 1)
         if self.following and isinstance(before, Result) and before.contours:
             given = starts_along(starts_after(before.contours))
             document = started_by(document, given)
@@ -176,17 +165,15 @@ class StackPages(QObject):
 
     def _take_opened(self, opened: Opened) -> None:
         """Another page has been opened, or another file."""
-        parts = opened.parts if opened.image.ndim == 2 else None
-        source = StackSource.of(str(opened.path), opened.path.name, parts, opened.reading)
         if opened.saved is not None and opened.saved.turned:
             # another page may be wanted by now: what is kept of this one stays until it is left by way of `_turn`
-            page = self._coming.pop(source.number, None)
-            self._source = source.of_the_same(self._source)
+            self.number = self._source.number_of(opened.reading)
+            page = self._coming.pop(self.number, None)
             if page is not None:
                 self._given = page.given
                 self._session.use_history(page.history.on(self._session.document.image))
         else:
-            self._begin_stack(source, opened)
+            self._begin_stack(opened)
         self.changed.emit()
 
     def _take_written(self, written: Written) -> None:
@@ -206,12 +193,26 @@ class StackPages(QObject):
         if not document.starts:
             self._session.say(document.nothing_to_start_from, True, RUNNING)
             return
-        kept = {**self._kept, self.number: self._here(self._file)}
+        kept, following = {**self._kept, self.number: self._here(self._file)}, self.following
         self._drawn = plain_shapes(document.shapes)
         before = () if self.result is None else tuple(page for page in self.result.pages if page.number < first)
-        order = PageOrder(self._source, range(first, self.count + 1), document, self.following, kept, before)
-        title = tr("Running {count} pages…").format(count=len(order.numbers))
-        self.task = self._session.tasks.start(title, partial(self._work, order), tr("running the pages"))
+        source, numbers = self._source, range(first, self.count + 1)
+
+        def document_of(number: int, lines: tuple[StartingLine, ...]) -> tuple[Document, tuple[Start, ...]]:
+            """Those whose start the user has drawn keep their document; others take over that which is open."""
+            page = kept.get(number)
+            own = bare(document) if page is None else replace(page.document, parameters=document.parameters)
+            if page is not None and page.own_start:
+                return own, ()
+            given = starts_along(lines if following else ()) or document.starts
+            return started_by(own, given), given
+
+        def work(task: Task) -> None:
+            for done in run_pages(source, numbers, document_of, before, self._core, task):
+                self._session.tasks.call(partial(self._take_page, source.path, kept.get(done.page.number), done))
+
+        title = tr("Running {count} pages…").format(count=len(numbers))
+        self.task = self._session.tasks.start(title, work, tr("running the pages"))
         self.changed.emit()
 
     def cancel(self) -> None:
@@ -220,18 +221,11 @@ class StackPages(QObject):
             self.task.cancel()
             self._look_at_task()
 
-    def _work(self, order: PageOrder, task: Task) -> Report | None:
-        for done in run_pages(order, self._core, task):
-            self._done.emit((order, done))
-        return None
-
-    def _take_page(self, made: tuple[PageOrder, PageDone]) -> None:
+    def _take_page(self, path: str, known: KeptPage | None, done: PageDone) -> None:
         """Keep a page that has been run, unless the user has changed it since; that which is open is shown anew."""
-        order, done = made
         number, here = done.page.number, done.page.number == self.number
-        if self._file is None or order.source.path != self._source.path:
+        if self._file is None or path != self._source.path:
             return
-        known = order.kept.get(number)
         before = self._here(self._file) if here else self._kept.get(number)
         if before is not None and (known is None or before.document != known.document) and before.own_start:
             return
@@ -274,7 +268,7 @@ class StackPages(QObject):
             result = linked(source, found, drawn)
             return source, result, page_rows(result)
 
-        self._linking.ask(work)
+        self._linking.ask(work, self._take_linked)
 
     def _take_linked(self, made: tuple[StackSource, StackResult, tuple[PageRow, ...]]) -> None:
         source, result, rows = made
@@ -301,21 +295,20 @@ class StackPages(QObject):
             tr("Writing {name}…").format(name=path.name), work, tr("writing {name}").format(name=path.name)
         )
 
-    def _unsaved(self) -> bool:
-        return any(page.unsaved for number, page in self._kept.items() if number != self.number)
-
     def _plain(self) -> Mapping[str, Any]:
         """The other pages as a session keeps them."""
         if not self.count:
             return {}
         given = not self._session.document.starts or self._session.document.starts != self._given
         stored = StoredPages(dict(self._kept), {}, self.following, self._drawn, () if given else self._given)
-        return PlainPages(stored, self.number, self.result)
+        return PlainPages(partial(stored.to_plain, self.number, self.result))
 
-    def _begin_stack(self, source: StackSource, opened: Opened) -> None:
+    def _begin_stack(self, opened: Opened) -> None:
         """Another file has been opened, perhaps with a session that knows its pages."""
         self.cancel()
-        self._source, self._ahead = source, source.number
+        parts = opened.parts if opened.image.ndim == 2 else None
+        source = self._source = StackSource.of(str(opened.path), opened.path.name, parts, opened.reading)
+        self.number = self.ahead = source.number_of(opened.reading)
         self._kept, self._coming, self._found, self._given = {}, {}, {}, ()
         self.result, self.rows, self._seen, self._drawn = None, (), None, ()
         if opened.saved is not None and opened.saved.file.pages and self.count:
@@ -367,16 +360,9 @@ class WantedContour(QObject):
         if self._pages.ahead != row.page:
             self._wanted = None
         elif self._pages.number == row.page:
-            near = min(self._review.items, key=lambda item: _away(item, row), default=None)
-            if near is not None and _is_meant(near, row):
+            length, place = 0.0 if row.measures is None else row.measures.length, (row.row, row.col)
+            away = {item: math.dist(centroid(item.contour), place) for item in self._review.items}
+            near = min(away, key=away.__getitem__, default=None)
+            if near is not None and away[near] <= _NEAR and abs(near.measures.length - length) <= _ALIKE * length:
                 self._wanted = None
                 self._review.select((near.key,))
-
-
-def _away(item: Item, row: PageRow) -> float:
-    return float(np.hypot(*np.subtract(centroid(item.contour), (row.row, row.col))))
-
-
-def _is_meant(item: Item, row: PageRow) -> bool:
-    length = 0.0 if row.measures is None else row.measures.length
-    return _away(item, row) <= _NEAR and abs(item.measures.length - length) <= _ALIKE * length

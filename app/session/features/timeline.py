@@ -1,4 +1,4 @@
-"""Navigation along the timeline of the run, and comparison with another branch."""
+"""Navigation along the timeline of the run."""
 
 from __future__ import annotations
 
@@ -8,84 +8,14 @@ from PySide6.QtCore import QObject, QTimer, Signal
 
 from app.model.text.language import tr
 from app.session.exchange.messages import CommandFailed, RunsKept, Snapshot
+from app.session.features.other_result import NOTHING, OtherResult
 from app.session.session import Session
-from app.session.timeline.timeline import Branch, Outline
+from app.session.timeline.stored_runs import Branch
+from app.session.timeline.timeline import Outline
 from app.session.worker.commands import RunCall
-from app.session.worker.requests import Compare, Compared, Seek
+from app.session.worker.requests import Seek
 from app.session.worker.run import Run
-from cpm_core import Parameters, Result
-
-_EVERY, _SELDOM, _QUIET = 100, 500, 200
-"""Time between two comparisons while the timeline is scrubbed and during a run, and time without a change after which
-contours are compared [ms]."""
-
-
-class BranchComparison(QObject):
-    """Requests the state of a branch at the step that is shown; the answer is `Scene.compared`."""
-
-    changed = Signal()
-    """Another branch is compared, or none."""
-    found_changed = Signal()
-    """`found` has been replaced."""
-
-    def __init__(self, session: Session) -> None:
-        super().__init__(session)
-        self.branch: int | None = None
-        """The branch that is compared."""
-        self._session = session
-        self._scene = session.scene
-        self._later = QTimer(self, singleShot=True)
-        self._later.timeout.connect(self._ask)
-        self._quiet = QTimer(self, singleShot=True, interval=_QUIET)
-        self._quiet.timeout.connect(self._compare_contours)
-        session.scene_changed.connect(self._follow)
-
-    @property
-    def found(self) -> Compared | None:
-        """The branch at the step that is shown; None while that is not known."""
-        compared = self._session.scene.compared
-        return compared if compared is not None and compared.branch is not None else None
-
-    def compare(self, branch: int | None) -> None:
-        """Show another branch next to that of the run; None for none."""
-        self.branch = branch
-        self._ask()
-        self._quiet.start()
-        self.changed.emit()
-
-    def _follow(self) -> None:
-        before, scene = self._scene, self._session.scene
-        self._scene = scene
-        if scene.compared is not before.compared:
-            self.found_changed.emit()
-        if self.branch is None:
-            return
-        outline = scene.snapshot.timeline if scene.snapshot is not None else NOTHING
-        known = {branch.identity for branch in outline.branches} - {outline.branch}
-        if self.branch not in known:
-            self._later.stop()
-            self.branch = None
-            self._session.show(replace(scene, compared=None))
-            self.compare(None)
-            return
-        if scene.snapshot is not before.snapshot or scene.contours.result is not before.contours.result:
-            self._quiet.start()
-            if not self._later.isActive():
-                self._later.start(_SELDOM if self._session.status.phase == "running" else _EVERY)
-
-    def _compare_contours(self) -> None:
-        """Compare the contours, which takes longer, once nothing changes any more."""
-        contours = self._session.scene.contours.result
-        if self.branch is not None and contours is not None and self._session.status.phase != "running":
-            self._ask(contours)
-
-    def _ask(self, against: Result | None = None) -> None:
-        snapshot = self._session.scene.snapshot
-        step = snapshot.state.step if snapshot is not None else 0
-        self._session.post(Compare(self._session.generation, self.branch, step, against))
-
-
-NOTHING = Outline()
+from cpm_core import Parameters
 
 
 class TimelineNavigation(QObject):
@@ -101,7 +31,7 @@ class TimelineNavigation(QObject):
         self._here = (0, 0)
         self._target: tuple[int, int] | None = None
         self._snapshot: Snapshot | None = None
-        self.comparison = BranchComparison(session)
+        self.comparison = OtherResult(session)
         self.comparison.changed.connect(self.changed)
         self._play = QTimer(self)
         self._play.setInterval(_PLAY_EVERY)

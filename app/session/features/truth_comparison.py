@@ -11,7 +11,7 @@ from PySide6.QtCore import QObject, Signal
 
 from app.model.display.differences import Apart, Difference, apart_from, differences, surface_differences
 from app.model.text.language import tr
-from app.session.exchange.messages import CommandFailed, Report
+from app.session.exchange.messages import CommandFailed
 from app.session.features.background import LatestOnlyWorker
 from app.session.features.contour_review import ContourReview
 from app.session.session import Session
@@ -32,14 +32,6 @@ from cpm_core.contours import TOLERANCE
 from cpm_core.formats import TruthFile
 
 _TOPIC = "truth"
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class TruthRead(Report):
-    """The ground truth of the image opened as `generation` has been read."""
-
-    generation: int
-    truth: Truth | VolumeTruth
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -72,9 +64,6 @@ class GroundTruth(QObject):
         self._session = session
         self._review = review
         self._latest = LatestOnlyWorker(session, "cpm-comparison", tr("comparing with the ground truth"))
-        self._latest.done.connect(self._take)
-        self._latest.failed.connect(self._give_up)
-        session.listen(TruthRead, self._take_truth)
         session.image_changed.connect(self.forget)
         session.image_changed.connect(self.changed)
         review.changed.connect(self._compare)
@@ -108,11 +97,18 @@ class GroundTruth(QObject):
             return
         file, generation, holes = Path(path), self._session.image_generation, self.holes
         self._path = file
+
+        def use(truth: Truth | VolumeTruth) -> None:
+            if generation == self._session.image_generation:
+                self._use(truth)
+                self._compare()
+
         self._session.tasks.start(
             tr("Reading {name}…").format(name=file.name),
-            lambda task: TruthRead(generation, _read(file, image, holes)),
+            lambda task: _read(file, image, holes),
             tr("reading {name}").format(name=file.name),
             partial(CommandFailed, topic=_TOPIC),
+            then=use,
         )
 
     @property
@@ -158,11 +154,6 @@ class GroundTruth(QObject):
         """End the thread."""
         self._latest.close()
 
-    def _take_truth(self, report: TruthRead) -> None:
-        if report.generation == self._session.image_generation:
-            self._use(report.truth)
-            self._compare()
-
     def _use(self, truth: Truth | VolumeTruth | None) -> None:
         self.verified = None
         self._session.show(replace(self._session.scene, truth=truth, differences=(), apart=()))
@@ -176,25 +167,21 @@ class GroundTruth(QObject):
             self._latest.forget()
             self._show(None)
             return
-        if isinstance(truth, VolumeTruth):
-            surface = result.surface
-            self._latest.ask(lambda: _verified(surface, truth, tolerance))
-            return
+        surface = result.surface
         contours = [item.contour for item in self._review.items if not item.reviewed.rejected]
 
         def work() -> Verified:
+            if isinstance(truth, VolumeTruth):
+                return _verified(surface, truth, tolerance)
             comparison = compare(contours, truth, tolerance, holes=holes)
             return Verified(truth, comparison, differences(contours, truth, comparison))
 
-        self._latest.ask(work)
+        # no figures rather than those of other contours
+        self._latest.ask(work, self._take, lambda: self._show(None))
 
     def _take(self, verified: Verified) -> None:
         if verified.truth is self.truth and self._review.result is not None:
             self._show(verified)
-
-    def _give_up(self, _: str) -> None:
-        """Show no figures rather than those of other contours."""
-        self._show(None)
 
     def _show(self, verified: Verified | None) -> None:
         self.verified = verified

@@ -7,8 +7,7 @@ from app.session.features.comparison import Comparison
 from app.session.features.contour_review import ContourReview
 from app.session.features.hand_editing import HandEditing
 from app.session.features.object_list import ObjectList
-from app.session.features.object_selection import ObjectFitting, ObjectSelection
-from app.session.features.other_result import OtherResult
+from app.session.features.object_selection import ObjectSelection
 from app.session.features.skeleton import Skeletons
 from app.session.features.slices import ShownSlices
 from app.session.features.stack_pages import StackPages
@@ -27,10 +26,9 @@ class Workspace:
         self.truth = GroundTruth(self.session, self.review)
         self.object_list = ObjectList(self.session)
         self.object_selection = ObjectSelection(self.session)
-        self.object_fitting = ObjectFitting(self.session, self.object_selection.partitions)
         self.skeletons = Skeletons(self.session)
         self.navigation = TimelineNavigation(self.session)
-        self.other_result = OtherResult(self.session, self.navigation)
+        self.other_result = self.navigation.comparison
         self.slices = ShownSlices(self.session)
         self.comparison = Comparison(self.session, self.truth)
         self.pages = StackPages(self.session, core or Core())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import Future
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
@@ -14,9 +15,6 @@ from app.session.worker.commands import CollectRuns, RunsCollected, RunsRestored
 
 _QUIET = 500
 """Time from a change of the runs until they are collected, with further changes in between [ms]."""
-
-_PATIENCE = 10.0
-"""Longest time that closing waits for the worker to finish its step [s]."""
 
 
 class RunKeeping(QObject):
@@ -33,19 +31,14 @@ class RunKeeping(QObject):
         self._outline: Outline | None = None
         self._collected = self._saved = -1
         self._recovered = False
-        self._then: list[Callable[[RunsCollected], None]] = []
+        self._then: list[Callable[[], object]] = []
         self._timer = QTimer(self, singleShot=True, interval=_QUIET)
-        self._timer.timeout.connect(self._collect)
+        self._timer.timeout.connect(self.collect)
         session.scene_changed.connect(self._follow)
         session.listen(Opened, self._forget)
         session.listen(RunsKept, lambda kept: self._look(kept.timeline))
         session.listen(RunsCollected, self._take)
         session.listen(RunsRestored, self._take_restored)
-
-    @property
-    def edition(self) -> int:
-        """Edition of the runs that `plain` holds."""
-        return self._collected
 
     @property
     def unsaved(self) -> bool:
@@ -58,17 +51,14 @@ class RunKeeping(QObject):
         other = taken is not None and taken.steering != parameters.steering
         return outline.steered or status.stale or (status.started and other)
 
-    def collect(self, then: Callable[[RunsCollected], None]) -> None:
-        """Collect the runs, and call `then` with them."""
-        self._then.append(then)
-        self._collect()
-
-    def collect_at_once(self) -> None:
-        """Collect the runs and wait for them; where the worker takes too long, those collected last stay."""
-        command = self._command()
+    def collect(self, then: Callable[[], object] | None = None) -> Future[RunsCollected]:
+        """Collect the runs, and call `then` afterwards; other threads can wait for the result."""
+        if then is not None:
+            self._then.append(then)
+        self._timer.stop()
+        command = CollectRuns(self._session.image_generation, self._writer, self._session.live.executed)
         self._session.post(command)
-        if command.done.wait(_PATIENCE) and command.found:
-            self._use(command.found[0])
+        return command.found
 
     def saved(self, edition: int) -> None:
         """The runs of this edition have been written to a file."""
@@ -78,13 +68,6 @@ class RunKeeping(QObject):
     def forget(self) -> None:
         """Treat the runs as saved."""
         self._saved = self._outline.edition if self._outline is not None else -1
-
-    def _collect(self) -> None:
-        self._session.post(self._command())
-
-    def _command(self) -> CollectRuns:
-        self._timer.stop()
-        return CollectRuns(self._session.image_generation, self._writer, self._session.live.executed)
 
     def _follow(self) -> None:
         snapshot = self._session.scene.snapshot
@@ -103,16 +86,13 @@ class RunKeeping(QObject):
 
     def _take(self, collected: RunsCollected) -> None:
         if collected.generation == self._session.image_generation:
-            self._use(collected)
+            self.plain, self._collected = collected.plain, collected.edition
         if collected.fault:
             self._session.say(collected.fault, True)
         waiting, self._then = self._then, []
         for then in waiting:
-            then(collected)
+            then()
         self.changed.emit()
-
-    def _use(self, collected: RunsCollected) -> None:
-        self.plain, self._collected = collected.plain, collected.edition
 
     def _take_restored(self, restored: RunsRestored) -> None:
         if restored.generation == self._session.image_generation and not self._recovered:

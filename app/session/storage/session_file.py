@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -13,7 +13,7 @@ from PySide6.QtCore import QObject, Signal
 
 from app.model.document.document import Document
 from app.model.document.saving import View, changed_parts, to_file
-from app.model.text.language import reason, tr
+from app.model.text.language import tr
 from app.session.exchange.messages import CommandFailed, Opened, Report
 from app.session.session import Session
 from app.session.signals import SAVING
@@ -21,22 +21,18 @@ from app.session.storage.run_keeping import RunKeeping
 from app.session.tasks.tasks import Task
 from cpm_core.formats import SUFFIX, SessionFile, TruthFile, save_session
 
+_PATIENCE = 10.0
+"""Longest time that a file waits for the worker to finish its step; then it has the runs collected last [s]."""
+
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Order:
-    """What is to be saved: the content at the time of the order, and the number of the opened image."""
+class Written(Report):
+    """A session file has been written: what it holds, as which number its image was opened, the edition of its runs."""
 
     path: Path
     file: SessionFile
     document: Document
     opening: int
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Written(Report):
-    """A session file has been written, with the runs of this edition."""
-
-    order: Order
     edition: int
 
 
@@ -65,18 +61,14 @@ class DocumentFile(QObject):
         """Whether closing would lose changes on other pages; set by what keeps them."""
         self._saving: Task | None = None
         self._opening = 0
-        self._ordered: Order | None = None
-        """What waits for the runs to be collected."""
-        self._written: deque[Written] = deque(maxlen=1)
-        self._waiting: dict[Path, Order] = {}
-        """What waits for the file before it, the newest for each path: one is written at a time."""
+        self._written: dict[Task, Written] = {}
+        """What has been written and not been announced yet."""
         self._announced: tuple[Path | None, bool] = (None, False)
         self.path: Path | None = None
         session.document_changed.connect(lambda _: self._announce())
         self.runs.changed.connect(self._announce)
         session.listen(Opened, self._use_opened)
         session.listen(Written, self._use_written)
-        session.tasks.changed.connect(self._save_next)
 
     @property
     def known(self) -> Document | None:
@@ -109,86 +101,51 @@ class DocumentFile(QObject):
         written = to_file(self._session.document, self._view(), self._file)
         return replace(written, runs=self.runs.plain, truth=self.truth(), pages=self.pages())
 
-    def save(self, path: Path) -> None:
+    def save(self, path: Path) -> Task:
         """Write the session file on a separate thread, and use this path from now on."""
-        self._waiting.pop(path, None)
-        self._waiting[path] = self._order(path)
-        self._save_next()
-
-    def _order(self, path: Path) -> Order:
-        return Order(path, self.file, self._session.document, self._opening)
-
-    def _save_next(self) -> None:
-        """Begin to carry out the order that has waited longest, unless one is being carried out."""
-        if not self._waiting or self._ordered is not None or (self._saving is not None and not self._saving.over):
-            return
-        order = self._ordered = self._waiting.pop(next(iter(self._waiting)))
+        file, document, opening = self.file, self._session.document, self._opening
+        runs, before = self.runs.collect(), self._saving
         self._session.attempt(SAVING)
-        title = tr("Saving {name}…").format(name=order.path.name)
-        task = self._saving = self._session.tasks.begin(title, cancellable=False)
-        self.runs.collect(lambda _: self._write(task))
 
-    def _write(self, waiting: Task) -> None:
-        """Write the session file on a separate thread, in place of the task that waited for the runs."""
-        if self._ordered is None:  # it has been written at once
-            waiting.end()
-            return
-        order, self._ordered = self._with_runs(self._ordered), None
-        edition = self.runs.edition
-
-        def work(task: Task) -> Report:
-            save_session(order.file, order.path)
-            written = Written(order, edition)
-            self._written.append(written)
-            return written
+        def work(task: Task) -> Task:
+            if before is not None:  # one file is written at a time
+                before.wait()
+            whole, edition = file, -1
+            with suppress(TimeoutError):
+                found = runs.result(_PATIENCE)
+                whole, edition = replace(file, runs=found.plain), found.edition
+            save_session(whole, path)
+            self._written[task] = Written(path, whole, document, opening, edition)
+            return task
 
         self._saving = self._session.tasks.start(
-            waiting.name,
+            tr("Saving {name}…").format(name=path.name),
             work,
-            tr("saving {name}").format(name=order.path.name),
+            tr("saving {name}").format(name=path.name),
             partial(CommandFailed, topic=SAVING),
             cancellable=False,
+            then=self._announce_written,
         )
-        waiting.end()
-
-    def _with_runs(self, order: Order) -> Order:
-        """The order with the runs collected last, unless these belong to an image opened since."""
-        if order.opening != self._opening:
-            return order
-        return replace(order, file=replace(order.file, runs=self.runs.plain))
+        return self._saving
 
     def finish(self) -> None:
-        """Carry out at once, or wait for, what `save` has been asked for: closing must not overtake it."""
-        ordered, waiting = self._ordered, list(self._waiting.values())
-        self._ordered, self._waiting = None, {}
-        if ordered is not None:  # it has waited for the runs until now
-            self.runs.collect_at_once()
-            self._write_at_once(self._with_runs(ordered))
-            if self._saving is not None:
-                self._saving.end()
-        elif self._saving is not None and not self._saving.over:
+        """Wait for what `save` has been asked for: closing must not overtake it."""
+        if self._saving is not None:
             self._saving.wait()
-        if self._written:
-            self._use_written(self._written.pop())
-        if waiting:
-            self.runs.collect_at_once()
-        for order in waiting:
-            self._write_at_once(self._with_runs(order))
+        for task in tuple(self._written):
+            self._announce_written(task)
 
     def save_at_once(self, path: Path) -> bool:
         """Write the session file and wait for it; False, with an error message, when that fails."""
+        task = self.save(path)
+        task.wait()
+        done = task in self._written
         self.finish()
-        self.runs.collect_at_once()
-        return self._write_at_once(self._order(path))
+        return done
 
-    def _write_at_once(self, order: Order) -> bool:
-        try:
-            save_session(order.file, order.path)
-        except ValueError as error:
-            self._session.say(reason(error), True, SAVING)
-            return False
-        self._session.pass_on(Written(order, self.runs.edition))
-        return True
+    def _announce_written(self, task: Task) -> None:
+        if task in self._written:
+            self._session.pass_on(self._written.pop(task))
 
     def forget(self) -> None:
         """Treat the document as saved."""
@@ -209,15 +166,13 @@ class DocumentFile(QObject):
 
     def is_current(self, written: Written) -> bool:
         """Whether what has been written belongs to the image that is open."""
-        return written.order.opening == self._opening
+        return written.opening == self._opening
 
     def _use_written(self, written: Written) -> None:
-        self._written.clear()
-        order = written.order
         if self.is_current(written):
-            self.path, self._file, self._known = order.path, order.file, order.document
+            self.path, self._file, self._known = written.path, written.file, written.document
             self.runs.saved(written.edition)
-        self._session.say(tr("Saved: {path}").format(path=order.path), topic=SAVING)
+        self._session.say(tr("Saved: {path}").format(path=written.path), topic=SAVING)
         self._announce()
 
     def _announce(self) -> None:

@@ -9,11 +9,15 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
+from functools import partial
+from typing import TypeVar
 
 from PySide6.QtCore import QObject, Signal
 
 from app.model.state.situation import seconds_left
-from app.session.exchange.messages import CommandFailed, Report, sentence
+from app.session.exchange.messages import CommandFailed, Finished, Report, sentence
+
+T = TypeVar("T")
 
 _SHOWN_EVERY = 0.1
 """Time between two updates of the progress of tasks [s]."""
@@ -126,26 +130,30 @@ class Tasks(QObject):
     def start(
         self,
         name: str,
-        work: Callable[[Task], Report | None],
+        work: Callable[[Task], T],
         activity: str,
         failure_report: Callable[[str], Report] = CommandFailed,
         cancellable: bool = True,
+        then: Callable[[T], object] | None = None,
     ) -> Task:
         """Do a long task on a separate thread.
 
-        The result of `work` is reported, unless the task has been cancelled; an error becomes a sentence with
-        `activity`, which follows "while" in it, and is reported as `failure_report`.
+        The result of `work` is passed to `then` on the window's thread, or is reported, unless the task has been
+        cancelled; an error becomes a sentence with `activity`, which follows "while" in it, and is reported as
+        `failure_report`.
         """
         task = self.begin(name, cancellable)
 
         def run() -> None:
+            report: object = None
             try:
-                report = work(task)
+                result = work(task)
+                report = result if then is None else Finished(partial(then, result))
             except Cancelled:
-                report = None
+                pass
             except Exception as error:  # any error is reported
                 report = failure_report(sentence(error, activity))
-            if report is not None and not task.cancelled:
+            if isinstance(report, Report) and not task.cancelled:
                 self._report(report)
             task.end()
 
@@ -153,6 +161,10 @@ class Tasks(QObject):
         self._threads.append(thread)
         thread.start()
         return task
+
+    def call(self, then: Callable[[], object]) -> None:
+        """Call something on the window's thread, from any thread."""
+        self._report(Finished(then))
 
     def look(self) -> None:
         """Announce changes since the last call."""

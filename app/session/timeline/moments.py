@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from app.model.display.plots import RunMetrics
 from cpm_core import Method, Parameters, PlacedCharge
 from cpm_core.image import AnyRegions
 from cpm_core.numerics import Array, Place, polyline
@@ -16,6 +19,12 @@ from cpm_core.segmentation import MethodState, Steerable
 
 BranchStep = tuple[int, int]
 """Branch and step."""
+
+FIGURES = tuple(field.name for field in fields(RunMetrics))
+"""Names of the figures of a step."""
+
+_FIRST_CAPACITY = 64
+"""Steps that a record has room for at first; each branch has one."""
 
 _RECENT_SHARE = 3
 """States on the grid for each one that is kept only because it was used recently."""
@@ -107,6 +116,44 @@ class KeptStates:
                 self.drop(free[0])
             else:
                 self.stride *= 2
+
+
+class RunRecord:
+    """Figures of a branch for plots, shape (K, N), one column a step; arrays that it has returned stay as they are."""
+
+    def __init__(self, rows: Array | None = None) -> None:
+        self._length = 0 if rows is None else rows.shape[1]
+        self._rows = np.empty((len(FIGURES), max(2 * self._length, _FIRST_CAPACITY)))
+        if rows is not None:
+            self._rows[:, : self._length] = rows
+
+    @property
+    def rows(self) -> Array:
+        """The figures so far, one row each, in the order of `FIGURES`."""
+        return self._rows[:, : self._length]
+
+    def record(self, step: int, measures: Mapping[str, float]) -> None:
+        """Add one step unless it is known; where the potential energy is not measured, the last value is repeated."""
+        if self._length and step <= self.rows[0, -1]:
+            return
+        if self._length == self._rows.shape[1]:
+            self._rows = np.concatenate([self._rows, np.empty_like(self._rows)], axis=1)
+        row = {"step": float(step), **measures}
+        if self._length:
+            row.setdefault("potential", float(self.rows[FIGURES.index("potential"), -1]))
+        self._rows[:, self._length] = [row.get(name, math.nan) for name in FIGURES]
+        self._length += 1
+
+    def until(self, step: int) -> RunRecord:
+        """A copy up to a step."""
+        return RunRecord(self.rows[:, : self._count(step)])
+
+    def metrics(self, step: float = math.inf) -> RunMetrics:
+        """The metrics up to a step, without copying them."""
+        return RunMetrics(*self.rows[:, : self._count(step)])
+
+    def _count(self, step: float) -> int:
+        return int(np.searchsorted(self.rows[0], step, side="right"))
 
 
 class RunAction(Protocol):

@@ -6,23 +6,21 @@ import itertools
 import json
 from collections import Counter
 from collections.abc import Hashable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from app.model.display.plots import RunMetrics
 from app.model.document.document import Document, ImageReference
 from app.model.document.saving import restored, to_file
 from app.model.text.language import reason, tr
-from app.session.timeline.moments import BranchStep, Erased, Joined, RunAction, Stepped
-from app.session.timeline.stored_runs import StoredBranch, StoredRun, StoredRuns
+from app.session.timeline.moments import FIGURES, BranchStep, Erased, Joined, RunAction, Stepped
+from app.session.timeline.stored_runs import Branch, StoredBranch, StoredRun, StoredRuns
 from app.session.timeline.timeline import MOST_RUNS
 from cpm_core import Parameters, PlacedCharge, State
 from cpm_core.field import in_order
 from cpm_core.formats import (
-    NAMES,
     Reading,
     array_from_plain,
     array_to_plain,
@@ -41,7 +39,7 @@ from cpm_core.formats import (
     state_to_plain,
     to_plain,
 )
-from cpm_core.numerics import Place, Position
+from cpm_core.numerics import Position
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.parameters import shown
 from cpm_core.shapes import Points, Start
@@ -52,19 +50,7 @@ MOST = 24 * 2**20
 MOST_STEPS = 200_000
 """Most steps of a branch that are read."""
 
-FIGURES = len(fields(RunMetrics))
-"""Rows of the figures of a branch."""
-
 Plain = Mapping[str, Any]
-Steps = tuple[tuple[RunAction, ...], ...]
-
-
-@dataclass(frozen=True, slots=True)
-class _Rub:
-    """What an eraser goes over."""
-
-    erase: tuple[Place, ...]
-    radius: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,7 +98,7 @@ class RunsWriter:
         self._packed = packed
         runs = [_run_to_plain(run) for run in stored.runs]
         for branch in (branch for run in reversed(runs) for branch in run["branches"]):
-            size = len(branch["figures"]["data"])
+            size = len(branch["figures"]["data"]) if "figures" in branch else 0
             if size > left:
                 del branch["figures"]
             else:
@@ -132,7 +118,7 @@ def runs_from_plain(plain: Plain, image: ImageReference) -> tuple[StoredRuns, st
 
     def add_run(entry: Plain) -> None:
         run = _run(entry, image)
-        found = {branch.number: (run, branch) for branch in run.branches}
+        found = {stored.branch.identity: (run, stored) for stored in run.branches}
         if branches.keys() & found or len(found) < len(run.branches):
             raise ValueError("two branches have the same number.")
         branches.update(found)
@@ -172,19 +158,17 @@ def _run_to_plain(run: StoredRun) -> dict[str, Any]:
     starts: list[Start] = [source for source in sources if isinstance(source, Start)]
     if points:
         starts.append(Points(points))
-    branches = [
-        {
-            "number": branch.number,
-            "name": branch.name,
-            "named": branch.renamed,
-            "parent": branch.parent,
-            "first": branch.first,
-            "steps": _steps_to_plain(branch.steps, numbers),
-            "scales": [list(mark) for mark in branch.scales],
-            "figures": array_to_plain(branch.figures),
-        }
-        for branch in run.branches
-    ]
+    branches = []
+    for stored in run.branches:
+        branch = stored.branch
+        known = _Branch(branch.identity, branch.name, branch.renamed, branch.first, branch.scales)
+        plain = to_plain(known) | {"parent": branch.parent}
+        # the actions by their numbers, and how often they follow
+        numbered = ([numbers.setdefault(action, len(numbers)) for action in step] for step in stored.steps)
+        plain["steps"] = [[alike, len(list(group))] for alike, group in itertools.groupby(numbered)]
+        if stored.figures is not None:
+            plain["figures"] = array_to_plain(stored.figures)
+        branches.append(plain)
     document = run.document
     acting = document.objects.barriers or document.outlined.objects
     objects = document.objects if acting else SegmentedObjects()  # a run depends on them or not
@@ -203,12 +187,6 @@ def _run_to_plain(run: StoredRun) -> dict[str, Any]:
     }
 
 
-def _steps_to_plain(steps: Steps, numbers: dict[RunAction, int]) -> list[Any]:
-    """The actions of steps, by their numbers, and how often they follow; new ones are numbered."""
-    numbered = ([numbers.setdefault(action, len(numbers)) for action in step] for step in steps)
-    return [[alike, len(list(group))] for alike, group in itertools.groupby(numbered)]
-
-
 def _action_to_plain(action: RunAction, usual: Parameters) -> dict[str, Any]:
     """An action, whose parameters are written as far as they differ from the usual ones."""
     plain: dict[str, Any] = {}
@@ -225,7 +203,7 @@ def _action_to_plain(action: RunAction, usual: Parameters) -> dict[str, Any]:
 
 def _run(plain: Plain, image: ImageReference) -> StoredRun:
     if plain.get("size") is not None:  # it may have been changed since
-        size = Reading.of(mapping(plain["size"], "size"))
+        size = from_plain(Reading, plain["size"], "size")
         if size.spacing is None or len(size.spacing) != len(image.shape):
             raise ValueError(
                 f"the size of a pixel is {shown(plain['size'])} but the image has {len(image.shape)} axes."
@@ -241,15 +219,15 @@ def _run(plain: Plain, image: ImageReference) -> StoredRun:
     actions = [_action(mapping(one, "action"), document.parameters) for one in listed]
     branches: dict[int, StoredBranch] = {}
     for entry in items(plain.get("branches")):
-        branch = _branch(mapping(entry, "branch"), actions)
-        parent = branches.get(branch.parent) if branch.parent is not None else None
-        if (parent is None) != (not branches):
-            raise ValueError(f"branch {branch.number} leaves no branch of its run.")
-        if parent is not None and not parent.first <= branch.first < parent.first + len(parent.steps):
-            raise ValueError(f"branch {branch.number} leaves a step that there is not.")
-        if parent is None and (branch.first != 0 or not branch.scales or branch.scales[0][0] != 0):
+        stored = _branch(mapping(entry, "branch"), actions)
+        branch = stored.branch
+        if branches and (branch.parent not in branches or branch.first > branches[branch.parent].branch.last):
+            raise ValueError(f"branch {branch.identity} leaves no step of its run.")
+        if not branches and (
+            branch.parent is not None or branch.first or [mark[0] for mark in branch.scales[:1]] != [0]
+        ):
             raise ValueError("a run does not begin with its first step.")
-        branches[branch.number] = branch
+        branches[branch.identity] = stored
     if not branches:
         raise ValueError("a run has no branch.")
     return StoredRun(document, drawn, tuple(branches.values()))
@@ -261,32 +239,26 @@ def _branch(plain: Plain, actions: Sequence[RunAction]) -> StoredBranch:
     parent = None if plain.get("parent") is None else int(number(plain["parent"], "parent of a branch"))
     if known.number < 1 or known.first < 0 or any(min(mark) < 0 for mark in known.scales):
         raise ValueError(f"branch {known.number} is not one that a run can have.")
-    figures = np.empty((FIGURES, 0))
+    figures = None
     if "figures" in plain:
-        figures = array_from_plain(plain["figures"], float, (FIGURES, None), "figures of a branch")
-    steps = _steps(plain.get("steps"), actions)
-    name = known.name[:40]
-    return StoredBranch(known.number, name, known.named, parent, known.first, steps, known.scales, figures)
-
-
-def _steps(plain: object, actions: Sequence[RunAction]) -> Steps:
-    """The actions of steps; ValueError unless each step but the first begins with a step, and only with one."""
+        figures = array_from_plain(plain["figures"], float, (len(FIGURES), None), "figures of a branch")
     steps: list[tuple[RunAction, ...]] = []
-    for entry in items(plain, "steps"):
+    for entry in items(plain.get("steps"), "steps"):
         numbers, count = items(entry, "steps")
         if type(count) is not int or not 0 < count <= MOST_STEPS - len(steps):
             raise ValueError(f"steps repeat {shown(count)} times but must be {MOST_STEPS} at most.")
         if any(type(one) is not int or not 0 <= one < len(actions) for one in items(numbers, "steps")):
             raise ValueError(f"steps name the action {shown(numbers)}, which does not exist.")
-        step = tuple(actions[one] for one in numbers)
-        for index in {len(steps), len(steps) + count - 1}:
-            stepped = [isinstance(action, Stepped) for action in step]
-            if stepped != [index > 0 and place == 0 for place in range(len(step))] or (index > 0 and not step):
-                raise ValueError(f"step {index} is not one step and what was changed after it.")
-        steps += [step] * count
+        steps += [tuple(actions[one] for one in numbers)] * count
+    for index, step in enumerate(steps):  # each but the first is one step and what was changed after it
+        stepped = [isinstance(action, Stepped) for action in step]
+        if sum(stepped) != bool(index) or any(stepped[1:]):
+            raise ValueError(f"step {index} is not one step and what was changed after it.")
     if not steps:
         raise ValueError("there are no steps.")
-    return tuple(steps)
+    last = known.first + len(steps) - 1
+    branch = Branch(known.number, known.name[:40], parent, known.first, last, known.scales, renamed=known.named)
+    return StoredBranch(branch, tuple(steps), figures)
 
 
 def _action(plain: Plain, usual: Parameters) -> RunAction:
@@ -301,8 +273,8 @@ def _action(plain: Plain, usual: Parameters) -> RunAction:
         if not np.isfinite(seeds).all():
             raise ValueError("particles that were added hold a value that is not a number.")
         return Joined.at(seeds, regions)
-    rub = from_plain(_Rub, {name: value for name, value in plain.items() if name not in NAMES}, "eraser")
-    return Erased(rub.erase, rub.radius, regions)
+    erased = from_plain(Erased, {"path": plain.get("erase"), "radius": plain.get("radius")}, "eraser")
+    return replace(erased, regions=regions)
 
 
 def _state(
@@ -310,11 +282,11 @@ def _state(
 ) -> tuple[BranchStep, State]:
     """A state, with what the action of its step adds to it, and where it is."""
     number_of, step = (int(number(plain.get(name), f"{name} of a state")) for name in ("branch", "step"))
-    run, branch = branches[number_of]
-    if not 0 < step - branch.first < len(branch.steps):
+    run, stored = branches[number_of]
+    if not stored.branch.first < step <= stored.branch.last:
         raise ValueError(f"there is no step {step} of branch {number_of}.")
     state = state_from_plain(plain.get("state"), image.shape, run.document.parameters.scales)
-    taken = branch.steps[step - branch.first][0]
+    taken = stored.steps[step - stored.branch.first][0]
     if state.step != step or not isinstance(taken, Stepped):
         raise ValueError(f"the state of step {step} is that of step {state.step}.")
     steering, regions, charges = taken.parameters.steering, taken.regions, in_order(taken.charges)

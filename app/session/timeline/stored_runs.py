@@ -12,22 +12,48 @@ from cpm_core.numerics import Array, Position
 from cpm_core.segmentation import MethodState
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class StoredBranch:
-    """A branch: its number, its name, what it leaves and where, and the actions of its steps.
+@dataclass(frozen=True, slots=True)
+class Branch:
+    """A run, or a branch of one.
 
-    `steps` holds the actions of each step, of the first one only those that changed its state; `figures`, shape (M, K),
-    are the rows of its record for plots.
+    Attributes
+    ----------
+    identity : int
+        Its number, unique on the timeline.
+    name : str
+        Name that is shown.
+    parent : int or None
+        The branch that it leaves; None for a run.
+    first, last : int
+        Step at which it leaves its parent, and the last one recorded.
+    scales : tuple of tuple of int
+        First steps and numbers of the scales among its own steps.
+    run : int
+        Number of the run that it belongs to.
+    renamed : bool
+        Whether the user has named it.
     """
 
-    number: int
+    identity: int
     name: str
-    renamed: bool
     parent: int | None
     first: int
+    last: int
+    scales: tuple[tuple[int, int], ...] = ()
+    run: int = 0
+    renamed: bool = False
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class StoredBranch:
+    """A branch with the actions of its steps, of the first one only those that changed its state.
+
+    `figures`, shape (K, N), are those of its record for plots, None where they are left out.
+    """
+
+    branch: Branch
     steps: tuple[tuple[RunAction, ...], ...]
-    scales: tuple[tuple[int, int], ...]
-    figures: Array
+    figures: Array | None = None
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -8,53 +8,33 @@ the window are not known here.
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import dataclass, field
 from itertools import takewhile
+from typing import Any
 
-from app.model.text.language import tr
-from app.session.timeline.moments import BranchStep, KeptStates, Moment, RunAction
-from app.session.timeline.stored_runs import StoredBranch
-from cpm_core import Parameters
+from app.model.display.plots import RunMetrics
+from app.model.document.document import Document
+from app.model.document.modes import MODES
+from app.model.text.language import reason, tr
+from app.session.timeline.moments import BranchStep, KeptStates, Moment, RunAction, RunRecord, Stepped
+from app.session.timeline.stored_runs import Branch, StoredBranch, StoredRun, StoredRuns
+from cpm_core import Method, Parameters
+from cpm_core.image import AnyRegions
 from cpm_core.segmentation import MethodState
+from cpm_core.shapes import Shape
 
 MOST_RUNS = 12
 """Largest number of runs that are kept."""
 
-Apply = Callable[[int, MethodState, RunAction], MethodState]
-"""Gives the next state of a run from a state and an action, always the same one."""
+MEGABYTE = 2**20
 
+_BUDGET = 256 * MEGABYTE
+"""Bytes that the states take at most, unless another number is chosen."""
 
-@dataclass(frozen=True, slots=True)
-class Branch:
-    """A run, or a branch of one, as the window shows it.
-
-    Attributes
-    ----------
-    identity : int
-        Its number, unique on the timeline.
-    name : str
-        Name that is shown.
-    parent : int or None
-        The branch that it leaves; None for a run.
-    first, last : int
-        Step at which it leaves its parent, and the last one recorded.
-    scales : tuple of tuple of int
-        First steps and numbers of the scales among its own steps.
-    run : int
-        Number of the run that it belongs to.
-    renamed : bool
-        Whether the user has named it.
-    """
-
-    identity: int
-    name: str
-    parent: int | None
-    first: int
-    last: int
-    scales: tuple[tuple[int, int], ...] = ()
-    run: int = 0
-    renamed: bool = False
+_METHODS = 3
+"""Methods with different regions that are kept for repeating steps."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -67,10 +47,6 @@ class Outline:
         The oldest first; the same tuple as long as nothing but the last step of `branch` has changed.
     branch : int
         The current branch, 0 before there is one.
-    used, budget : int
-        Bytes that its states take, and their maximum.
-    kept : int
-        Number of states that are kept; the others are computed again.
     parameters : Parameters or None
         Parameters of the current step; None for the first.
     fallen : tuple of str
@@ -85,9 +61,6 @@ class Outline:
 
     branches: tuple[Branch, ...] = ()
     branch: int = 0
-    used: int = 0
-    budget: int = 0
-    kept: int = 0
     parameters: Parameters | None = None
     fallen: tuple[str, ...] = ()
     edition: int = 0
@@ -97,9 +70,10 @@ class Outline:
 
 @dataclass(eq=False, slots=True)
 class _Line:
-    """A branch with all its moments from the first of its run on, of which others may have the beginning in common.
+    """A branch with the moment of each step of its run, of which others may have the beginning in common.
 
-    `scales` are first steps and numbers of its scales; `steered` is whether it was changed between its steps.
+    `scales` are first steps and numbers of its scales, `record` has its figures for plots; `steered` is whether it was
+    changed between its steps.
     """
 
     identity: int
@@ -109,14 +83,15 @@ class _Line:
     scales: list[tuple[int, int]]
     steered: bool = False
     renamed: bool = False
-
-    @property
-    def first(self) -> int:
-        return self.path[0].step
+    record: RunRecord = field(default_factory=RunRecord)
 
     @property
     def last(self) -> int:
-        return self.path[-1].step
+        return len(self.path) - 1
+
+    def at(self, step: int) -> Moment:
+        """The moment of a step, or of the nearest one."""
+        return self.path[min(max(step, 0), self.last)]
 
     def common(self, other: _Line) -> int:
         """How many moments it has in common with another branch."""
@@ -128,32 +103,26 @@ class _Line:
 
 
 class Timeline:
-    """The steps of all runs and their branches, and the current one; states take at most `budget` bytes."""
+    """The steps of all runs on an image and their branches, and the current one.
 
-    def __init__(self, apply: Apply, budget: int) -> None:
+    `make` gives the method of a run that began with a document; states take at most `budget` bytes.
+    """
+
+    def __init__(self, make: Callable[[Document], Method[Any]], budget: int = _BUDGET) -> None:
         self.edition = 0
         """Changes whenever something is recorded, renamed or removed."""
-        self._apply = apply
+        self._make = make
         self._kept = KeptStates(budget)
         self._lines: dict[int, _Line] = {}
         self._line: _Line | None = None
         self._step = 0
         self._numbered, self._named = 0, [0, 0]
-        self._outline: tuple[Branch, ...] | None = None
-        self.fallen: tuple[str, ...] = ()
-        """Names of the runs that were removed to make room."""
+        self._branches: tuple[Branch, ...] | None = None
+        self._fallen: tuple[str, ...] = ()
+        self._begun: dict[int, tuple[Document, int]] = {}
+        self._methods: dict[tuple[int, AnyRegions | None], Method[Any]] = {}
 
     # State
-
-    @property
-    def used(self) -> int:
-        """Bytes that the states take."""
-        return self._kept.used
-
-    @property
-    def kept(self) -> int:
-        """Number of states that are kept."""
-        return len(self._kept)
 
     @property
     def budget(self) -> int:
@@ -166,19 +135,25 @@ class Timeline:
         self._make_room()
 
     @property
-    def branches(self) -> tuple[Branch, ...]:
-        """All branches, the oldest first; the same tuple until a branch comes, goes, is renamed or changes its scale.
-
-        Meanwhile the current branch may be longer than its `last` says.
-        """
-        if self._outline is None:
-            self._outline = tuple(map(self._branch, self._lines.values()))
-        return self._outline
+    def outline(self) -> Outline:
+        """State of the timeline, as the window shows it; meanwhile the current branch may be longer than it says."""
+        if self._branches is None:
+            self._branches = tuple(map(self._branch, self._lines.values()))
+        actions = () if self._kept.here is None else self._kept.here.actions
+        return Outline(
+            self._branches,
+            0 if self._line is None else self._line.identity,
+            next((action.parameters for action in actions if isinstance(action, Stepped)), None),
+            self._fallen,
+            self.edition,
+            len(self._lines) > 1 or any(line.steered for line in self._lines.values()),
+            self._begun[self.run][1] if self.run else 0,
+        )
 
     @property
     def runs(self) -> tuple[int, ...]:
         """Numbers of the runs, the oldest first."""
-        return tuple(dict.fromkeys(line.run for line in self._lines.values()))
+        return tuple(self._begun)
 
     @property
     def here(self) -> BranchStep | None:
@@ -191,19 +166,14 @@ class Timeline:
         return 0 if self._line is None else self._line.run
 
     @property
-    def actions(self) -> tuple[RunAction, ...]:
-        """The actions of the current step: the one that it was taken with, and later changes of its state."""
-        return () if self._kept.here is None else self._kept.here.actions
-
-    @property
     def steered(self) -> bool:
-        """Whether there is more than one run that went on without a change to its end."""
-        return len(self._lines) > 1 or any(line.steered for line in self._lines.values())
+        """Whether the current run was changed between its steps, or left another run."""
+        return self._line is not None and self._line.steered
 
     @property
-    def here_steered(self) -> bool:
-        """Whether the current branch was changed between its steps."""
-        return self._line is not None and self._line.steered
+    def drawn(self) -> tuple[Shape, ...]:
+        """What was drawn when the current run began."""
+        return self._begun[self.run][0].shapes if self.run else ()
 
     def run_of(self, branch: int) -> int:
         """Number of the run that a branch belongs to."""
@@ -211,60 +181,69 @@ class Timeline:
 
     def state(self, branch: int, step: int, wanted: Callable[[], bool] = lambda: True) -> MethodState | None:
         """The state of a step, as `go` gives it, without going there."""
-        line = self._known(branch)
-        return self._recover(_moment(line, step), wanted)
+        return self._recover(self._known(branch).at(step), wanted)
 
-    def kept_state(self, branch: int, step: int) -> MethodState | None:
-        """The state of a step if it need not be computed again."""
-        return self._kept.get(_moment(self._known(branch), step))
+    def metrics(self, branch: int, step: int) -> RunMetrics:
+        """The figures of a branch up to a step."""
+        return self._known(branch).record.metrics(step)
 
-    def own_actions(self, branch: int) -> tuple[tuple[RunAction, ...], ...]:
-        """The actions of each step of a branch from that on which it leaves its parent, there only its own ones."""
-        line = self._known(branch)
-        parent, first = self._leaves(line)
-        steps = [moment.actions for moment in line.path[first - line.first :]]
-        if parent is not None:
-            steps[0] = steps[0][len(_moment(parent, first).actions) :]
-        return tuple(steps)
+    def method(self, run: int, regions: AnyRegions | None) -> Method[Any]:
+        """The method of a run, in these regions."""
+        method = self._methods.pop((run, regions), None)
+        if method is None:
+            method = next((known for (of, _), known in self._methods.items() if of == run), None)
+            method = (method or self._make(self._begun[run][0])).with_regions(regions)
+        self._keep_method(run, method)
+        return method
 
     # Recording
 
-    def begin(self, state: MethodState) -> int:
-        """Begin another run with its first state, and return its number; runs without a step are removed."""
-        for run in self.runs:
-            lines = [line for line in self._lines.values() if line.run == run]
-            if len(lines) == 1 and not lines[0].renamed and [at.before for at in lines[0].path] == [None]:
-                self._remove_run(run)
-        run = self._numbered + 1
-        line = self._open([Moment(run, state.step)], [(state.step, state.scale)], run, tr("Run {number}"))
-        self.edition += 1
-        self._arrive(line, state)
-        return run
+    def begin(self, method: Method[Any], state: MethodState, document: Document, generation: int = 0) -> None:
+        """Begin a run with its first state, or go back to the beginning of the one that began in the same way.
 
-    def record(self, action: RunAction, state: MethodState) -> None:
-        """Add the step after the current one.
+        Its number is `generation` for the window. Runs without a step are removed.
+        """
+        beginning = _beginning(document)
+        run = next((run for run, (begun, _) in self._begun.items() if _beginning(begun) == beginning), 0)
+        if run:
+            self._begun[run] = document, generation
+            self.go(self._root(run).identity, 0)
+        else:
+            for known in self.runs:
+                lines = [line for line in self._lines.values() if line.run == known]
+                if len(lines) == 1 and not lines[0].renamed and [at.before for at in lines[0].path] == [None]:
+                    self._remove_run(known)
+            run = self._numbered + 1
+            self._begun[run] = document, generation
+            self.edition += 1
+            self._arrive(self._open([Moment(run, 0)], [(0, state.scale)], run, tr("Run {number}")), state)
+        self._keep_method(run, method)
+
+    def record(self, action: RunAction, state: MethodState, measures: Mapping[str, float]) -> None:
+        """Add the step after the current one, with its figures.
 
         A new branch begins where the action differs from the recorded one; otherwise the run goes on along the branch.
         ValueError when the state is not that of the next step.
         """
         line, moment = self._here()
-        if state.step != self._step + 1:
-            raise ValueError(f"step {state.step} does not follow step {self._step}.")
-        at = state.step - line.first
-        following = ((other, other.path[at]) for other in (line, *self._lines.values()) if len(other.path) > at)
-        for other, after in following:
-            if after.before is moment and after.action == action:
-                self._arrive(other, state)
-                return
-        if self._step < line.last:
-            line = self._fork(line, line.path[:at])
-        line.path.append(Moment(line.run, state.step, moment, action))
-        line.steered = line.steered or action != line.path[1].action
-        if state.scale != line.scales[-1][1]:
-            line.scales.append((state.step, state.scale))
-            self._outline = None
-        self.edition += 1
-        self._arrive(line, state)
+        at = state.step
+        if at != self._step + 1:
+            raise ValueError(f"step {at} does not follow step {self._step}.")
+        following = (other for other in (line, *self._lines.values()) if len(other.path) > at)
+        same = (one for one in following if one.path[at].before is moment and one.path[at].action == action)
+        known = next(same, None)
+        if known is None:
+            if self._step < line.last:
+                line = self._fork(line)
+                line.path.append(moment)
+            line.path.append(Moment(line.run, at, moment, action))
+            line.steered = line.steered or action != line.path[1].action
+            if state.scale != line.scales[-1][1]:
+                line.scales.append((at, state.scale))
+                self._branches = None
+            self.edition += 1
+        (known or line).record.record(at, measures)
+        self._arrive(known or line, state)
 
     def amend(self, action: RunAction, state: MethodState, apart: bool = False) -> None:
         """Change the current state without a step.
@@ -273,10 +252,9 @@ class Timeline:
         so that the state before it can be gone back to.
         """
         line, moment = self._here()
-        at = self._step - line.first
-        others = (other.path[at] for other in self._lines.values() if other is not line and len(other.path) > at)
+        others = (other.at(self._step) for other in self._lines.values() if other is not line)
         if apart or self._step < line.last or moment in others:
-            line = self._fork(line, line.path[:at])
+            line = self._fork(line)
         else:
             line.path.pop()
             line.steered = True
@@ -294,21 +272,15 @@ class Timeline:
         `wanted` is called between steps that have to be repeated; where it returns False, nothing changes and the
         result is None. ValueError when there is no such branch.
         """
-        line = self._known(branch)
-        state = self._recover(_moment(line, step), wanted)
+        state = self.state(branch, step, wanted)
         if state is not None:
-            self._outline = None
-            self._arrive(line, state)
+            self._branches = None
+            self._arrive(self._lines[branch], state)
         return state
-
-    def restart(self, run: int) -> None:
-        """Go to the first step of a run."""
-        line = next(line for line in self._lines.values() if line.run == run)
-        self.go(line.identity, line.first)
 
     def leave(self) -> None:
         """Leave the current run, which is kept; the next one begins elsewhere."""
-        self._line, self._step, self._kept.here, self._outline = None, 0, None, None
+        self._line, self._step, self._kept.here, self._branches = None, 0, None, None
 
     # Branches
 
@@ -319,8 +291,8 @@ class Timeline:
             line.name, line.renamed = name.strip(), True
             self._change()
 
-    def drop(self, branch: int) -> None:
-        """Remove a branch; steps that others have in common with it stay with them.
+    def drop(self, branch: int) -> MethodState | None:
+        """Remove a branch; steps that others have in common with it stay with them. The current state after that.
 
         If the run is on a removed step, it goes back to where that branch began, or to the end of the run before.
         ValueError when there is no such branch, or no other one.
@@ -331,67 +303,94 @@ class Timeline:
         was_here, step = self._line is line, self._step
         rest = [other for other in self._lines.values() if other.run == line.run and other is not line]
         if not rest:
-            older = [other for other in self._lines.values() if other.identity < line.run]
-            last = older or [other for other in self._lines.values() if other is not line]
-            roots = [other for other in last if other is next(each for each in last if each.run == other.run)]
+            before = self._root(self.runs[self.runs.index(line.run) - 1])
             self._remove_run(line.run)
             if was_here:
-                self.go(roots[-1].identity, roots[-1].last)
-            return
-        if any(not other.common(rest[0]) and rest[0].path[0] not in _changed(other.path[0]) for other in rest):
-            message = tr("{name} cannot be deleted: several branches begin with its step {step}.")
-            raise ValueError(message.format(name=line.name, step=line.first))
-        del self._lines[branch]
-        self._change()
-        if was_here:
-            other = max(rest, key=line.common)
-            self.go(other.identity, min(step, max(line.common(other) - 1, 0) + line.first))
-        self._kept.keep_only(line.run, {moment for other in rest for moment in other.path})
+                self.go(before.identity, before.last)
+        else:
+            if any(not other.common(rest[0]) and rest[0].path[0] not in _changed(other.path[0]) for other in rest):
+                message = tr("{name} cannot be deleted: several branches begin with its step {step}.")
+                raise ValueError(message.format(name=line.name, step=0))
+            del self._lines[branch]
+            self._change()
+            if was_here:
+                other = max(rest, key=line.common)
+                self.go(other.identity, min(step, max(line.common(other) - 1, 0)))
+            self._kept.keep_only(line.run, {moment for other in rest for moment in other.path})
+        return None if self.here is None else self.state(*self.here)
 
     def clear(self) -> None:
         """Remove everything."""
         self.leave()
-        self._lines, self._numbered, self._named, self.fallen = {}, 0, [0, 0], ()
+        self._numbered, self._named, self._fallen = 0, [0, 0], ()
+        self._lines, self._begun, self._methods = {}, {}, {}
         self._kept.clear()
         self.edition += 1
 
-    def restore(
-        self,
-        branches: Sequence[StoredBranch],
-        begun: Mapping[int, MethodState],
-        states: Mapping[BranchStep, MethodState],
-    ) -> None:
-        """Remove everything and take over branches, with the first states of their runs and others that are known.
+    # Stored runs
 
-        Parents come before other branches, and the number of a run is that of its first branch.
+    def stored(self, drawn: Mapping[int, Counter[Hashable]]) -> StoredRuns:
+        """All runs for a session; `drawn` are the sources of the particles of each, by its generation."""
+        runs = []
+        for run, (document, generation) in self._begun.items():
+            branches = tuple(self._stored(line) for line in self._lines.values() if line.run == run)
+            runs.append(StoredRun(document, drawn.get(generation, document.sources), branches))
+        places = {(line.identity, line.last) for line in self._lines.values()} | ({self.here} if self.here else set())
+        known = {(branch, step): self._kept.get(self._lines[branch].at(step)) for branch, step in places}
+        states = {place: state for place, state in known.items() if state is not None}
+        return StoredRuns(tuple(runs), self.here, states)
+
+    def _stored(self, line: _Line) -> StoredBranch:
+        """A branch with the actions of each step from that on which it leaves its parent, there only its own ones."""
+        branch = self._branch(line)
+        steps = [moment.actions for moment in line.path[branch.first :]]
+        if branch.parent is not None:
+            steps[0] = steps[0][len(self._lines[branch.parent].at(branch.first).actions) :]
+        return StoredBranch(branch, tuple(steps), line.record.rows.copy())
+
+    def restore(self, stored: StoredRuns, first: Callable[[Method[Any], Document], MethodState]) -> str:
+        """Take over the runs of a session; `first` gives the first state of one. Returns what one failed at, if any.
+
+        The number of a run is that of its first branch, and its generation is counted from -1 down.
         """
         self.clear()
-        for branch in branches:
-            self._adopt(branch, begun)
-        for (number, step), state in states.items():
-            self._kept.put(_moment(self._known(number), step), state)
+        fault = ""
+        for generation, run in enumerate(stored.runs, 1):
+            root = Moment(run.branches[0].branch.identity, 0)
+            try:
+                method = self._make(run.document)
+                state = first(method, run.document)
+            except ValueError as error:
+                fault = fault or reason(error)
+                continue
+            self._begun[root.run] = run.document, -generation
+            self._keep_method(root.run, method)
+            self._kept.put(root, state)
+            for branch in run.branches:
+                self._adopt(branch, root)
+        for (number, step), state in stored.states.items():
+            if number in self._lines:
+                self._kept.put(self._lines[number].at(step), state)
         self._make_room()
+        return fault
 
-    def _adopt(self, branch: StoredBranch, begun: Mapping[int, MethodState]) -> None:
+    def _adopt(self, stored: StoredBranch, root: Moment) -> None:
         """Add a branch as it was."""
-        parent = None if branch.parent is None else self._known(branch.parent)
-        run = branch.number if parent is None else parent.run
-        path: list[Moment] = [Moment(run, branch.first)]
-        scales = list(branch.scales)
-        if parent is not None:
-            path, scales = parent.path[: branch.first - parent.first + 1], parent.scales_until(branch.first) + scales
-        else:
-            self._kept.put(path[0], begun[run])
-        for step, actions in enumerate(branch.steps, branch.first):
+        branch, path, scales = stored.branch, [root], list(stored.branch.scales)
+        if branch.parent is not None:
+            parent = self._known(branch.parent)
+            path, scales = parent.path[: branch.first + 1], parent.scales_until(branch.first) + scales
+        for step, actions in enumerate(stored.steps, branch.first):
             moment = path[-1] if step > branch.first else path.pop()
             for action in actions:
-                moment = Moment(run, step, moment, action)
+                moment = Moment(root.run, step, moment, action)
             path.append(moment)
         alike = all(moment.actions == path[1].actions for moment in path[1:])
-        steered = parent is not None or bool(path[0].actions) or not alike
-        self._lines[branch.number] = _Line(branch.number, branch.name, run, path, scales, steered, branch.renamed)
-        self._numbered = max(self._numbered, branch.number)
-        kind, number = parent is not None, branch.name.rpartition(" ")[2]
+        steered, record = branch.parent is not None or bool(path[0].actions) or not alike, RunRecord(stored.figures)
+        line = _Line(branch.identity, branch.name, root.run, path, scales, steered, branch.renamed, record)
+        self._lines[branch.identity] = line
+        self._numbered = max(self._numbered, branch.identity)
+        kind, number = branch.parent is not None, branch.name.rpartition(" ")[2]
         self._named[kind] = max(self._named[kind] + 1, int(number) if number.isdecimal() else 0)
 
     # Internal
@@ -401,28 +400,30 @@ class Timeline:
             raise ValueError(tr("There is no branch {number} (any more).").format(number=branch))
         return self._lines[branch]
 
+    def _root(self, run: int) -> _Line:
+        """The oldest branch of a run."""
+        return next(line for line in self._lines.values() if line.run == run)
+
     def _here(self) -> tuple[_Line, Moment]:
         if self._line is None or self._kept.here is None:
             raise ValueError("the timeline has not begun.")
         return self._line, self._kept.here
 
     def _branch(self, line: _Line) -> Branch:
-        """A branch as the window shows it."""
-        parent, first = self._leaves(line)
-        scales = tuple(mark for mark in line.scales if parent is None or mark[0] > first)
-        leaves = None if parent is None else parent.identity
-        return Branch(line.identity, line.name, leaves, first, line.last, scales, line.run, line.renamed)
+        """A branch as the window shows it.
 
-    def _leaves(self, line: _Line) -> tuple[_Line | None, int]:
-        """Of the older branches the one that most of a branch is in common with, None without one; and until when."""
+        Its parent is, of the older branches, the one that most of it is in common with.
+        """
         older = takewhile(lambda other: other is not line, self._lines.values())
         parent = max((other for other in older if other.run == line.run), key=line.common, default=None)
-        if parent is None:
-            return None, line.first
-        at = line.common(parent)
-        both = at < min(len(line.path), len(parent.path))
-        changed = both and parent.path[at] in _changed(line.path[at])
-        return parent, line.path[at if changed else at - 1].step
+        scales, first = line.scales, 0
+        if parent is not None:
+            at = line.common(parent)
+            both = at < min(len(line.path), len(parent.path))
+            first = at if both and parent.path[at] in _changed(line.path[at]) else at - 1
+            scales = [mark for mark in scales if mark[0] > first]
+        leaves = None if parent is None else parent.identity
+        return Branch(line.identity, line.name, leaves, first, line.last, tuple(scales), line.run, line.renamed)
 
     def _open(self, path: list[Moment], scales: list[tuple[int, int]], run: int, name: str) -> _Line:
         """Add a branch; a run has the number of its first one."""
@@ -431,17 +432,21 @@ class Timeline:
         self._named[branches] += 1
         name = name.format(number=self._named[branches])
         line = self._lines[self._numbered] = _Line(self._numbered, name, run, path, scales, steered=branches)
-        self._outline = None
+        self._branches = None
         return line
 
-    def _fork(self, line: _Line, path: list[Moment]) -> _Line:
-        return self._open(path, line.scales_until(self._step), line.run, tr("Branch {number}"))
+    def _fork(self, line: _Line) -> _Line:
+        """Begin a branch that has the steps before the current one in common with another one."""
+        scales = line.scales_until(self._step)
+        fork = self._open(line.path[: self._step], scales, line.run, tr("Branch {number}"))
+        fork.record = line.record.until(self._step)
+        return fork
 
     def _arrive(self, line: _Line, state: MethodState) -> None:
         """Be at the step of a branch that has this state."""
         if line is not self._line:
-            self._outline = None
-        moment = _moment(line, state.step)
+            self._branches = None
+        moment = line.at(state.step)
         self._line, self._step, self._kept.here = line, state.step, moment
         self._kept.put(moment, state)
         self._make_room()
@@ -456,18 +461,26 @@ class Timeline:
             if not wanted():
                 return None
             assert moment.action is not None
-            state = self._apply(moment.run, state, moment.action)
+            state = moment.action.apply(self.method(moment.run, moment.action.regions), state)
             self._kept.put(moment, state)
         return state
+
+    def _keep_method(self, run: int, method: Method[Any]) -> None:
+        """Keep a method as the one that is used last, and therefore removed last; its fields take up memory."""
+        self._methods.pop((run, method.regions), None)
+        self._methods[run, method.regions] = method
+        while len(self._methods) > _METHODS:
+            self._methods.pop(next(iter(self._methods)))
 
     def _change(self) -> None:
         """The branches are others than before."""
         self.edition += 1
-        self._outline = None
+        self._branches = None
 
     def _remove_run(self, run: int) -> None:
         if self.run == run:
             self.leave()
+        del self._begun[run]
         self._lines = {branch: line for branch, line in self._lines.items() if line.run != run}
         self._kept.keep_only(run, set())
         self._change()
@@ -475,18 +488,26 @@ class Timeline:
     def _make_room(self) -> None:
         """Remove the oldest runs, those that have been named last, until the others have room; never the newest one."""
         self._kept.make_room()
-        while self.used > self.budget or len(self.runs) > MOST_RUNS:
-            roots = [next(line for line in self._lines.values() if line.run == run) for run in self.runs[:-1]]
+        while self._kept.used > self.budget or len(self._begun) > MOST_RUNS:
+            roots = [self._root(run) for run in self.runs[:-1]]
             oldest = min((one for one in roots if one.run != self.run), key=lambda one: one.renamed, default=None)
             if oldest is None:
                 return
-            self.fallen = (*self.fallen, oldest.name)
+            self._fallen = (*self._fallen, oldest.name)
             self._remove_run(oldest.run)
 
 
-def _moment(line: _Line, step: int) -> Moment:
-    """The moment of a step of a branch, or of its nearest one."""
-    return line.path[min(max(step - line.first, 0), len(line.path) - 1)]
+def _beginning(document: Document) -> tuple[object, ...]:
+    """What decides how a run begins and takes its first step."""
+    image = document.image
+    return (
+        None if image is None else (image.spacing, image.unit),
+        MODES[document.mode].method,
+        document.shapes,
+        document.parameters,
+        document.objects.barriers,
+        (document.outlines, document.outlined_surfaces) if document.mode == "skeleton" else (),
+    )
 
 
 def _changed(moment: Moment) -> list[Moment]:

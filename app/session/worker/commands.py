@@ -7,9 +7,9 @@ another module; the worker thread does not know the kinds.
 from __future__ import annotations
 
 import gc
-import threading
 from collections import Counter
 from collections.abc import Callable, Hashable, Mapping
+from concurrent.futures import Future
 from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
@@ -135,7 +135,7 @@ class RunCall(Command):
         if self._call(run):
             context.report(WentOn(run.generation))
         if run.state is None and self.method in _CHANGING_RUNS:
-            context.report(RunsKept(run.generation, run.recorded.outline))
+            context.report(RunsKept(run.generation, run.timeline.outline))
 
     def failure_report(self, error: Exception) -> Report:
         """Nothing has changed."""
@@ -300,31 +300,26 @@ class RunsCollected(Report):
 class CollectRuns(Command):
     """Write the runs on the image opened as `generation` as plain JSON.
 
-    `drawn` are the sources of their particles, by generation. `done` is set at the end, and `found` holds the report,
-    for who cannot wait for it in the usual way.
+    `drawn` are the sources of their particles, by generation. `found` is the report, for other threads.
     """
 
     generation: int
     writer: RunsWriter
     drawn: Mapping[int, Counter[Hashable]]
-    done: threading.Event = field(default_factory=threading.Event)
-    found: list[RunsCollected] = field(default_factory=list)
+    found: Future[RunsCollected] = field(default_factory=Future)
 
     activity = tr("collecting the runs")
 
     def execute(self, context: CommandContext) -> None:
-        """Collect them, unless another image has been opened."""
-        try:
-            run = context.run
-            plain = self.writer.to_plain(run.stored(self.drawn))
-            self.found.append(RunsCollected(self.generation, run.recorded.timeline.edition, plain))
-            context.report(self.found[0])
-        finally:
-            self.done.set()
+        """Collect them."""
+        plain = self.writer.to_plain(context.run.stored(self.drawn))
+        self.found.set_result(RunsCollected(self.generation, context.run.timeline.edition, plain))
+        context.report(self.found.result())
 
     def failure_report(self, error: Exception) -> Report:
         """A file without them can be written."""
-        return RunsCollected(self.generation, -1, {}, sentence(error, self.activity))
+        self.found.set_result(RunsCollected(self.generation, -1, {}, sentence(error, self.activity)))
+        return self.found.result()
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -358,12 +353,12 @@ class RestoreRuns(Command):
         failed = run.restore(stored)
         if fault or failed:
             context.report(CommandFailed(fault or failed))
-        known = {branch.identity for branch in run.recorded.timeline.branches}
+        known = {branch.identity for branch in run.timeline.outline.branches}
         here = stored.here if stored.here is not None and stored.here[0] in known else None
         begun = {-number: (kept.document, kept.drawn) for number, kept in enumerate(stored.runs, 1)}
-        context.report(RunsRestored(self.generation, begun, here is not None, run.recorded.timeline.edition))
+        context.report(RunsRestored(self.generation, begun, here is not None, run.timeline.edition))
         if here is None:
-            context.report(RunsKept(run.generation, run.recorded.outline))
+            context.report(RunsKept(run.generation, run.timeline.outline))
         else:
             run.go_to(*here, lambda: not context.closing())
             run.halt()

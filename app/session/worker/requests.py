@@ -62,7 +62,7 @@ class Compare(Command):
         if self.branch is None or self.generation != run.generation:
             context.report(Compared(self.generation))
             return
-        state = run.recorded.timeline.state(self.branch, self.step, lambda: not context.closing())
+        state = run.timeline.state(self.branch, self.step, lambda: not context.closing())
         if state is None:
             return
         result = run.result_of(self.branch, state) if self.against is not None and state.step > 0 else None

@@ -15,9 +15,9 @@ from app.session.exchange.mailbox import Mailbox, Pacer
 from app.session.exchange.messages import Overlays, Reconstruction, Snapshot
 from app.session.timeline.moments import Erased, Joined, RunAction, Stepped
 from app.session.timeline.stored_runs import StoredRuns
+from app.session.timeline.timeline import Timeline
 from app.session.worker.prepared_methods import OverlayMaker, PreparedMethods
 from app.session.worker.reconstruction import Reconstructor, Request, edited
-from app.session.worker.recorded_run import Begun, RecordedRun, RunRecord
 from cpm_core import Image, Method, Parameters, PlacedCharge, Result, Skeleton
 from cpm_core.contours import HandEdit
 from cpm_core.formats import plain_shapes
@@ -47,7 +47,7 @@ class Run:
         reconstructor: Reconstructor,
     ) -> None:
         self.pacer = Pacer()
-        self.recorded = RecordedRun(prepared.method)
+        self.timeline = Timeline(prepared.method)
         self.generation = 0
         self.image_generation = 0
         self.method: Method[Any] | None = None
@@ -61,7 +61,6 @@ class Run:
         self._reconstructor = reconstructor
         self._overlays = OverlayMaker(overlays)
         self._erasures: dict[int, tuple[tuple[int, int], tuple[int, int]]] = {}
-        self._record = RunRecord()
         self._remaining = 0.0
 
     # The image and the document
@@ -70,7 +69,7 @@ class Run:
         """Change to another image, with the method that is prepared for it."""
         self.hand_edits = ()
         self.discard(generation)
-        self.recorded.clear()
+        self.timeline.clear()
         self._erasures.clear()
         self.image_generation = generation
         self._prepared.use(method)
@@ -94,21 +93,19 @@ class Run:
         self.method = self._prepared.method(document)
         self._refresh_overlays()
         self.state = self.method.start(seeds)
-        self.recorded.begin(self.method, self.state, self._record, Begun(document, generation))
+        self.timeline.begin(self.method, self.state, document, generation)
         self._send()
 
     def restore(self, stored: StoredRuns) -> str:
         """Take over the runs of a session, none of which is shown yet; what one of them failed at, if any."""
         if self.method is not None:
             self._reconstructor.number_as(self.method.image, stored.numbers)
-        return self.recorded.restore(stored, lambda method, document: method.start(self._prepared.seeds(document)))
+        return self.timeline.restore(stored, lambda method, document: method.start(self._prepared.seeds(document)))
 
     def stored(self, drawn: Mapping[int, Counter[Hashable]]) -> StoredRuns:
-        """All runs for a session, with the numbers of their contours; `drawn` as for `RecordedRun.stored`."""
-        stored = self.recorded.stored(drawn)
-        return (
-            stored if self.method is None else replace(stored, numbers=self._reconstructor.numbers(self.method.image))
-        )
+        """All runs for a session, with the numbers of their contours; `drawn` as for `Timeline.stored`."""
+        numbers = {} if self.method is None else self._reconstructor.numbers(self.method.image)
+        return replace(self.timeline.stored(drawn), numbers=numbers)
 
     def seeds_for(self, document: Document) -> ImageSeeds:
         """Seeds of the starts of a document that depend on the image."""
@@ -151,16 +148,14 @@ class Run:
 
         The first that is removed begins a branch, so that the state before it is a place on the timeline.
         """
-        here = self.recorded.timeline.here
+        here = self.timeline.here
         if not isinstance(self.method, Steerable) or self.state is None or here is None:
             return
         count, known = self.state.count, erasure in self._erasures
         action = Erased(path, radius, self.method.regions)
         removes = not known and action.apply(self.method, self.state).count < count
-        if removes:
-            self._record = self._record.until(len(self._record))
         self._do(action, apart=removes)
-        after = self.recorded.timeline.here
+        after = self.timeline.here
         if (removes or known) and after is not None:
             self._erasures[erasure] = (self._erasures[erasure][0] if known else here, after)
         if self.state.stop_reason:
@@ -177,7 +172,7 @@ class Run:
         """Apply an action to the current state; `apart` on a branch of its own."""
         assert self.method is not None
         self.state = action.apply(self.method, self.state)
-        self.recorded.amend(action, self.state, self._record, apart)
+        self.timeline.amend(action, self.state, apart)
         self._send()
 
     def set_overlays(self, names: frozenset[str]) -> None:
@@ -228,8 +223,7 @@ class Run:
         self.generation = generation
         self._remaining = 0.0
         self.state = None
-        self._record = RunRecord()
-        self.recorded.timeline.leave()
+        self.timeline.leave()
         self._reconstructor.forget()
         if self.hand_edits:
             self._reconstruct(by_hand=True)
@@ -254,44 +248,42 @@ class Run:
         small = math.prod(method.image.shape) <= _SMALL_IMAGE
         ready = method.image.ndim == 2 and (self._energy_watched or small)
         thorough = ready and not state.step % _ENERGY_EVERY
-        self._record.record(state.step, method.measures(state, parameters, thorough))
-        self.recorded.record(Stepped(parameters, self.charges, method.regions), state, self._record)
+        measures = method.measures(state, parameters, thorough)
+        self.timeline.record(Stepped(parameters, self.charges, method.regions), state, measures)
         self._send()
 
     def go_to(self, branch: int, step: int, wanted: Callable[[], bool]) -> None:
         """Pause and go to another step of the timeline; if it is no longer wanted, only pause."""
         self._remaining = 0.0
-        before = self.recorded.timeline.run
-        found = self.recorded.go(branch, step, wanted)
-        if found is not None:
-            self._show(*found, before)
+        before = self.timeline.run
+        state = self.timeline.go(branch, step, wanted)
+        if state is not None:
+            self._show(state, before)
 
     def drop_branch(self, branch: int) -> None:
         """Remove a branch of the timeline; if the run is on it, go back to where it began."""
-        before, run = self.state, self.recorded.timeline.run
-        found = self.recorded.drop(branch)
-        if found is not None:
-            if found[0] is not before:
+        before = self.timeline.run
+        state = self.timeline.drop(branch)
+        if state is not None:
+            if state is not self.state:
                 self._remaining = 0.0
-            self._show(*found, run)
+            self._show(state, before)
 
-    def _show(self, state: MethodState, record: RunRecord, before: int) -> None:
+    def _show(self, state: MethodState, before: int) -> None:
         """Use and show a state of the timeline; `before` is the number of the run until now."""
-        self.state, self._record = state, record
-        if self.recorded.timeline.run != before:
-            self.method = self.recorded.method(
-                self.recorded.timeline.run, None if self.method is None else self.method.regions
-            )
+        self.state = state
+        if self.timeline.run != before:
+            self.method = self.timeline.method(self.timeline.run, None if self.method is None else self.method.regions)
         self._send(looking_back=True)
 
     def rename_branch(self, branch: int, name: str) -> None:
         """Give a branch of the timeline another name."""
-        self.recorded.timeline.rename(branch, name)
+        self.timeline.rename(branch, name)
         self._send()
 
     def set_timeline_budget(self, budget: int) -> None:
         """Let the states of the timeline take at most so many bytes."""
-        self.recorded.timeline.budget = budget
+        self.timeline.budget = budget
         self._send()
 
     def watch_energy(self, watched: bool) -> None:
@@ -320,20 +312,20 @@ class Run:
         if image is not None and not made.sha256:  # contours drawn by hand
             made = replace(made, sha256=image.sha256, of_file=bool(image.file_sha256))
         if self.state is not None:
-            made = replace(made, shapes=plain_shapes(self.recorded.drawn()), steered=self.recorded.steered)
+            made = replace(made, shapes=plain_shapes(self.timeline.drawn), steered=self.timeline.steered)
         return replace(result, provenance=made)
 
     def result_of(self, branch: int, state: MethodState) -> Result | Skeleton:
         """Contours of a state of another branch."""
         if self.method is None:
             raise ValueError("There is no image to run on: open one first.")
-        method = self.recorded.method(self.recorded.timeline.run_of(branch), self.method.regions)
+        method = self.timeline.method(self.timeline.run_of(branch), self.method.regions)
         return edited(method, method.result(state, self.parameters), self.parameters, self.hand_edits)[0]
 
     def moment(self, branch: int, step: int, wanted: Callable[[], bool]) -> Snapshot | None:
         """Snapshot of another step, without going there; None when it is no longer wanted."""
-        found = self.recorded.moment(branch, step, wanted)
-        return None if found is None else self._snapshot(*found)
+        state = self.timeline.state(branch, step, wanted)
+        return None if state is None else self._snapshot(state, branch)
 
     def _keep_going(self) -> bool:
         self._remaining = float("inf")
@@ -341,11 +333,11 @@ class Run:
         return True
 
     def _send(self, looking_back: bool = False) -> None:
-        if self.state is not None:
-            self._snapshots.put(self._snapshot(self.state, self._record))
+        if self.state is not None and self.timeline.here is not None:
+            self._snapshots.put(self._snapshot(self.state, self.timeline.here[0]))
             self._reconstruct(looking_back)
 
-    def _snapshot(self, state: MethodState, record: RunRecord) -> Snapshot:
+    def _snapshot(self, state: MethodState, branch: int) -> Snapshot:
         assert self.method is not None
         speed = np.linalg.norm(state.particles.velocity, axis=1) * 2.0**state.scale
         return Snapshot(
@@ -355,8 +347,8 @@ class Run:
             position=self.method.positions(state),
             resting=speed < RESTING_SPEED,
             steps_per_second=self.pacer.per_second,
-            metrics=record.metrics(),
-            timeline=self.recorded.outline,
+            metrics=self.timeline.metrics(branch, state.step),
+            timeline=self.timeline.outline,
         )
 
     def _reconstruct(self, looking_back: bool = False, by_hand: bool = False) -> None:

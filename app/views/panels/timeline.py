@@ -34,7 +34,7 @@ from PySide6.QtWidgets import (
 from app.model.display.lengths import round_up
 from app.model.text.language import tr, written
 from app.session.features.timeline import TimelineNavigation
-from app.session.timeline.timeline import Branch
+from app.session.timeline.stored_runs import Branch
 from app.views.theme import theme
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme

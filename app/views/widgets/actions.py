@@ -20,6 +20,7 @@ from app.model.state.situation import (
     has_volume,
 )
 from app.model.text.keys import with_keys
+from app.model.text.language import from_core
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
 
@@ -54,7 +55,7 @@ class ActionSpec:
     menu : str
         Its menu; ``"File>Open sample"`` names a submenu.
     text : str
-        Text in the menu.
+        Text in the menu; in English, or in the language of the window already.
     tip : str
         One sentence for the tooltip and the status bar; it may name keys of actions (see `with_keys`).
     do : callable
@@ -97,6 +98,10 @@ class ActionSpec:
     pictured: Callable[[Situation], str] | None = None
     short: str = ""
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "text", from_core(self.text))
+        object.__setattr__(self, "tip", from_core(self.tip))
+
     @property
     def shortcuts(self) -> tuple[str, ...]:
         """Its keys, one by one."""
@@ -113,7 +118,7 @@ class ActionSpec:
         return with_keys(self.tip)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Submenu:
     """A submenu that `fill` fills each time before it opens; the rest is as in `ActionSpec`."""
 
@@ -122,6 +127,9 @@ class Submenu:
     text: str
     fill: Callable[[QMenu], None]
     gap: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "text", from_core(self.text))
 
 
 PRIMARY = "run"

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.field.interpolation import interpolate
-from cpm_core.field.placed_charges import at_scale, near_charges, placed_force, placed_potential, radius_at
+from cpm_core.field.placed_charges import at_scale, near_charges, placed_force_at, placed_potential, radius_at
 from cpm_core.field.scale_field import GATE, ScaleField
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.coverage import cover, idle_at
@@ -120,9 +120,8 @@ def reseeded(state: State, scale_field: ScaleField) -> State | None:
         return None
     places = reseeding_places(scale_field, without_off_edge(state, scale_field).particles.position)
     if state.charges:
-        charges, radius = at_scale(state.charges, state.scale, state.shape), radius_at(state.scale)
-        force = placed_force(charges, radius, (0, scale_field.shape[0], 0, scale_field.shape[1]))
-        places = places[(force[tuple(places.astype(int).T)] ** 2).sum(axis=1) <= GATE**2]
+        force = placed_force_at(state.placed, radius_at(state.scale), places)
+        places = places[(force**2).sum(axis=1) <= GATE**2]
     if not len(places):
         return None
     state = without_resting_off_edge(state, scale_field)  # else they would be reactivated in vain

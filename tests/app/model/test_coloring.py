@@ -13,7 +13,7 @@ from PySide6.QtCore import Qt
 
 from app.model.display.coloring import QUANTITIES, SHADES, age, colored, convergence, speed
 from app.model.display.lengths import round_up
-from app.session.worker.recorded_run import RunRecord
+from app.session.timeline.moments import RunRecord
 from app.views.theme import color_maps
 from cpm_core import Engine, Parameters
 from cpm_core.model.coverage import no_coverage
@@ -103,7 +103,7 @@ def test_colors_are_chosen_by_keys_and_come_with_a_legend(window, hand, ready):
     hand.qtbot.keyClick(box, Qt.Key.Key_Down)
     assert layer.word("colour") == "speed"
     assert layer.legend.isVisible()
-    title, low, high = layer.legend.words
+    title, _, low, *_, high = layer.legend.toPlainText().split()
     assert (title, low) == ("Speed", "0")
     assert float(high) == round_up(float(high))
     layer.set_shown(False)

@@ -10,7 +10,7 @@ from PySide6.QtCore import Qt
 
 from app.model.display.lengths import short_text
 from app.model.display.plots import PLOTS, RunMetrics, figure
-from app.session.worker.recorded_run import RunRecord
+from app.session.timeline.moments import RunRecord
 from app.views.panels.run import PlotPanel
 from cpm_core import Engine, Parameters
 from tests.app.conftest import disc

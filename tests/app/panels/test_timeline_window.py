@@ -10,8 +10,8 @@ import pytest
 from PySide6.QtCore import Qt
 
 from app.model.preferences.table import TIMELINE_MEMORY
+from app.session.timeline.timeline import MEGABYTE
 from app.session.worker.commands import Command, CommandContext
-from app.session.worker.recorded_run import MEGABYTE
 from app.session.worker.run import Run
 from app.views.features.run import TimelineFeature
 from app.views.features.view import ComparingFeature
@@ -258,6 +258,10 @@ def test_setting_the_parameters_of_a_step_again_repeats_its_branch(rested, hand,
     assert len(navigation(rested).outline.branches) == 2
 
 
+def timeline_of(window):
+    return window.session._worker_thread._run.timeline
+
+
 def test_the_memory_set_in_the_preferences_acts_at_once(rested, hand, fresh) -> None:
     hand.key(KEY.Key_Comma, CONTROL)
     (dialog,) = rested.findChildren(PreferencesDialog)
@@ -268,7 +272,7 @@ def test_the_memory_set_in_the_preferences_acts_at_once(rested, hand, fresh) -> 
     hand.qtbot.keyClicks(field, "16")
     hand.qtbot.keyClick(field, KEY.Key_Return)
     assert rested.preferences.value(TIMELINE_MEMORY) == 16
-    hand.wait(lambda: navigation(rested).outline.budget == 16 * MEGABYTE)
+    hand.wait(lambda: timeline_of(rested).budget == 16 * MEGABYTE)
     hand.qtbot.keyClick(dialog, KEY.Key_Escape)
     hand.wait(lambda: not rested.findChildren(PreferencesDialog))
     navigation(rested).by(-1)
@@ -276,10 +280,9 @@ def test_the_memory_set_in_the_preferences_acts_at_once(rested, hand, fresh) -> 
 
 
 def test_with_very_little_memory_every_step_is_still_exact(rested, hand, fresh) -> None:
-    recorded = rested.session._worker_thread._run.recorded
-    recorded.timeline.budget = 1
+    timeline_of(rested).budget = 1
     for step in (40, 3, 57, 56):
         navigation(rested).go(1, step)
         wait_for_step(rested, hand, step)
         np.testing.assert_array_equal(shown(rested), ordered(fresh[step]))
-    assert navigation(rested).outline.kept <= 2
+    assert len(timeline_of(rested)._kept) <= 2

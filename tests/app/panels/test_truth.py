@@ -14,7 +14,7 @@ from PySide6.QtWidgets import QFileDialog
 from app.model.display.differences import differences
 from app.session.features.background import LatestOnlyWorker
 from app.views.features.contours import TruthFeature
-from app.views.main_window import MainWindow
+from app.views.window.window import MainWindow
 from cpm_core.contours.agreement import compare
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import truth_of_contours
@@ -153,11 +153,10 @@ def test_of_many_jobs_the_newest_is_done_and_the_thread_ends(qtbot, session) -> 
         threading.Event(),
         threading.Event(),
     )
-    latest.done.connect(results.append)
-    latest.ask(lambda: (begun.set(), held.wait(20), "first")[-1])
+    latest.ask(lambda: (begun.set(), held.wait(20), "first")[-1], results.append)
     assert begun.wait(20)
     for number in range(5):
-        latest.ask(lambda number=number: number)
+        latest.ask(lambda number=number: number, results.append)
     held.set()
     qtbot.waitUntil(lambda: results[-1:] == [4], timeout=20_000)
     assert results == ["first", 4]

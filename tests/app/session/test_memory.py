@@ -12,7 +12,7 @@ import weakref
 import numpy as np
 
 from app.model.document.document import Document
-from app.session.worker.recorded_run import Begun, RecordedRun, RunRecord
+from app.session.timeline.timeline import Timeline
 from cpm_core import Engine, Parameters
 from cpm_core.image.regions import Regions
 from cpm_core.model.starts import circle
@@ -22,14 +22,14 @@ def test_runs_in_many_regions_hold_the_fields_of_a_few() -> None:
     """A method has the fields of the image in its regions; the timeline makes those of a former run again."""
     row, col = np.indices((48, 48))
     plain = Engine(np.where(np.hypot(row - 24, col - 24) < 12, 200.0, 20.0), Parameters(scales=1))
-    recorded, made = RecordedRun(lambda _: plain), []
+    timeline, made = Timeline(lambda _: plain), []
     for run in range(9):
         corner = 40.0 + 0.5 * run
         engine = plain.with_regions(Regions(interest=[[(2, 2), (2, corner), (corner, corner), (corner, 2)]]))
-        begun = Begun(Document(parameters=Parameters(scales=1, beta=0.5 + 0.01 * run)))
-        recorded.begin(engine, engine.start(circle((24.0, 24.0), 8.0)), RunRecord(), begun)
+        document = Document(parameters=Parameters(scales=1, beta=0.5 + 0.01 * run))
+        timeline.begin(engine, engine.start(circle((24.0, 24.0), 8.0)), document)
         made.append(weakref.ref(engine))
         del engine
         gc.collect()
-    assert len(recorded.timeline.runs) == 1  # runs without a step are not kept
+    assert len(timeline.runs) == 1  # runs without a step are not kept
     assert sum(engine() is not None for engine in made) <= 3

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from hypothesis import settings
@@ -12,7 +12,6 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, pr
 from app.model.document.document import Document
 from app.session.timeline.moments import Stepped
 from app.session.timeline.timeline import MOST_RUNS, Timeline
-from app.session.worker.recorded_run import Begun, RecordedRun, RunRecord
 from cpm_core import Engine, Parameters
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.regions import Regions
@@ -29,10 +28,34 @@ def toy(count: int = 5) -> State:
     return State(Particles.at_rest(position), position, (64, 64), 1, no_coverage((64, 64)))
 
 
-def toy_step(state: State, action: object, run: int = 0) -> State:
+@dataclass(frozen=True)
+class Toy:
+    """An action and its value."""
+
+    kind: str
+    value: float
+    regions: None = None
+
+    def apply(self, method: ToyMethod, state: State) -> State:
+        """Take it; runs of other documents differ."""
+        return toy_step(state, self, method.shift)
+
+
+class ToyMethod:
+    """The method of a run."""
+
+    regions = None
+
+    def __init__(self, document: Document) -> None:
+        self.shift = document.parameters.beta
+
+    def with_regions(self, regions: None) -> ToyMethod:
+        return self
+
+
+def toy_step(state: State, action: Toy, shift: float = 0.0) -> State:
     """A step that no two actions have in common, nor two runs, nor the same action twice."""
-    kind, value = action
-    value += 0.25 * run
+    kind, value = action.kind, action.value + 0.25 * shift
     particles = state.particles
     position = particles.position * 1.000001 + value + state.step
     moved = replace(state, particles=replace(particles, position=position))
@@ -50,9 +73,11 @@ def same(one: State, other: State) -> bool:
     return alike and grounds and all(getattr(one, name) == getattr(other, name) for name in fields)
 
 
-def toy_apply(run: int, state: State, action: object) -> State:
-    """`toy_step` as a timeline takes it."""
-    return toy_step(state, action, run)
+def begin(timeline: Timeline, beta: float = 0.0) -> State:
+    """Begin a run of its own."""
+    document = Document(parameters=Parameters(beta=beta))
+    timeline.begin(ToyMethod(document), toy(), document)  # type: ignore[arg-type]
+    return toy()
 
 
 class TimelineMachine(RuleBasedStateMachine):
@@ -60,14 +85,16 @@ class TimelineMachine(RuleBasedStateMachine):
 
     @initialize(budget=st.sampled_from([1, 3_000, 12_000, AMPLE]))
     def begin(self, budget: int) -> None:
-        self.timeline = Timeline(toy_apply, budget)
+        self.timeline = Timeline(ToyMethod, budget)
+        self.begun, self.shifts = 0.0, {}
         self.book: dict[int, list[State]] = {}
         self.begin_a_run()
 
     @rule()
     def begin_a_run(self) -> None:
-        self.state = toy()
-        self.timeline.begin(self.state)
+        self.begun += 0.01
+        self.state = begin(self.timeline, self.begun)
+        self.shifts[self.timeline.run] = self.begun
         self._forget_removed()
         self.book[self.timeline.here[0]] = [self.state]
 
@@ -80,12 +107,12 @@ class TimelineMachine(RuleBasedStateMachine):
     @rule(value=st.integers(0, 2), count=st.integers(1, 9))
     def step(self, value: int, count: int) -> None:
         for _ in range(count):
-            self._do(("step", value))
+            self._do(Toy("step", value))
 
     @precondition(lambda self: self.timeline.here is not None)
     @rule(value=st.integers(0, 2))
     def change(self, value: int) -> None:
-        self._do(("change", value))
+        self._do(Toy("change", value))
 
     @rule(data=st.data())
     def go(self, data: st.DataObject) -> None:
@@ -116,21 +143,24 @@ class TimelineMachine(RuleBasedStateMachine):
 
     def _forget_removed(self) -> None:
         """Runs that have fallen are gone as a whole, are named, and never the current one or the newest."""
-        there = {branch.identity for branch in self.timeline.branches}
+        there = {branch.identity for branch in self.timeline.outline.branches}
         self.book = {branch: states for branch, states in self.book.items() if branch in there}
         assert self.timeline.here is None or self.timeline.here[0] in there
         assert len(self.timeline.runs) <= MOST_RUNS
 
-    def _do(self, action: tuple[str, int]) -> None:
+    def _do(self, action: Toy) -> None:
         timeline, before = self.timeline, self.timeline.here
-        self.state = toy_step(self.state, action, timeline.run)
-        (timeline.record if action[0] == "step" else timeline.amend)(action, self.state)
+        self.state = toy_step(self.state, action, self.shifts[timeline.run])
+        if action.kind == "step":
+            timeline.record(action, self.state, {})
+        else:
+            timeline.amend(action, self.state)
         self._forget_removed()
         branch, step = timeline.here
         if branch not in self.book:
             self.book[branch] = self.book[before[0]][: before[1] + 1]
         book = self.book[branch]
-        if action[0] == "change":
+        if action.kind == "change":
             assert step == before[1] == len(book) - 1
             book[step] = self.state
         elif step < len(book):
@@ -149,7 +179,7 @@ class TimelineMachine(RuleBasedStateMachine):
 
     @invariant()
     def steps_are_contiguous(self) -> None:
-        branches = {branch.identity: branch for branch in self.timeline.branches}
+        branches = {branch.identity: branch for branch in self.timeline.outline.branches}
         assert branches.keys() == self.book.keys()
         for branch in branches.values():
             last = self.timeline.state(branch.identity, 10**6)
@@ -162,7 +192,7 @@ class TimelineMachine(RuleBasedStateMachine):
     @invariant()
     def memory_stays_within_its_bounds(self) -> None:
         timeline = self.timeline
-        assert timeline.used <= timeline.budget or timeline.kept <= 3
+        assert timeline._kept.used <= timeline.budget or len(timeline._kept) <= 3
         kept = timeline._kept._states.values()
         arrays = {
             id(array): array.nbytes
@@ -170,7 +200,7 @@ class TimelineMachine(RuleBasedStateMachine):
             for array in (*(getattr(state.particles, name) for name in Particles.__slots__), *state.coverage[:2])
             if array is not None
         }
-        assert timeline.used == sum(arrays.values())
+        assert timeline._kept.used == sum(arrays.values())
 
 
 TestTimeline = TimelineMachine.TestCase
@@ -179,24 +209,25 @@ TestTimeline.settings = settings(max_examples=30, stateful_step_count=25, deadli
 
 def recorded(count: int, budget: int = AMPLE) -> tuple[Timeline, list[State]]:
     """A timeline of one branch."""
-    timeline, states = Timeline(toy_plain, budget), [toy()]
-    timeline.begin(states[0])
+    timeline = Timeline(ToyMethod, budget)
+    states = [begin(timeline)]
     for _ in range(count):
-        states.append(toy_step(states[-1], ("step", 1)))
-        timeline.record(("step", 1), states[-1])
+        states.append(one_step(timeline, states[-1]))
     return timeline, states
 
 
-def toy_plain(run: int, state: State, action: object) -> State:
-    """`toy_step` of a run that is like all others."""
-    return toy_step(state, action)
+def one_step(timeline: Timeline, state: State, value: float = 1.0) -> State:
+    """The next state, recorded with its value as the figure of its step."""
+    action = Toy("step", value)
+    state = toy_step(state, action)
+    timeline.record(action, state, {"epsilon": value})
+    return state
 
 
 def test_a_new_run_keeps_the_runs_before_it() -> None:
     timeline, states = recorded(10)
-    timeline.begin(toy())
-    timeline.record(("step", 2), toy_step(toy(), ("step", 2)))
-    assert [branch.name for branch in timeline.branches] == ["Run 1", "Run 2"]
+    one_step(timeline, begin(timeline, 0.5), 2.0)
+    assert [branch.name for branch in timeline.outline.branches] == ["Run 1", "Run 2"]
     assert same(timeline.go(1, 10), states[10])
     timeline.leave()
     assert timeline.here is None
@@ -206,19 +237,17 @@ def test_a_new_run_keeps_the_runs_before_it() -> None:
 def test_the_oldest_runs_fall_first_and_those_with_a_name_of_their_own_last() -> None:
     timeline, _ = recorded(2)
     timeline.rename(1, "the good one")
-    for _ in range(MOST_RUNS + 2):
-        timeline.begin(toy())
-        timeline.record(("step", 1), toy_step(toy(), ("step", 1)))
-    assert timeline.fallen == ("Run 2", "Run 3", "Run 4")
-    assert timeline.branches[0].name == "the good one"
+    for number in range(MOST_RUNS + 2):
+        one_step(timeline, begin(timeline, 0.01 * number + 0.01))
+    assert timeline.outline.fallen == ("Run 2", "Run 3", "Run 4")
+    assert timeline.outline.branches[0].name == "the good one"
     timeline.budget = 1
-    assert [branch.run for branch in timeline.branches] == [timeline.run]
+    assert [branch.run for branch in timeline.outline.branches] == [timeline.run]
 
 
 def test_a_run_that_is_deleted_gives_way_to_the_one_before() -> None:
     timeline, states = recorded(4)
-    timeline.begin(toy())
-    timeline.record(("step", 1), toy_step(toy(), ("step", 1)))
+    one_step(timeline, begin(timeline, 0.5))
     timeline.drop(2)
     assert timeline.here == (1, 4)
     assert same(timeline.state(1, 4), states[4])
@@ -226,16 +255,15 @@ def test_a_run_that_is_deleted_gives_way_to_the_one_before() -> None:
 
 def test_going_on_by_the_same_actions_repeats_the_branch_and_by_others_begins_one() -> None:
     timeline, states = recorded(10)
-    (first,) = timeline.branches
-    timeline.go(first.identity, 4)
-    timeline.record(("step", 1), states[5])
-    assert timeline.here == (first.identity, 5)
-    assert len(timeline.branches) == 1
-    timeline.record(("step", 2), toy_step(states[5], ("step", 2)))
-    kept, new = timeline.branches
+    timeline.go(1, 4)
+    one_step(timeline, states[4])
+    assert timeline.here == (1, 5)
+    assert len(timeline.outline.branches) == 1
+    one_step(timeline, states[5], 2.0)
+    kept, new = timeline.outline.branches
     assert (kept.last, new.parent, new.first, new.last) == (10, kept.identity, 5, 6)
     timeline.go(new.identity, 5)
-    timeline.record(("step", 1), states[6])
+    one_step(timeline, states[5])
     assert timeline.here == (kept.identity, 6)
 
 
@@ -254,41 +282,27 @@ def test_steps_under_placed_charges_and_moved_barriers_are_recovered_bit_for_bit
         Stepped(Parameters()),
     )
     engines = {None: ENGINE, barrier: ENGINE.with_regions(barrier)}
-    recorded, record, states = RecordedRun(lambda _: ENGINE), RunRecord(), [ENGINE.start(circle((32.0, 32.0), 10.0))]
-    recorded.timeline.budget = 1
-    recorded.begin(ENGINE, states[0], record, Begun(Document()))
+    timeline, states = Timeline(lambda _: ENGINE, 1), [ENGINE.start(circle((32.0, 32.0), 10.0))]
+    timeline.begin(ENGINE, states[0], Document())
     for step in range(50):
         action = features[step // 10]
         engine = engines[action.regions]
         states.append(engine.step(states[-1], action.parameters, action.charges))
-        record.record(states[-1].step, engine.measures(states[-1], action.parameters))
-        recorded.record(action, states[-1], record)
-    assert recorded.outline.kept <= 2
+        timeline.record(action, states[-1], engine.measures(states[-1], action.parameters))
+    assert len(timeline._kept) <= 2
     for step in (49, 12, 31, 5):
-        state, until = recorded.go(1, step, lambda: True)
-        assert same(state, states[step])
-        assert recorded.outline.parameters == features[(step - 1) // 10].parameters
-        assert list(until.metrics().step) == list(range(1, step + 1))
+        assert same(timeline.go(1, step), states[step])
+        assert timeline.outline.parameters == features[(step - 1) // 10].parameters
+        assert list(timeline.metrics(1, step).step) == list(range(1, step + 1))
 
 
 def test_records_for_plots_follow_their_branches() -> None:
-    recorded, record, state = RecordedRun(lambda _: ENGINE), RunRecord(), toy()
-    recorded.timeline = Timeline(toy_plain, AMPLE)
-    recorded.begin(ENGINE, state, record, Begun(Document()))
-
-    def go_on(value: int, count: int) -> None:
-        nonlocal state
-        for _ in range(count):
-            state = toy_step(state, ("step", value))
-            record.record(state.step, {"epsilon": float(value)})
-            recorded.record(("step", value), state, record)
-
-    go_on(1, 20)
-    state, record = recorded.go(1, 5, lambda: True)
-    go_on(2, 10)
-    _, first = recorded.go(1, 20, lambda: True)
-    _, second = recorded.go(2, 15, lambda: True)
-    assert list(first.metrics().epsilon) == [1.0] * 20
-    assert list(second.metrics().epsilon) == [1.0] * 5 + [2.0] * 10
-    state, record = recorded.drop(2)
-    assert (state.step, list(record.metrics().epsilon)) == (5, [1.0] * 5)
+    timeline, states = recorded(20)
+    timeline.go(1, 5)
+    state = states[5]
+    for _ in range(10):
+        state = one_step(timeline, state, 2.0)
+    assert list(timeline.metrics(1, 20).epsilon) == [1.0] * 20
+    assert list(timeline.metrics(2, 15).epsilon) == [1.0] * 5 + [2.0] * 10
+    assert timeline.drop(2).step == 5
+    assert timeline.here == (1, 5)

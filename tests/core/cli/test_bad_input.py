@@ -53,7 +53,7 @@ BAD = [
     (f"run disk.png {CIRCLE} --export out.xyz", "out.xyz"),
     (f"run disk.png {CIRCLE} --export none/out.svg", "no folder"),
     (f"run disk.png {CIRCLE} --save-session a.json", "must end in .cpm"),
-    (f"run disk.png {CIRCLE} --truth none.roi", "cannot be read"),
+    (f"run disk.png {CIRCLE} --truth none.roi", "does not exist"),
     ("run disk.png --object 30,170", "lies outside the image, which has 80 x 100 px"),
     ("run disk.png --not 1,2 --auto grid", "--not is given without --object"),
     (f"run disk.png {CIRCLE} --space RAS", "--space is for volumes"),
