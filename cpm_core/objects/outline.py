@@ -54,7 +54,7 @@ class Steps(NamedTuple):
 def trace(mask: Mask) -> Steps:
     """Follow the outlines of a mask, with its pixels on the right hand; pixels that share only a corner are apart."""
     wide = np.pad(mask, 1)
-    return Steps(*_traced(mask, sum(np.count_nonzero(np.diff(wide, axis=axis)) for axis in range(2))))
+    return Steps(*_traced(mask, sum(int(np.count_nonzero(np.diff(wide, axis=axis))) for axis in range(2))))
 
 
 @compiled
