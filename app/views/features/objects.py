@@ -44,7 +44,8 @@ class ObjectsFeature(Feature):
         self.panel.table.zoom_wanted.connect(area.zoom_to_selection)
         objects.selection_changed.connect(window.refresh)
         selection.changed.connect(window.refresh)
-        selection.taken.connect(self._ask_name_of_taken)
+        selection.taken.connect(objects.choose)
+        selection.taken.connect(lambda numbers: self.ask_name() if len(numbers) == 1 else None)
 
         def some(_: Situation) -> bool:
             return bool(objects.chosen)
@@ -140,11 +141,6 @@ class ObjectsFeature(Feature):
             self.ask_name()
             return True
         return False
-
-    def _ask_name_of_taken(self, numbers: tuple[int, ...]) -> None:
-        self._list.choose(numbers)
-        if len(numbers) == 1:
-            self.ask_name()
 
     def _change(self) -> None:
         self.window.canvas_area.use_tool("objects")

@@ -119,13 +119,13 @@ class MainWindow(QMainWindow):
         self._use_look()
         self.canvas_area = CanvasArea(workspace)
         self.setCentralWidget(self.canvas_area)
-        canvas, slices, truth = self.canvas_area.canvas, workspace.slices, workspace.truth
+        canvas, slices = self.canvas_area.canvas, workspace.slices
         self._keyboard = Keyboard(self, canvas)
         self.offers = self.canvas_area.offers
         session.listen(Opened, lambda _: self.offers.clear())  # before any feature offers something
         self.files = FileDialogs(self, session, self.preferences)
         self.document_file = DocumentFile(session, lambda: {**canvas.view_state(), **slices.view_state()})
-        self.document_file.truth = lambda: truth.file
+        self.document_file.truth = lambda: workspace.truth.file
         self.shortcuts = Shortcuts(self.preferences, self)
         self.shortcuts.changed.connect(self._use_keys)
         self.speed = SpeedControl(session)
@@ -144,15 +144,18 @@ class MainWindow(QMainWindow):
         self.addToolBar(Qt.ToolBarArea.LeftToolBarArea, ToolPalette(self.actions_by_name))
         self.pointer_readout = PointerReadout(session, canvas)
         self.zoom_field = ZoomField(canvas)
-        self.statusBar().addPermanentWidget(self.pointer_readout)
-        self.statusBar().addPermanentWidget(self.zoom_field)
+        for field in (self.pointer_readout, self.zoom_field):
+            self.statusBar().addPermanentWidget(field)
         session.status_changed.connect(self._show)
         session.image_changed.connect(self._keep_tool)
         self.preferences.changed.connect(self._follow)
         QGuiApplication.styleHints().colorSchemeChanged.connect(self._use_chosen_theme)
         self._use_chosen_theme()
         self._show()
-        self._restore_geometry()
+        geometry = self.preferences.get(_GEOMETRY, QByteArray())
+        if not geometry.isEmpty():
+            self.restoreGeometry(geometry)
+            self.docks.restore_layout(self.preferences.get(_LAYOUT, QByteArray()))
         canvas.setFocus()
 
     def feature(self, kind: type[P]) -> P:
@@ -273,12 +276,6 @@ class MainWindow(QMainWindow):
                 colors={name: value(color) for name, color in INKS.items() if value(color) != color.default},
             )
         )
-
-    def _restore_geometry(self) -> None:
-        geometry = self.preferences.get(_GEOMETRY, QByteArray())
-        if not geometry.isEmpty():
-            self.restoreGeometry(geometry)
-            self.docks.restore_layout(self.preferences.get(_LAYOUT, QByteArray()))
 
 
 D = TypeVar("D", bound=QDialog)
