@@ -98,8 +98,8 @@ class LayersFeature(Feature):
 
     def _show_keys(self) -> None:
         """Name the keys of layers in their tooltips."""
-        specs = self.window.actions_by_name.specs
-        self._panel.show_keys({spec.name.removeprefix(LAYER): spec.shortcuts for spec in specs})
+        keys = self.window.shortcuts.keys
+        self._panel.show_keys({name: keys(f"{LAYER}{name}") for name in self._panel.rows})
 
 
 def _kept(preferences: Preferences, layer: Layer) -> dict[str, object]:

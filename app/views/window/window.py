@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Generic, Protocol, TypeVar, runtime_checkable
+from typing import Generic, Protocol, TypeVar, cast, runtime_checkable
 
 from PySide6.QtCore import QByteArray, QSize, Qt, Signal
 from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QGuiApplication
@@ -35,7 +35,7 @@ from app.views.window.docks import Docks, Panel
 from app.views.window.keyboard import Keyboard
 from app.views.window.menus import MENUS, ContextMenus, Menus
 from app.views.window.python_hooks import GarbageCollector
-from app.views.window.shortcuts import Shortcuts, use_keys
+from app.views.window.shortcuts import Shortcuts
 
 _SIZE, _FRAME = QSize(1400, 880), QSize(16, 40)
 """Preferred size of the window, and space on the screen for its frame."""
@@ -160,9 +160,7 @@ class MainWindow(QMainWindow):
 
     def feature(self, kind: type[P]) -> P:
         """A feature by its class."""
-        feature = self.features[kind]
-        assert isinstance(feature, kind)
-        return feature
+        return cast("P", self.features[kind])
 
     def do(self, name: str) -> None:
         """Trigger an action by its name."""
@@ -229,15 +227,12 @@ class MainWindow(QMainWindow):
         return menus
 
     def _add_shortcuts(self) -> None:
-        add = self.shortcuts.add
         for spec in self.actions_by_name.specs:
-            menu = spec.menu.partition(">")[0]
-            group = tr("Tools") if spec.group == "tool" else MENUS[menu].replace("&", "")
+            group = tr("Tools") if spec.group == "tool" else MENUS[spec.menu.partition(">")[0]].replace("&", "")
             group = tr("Layers") if spec.name.startswith(LAYER) else group
-            add(spec.name, spec.title, group, spec.shortcuts, partial(self.actions_by_name.use_keys, spec.name))
+            self.shortcuts.add(self.actions_by_name[spec.name], spec.name, spec.title, group)
         for action in self.docks.actions:
-            keys = [key.toString() for key in action.shortcuts()]
-            add(action.objectName(), action.text(), tr("Panels"), keys, partial(use_keys, action))
+            self.shortcuts.add(action, action.objectName(), action.text(), tr("Panels"))
         self.shortcuts.changed.emit()
 
     def _use_keys(self) -> None:
