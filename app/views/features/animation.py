@@ -24,9 +24,6 @@ from cpm_core import write_animation
 from cpm_core.formats import ANIMATED, check_animation
 from cpm_core.numerics import Pixels
 
-_AHEAD = 4
-"""Maximum number of frames that wait to be written."""
-
 _TIMEOUT = 0.05
 """Time between two checks for cancellation [s]."""
 
@@ -91,16 +88,8 @@ class AnimationFeature(Feature):
         frames: queue.Queue[Pixels | None] = queue.Queue()
         encode = partial(_encode, frames, len(plan.steps), path, plan.frames_per_second, comment_on(session))
         task = begin_writing(session, path, encode)
-        filming = FrameRecorder(
-            session,
-            FrameRenderer(session.scene, canvas, self._part(plan.zoomed), plan.size),
-            task,
-            [(branch, step) for step in plan.steps],
-            contours=canvas.layers["contours"].shown,
-            take=frames.put,
-            end=lambda: frames.put(None),
-            has_room=lambda: frames.qsize() < _AHEAD,
-        )
+        renderer = FrameRenderer(session.scene, canvas, self._part(plan.zoomed), plan.size)
+        filming = FrameRecorder(session, renderer, task, [(branch, step) for step in plan.steps], frames)
         self._filming = [*(other for other in self._filming if not other.over), filming]
         return task
 

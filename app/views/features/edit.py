@@ -12,9 +12,7 @@ from app.model.state.situation import can_redo, can_undo, has_image, has_selecti
 from app.model.text.language import from_core, tr
 from app.views.canvas.canvas_area import FIRST_TOOL
 from app.views.canvas.tools import TOOLS
-from app.views.panels.history import HistoryPanel
 from app.views.widgets.actions import ActionSpec
-from app.views.window.docks import Panel
 from app.views.window.window import Feature, MainWindow
 from cpm_core.shapes import Everywhere, Kind
 
@@ -122,15 +120,3 @@ class UndoSelectionFeature(Feature):
         selected = self.window.session.selected
         if selected is not None:
             self.window.canvas_area.grow(selected, by)
-
-
-class HistoryFeature(Feature):
-    """The panel of the history."""
-
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
-        session = window.session
-        self.panel = HistoryPanel(session.go_to)
-        self.panels = (Panel("history", "History", self.panel, tab="settings", shown=False, shortcut="Ctrl+H"),)
-        session.document_changed.connect(lambda _: self.panel.show_changes(*session.changes))
-        self.panel.show_changes(*session.changes)

@@ -114,7 +114,7 @@ class SlicesFeature(Feature):
         area = self.window.canvas_area
         thing, _ = area.menu_at(area.mapFromGlobal(point))
         if thing != "image":
-            area.canvas.menu_wanted.emit(point)
+            area.canvas.pointer.menu_wanted.emit(point)
 
     def toggle_sides(self) -> None:
         """Show or hide the slices across the other axes."""
@@ -157,7 +157,7 @@ class SlicesFeature(Feature):
         area.views.setColumnStretch(0, 2)
         area.views.addWidget(view, row, 1)
         self._draw_later(view)
-        view.menu_wanted.connect(self._open_menu)
+        view.pointer.menu_wanted.connect(self._open_menu)
         view.went.connect(self._slices.through)
         view.passed.connect(self._slices.pass_on)
         self.sides += (view,)
@@ -278,7 +278,7 @@ class SpaceFeature(Feature):
         shown, seen, camera = self.panel.view, self.panel.contents, self.panel.view.camera
         if seen is None or camera is None:
             return None
-        draw = partial(picture_of, seen, camera, shown.room, shown.look, shown.marks)
+        draw = partial(picture_of, seen, camera, shown.room)
         comment = comment_on(self.window.session)
 
         def work(_: Task) -> Report:
@@ -293,7 +293,7 @@ class SpaceFeature(Feature):
         if seen is None or camera is None:
             return None
         size = animation_size(shown.room)
-        frames = partial(turn, seen, camera.enlarged(size[0] / shown.room[0]), size, shown.look, shown.marks)
+        frames = partial(turn, seen, camera.enlarged(size[0] / shown.room[0]), size)
         comment = comment_on(self.window.session)
 
         def work(task: Task) -> Report | None:

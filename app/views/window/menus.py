@@ -101,7 +101,6 @@ THINGS: Mapping[str, tuple[str, ...]] = {
     "space": ("space_whole", "space_along_0", "space_along_1", "space_along_2", "", "space_particles", "space_surface",
               "space_objects", "space_slices", "space_projection", "space_box", "", "copy_space", "export_space",
               "export_turntable"),
-    "history": ("undo", "redo"),
     "parameter": (),
 }  # fmt: skip
 """Names of actions and submenus by thing; an empty name is a line between groups. An action is a thing, too."""

@@ -223,7 +223,7 @@ class MainWindow(QMainWindow):
         self.menus.add_section("View", general)
         menus = ContextMenus(self, specs, self.actions_by_name, general)
         menus.watch(self, *self.docks)
-        self.canvas_area.canvas.menu_wanted.connect(partial(menus.open_at, self.canvas_area))
+        self.canvas_area.canvas.pointer.menu_wanted.connect(partial(menus.open_at, self.canvas_area))
         return menus
 
     def _add_shortcuts(self) -> None:

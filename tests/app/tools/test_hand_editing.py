@@ -84,7 +84,7 @@ def test_a_drag_from_end_to_end_closes_the_contour_along_the_edge(gap, hand) -> 
     assert closed.closed and closed.area == pytest.approx(AREA, rel=0.04)
     assert closed.length_by_hand == pytest.approx(RADIUS, rel=0.1)
     assert len(preview(hand)) == 0
-    assert hand.canvas.layers.contours.drawn_by_hand == 1
+    assert hand.canvas.layers.contours.by_hand.count == 1
     assert gap.session.undo_name == "join contours"
 
 
