@@ -103,7 +103,7 @@ def test_colors_are_chosen_by_keys_and_come_with_a_legend(window, hand, ready):
     hand.qtbot.keyClick(box, Qt.Key.Key_Down)
     assert layer.word("colour") == "speed"
     assert layer.legend.isVisible()
-    title, low, high = layer.legend.words
+    title, _, low, *_, high = layer.legend.toPlainText().split()
     assert (title, low) == ("Speed", "0")
     assert float(high) == round_up(float(high))
     layer.set_shown(False)
