@@ -37,7 +37,7 @@ from app.model.preferences.table import BY_PAGE, PAGES, Choice, Color, Flag, Num
 from app.model.text.language import tr
 from app.session.storage.preferences import Preferences
 from app.views.theme.icons import swatch
-from app.views.widgets.actions import native, natives
+from app.views.widgets.actions import native
 from app.views.widgets.fields import DecimalField
 from app.views.window.shortcuts import Shortcuts
 
@@ -269,7 +269,7 @@ class ShortcutsPage(QWidget):
         """Show the keys as they are now, of the actions that are searched for."""
         wanted = self.search.text().casefold()
         for name, item in self._items.items():
-            item.setText(1, natives(self._shortcuts.keys(name)))
+            item.setText(1, ", ".join(map(native, self._shortcuts.keys(name))))
             item.setHidden(wanted not in f"{item.text(0)} {item.text(1)}".casefold())
         for group in self._groups.values():
             group.setHidden(all(item.isHidden() for item in self._items.values() if item.parent() is group))
