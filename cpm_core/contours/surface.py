@@ -213,7 +213,7 @@ class Surface:
         flat = len(self.faces) - len(np.unique(np.sort(self.faces, axis=1), axis=0))  # two triangles on each other
         return self.euler, self.free_edges, self.nonmanifold_edges, self.components, flat
 
-    @property
+    @cached_property
     def components(self) -> int:
         """Number of parts that do not hang together."""
         return len(np.unique(self.component_of_vertex[self.faces[:, 0]]))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import logging
-import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
@@ -16,6 +15,7 @@ from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.result import Result
 from cpm_core.contours.surface import Surface
 from cpm_core.formats.common.atomic import check_place, write_together
+from cpm_core.formats.common.content import AnyPath
 from cpm_core.formats.common.printable import cell
 from cpm_core.formats.writers import FOR_VOLUMES, WRITABLE, check_export, encoded, omission, suffix_of
 from cpm_core.image.drawing import encoded_figure, require_matplotlib, show_curves, show_image
@@ -97,7 +97,7 @@ def write_comparison(
     image: Image,
     start: Start,
     tiles: Sequence[Tile],
-    paths: Sequence[str | os.PathLike[str]],
+    paths: Sequence[AnyPath],
     warn: Callable[[str], object] = _LOG.warning,
     truth: Truth | None = None,
     refused: Callable[[Path, str], object] | None = None,
@@ -154,7 +154,7 @@ def files_of(path: Path, methods: Sequence[str]) -> list[Path]:
     return [path.with_name(f"{stem}.{method}{suffix}") for method in methods]
 
 
-def check_comparison(path: str | os.PathLike[str], methods: Sequence[str] = (), ndim: int = 2) -> None:
+def check_comparison(path: AnyPath, methods: Sequence[str] = (), ndim: int = 2) -> None:
     """Check in advance whether `write_comparison` could write to a path, of an image or a volume; ValueError if not."""
     file = Path(path)
     check_export(file)

@@ -9,10 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cpm_core.contours.result import Result
-from cpm_core.formats.common.provenance import ascii_entries_of, facts_of
+from cpm_core.formats.common.provenance import Outcome, ascii_entries_of, facts_of
 from cpm_core.formats.contours.contents import Contents, Plane
-from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array
 
 if TYPE_CHECKING:
@@ -44,7 +42,7 @@ _NEAR = 0.005
 _COARSE = 1e-6
 
 
-def encode(result: Result | Skeleton) -> bytes:
+def encode(result: Outcome) -> bytes:
     """Write each contour as a polyline.
 
     The drawing is the right way up: x runs along columns and y up, from the lower left corner of the image, in the unit

@@ -8,19 +8,16 @@ import struct
 import zipfile
 from collections.abc import Iterator
 from pathlib import PurePosixPath
-from typing import Any
 
 import numpy as np
 from roifile import ROI_OPTIONS, ROI_SUBTYPE, ROI_TYPE, ImagejRoi
 
 from cpm_core.contours.contour import Contour, numbers_of
-from cpm_core.contours.result import Result
-from cpm_core.formats.common.provenance import ascii_entries_of, facts_of
-from cpm_core.formats.contours.contents import DEFAULT, Contents, rgb, title
+from cpm_core.formats.common.content import UnreadableError
+from cpm_core.formats.common.plain import Entries
+from cpm_core.formats.common.provenance import Outcome, ascii_entries_of, facts_of
+from cpm_core.formats.contours.contents import PIXEL, Contents, rgb, title
 from cpm_core.formats.contours.curves import bezier, ellipse, nested, rectangle
-from cpm_core.formats.contours.json_text import PIXEL
-from cpm_core.formats.images.decoded import UnreadableError
-from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array
 
 _MAGIC = b"Iout"
@@ -42,7 +39,7 @@ _PARAMETERS = {0: 2, 1: 2, 2: 4, 3: 6, 4: 0}
 """Step of a composite path -> numbers that follow it: begin, line, curves of degree two and three, close."""
 
 
-def encode(result: Result | Skeleton) -> bytes:
+def encode(result: Outcome) -> bytes:
     """Write the only contour of a result as a ROI file; ValueError when there are none or several."""
     if len(result.contours) != 1:
         raise ValueError(
@@ -53,7 +50,7 @@ def encode(result: Result | Skeleton) -> bytes:
     return selection(result.contours[0], number, properties_of(result))
 
 
-def encode_set(result: Result | Skeleton) -> bytes:
+def encode_set(result: Outcome) -> bytes:
     """Write each contour as a selection into one archive, which the ROI manager of ImageJ opens.
 
     The ROI manager shows a selection under the name of its file in the archive: the name of the contour, with a number
@@ -118,7 +115,7 @@ def selection(contour: Contour, number: int, properties: str, **place: int) -> b
     return roi.tobytes()
 
 
-def properties_of(result: Result | Skeleton) -> str:
+def properties_of(result: Outcome) -> str:
     """How contours were found, as properties of a selection: a key and a value in each line, in ASCII."""
     return "".join(f"cpm_{name}: {value}\n" for name, value in ascii_entries_of(facts_of(result)).items())
 
@@ -131,15 +128,11 @@ def read(content: bytes) -> Contents:
     found = Contents()
     for name, selection in _selections(content, found):
         roi = ImagejRoi.frombytes(selection)
-        own = "cpm_program" in (roi.props or "")
+        found.own = "cpm_program" in (roi.props or "")
         title = (roi.name or "").rstrip("\0") or name
         color = "" if not roi.stroke_color or roi.stroke_color[0] == 0 else list(roi.stroke_color[1:4])
-        known: dict[str, Any] = {"name": title, "color": color}
-        if own:
-            known["name"] = "" if re.fullmatch(r"(contour|track) \d+", title) else title
-            known["color"] = "" if bytes(roi.stroke_color[1:4]).hex() == DEFAULT[1:] else color
         page = max(roi.position, roi.z_position, roi.t_position, 0)
-        _add(found, roi, selection, page, known)
+        _add(found, roi, selection, {"page": page, "name": title, "color": color})
     return found
 
 
@@ -161,17 +154,17 @@ def _selections(content: bytes, found: Contents) -> Iterator[tuple[str, bytes]]:
                 found.left_out["file of the set that is no selection"] += 1
 
 
-def _add(found: Contents, roi: ImagejRoi, selection: bytes, page: int, known: dict[str, Any]) -> None:
+def _add(found: Contents, roi: ImagejRoi, selection: bytes, known: Entries) -> None:
     if roi.multi_coordinates is not None:
         curves = [curve - PIXEL for curve in _composite(roi.multi_coordinates.astype(np.float64))]
-        found.add_object(nested(curves), page=page, **known)
+        found.add_object(nested(curves), **known)
     elif roi.roitype in _AREAL:
-        found.add(_area(roi, selection) - PIXEL, True, page=page, **known)
+        found.add(_area(roi, selection) - PIXEL, True, **known)
     elif roi.roitype in _LINES:
-        found.add(_rows(roi.coordinates()), False, page=page, **known)
+        found.add(_rows(roi.coordinates()), False, **known)
     elif roi.roitype == ROI_TYPE.POINT:
         for place in _rows(roi.coordinates()):
-            found.add_place(place, page)
+            found.add_place(place, known["page"])
     else:
         found.left_out["empty selection"] += 1
 

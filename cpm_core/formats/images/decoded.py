@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cpm_core.formats.common.content import UnreadableError
 from cpm_core.image.colors import Colors, reduced
 from cpm_core.image.geometry import Geometry
 
@@ -28,10 +29,6 @@ _TURNS = {
     7: (True, True, True),
     8: (True, True, False),
 }
-
-
-class UnreadableError(ValueError):
-    """A file cannot be used; the message is a sentence for users."""
 
 
 @dataclass(frozen=True, eq=False)

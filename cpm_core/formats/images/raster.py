@@ -12,12 +12,12 @@ import numpy as np
 import PIL.Image
 from numpy.typing import NDArray
 
+from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.printable import printable
 from cpm_core.formats.images import resolution
 from cpm_core.formats.images.decoded import (
     ORIENTATION_TAG,
     Decoded,
-    UnreadableError,
     check_size,
     from_bands,
     from_samples,

@@ -221,7 +221,7 @@ def test_a_file_that_is_cut_off_is_refused_in_a_sentence_or_read_in_part(suffix,
     if suffix in (".obj", ".vtk") and cut > 0.5:  # without its last triangles, or its normals alone
         assert isinstance(decode_surface(content, f"a{suffix}")[0], Surface)
         return
-    with pytest.raises(ValueError, match=rf"^a\{suffix} "):
+    with pytest.raises(ValueError, match=rf"^a\{suffix}\b"):
         decode_surface(content, f"a{suffix}")
 
 

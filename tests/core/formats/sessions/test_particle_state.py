@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from cpm_core import PRESETS, Engine, Image, Parameters, PlacedCharge, sphere
+from cpm_core.formats.common.plain import array_from_plain, array_to_plain
 from cpm_core.formats.sessions.particle_state import state_from_plain, state_to_plain
-from cpm_core.formats.sessions.plain import array_from_plain, array_to_plain
 from cpm_core.model.starts import circle
 from cpm_core.model.state import State
 

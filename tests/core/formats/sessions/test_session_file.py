@@ -20,7 +20,7 @@ from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.packed_surface import PackedSurface
 from cpm_core.contours.review import Mark, Verdict
 from cpm_core.formats.common.content import fingerprint
-from cpm_core.formats.sessions.plain import LARGEST
+from cpm_core.formats.common.plain import LARGEST
 from cpm_core.formats.sessions.session_file import (
     ImageFile,
     SessionFile,
@@ -135,7 +135,7 @@ def suiting(session: SessionFile) -> SessionFile:
 
 sessions = st.builds(
     SessionFile,
-    image=st.sampled_from([None, ImageFile("a.png", 64 * "a", (4, 5), ("/b/a.png",)), ImageFile("/b/ü.png")]),
+    image=st.sampled_from([None, ImageFile("a.png", 64 * "a", (4, 5), "/b/a.png"), ImageFile("/b/ü.png")]),
     shapes=drawings.map(tuple),
     parameters=parameters(),
     marks=st.lists(marks, max_size=3).map(tuple),
