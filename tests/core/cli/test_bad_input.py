@@ -68,7 +68,6 @@ BAD = [
     (f"run ball.npy {SPHERE} --export a.svg", "a.svg is for contours"),
     (f"run ball.npy {SPHERE} --faces 3", "at least 4"),
     (f"run ball.npy {SPHERE} --page 3", "a volume takes all pages"),
-    (f"run ball.npy {SPHERE} --object 1,1,1", "no object"),
     (f"run ball.npy {SPHERE} --barrier 1,2,3,0,0,0", "the direction across barrier 1 is"),
     (f"run disk.png {SPHERE}", "has the shape (80, 100)"),
     ("info none.png --json", "does not exist"),
