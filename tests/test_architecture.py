@@ -33,6 +33,7 @@ LATE_LIBRARIES = {
     "cpm_core.formats.comparison": {"matplotlib"},
     "cpm_core.cli.workers": {"distributed"},
     "cpm_core.formats.contours.dxf": {"ezdxf"},
+    "cpm_core.formats.contours.geojson": {"shapely"},
     "cpm_core.formats.contours.svg": {"svgelements"},
     "cpm_core.formats.masks.nifti": {"nibabel"},
 }

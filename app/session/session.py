@@ -187,10 +187,6 @@ class Session(QObject):
         """Repeat the edit that was undone last."""
         self._turn(self.history.redo())
 
-    def go_to(self, done: int) -> None:
-        """Undo or redo until so many of the `changes` are done."""
-        self._turn(self.history.go_to(done))
-
     def select(self, index: int | None) -> None:
         """Select a shape, or none; none, too, in place of one that could not be drawn."""
         if index is not None and index >= len(self.document.shapes):

@@ -204,8 +204,9 @@ class Board(QObject):
         closed = sum(contour.closed for contour in result.contours)
         bridges = result.bridges if isinstance(result, Result) else ()
         figures: dict[str, Any] = {
-            "closed": closed, "open": len(result.contours) - closed, "bridges": len(bridges), "surface": found.figures,
+            "closed": closed, "open": len(result.contours) - closed, "bridges": len(bridges),
             "longest_bridge": max((bridge.length for bridge in bridges), default=0.0),
+            "surface": getattr(result, "surface", None),
         }  # fmt: skip
         if isinstance(result, Skeleton):
             figures |= {name: getattr(result, name) for name in ("length", "thickness", "width", "polarity")}

@@ -10,13 +10,9 @@ from PySide6.QtCore import QLibraryInfo, QLocale, QTimer, QTranslator
 from PySide6.QtGui import QPixmapCache
 from PySide6.QtWidgets import QApplication
 
-from app.model.document.samples import samples
 from app.model.text.language import language, use_marks
-from app.session.features.workspace import Workspace
-from app.views.features.files import RecoveryFeature, StartFeature
 from app.views.features.help import HelpFeature
-from app.views.features.offers import BeginningFeature
-from app.views.main_window import MainWindow
+from app.views.main_window import open_window
 from app.views.theme.icons import program_icon
 from app.views.window.python_hooks import UnexpectedErrors
 
@@ -60,27 +56,13 @@ def _translate_own_dialogs_of_qt(application: QApplication) -> None:
         application.installTranslator(translator)
 
 
-def open_window(path: str | None = None) -> MainWindow:
-    """Open a window with an image; without a usable one, with the first sample."""
-    workspace = Workspace()
-    window, session = MainWindow(workspace), workspace.session
-    sample = samples()[0].path
-    session.open(path or sample, otherwise=sample if path else None)
-    session.warm_up()
-    window.show()
-    if path is None:
-        window.feature(StartFeature).welcome(window.feature(BeginningFeature).bar)
-    window.feature(RecoveryFeature).offer()
-    return window
-
-
 def run(path: str | None = None) -> int:
     """Run the desktop program; returns its exit status."""
     application = make_application()
     window = open_window(path)
     unexpected = UnexpectedErrors(window.session)
     unexpected.watch()
-    window.feature(HelpFeature).welcome(window.feature(BeginningFeature).bar)
+    window.feature(HelpFeature).welcome()
     # Ctrl+C in the terminal closes the window; Python handles signals only while it runs, hence the timer.
     signal.signal(signal.SIGINT, lambda *_: window.close())
     wake = QTimer()

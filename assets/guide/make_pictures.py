@@ -14,10 +14,11 @@ from PySide6.QtGui import QImage
 
 from app.model.document import edits
 from app.model.document.samples import sample_called
-from app.views.application import make_application, open_window
+from app.views.application import make_application
 from app.views.features.files import OpenSaveFeature
 from app.views.features.volumes import SpaceFeature
-from app.views.main_window import MainWindow
+from app.views.main_window import open_window
+from app.views.window.window import MainWindow
 from cpm_core.shapes import Region
 
 HERE = Path(__file__).parent

@@ -30,15 +30,18 @@ NAME = "English"
 """Is translated by the name of the language, such as "Deutsch"."""
 
 
+GIVEN = {"tr": slice(0, 1), "ActionSpec": slice(2, 4), "Submenu": slice(2, 3), "Panel": slice(1, 2)}
+"""Which arguments of what the window calls are sentences that are translated."""
+
+
 def in_source() -> Iterator[tuple[str, str]]:
-    """Sentences that the window's source gives to ``tr``, each with where it stands."""
+    """Sentences of the window's source, each with where it stands."""
     for path in sorted((ROOT / "app").rglob("*.py")):
-        source = path.read_text(encoding="utf-8")
-        for node in ast.walk(ast.parse(source)) if "tr(" in source else ():
-            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "tr" and node.args:
-                said = node.args[0]
-                if isinstance(said, ast.Constant) and isinstance(said.value, str):
-                    yield said.value, f"{path.relative_to(ROOT)}:{node.lineno}"
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in GIVEN:
+                for said in node.args[GIVEN[node.func.id]]:
+                    if isinstance(said, ast.Constant) and isinstance(said.value, str):
+                        yield said.value, f"{path.relative_to(ROOT)}:{node.lineno}"
 
 
 def in_guide() -> Iterator[tuple[str, str]]:

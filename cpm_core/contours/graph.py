@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from cpm_core.contours.contour import Contour
@@ -98,10 +100,26 @@ class Graph:
         return np.flatnonzero(self.degrees == 1)
 
     def ways(self) -> Ways:
-        """Paths between ends and junctions, then cycles."""
+        """Paths between ends and junctions, then cycles.
+
+        They begin at the ends and junctions, then at the other vertices, in the order of their numbers, toward the
+        neighbor with the lowest number.
+        """
         if self._ways is None:
-            self._ways = ways_of(self.points, self._near, self.degrees)
+            total = int(self.degrees.sum())  # each edge twice: room for its two vertices
+            vertices, start = np.empty(total, np.int64), np.zeros(total // 2 + 1, np.int64)
+            closed = np.zeros(total // 2, np.bool_)
+            walked = np.zeros(self._near.shape, np.bool_)
+            count = _walk_all(self._near, self.degrees, walked, vertices, start, closed)
+            start, closed = start[: count + 1], closed[:count]
+            self._ways = Ways(self.points, vertices[: start[-1]], start, closed)
         return self._ways
+
+    def parts(self) -> Index:
+        """Number of the connected part that each path belongs to, shape (W,)."""
+        ways, size = self.ways(), len(self.points)
+        joined = scipy.sparse.coo_array((np.ones(len(ways)), (ways.first, ways.last)), shape=(size, size))
+        return scipy.sparse.csgraph.connected_components(joined, directed=False)[1][ways.first].astype(np.int64)
 
     def branch(self, end: int) -> Index:
         """Vertices from a loose end to the next end or junction, both included."""
@@ -112,10 +130,18 @@ class Graph:
         count = follow(self._near, self.degrees, np.zeros(self._near.shape, np.bool_), end, near[0], path)
         return path[:count]
 
-    def way_from(self, end: int) -> dict[int, float]:
-        """Arc length from a loose end to each vertex of its branch [px]."""
-        path = self.branch(end)
-        return dict(zip(path.tolist(), lengths_along(self.points[path]).tolist(), strict=True))
+    def way_between(self, end: Index, other: Index) -> Array:
+        """Arc length from loose ends to other vertices, shapes (N,), along the ends' branches; else infinite [px]."""
+        ways = self.ways()
+        along = lengths_along(self.points[ways.vertices])
+        way = np.repeat(np.arange(len(ways)), np.diff(ways.start))
+        place = np.empty(len(self.points), np.int64)
+        place[ways.vertices] = np.arange(len(way))  # a junction has several places; they are not used
+        own = way[place[end]]
+        within = (self.degrees[other] <= 2) & (way[place[other]] == own)
+        behind = (self.degrees[other] > 2) & ((ways.first[own] == other) | (ways.last[own] == other))
+        length = np.where(within, np.abs(along[place[other]] - along[place[end]]), np.inf)
+        return np.where(behind, ways.lengths[own], length)
 
     def drop_spurs(self, longest: float) -> None:
         """Remove branches with a loose end, up to a length of `longest` [px], shortest first."""
@@ -155,7 +181,8 @@ class Graph:
             kept, gone = int(path[0]), int(path[-1])
             if ways.lengths[way] > longest and not moved & {kept, gone}:
                 continue
-            if not self._intact(path) or min(map(self.degree, (kept, gone))) < 3 or self.length(path) > longest:
+            intact = (self._near[path[:-1]] == path[1:, None]).any(axis=1).all()
+            if not intact or min(map(self.degree, (kept, gone))) < 3 or self.length(path) > longest:
                 continue
             self.drop(path)
             self.points[kept] = 0.5 * (self.points[kept] + self.points[gone])
@@ -182,10 +209,6 @@ class Graph:
         """Paths between two junctions."""
         return np.flatnonzero(~ways.closed & (self.degrees[ways.first] > 2) & (self.degrees[ways.last] > 2))
 
-    def _intact(self, path: Index) -> bool:
-        """Whether all edges along a path still exist."""
-        return bool((self._near[path[:-1]] == path[1:, None]).any(axis=1).all())
-
     def length(self, path: Index) -> float:
         """Length of a path [px]."""
         return float(np.linalg.norm(np.diff(self.points[path], axis=0), axis=1).sum())
@@ -209,34 +232,36 @@ def _distinct(edges: Index, count: int) -> Index:
     return np.stack([key // max(count, 1), key % max(count, 1)], axis=1)
 
 
-def chains(points: Array, edges: Index) -> tuple[Contour, ...]:
-    """Contours along the edges, pairs of indices of shape (E, 2), between points of shape (N, 2); longest first."""
-    return Graph(points, edges).contours()
-
-
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Ways:
     """Paths between ends and junctions, then cycles: every edge of a graph once.
 
     Attributes
     ----------
+    points : ndarray, shape (N, 2)
+        Places of the vertices [px].
     vertices : ndarray of int64
         The vertices of all paths in order; the first is not repeated at the end of a cycle.
     start : ndarray of int64, shape (W + 1,)
         Index in `vertices` at which each path begins, and at which the last one ends.
     closed : ndarray of bool, shape (W,)
         Which paths are cycles, including those through one junction.
-    lengths : ndarray, shape (W,)
-        Lengths [px], of cycles including the edge from the last vertex to the first.
     """
 
+    points: Array
     vertices: Index
     start: Index
     closed: NDArray[np.bool_]
-    lengths: Array
 
     def __len__(self) -> int:
         return len(self.closed)
+
+    @cached_property
+    def lengths(self) -> Array:
+        """Lengths of the paths [px], of cycles including the edge from the last vertex to the first, shape (W,)."""
+        edges, way = self.edges()
+        sides = self.points[edges[:, 0]] - self.points[edges[:, 1]]
+        return np.bincount(way, np.linalg.norm(sides, axis=1), len(self)).astype(float)
 
     @property
     def first(self) -> Index:
@@ -259,25 +284,6 @@ class Ways:
         following[self.start[1:] - 1] = np.where(self.closed, self.first, -1)
         kept = following >= 0
         return np.stack([self.vertices[kept], following[kept]], axis=1), way[kept]
-
-
-def ways_of(points: Array, near: Index, degrees: Index) -> Ways:
-    """The paths of a graph of points, shape (N, 2), with their neighbors or -1, shape (N, K), and degrees, shape (N,).
-
-    Paths begin at the ends and junctions, then at the other vertices, in the order of their numbers, toward the
-    neighbor with the lowest number.
-    """
-    total = int(degrees.sum())  # each edge twice: room for its two vertices
-    vertices, start = np.empty(total, np.int64), np.zeros(total // 2 + 1, np.int64)
-    closed = np.zeros(total // 2, np.bool_)
-    count = _walk_all(near, degrees, np.zeros(near.shape, np.bool_), vertices, start, closed)
-    start, closed = start[: count + 1], closed[:count]
-    vertices = vertices[: start[-1]]
-    ways = Ways(vertices, start, closed, np.zeros(count))
-    edges, way = ways.edges()
-    sides = points[edges[:, 0]] - points[edges[:, 1]]
-    lengths = np.bincount(way, np.linalg.norm(sides, axis=1), count)
-    return Ways(vertices, start, closed, np.asarray(lengths, dtype=float))
 
 
 @compiled

@@ -11,7 +11,7 @@ import scipy
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour, sampled
-from cpm_core.contours.graph import chains
+from cpm_core.contours.graph import Graph
 from cpm_core.contours.rasterize import inside, paint
 from cpm_core.contours.surface import Surface, surface_of_labels
 from cpm_core.image import drawing
@@ -176,7 +176,7 @@ def _between(labels: Labels) -> tuple[Contour, ...]:
     pairs = sides[two][separating[two]].reshape(-1, 2)
     rays = np.stack(np.broadcast_arrays(sides, corner), axis=-1)[separating & ~two[:, None]]
     used, edges = np.unique(np.concatenate([pairs, rays]), return_inverse=True)
-    return chains(0.5 * np.stack(np.divmod(used, width), axis=1), edges.reshape(-1, 2).astype(np.int64))
+    return Graph(0.5 * np.stack(np.divmod(used, width), axis=1), edges.reshape(-1, 2).astype(np.int64)).contours()
 
 
 @dataclass(frozen=True, eq=False)

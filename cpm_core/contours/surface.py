@@ -78,10 +78,8 @@ class Surface:
     numbers: NDArray[np.int64] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
-        vertices = _rows_of_three("vertices", self.vertices).copy()
-        faces = _rows_of_three("faces", self.faces).astype(np.int64)
-        if not np.isfinite(vertices).all():
-            raise ValueError("A surface has vertices that are NaN or infinite: leave them out.")
+        vertices = rows_of_three("vertices", self.vertices).copy()
+        faces = rows_of_three("faces", self.faces).astype(np.int64)
         wrong = faces[(faces < 0) | (faces >= len(vertices))]
         if len(wrong):
             raise ValueError(f"A triangle names vertex {wrong[0]}, but there are {len(vertices)} vertices, from 0.")
@@ -215,7 +213,7 @@ class Surface:
         flat = len(self.faces) - len(np.unique(np.sort(self.faces, axis=1), axis=0))  # two triangles on each other
         return self.euler, self.free_edges, self.nonmanifold_edges, self.components, flat
 
-    @property
+    @cached_property
     def components(self) -> int:
         """Number of parts that do not hang together."""
         return len(np.unique(self.component_of_vertex[self.faces[:, 0]]))
@@ -243,13 +241,15 @@ class Surface:
         return np.unique(numbers, return_counts=True)[1]
 
 
-def _rows_of_three(name: str, values: ArrayLike) -> Array:
-    """Numbers, shape (N, 3)."""
+def rows_of_three(name: str, values: ArrayLike) -> Array:
+    """Finite numbers, shape (N, 3); ValueError for others, with their name."""
     rows = real_numbers(values)
     if rows.size == 0:
         return np.empty((0, 3))
     if rows.ndim != 2 or rows.shape[1] != 3:
-        raise ValueError(f"{name} have the shape {rows.shape} but must be (N, 3).")
+        raise ValueError(f"The {name} have the shape {rows.shape} but must be (N, 3).")
+    if not np.isfinite(rows).all():
+        raise ValueError(f"The {name} hold NaN or infinite numbers: leave them out.")
     return rows
 
 
@@ -291,56 +291,48 @@ def _contracted(surface: Surface, wanted: int) -> Surface:
 
 def inside_of(surface: Surface, shape: tuple[int, ...]) -> Mask:
     """Voxels of a volume of that shape whose center lies inside a closed surface; hollows are outside."""
-    found = np.zeros(shape, np.bool_)
-    _fill(surface.vertices, surface.faces, np.array(_BESIDE), found)
-    return found
+    corners = surface.vertices[surface.faces] - (*_BESIDE, 0.0)
+    low = np.clip(np.ceil(corners.min(axis=1)), 0, shape).astype(np.int64)
+    high = np.clip(np.floor(corners.max(axis=1)) + 1, 0, shape).astype(np.int64)
+    crossed = np.zeros(shape, np.bool_)
+    _mark_crossings(corners, low, high, crossed)
+    return np.logical_xor.accumulate(crossed, axis=2)  # an even number of crossings changes nothing
 
 
 def numbered(surface: Surface, shape: tuple[int, ...]) -> Index:
     """Number of the object that each voxel of a volume lies in: its own, or the largest first from 1 up; 0 outside."""
+    found = np.zeros(shape, np.int64)
     if surface.numbers is not None:
-        return _by_their_numbers(surface, surface.numbers, shape)
+        for number in np.unique(surface.numbers):  # where objects share voxels, the last one has them
+            alone = replace(surface, faces=surface.faces[surface.numbers == number], numbers=None)
+            found[inside_of(alone, shape)] = number
+        return found
     inside = inside_of(surface, shape)
     parts = parts_of(inside, corners=True)
     order = np.argsort(-parts.sizes, kind="stable")
     rank = np.empty_like(order)
     rank[order] = np.arange(1, len(order) + 1)
-    found = np.zeros(shape, np.int64)
     places = np.argwhere(inside)
     found[tuple(places.T)] = rank[parts.part_at(places)]
     return found
 
 
-def _by_their_numbers(surface: Surface, numbers: Index, shape: tuple[int, ...]) -> Index:
-    """The number of each object in its voxels; where objects share voxels, that of the last one."""
-    found = np.zeros(shape, np.int64)
-    for number in np.unique(numbers):
-        found[inside_of(replace(surface, faces=surface.faces[numbers == number], numbers=None), shape)] = number
-    return found
-
-
 @compiled
-def _fill(vertices: Array, faces: Index, beside: Array, found: Mask) -> None:
-    """Turn all voxels beyond each crossing of a line with the surface over, so that an even number changes nothing."""
-    planes, rows, cols = found.shape
-    for k in range(len(faces)):
-        a, b, c = vertices[faces[k, 0]], vertices[faces[k, 1]], vertices[faces[k, 2]]
+def _mark_crossings(corners: Array, low: Index, high: Index, crossed: Mask) -> None:
+    """Turn the first voxel over beyond each crossing of triangles, shape (F, 3, 3), with lines along the last axis."""
+    for k in range(len(corners)):
+        a, b, c = corners[k]
         twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
         if twice == 0.0:
             continue
-        first = max(int(np.ceil(min(a[0], b[0], c[0]) - beside[0])), 0)
-        last = min(int(np.floor(max(a[0], b[0], c[0]) - beside[0])), planes - 1)
-        top = max(int(np.ceil(min(a[1], b[1], c[1]) - beside[1])), 0)
-        bottom = min(int(np.floor(max(a[1], b[1], c[1]) - beside[1])), rows - 1)
-        for p in range(first, last + 1):
-            for r in range(top, bottom + 1):
-                x, y = p + beside[0], r + beside[1]
-                u = ((b[0] - x) * (c[1] - y) - (b[1] - y) * (c[0] - x)) / twice
-                v = ((c[0] - x) * (a[1] - y) - (c[1] - y) * (a[0] - x)) / twice
+        for p in range(low[k, 0], high[k, 0]):
+            for r in range(low[k, 1], high[k, 1]):
+                u = ((b[0] - p) * (c[1] - r) - (b[1] - r) * (c[0] - p)) / twice
+                v = ((c[0] - p) * (a[1] - r) - (c[1] - r) * (a[0] - p)) / twice
                 if u >= 0.0 and v >= 0.0 and u + v <= 1.0:
-                    crossing = u * a[2] + v * b[2] + (1.0 - u - v) * c[2]
-                    for col in range(max(int(np.ceil(crossing)), 0), cols):
-                        found[p, r, col] = not found[p, r, col]
+                    col = max(int(np.ceil(u * a[2] + v * b[2] + (1.0 - u - v) * c[2])), 0)
+                    if col < crossed.shape[2]:
+                        crossed[p, r, col] = not crossed[p, r, col]
 
 
 _ROOM = 1
@@ -360,10 +352,12 @@ def surface_of_labels(
     for number, part in enumerate(parts, start=1):
         if part is None:
             continue
-        room = tuple(slice(max(side.start - _ROOM, 0), side.stop + _ROOM) for side in part) if open_border else part
-        inside = labels[room] == number if open_border else np.pad(labels[room] == number, _ROOM)
-        begin = [side.start - (0 if open_border else _ROOM) for side in room]
-        vertices, faces = zero_surface(inside.astype(np.float32) - np.float32(0.5))
+        inside = np.pad(labels[part] == number, _ROOM)
+        begin = np.array([side.start - _ROOM for side in part])
+        within = np.clip([begin, begin + inside.shape], 0, labels.shape) - begin
+        vertices, faces = zero_surface(
+            inside.astype(np.float32) - np.float32(0.5), tuple(map(tuple, within.T.tolist())) if open_border else None
+        )
         places.append(vertices + begin)
         corners.append(faces + count)
         numbers.append(np.full(len(faces), number))

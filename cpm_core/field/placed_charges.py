@@ -16,26 +16,20 @@ eq. (12) as a part of the Lorentz force, with the weight w2.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cache
-from threading import local
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.field.scale_field import ScaleField
-from cpm_core.field.volume_field import VolumeField
 from cpm_core.image.pyramid import to_scale
 from cpm_core.numerics.jit import compiled, inlined
 from cpm_core.numerics.real_numbers import real_numbers
-from cpm_core.numerics.types import Array, Mask, Single
+from cpm_core.numerics.types import Array, Mask
 from cpm_core.numerics.vectors import Vector, difference, dot, length, moved, row_of, scaled
 from cpm_core.parameters.quotation import shown
-
-Box = tuple[int, int, int, int]
-"""First row, the one behind the last, first column, the one behind the last."""
 
 RADIUS = 16.0
 """Distance at which a charge of one pulls as strongly as the field of the edges [px of the image]."""
@@ -51,6 +45,9 @@ MOST = 4.0
 
 STRONGEST = 10.0
 """Largest strength of a charge, attracting or repelling."""
+
+_AT_ONCE = 2**16
+"""Pixels whose forces are computed at once."""
 
 _REST = 1.0 - RADII**-3
 
@@ -158,21 +155,22 @@ def near_charges(charges: Array, radius: float, places: Array) -> NDArray[np.boo
     return near
 
 
-def box_of(charges: Array, radius: float, shape: tuple[int, ...]) -> Box:
-    """The pixels of an image of this shape within the reach of charges, shape (K, 3); an empty box without charges."""
+def places_near(
+    charges: Array, radius: float, shape: tuple[int, ...], pitch: Sequence[float] = (1.0, 1.0)
+) -> Iterator[tuple[tuple[slice, ...], Array]]:
+    """Windows of an image within the reach of charges, and the positions of their pixels, shape (..., D).
+
+    `pitch` are the sides of a pixel. Large windows are divided, so that they take little memory.
+    """
     if not len(charges):
-        return 0, 0, 0, 0
-    low = np.floor(charges[:, :2].min(axis=0) - RADII * radius)
-    high = np.ceil(charges[:, :2].max(axis=0) + RADII * radius) + 1
-    top, left = np.clip(low, 0, shape).astype(int).tolist()
-    bottom, right = np.clip(high, 0, shape).astype(int).tolist()
-    return top, bottom, left, right
-
-
-def placed_force(charges: Array, radius: float, box: Box) -> Array:
-    """Force of charges on the pixels of a box, shape (h, w, 2); see `placed_force_at`."""
-    top, bottom, left, right = box
-    return placed_force_at(charges, radius, np.moveaxis(np.mgrid[top:bottom, left:right], 0, -1))
+        return
+    low = np.floor((charges[:, :-1].min(axis=0) - RADII * radius) / pitch)
+    high = np.ceil((charges[:, :-1].max(axis=0) + RADII * radius) / pitch) + 1
+    (first, *low), (last, *high) = (np.clip(end, 0, shape).astype(int).tolist() for end in (low, high))
+    lines = max(1, _AT_ONCE // max(1, int(np.prod(np.subtract(high, low)))))
+    for line in range(first, last, lines):
+        window = slice(line, min(line + lines, last)), *map(slice, low, high)
+        yield window, np.moveaxis(np.mgrid[window], 0, -1) * np.array(pitch)
 
 
 def placed_force_at(charges: Array, radius: float, places: Array) -> Array:
@@ -214,99 +212,16 @@ pull = inlined(_pull)
 """The same for compiled loops."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class _Kept:
-    """The last scale field, without and with charges, and the charges."""
-
-    plain: ScaleField
-    charged: ScaleField
-    charges: Charges
-
-
-class PlacedChargeCache:
-    """Scale fields of an image of this shape with placed charges; for each thread, the last one it has used is kept."""
-
-    def __init__(self, shape: tuple[int, ...]) -> None:
-        self._shape = shape
-        self._local = local()
-
-    def of(self, scale_field: ScaleField, scale: int, charges: Charges) -> ScaleField:
-        """Scale field of a scale with charges, in px of the image; the field itself when there are none.
-
-        What this thread has received before is no longer valid.
-        """
-        if not charges:
-            self._local.kept = None
-            return scale_field
-        kept: _Kept | None = getattr(self._local, "kept", None)
-        if kept is None or kept.plain is not scale_field:
-            kept = _Kept(scale_field, replace(scale_field, force=cache(scale_field.packed.copy)), ())
-        dirty = changed(kept.charges, charges)
-        if dirty:
-            radius = radius_at(scale)
-            box = box_of(at_scale(dirty, scale, self._shape), radius, scale_field.shape)
-            force = placed_force(at_scale(charges, scale, self._shape), radius, box)
-            window = (slice(*box[:2]), slice(*box[2:]), slice(2))
-            kept.charged.packed[window] = scale_field.packed[window] + force
-            kept = replace(kept, charges=charges)
-        self._local.kept = kept
-        return kept.charged
-
-    def force(self, scale_field: ScaleField, scale: int, charges: Charges) -> Array:
-        """Lorentz force on the pixels of a scale, shape (2, H, W), with that of charges."""
-        force, placed = scale_field.lorentz.astype(float), at_scale(charges, scale, self._shape)
-        if len(placed):
-            box = box_of(placed, radius_at(scale), scale_field.shape)
-            more = placed_force(placed, radius_at(scale), box)
-            force[:, slice(*box[:2]), slice(*box[2:])] += np.moveaxis(more, -1, 0)
-        return force
-
-    def potential(self, scale_field: ScaleField, charges: Charges) -> Array:
-        """Potential on the pixels of the image, shape (H, W), with that of charges; see `ImageFields`."""
-        potential, placed = scale_field.potential.copy(), at_scale(charges, 0, self._shape)
-        for number in range(len(placed)):
-            charge = placed[number : number + 1]
-            top, bottom, left, right = box_of(charge, radius_at(0), scale_field.shape)
-            well = placed_potential(charge, radius_at(0), np.moveaxis(np.mgrid[top:bottom, left:right], 0, -1))
-            potential[top:bottom, left:right] += scale_field.slope * well
-        return potential
+def charged(shape: tuple[int, ...], scale_field: ScaleField, scale: int, charges: Charges) -> ScaleField:
+    """Scale field of an image of this shape with charges, in px of the image."""
+    packed, placed, radius = scale_field.packed.copy(), at_scale(charges, scale, shape), radius_at(scale)
+    for window, places in places_near(placed, radius, scale_field.shape):
+        packed[window][..., :2] += placed_force_at(placed, radius, places)
+    return replace(scale_field, force=lambda: packed)
 
 
 HELD = 0.8
 """Force of charges across an edge that it holds particles against, in units of the Lorentz force away from edges."""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class VolumeCharges:
-    """What placed charges change in the fields of a volume of this shape; it has the methods of `PlacedChargeCache`."""
-
-    shape: tuple[int, ...]
-
-    def of(self, field: VolumeField, _scale: int, _charges: Charges) -> VolumeField:
-        """The field itself: particles feel the charges directly."""
-        return field
-
-    def force(self, field: VolumeField, scale: int, charges: Charges) -> Single:
-        """Lorentz force on the voxels of a scale, shape (3, P, R, C), with that of the charges."""
-        force, placed = field.lorentz, in_units(charges, scale, self.shape, field.pitch)
-        for plane in range(force.shape[1] if len(placed) else 0):
-            places = _places(plane, force.shape[2:], field.pitch)
-            force[:, plane] += np.moveaxis(placed_force_at(placed, radius_at(scale), places), -1, 0)
-        return force
-
-    def potential(self, field: VolumeField, charges: Charges) -> Array:
-        """Potential on the voxels of the volume, shape (P, R, C), with that of the charges; see `ImageFields`."""
-        potential, placed = field.potential.copy(), in_units(charges, 0, self.shape, field.pitch)
-        for plane in range(len(potential) if len(placed) else 0):
-            places = _places(plane, potential.shape[1:], field.pitch)
-            potential[plane] += field.slope * placed_potential(placed, radius_at(0), places)
-        return potential
-
-
-def _places(plane: int, shape: tuple[int, ...], pitch: Vector) -> Array:
-    """Positions [units] of the voxels of a plane, shape (R, C, 3)."""
-    rows, cols = np.indices(shape)
-    return np.asarray(np.stack([np.full(shape, plane), rows, cols], axis=-1) * np.array(pitch))
 
 
 class Placed(NamedTuple):
@@ -318,11 +233,6 @@ class Placed(NamedTuple):
 
 NOTHING_PLACED = Placed(np.zeros((0, 4)), 1.0)
 """No charges."""
-
-
-def in_units(charges: Charges, scale: int, shape: tuple[int, ...], pitch: Vector) -> Array:
-    """Position [units of a scale] and strength of each charge, shape (K, 4)."""
-    return at_scale(charges, scale, shape) * (*pitch, 1.0)
 
 
 def torn_off(placed: Placed, places: Array, normals: Array) -> Mask:

@@ -6,9 +6,8 @@ import math
 from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache, partial
-from threading import RLock
-from typing import Literal, NamedTuple
+from functools import cached_property, lru_cache
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -17,7 +16,6 @@ from cpm_core.field.edge_map import NO_SMOOTHING, smoothed_along
 from cpm_core.field.scale_field import WEAKEST_EDGE
 from cpm_core.field.scale_space import SourceImages
 from cpm_core.field.volume_surface import Ridges, force_on_voxels, ridges_of
-from cpm_core.image.image import Image
 from cpm_core.image.pyramid import shape_of_scale, to_image
 from cpm_core.image.volume_regions import VolumeRegions, Walls
 from cpm_core.numerics.parallel import share
@@ -262,70 +260,36 @@ and be so many that a run takes minutes. Measures of the surface count the side 
 """
 
 
-class VolumeSpace:
-    """Fields of a volume at its scales, for any parameters; threads may share it."""
+Free = Callable[..., VolumeField]
+"""Builds fields without walls from a scale and the values that their edges depend on."""
 
-    def __init__(self, image: Image, scales: int, regions: VolumeRegions | None = None) -> None:
-        self._pitch, self._sources = pitch_of(image.spacing), SourceImages(image.values, scales)
-        self._limit(regions, None)
 
-    def _limit(self, regions: VolumeRegions | None, known: Callable[..., VolumeField] | None) -> None:
-        """Take other regions; `known` has the fields of the same regions of interest."""
-        kept = lru_cache(len(self))
-        self._regions, self._lock = regions, RLock()
-        self._edges = known or kept(partial(_edges_of, self._sources, self._pitch, regions))
-        self._fields = kept(partial(_field_of, self._edges, self._sources.original[0].shape, self._pitch, regions))
+def volume_fields(
+    sources: SourceImages, pitch: Vector, regions: VolumeRegions | None, free: Free | None = None
+) -> tuple[Free, Callable[[int, Parameters], VolumeField]]:
+    """The functions of `plane_fields` for a volume with voxels of these sides; they refuse parameters of images."""
+    kept, shape = lru_cache(len(sources.original)), sources.original[0].shape
 
-    def __len__(self) -> int:
-        return len(self._sources.original)
+    @kept
+    def build(scale: int, gamma: Any, smoothing: Any, edge_floor: float) -> VolumeField:
+        values = sources.at(scale, "luminance", "gradient", gamma, 0.0).values  # not cleaned
+        return build_volume_field(values, pitch, smoothing, edge_floor, _voxels(regions, shape, scale))
 
-    def with_regions(self, regions: VolumeRegions | None) -> VolumeSpace:
-        """The same volume with other regions; with the same regions of interest the fields are taken over."""
-        other = copy(self)
-        other._limit(regions, self._edges if _interest(regions) == _interest(self._regions) else None)
-        return other
+    known = free or build
 
-    def at(self, scale: int, parameters: Parameters) -> VolumeField:
-        """Fields of a scale; ValueError for parameters that have no meaning in a volume."""
+    @kept
+    def field_of(exponent: float, accuracy: Accuracy, scale: int, *key: object) -> VolumeField:
+        found = known(scale, *key)
+        if (found.exponent, found.accuracy) != (exponent, accuracy):
+            found = found.with_far_field(exponent, accuracy)
+        return found if regions is None else found.with_walls(regions.walls(shape).at_scale(scale, pitch))
+
+    def at(scale: int, parameters: Parameters) -> VolumeField:
         check_parameters(parameters)
-        edges = scale, parameters.gamma, parameters.smoothing, parameters.edge_floor
-        with self._lock:
-            return self._fields(parameters.exponent_in(3), parameters.accuracy, *edges)
+        edges = parameters.gamma, parameters.smoothing, parameters.edge_floor
+        return field_of(parameters.exponent_in(3), parameters.accuracy, scale, *edges)
 
-    def prepare(self, parameters: Parameters) -> None:
-        """Check the parameters; the fields are built when a run needs them."""
-        check_parameters(parameters)
-
-
-def _edges_of(
-    sources: SourceImages,
-    pitch: Vector,
-    regions: VolumeRegions | None,
-    scale: int,
-    gamma: float | Literal["auto"],
-    smoothing: float | Literal["auto"],
-    edge_floor: float,
-) -> VolumeField:
-    """Fields of a scale without walls."""
-    values = sources.at(scale, "luminance", "gradient", gamma, 0.0).values  # not cleaned
-    return build_volume_field(values, pitch, smoothing, edge_floor, _voxels(regions, sources.original[0].shape, scale))
-
-
-def _field_of(
-    edges: Callable[..., VolumeField],
-    shape: tuple[int, ...],
-    pitch: Vector,
-    regions: VolumeRegions | None,
-    exponent: float,
-    accuracy: Accuracy,
-    scale: int,
-    *key: object,
-) -> VolumeField:
-    """Fields of a scale with the walls that no particle crosses."""
-    found = edges(scale, *key)
-    if (found.exponent, found.accuracy) != (exponent, accuracy):
-        found = found.with_far_field(exponent, accuracy)
-    return found if regions is None else found.with_walls(regions.walls(shape).at_scale(scale, pitch))
+    return known, at
 
 
 def _voxels(regions: VolumeRegions | None, shape: tuple[int, ...], scale: int) -> Mask | None:
@@ -340,10 +304,6 @@ def _voxels(regions: VolumeRegions | None, shape: tuple[int, ...], scale: int) -
         centers = to_image(centers, scale, shape)[:, axis]
         axes.append(np.clip(np.rint(centers), 0, full - 1).astype(int))
     return np.asarray(voxels[np.ix_(*axes)])
-
-
-def _interest(regions: VolumeRegions | None) -> tuple[object, ...]:
-    return regions.interest if regions is not None else ()
 
 
 def pitch_of(spacing: tuple[float, ...]) -> Vector:

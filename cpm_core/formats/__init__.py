@@ -8,6 +8,19 @@ from cpm_core.formats.common.atomic import remove_abandoned as remove_abandoned
 from cpm_core.formats.common.atomic import write_together as write_together
 from cpm_core.formats.common.content import differ as differ
 from cpm_core.formats.common.content import fingerprint as fingerprint
+from cpm_core.formats.common.plain import NAMES as NAMES
+from cpm_core.formats.common.plain import array_from_plain as array_from_plain
+from cpm_core.formats.common.plain import array_to_plain as array_to_plain
+from cpm_core.formats.common.plain import from_plain as from_plain
+from cpm_core.formats.common.plain import items as items
+from cpm_core.formats.common.plain import mapping as mapping
+from cpm_core.formats.common.plain import number as number
+from cpm_core.formats.common.plain import parameters_from_plain as parameters_from_plain
+from cpm_core.formats.common.plain import regions_from_plain as regions_from_plain
+from cpm_core.formats.common.plain import regions_to_plain as regions_to_plain
+from cpm_core.formats.common.plain import shape_from_plain as shape_from_plain
+from cpm_core.formats.common.plain import shape_to_plain as shape_to_plain
+from cpm_core.formats.common.plain import to_plain as to_plain
 from cpm_core.formats.common.provenance import facts_on as facts_on
 from cpm_core.formats.common.provenance import plain_shapes as plain_shapes
 from cpm_core.formats.common.provenance import text_of as text_of
@@ -24,9 +37,6 @@ from cpm_core.formats.contours.contour_json import page_from_plain as page_from_
 from cpm_core.formats.contours.contour_json import page_to_plain as page_to_plain
 from cpm_core.formats.contours.curves import ellipse as ellipse
 from cpm_core.formats.contours.points_csv import load_points
-from cpm_core.formats.contours.stack import FOR_STACKS as FOR_STACKS
-from cpm_core.formats.contours.stack import export_stack as export_stack
-from cpm_core.formats.contours.stack import stack_suffix_of as stack_suffix_of
 from cpm_core.formats.images.dicom import dicom_files_beside as dicom_files_beside
 from cpm_core.formats.images.readers import READABLE, holds_volume, load_image, load_pages, load_volume, open_stack
 from cpm_core.formats.images.reading import Reading as Reading
@@ -38,19 +48,6 @@ from cpm_core.formats.masks.labels import palette as palette
 from cpm_core.formats.meshes.swc import load_centerlines
 from cpm_core.formats.sessions.particle_state import state_from_plain as state_from_plain
 from cpm_core.formats.sessions.particle_state import state_to_plain as state_to_plain
-from cpm_core.formats.sessions.plain import NAMES as NAMES
-from cpm_core.formats.sessions.plain import array_from_plain as array_from_plain
-from cpm_core.formats.sessions.plain import array_to_plain as array_to_plain
-from cpm_core.formats.sessions.plain import from_plain as from_plain
-from cpm_core.formats.sessions.plain import items as items
-from cpm_core.formats.sessions.plain import mapping as mapping
-from cpm_core.formats.sessions.plain import number as number
-from cpm_core.formats.sessions.plain import parameters_from_plain as parameters_from_plain
-from cpm_core.formats.sessions.plain import regions_from_plain as regions_from_plain
-from cpm_core.formats.sessions.plain import regions_to_plain as regions_to_plain
-from cpm_core.formats.sessions.plain import shape_from_plain as shape_from_plain
-from cpm_core.formats.sessions.plain import shape_to_plain as shape_to_plain
-from cpm_core.formats.sessions.plain import to_plain as to_plain
 from cpm_core.formats.sessions.session_file import SUFFIX as SUFFIX
 from cpm_core.formats.sessions.session_file import ImageFile as ImageFile
 from cpm_core.formats.sessions.session_file import SessionFile as SessionFile
@@ -60,6 +57,9 @@ from cpm_core.formats.sessions.session_file import encode as encode
 from cpm_core.formats.sessions.session_file import find_image as find_image
 from cpm_core.formats.sessions.session_file import load_session as load_session
 from cpm_core.formats.sessions.session_file import save_session as save_session
+from cpm_core.formats.stack_files import FOR_STACKS as FOR_STACKS
+from cpm_core.formats.stack_files import export_stack as export_stack
+from cpm_core.formats.stack_files import stack_suffix_of as stack_suffix_of
 from cpm_core.formats.surface_file import SURFACES_READABLE, load_surface
 from cpm_core.formats.surface_file import read_surface as read_surface
 from cpm_core.formats.writers import DRAWN as DRAWN

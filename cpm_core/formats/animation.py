@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib.util
 import io
 import math
-import os
 from collections.abc import Callable, Iterable, Iterator
 from itertools import chain
 from pathlib import Path
@@ -14,7 +13,8 @@ import numpy as np
 import PIL.Image
 from PIL.PngImagePlugin import PngInfo
 
-from cpm_core.formats.common.atomic import check_place, draft_of, write_together
+from cpm_core.formats.common.atomic import check_target, drafts_of, write_together
+from cpm_core.formats.common.content import AnyPath
 from cpm_core.numerics.memory import free
 from cpm_core.numerics.types import Pixels
 
@@ -41,7 +41,7 @@ _VIDEO = (
 
 def write_animation(
     frames: Iterable[Pixels],
-    path: str | os.PathLike[str],
+    path: AnyPath,
     frames_per_second: float = 25.0,
     progress: Callable[[int], object] | None = None,
     cancelled: Callable[[], bool] | None = None,
@@ -113,14 +113,14 @@ def write_animation(
         if (first := next(taken, None)) is None:
             raise ValueError(f"{file.name} would be an animation without frames: let it run first.")
         write = _write_video if file.suffix.lower() == ".mp4" else _write_by_pillow
-        with draft_of(file) as draft:
+        with drafts_of(file) as (draft,):
             write(first, taken, draft, file.suffix.lower(), frames_per_second, comment)
     except _CancelledError:
         return False
     return True
 
 
-def check_animation(path: str | os.PathLike[str]) -> None:
+def check_animation(path: AnyPath) -> None:
     """Check in advance whether `write_animation` could write to a path.
 
     Raises
@@ -129,10 +129,7 @@ def check_animation(path: str | os.PathLike[str]) -> None:
         When the suffix is not known, the encoder that it needs is not installed, or no file can be written there.
     """
     file = Path(path)
-    if file.suffix.lower() not in ANIMATED and not file.is_dir():
-        known = ", ".join(f"{suffix} ({text})" for suffix, text in ANIMATED.items())
-        raise ValueError(f"{file.name} has no suffix of an animation: choose one of {known}.")
-    check_place(file)
+    check_target(file, ANIMATED, "of an animation")
     check_encoder(file.suffix.lower())
 
 

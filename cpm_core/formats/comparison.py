@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import logging
-import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from pathlib import Path
@@ -16,7 +13,9 @@ from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.result import Result
 from cpm_core.contours.surface import Surface
 from cpm_core.formats.common.atomic import check_place, write_together
+from cpm_core.formats.common.content import AnyPath
 from cpm_core.formats.common.printable import cell
+from cpm_core.formats.contours import contour_csv
 from cpm_core.formats.writers import FOR_VOLUMES, WRITABLE, check_export, encoded, omission, suffix_of
 from cpm_core.image.drawing import encoded_figure, require_matplotlib, show_curves, show_image
 from cpm_core.image.image import Image
@@ -53,12 +52,9 @@ class Tile:
 
 def table(rows: Sequence[Facts]) -> bytes:
     """A table with a row for each method, as CSV: times in seconds, distances in px, empty where nothing is known."""
-    text = io.StringIO(newline="")
-    writer = csv.writer(text)
-    writer.writerow([field.name for field in fields(Facts)])
-    for row in rows:
-        writer.writerow([cell(value) if isinstance(value, str) else value for value in asdict(row).values()])
-    return text.getvalue().encode()
+    known = [asdict(row) for row in rows]
+    cells = [{name: cell(one) if isinstance(one, str) else one for name, one in row.items()} for row in known]
+    return contour_csv.table(cells, [field.name for field in fields(Facts)])
 
 
 def picture(image: Image, start: Start, tiles: Sequence[Tile], truth: Truth | None = None) -> bytes:
@@ -97,7 +93,7 @@ def write_comparison(
     image: Image,
     start: Start,
     tiles: Sequence[Tile],
-    paths: Sequence[str | os.PathLike[str]],
+    paths: Sequence[AnyPath],
     warn: Callable[[str], object] = _LOG.warning,
     truth: Truth | None = None,
     refused: Callable[[Path, str], object] | None = None,
@@ -154,7 +150,7 @@ def files_of(path: Path, methods: Sequence[str]) -> list[Path]:
     return [path.with_name(f"{stem}.{method}{suffix}") for method in methods]
 
 
-def check_comparison(path: str | os.PathLike[str], methods: Sequence[str] = (), ndim: int = 2) -> None:
+def check_comparison(path: AnyPath, methods: Sequence[str] = (), ndim: int = 2) -> None:
     """Check in advance whether `write_comparison` could write to a path, of an image or a volume; ValueError if not."""
     file = Path(path)
     check_export(file)

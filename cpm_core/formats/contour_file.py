@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import logging
-import os
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -14,10 +12,9 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import labels_of
-from cpm_core.formats.common.content import content_of
+from cpm_core.formats.common.content import AnyPath, content_of, decoding
 from cpm_core.formats.contours import coco, contour_csv, contour_json, dxf, geojson, imagej, labelme, mask, svg
 from cpm_core.formats.contours.contents import Contents, Plane
-from cpm_core.formats.images.decoded import UnreadableError
 from cpm_core.formats.images.readers import READABLE, load_image
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array
@@ -63,7 +60,7 @@ class ContourFile:
 
 
 def load_contours(
-    path: str | os.PathLike[str],
+    path: AnyPath,
     image: Image | None = None,
     *,
     page: int | None = None,
@@ -121,7 +118,7 @@ def plane_of(image: Image | None) -> Plane:
     return Plane((rows, cols), (height, width), image.unit)
 
 
-def read_contours(path: str | os.PathLike[str], plane: Plane = UNKNOWN, *, page: int | None = None) -> ContourFile:
+def read_contours(path: AnyPath, plane: Plane = UNKNOWN, *, page: int | None = None) -> ContourFile:
     """Read contours and single points, with the shape of the image where the file gives it; see `load_contours`.
 
     A file that holds only single points is no error.
@@ -134,22 +131,9 @@ def read_contours(path: str | os.PathLike[str], plane: Plane = UNKNOWN, *, page:
 
 def decode_contours(content: bytes, name: str, plane: Plane = UNKNOWN, *, page: int | None = None) -> ContourFile:
     """The same of the content of a file, or of the clipboard; without a known suffix the content tells its kind."""
-    try:
-        with warnings.catch_warnings(), np.errstate(all="ignore"):
-            warnings.simplefilter("ignore")  # oddities of a readable file do not concern the user
-            found = _contents(content, name, plane)
-    except UnreadableError as error:
-        raise ValueError(str(error) if name in str(error) else f"{name}: {error}") from error
-    except UnicodeDecodeError:
-        raise ValueError(f"{name} is not a text file: choose contours as CSV, GeoJSON, SVG, DXF or JSON.") from None
-    except MemoryError:
-        raise ValueError(f"{name} does not fit into memory: choose a smaller file.") from None
-    except Exception as error:  # decoders raise exceptions of any kind on damaged files
-        _LOG.info("%s: %s: %s", name, type(error).__name__, error)
-        raise ValueError(
-            f"{name} is damaged or holds no contours of a known kind: choose contours as "
-            f"{', '.join(CONTOURS_READABLE)}, or a label mask."
-        ) from error
+    known = f"{', '.join(CONTOURS_READABLE)}, or a label mask"
+    with decoding(name, f"is damaged or holds no contours of a known kind: choose contours as {known}."):
+        found = _contents(content, name, plane)
     return _checked(found, name, page)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -11,6 +10,7 @@ import numpy as np
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import Truth, VolumeTruth, truth_of_contours, truth_of_mask, truth_of_volume
 from cpm_core.contours.surface import numbered
+from cpm_core.formats.common.content import AnyPath
 from cpm_core.formats.contour_file import CONTOURS_READABLE, read_contours
 from cpm_core.formats.contours.contents import Plane
 from cpm_core.formats.images.readers import load_image
@@ -22,7 +22,7 @@ _BESIDE = 1.0
 
 
 def load_truth(
-    path: str | os.PathLike[str],
+    path: AnyPath,
     shape: Sequence[int],
     *,
     holes: bool = True,
@@ -75,7 +75,7 @@ def load_truth(
     return truth_of_mask(image.values, file.name)
 
 
-def load_volume_truth(path: str | os.PathLike[str], volume: Image) -> VolumeTruth:
+def load_volume_truth(path: AnyPath, volume: Image) -> VolumeTruth:
     """Read the ground truth of a volume.
 
     Parameters

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import os
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -12,8 +11,7 @@ import numpy as np
 
 from cpm_core.contours.ground_truth import labels_of
 from cpm_core.contours.surface import Surface, surface_of_labels
-from cpm_core.formats.common.content import content_of
-from cpm_core.formats.images.decoded import UnreadableError
+from cpm_core.formats.common.content import AnyPath, content_of, decoding
 from cpm_core.formats.images.readers import load_volume
 from cpm_core.formats.meshes import obj, ply, stl, vtk
 from cpm_core.formats.meshes.coordinates import place_of
@@ -45,7 +43,7 @@ _MOST_LABELS = 100_000
 
 
 def load_surface(
-    path: str | os.PathLike[str],
+    path: AnyPath,
     image: Image | None = None,
     *,
     space: Convention | None = None,
@@ -92,7 +90,7 @@ def load_surface(
 
 
 def read_surface(
-    path: str | os.PathLike[str], image: Image | None = None, space: Convention | None = None
+    path: AnyPath, image: Image | None = None, space: Convention | None = None
 ) -> tuple[Surface, tuple[str, ...]]:
     """Read a surface, with what was assumed; see `load_surface`."""
     file = Path(path)
@@ -105,16 +103,8 @@ def decode_surface(
     content: bytes, name: str, image: Image | None = None, space: Convention | None = None
 ) -> tuple[Surface, tuple[str, ...]]:
     """The same of the content of a file of triangles."""
-    try:
-        with np.errstate(all="ignore"):
-            found = _READERS[Path(name).suffix.lower()][1](content)
-    except UnreadableError as error:
-        raise ValueError(f"{name} holds no surface that can be read: {error}. Write it again.") from error
-    except MemoryError:
-        raise ValueError(f"{name} does not fit into memory: choose a smaller file.") from None
-    except Exception as error:  # damaged files raise exceptions of any kind
-        _LOG.info("%s: %s: %s", name, type(error).__name__, error)
-        raise ValueError(f"{name} is damaged, or no surface of this kind: write it again.") from error
+    with decoding(name, "is damaged, or no surface of this kind: write it again."):
+        found = _READERS[Path(name).suffix.lower()][1](content)
     place, notes = place_of(content[:_HEAD].decode("latin-1"), image, space)
     faces = found.faces[:, ::-1] if place.mirrored else found.faces
     try:

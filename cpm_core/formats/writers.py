@@ -6,19 +6,20 @@ A new one is a module of its own with a function that makes the bytes of a file,
 from __future__ import annotations
 
 import logging
-import os
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.result import Result
-from cpm_core.formats.common.atomic import check_place, write_together
+from cpm_core.formats.common.atomic import check_target, suffix_among, write_together
+from cpm_core.formats.common.content import AnyPath
+from cpm_core.formats.common.plain import Entries
 from cpm_core.formats.common.printable import printable
+from cpm_core.formats.common.provenance import Outcome
 from cpm_core.formats.contours import (
     coco,
     contour_csv,
@@ -36,11 +37,11 @@ from cpm_core.formats.meshes import obj, ply, stl, swc, vtk
 from cpm_core.image.geometry import Convention
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import counted, shown
 
 _LOG = logging.getLogger(__name__)
 
-Found = Result | Skeleton | Centerlines
+Found = Outcome | Centerlines
 
 
 @dataclass(frozen=True)
@@ -146,6 +147,8 @@ FORMATS: tuple[Format, ...] = (
     Format(".swc", swc.encode, lines="center lines in a volume as a tree of points with radii", options=("space",)),
 )
 
+_SUFFIXES = tuple(one.suffix for one in FORMATS)
+
 WRITABLE: dict[str, str] = {one.suffix: one.contours for one in FORMATS if one.contours}
 """Suffixes that a result can be exported to, some of two parts -> what is written."""
 
@@ -173,9 +176,9 @@ _CLOSED_ONLY = OUTLINABLE | {".coco.json"}
 
 def export(
     result: Found,
-    *paths: str | os.PathLike[str],
+    *paths: AnyPath,
     outlines: bool = False,
-    image: str | os.PathLike[str] | None = None,
+    image: AnyPath | None = None,
     space: Convention = "LPS",
     warn: Callable[[str], object] = _LOG.warning,
     refused: Callable[[Path, str], object] | None = None,
@@ -252,10 +255,9 @@ def omission(result: Found, suffix: str, *, outlines: bool = False) -> str:
     hidden = 0
     if suffix in OUTLINABLE and not outlines and isinstance(result, Result) and result.surface is None:
         hidden = len(set(contour_labels(result.contours)) - {0, *np.unique(result.labels).tolist()})
-    if hidden == 1:
-        sentences.append("1 closed contour has no pixel of its own and is not in a mask.")
-    elif hidden:
-        sentences.append(f"{hidden} closed contours have no pixel of their own and are not in a mask.")
+    if hidden:
+        one, several = "has no pixel of its own and is", "contours have no pixel of their own and are"
+        sentences.append(f"{counted(hidden, f'closed contour {one}', f'closed {several}')} not in a mask.")
     return " ".join(sentences)
 
 
@@ -291,7 +293,7 @@ def encoded(result: Found, suffix: str, *, outlines: bool = False, space: Conven
     """
     form = next((one for one in FORMATS if one.suffix == suffix), None)
     if form is None:
-        raise ValueError(f"{shown(suffix)} names no format that can be written: choose one of {_known()}.")
+        raise ValueError(f"{shown(suffix)} names no format that can be written: choose one of {', '.join(_SUFFIXES)}.")
     if isinstance(result, Skeleton) and result.lines is not None:
         result = result.lines
     if isinstance(result, Centerlines):
@@ -307,22 +309,20 @@ def encoded(result: Found, suffix: str, *, outlines: bool = False, space: Conven
     if not isinstance(result, Centerlines):
         contours = tuple(replace(contour, name=printable(contour.name)) for contour in result.contours)
         result = replace(result, contours=contours, source=printable(result.source))
-    options: dict[str, Any] = {"outlines": outlines, "space": space}
+    options: Entries = {"outlines": outlines, "space": space}
     return form.encode(result, **{name: options[name] for name in form.options})
 
 
-def suffix_of(path: str | os.PathLike[str]) -> str:
+def suffix_of(path: AnyPath) -> str:
     """Suffix of a format that can be written, which a file's name ends in, in lower case; empty when there is none.
 
     Of several the longest counts, so that ``a.coco.json`` is not a plain ``.json``; a name that consists of a suffix
     only has none.
     """
-    name = Path(path).name.lower()
-    suffix = max((one.suffix for one in FORMATS if name.endswith(one.suffix)), key=len, default="")
-    return suffix if len(suffix) < len(name) else ""
+    return suffix_among(path, _SUFFIXES)
 
 
-def check_export(path: str | os.PathLike[str]) -> None:
+def check_export(path: AnyPath) -> None:
     """Check in advance whether `export` could write to a path.
 
     Raises
@@ -330,13 +330,4 @@ def check_export(path: str | os.PathLike[str]) -> None:
     ValueError
         When the suffix is not known, the folder does not exist or is not writable, or the path is a folder.
     """
-    file = Path(path)
-    if not suffix_of(file) and not file.is_dir():
-        named = f"ends in {shown(file.suffix)}" if file.suffix and file.suffix not in WRITABLE else "has no suffix"
-        raise ValueError(f"{file.name} {named}, which names no format that can be written: choose one of {_known()}.")
-    check_place(file)
-
-
-def _known() -> str:
-    """Suffixes of all formats that can be written, in words."""
-    return ", ".join(one.suffix for one in FORMATS)
+    check_target(path, _SUFFIXES)

@@ -5,24 +5,23 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import chain
-from typing import NamedTuple, TypeGuard
+from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from cpm_core.image.pyramid import to_scale
 from cpm_core.numerics import polyline
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.segments import cut, meet, nearest_distances, segments_of
+from cpm_core.numerics.segments import meet, nearest_distances, rim_of, segments_of
 from cpm_core.numerics.types import Array, Position
 from cpm_core.parameters.quotation import counted, described, shown
 
 Line = tuple[Position, ...]
 
 _OFF = 1e-6
-"""Distance from a side of a polygon at which both of its sides are tested, and within which a position counts as on a
-line [px]."""
+"""Distance within which a position counts as on a line [px]."""
 
 _KEPT = 8
 """Polygons whose pixels and boundaries are cached: while a barrier is dragged they are needed again and again."""
@@ -111,11 +110,7 @@ class Regions:
         return np.asarray(np.any([_pixels(polygon, shape) for polygon in self.interest], axis=0))
 
     def rims(self) -> Array:
-        """Boundary of the union of the regions of interest as segments, shape (S, 4) [px].
-
-        The sides of the polygons are cut where they meet each other. A piece belongs to the boundary if exactly one
-        side of it is outside.
-        """
+        """Boundary of the union of the regions of interest as segments, shape (S, 4) [px]."""
         return _rims(self.interest)
 
     def lines(self) -> Array:
@@ -135,26 +130,19 @@ def _lines(noun: str, lines: Iterable[Iterable[Sequence[float]]], least: int) ->
     for number, line in enumerate(lines, start=1):
         what = f"{noun} {number}"
         try:
-            points = polyline.corners_of(line if isinstance(line, tuple) else [tuple(point) for point in line])
+            points = polyline.corners_of([tuple(point) for point in line])
         except (TypeError, ValueError):
             points = np.zeros(0)
         if points.ndim != 2 or points.shape[1] != 2:
             raise ValueError(f"{what} must be a sequence of at least {least} points (row, col).")
         if not np.isfinite(points).all():
             raise ValueError(f"{what} has coordinates that are not finite: give numbers of rows and columns.")
-        corners = line if _plain(line) else _line(points)
+        corners = _line(points)
         different = len(set(corners))
         if different < least:
             raise ValueError(f"{what} has {different} different points but must have at least {least}.")
         checked.append(corners)
     return tuple(checked)
-
-
-def _plain(line: object) -> TypeGuard[Line]:
-    """Whether a line is what `_line` would make of it."""
-    if type(line) is not tuple or not set(map(type, line)) <= {tuple}:
-        return False
-    return set(map(type, chain.from_iterable(line))) <= {float}
 
 
 @lru_cache(maxsize=_KEPT)
@@ -167,25 +155,7 @@ def _pixels(polygon: Line, shape: tuple[int, ...]) -> NDArray[np.bool_]:
 @lru_cache(maxsize=_KEPT)
 def _rims(interest: tuple[Line, ...]) -> Array:
     """Rim of the union of polygons; see `Regions.rims`."""
-    if not interest:
-        return np.zeros((0, 4))
-    regions = Regions(interest)
-    sides = np.concatenate([segments_of(np.array([*polygon, polygon[0]])) for polygon in interest])
-    low = np.minimum(sides[:, :2], sides[:, 2:]) - _OFF
-    high = np.maximum(sides[:, :2], sides[:, 2:]) + _OFF
-    pieces = np.concatenate(
-        [
-            cut(side, sides[((low <= end) & (high >= begin)).all(axis=1)], _OFF)  # those whose boxes meet its own
-            for side, begin, end in zip(sides, low, high, strict=True)
-        ]
-    )
-    along = pieces[:, 2:] - pieces[:, :2]
-    length = np.linalg.norm(along, axis=1)
-    off = _OFF * along[:, ::-1] * (1.0, -1.0) / np.maximum(length, 1e-300)[:, None]
-    middle = 0.5 * (pieces[:, :2] + pieces[:, 2:])
-    rim = regions.contains(middle + off) != regions.contains(middle - off)
-    # a piece that is not much longer than the distance of the tests is kept: its sides cannot be tested
-    return np.asarray(pieces[rim | (length < 10.0 * _OFF)])
+    return rim_of([polyline.corners_of(polygon) for polygon in interest])
 
 
 def _line(points: Array) -> Line:
@@ -232,31 +202,17 @@ def build_barrier_map(regions: Regions, shape: tuple[int, ...]) -> BarrierMap:
     segments = np.concatenate([regions.rims(), regions.lines()])
     if not len(segments):
         return NO_BARRIERS
-    clearance = np.full(shape, float(_FAR))
-    _clear(segments, clearance)
-    clearance -= _ROUNDING
-    return BarrierMap(segments, clearance)
-
-
-@compiled
-def _clear(segments: Array, clearance: Array) -> None:
-    """Distance of every pixel to the nearest pixel of a barrier, up to `_FAR`."""
-    rows, cols = clearance.shape
-    marked = np.zeros((rows, cols), np.bool_)
-    for s in range(len(segments)):
-        down, right = segments[s, 2] - segments[s, 0], segments[s, 3] - segments[s, 1]
-        count = 1 + int(np.sqrt(down**2 + right**2) / _SAMPLING)
-        for n in range(count + 1):
-            y, x = np.rint(segments[s, 0] + down * n / count), np.rint(segments[s, 1] + right * n / count)
-            if y < -1 or y > rows or x < -1 or x > cols:
-                continue
-            row, col = min(max(int(y), 0), rows - 1), min(max(int(x), 0), cols - 1)
-            if marked[row, col]:
-                continue
-            marked[row, col] = True
-            for r in range(max(row - _FAR, 0), min(row + _FAR + 1, rows)):
-                for c in range(max(col - _FAR, 0), min(col + _FAR + 1, cols)):
-                    clearance[r, c] = min(clearance[r, c], np.sqrt(float((r - row) ** 2 + (c - col) ** 2)))
+    begin, along = segments[:, :2], segments[:, 2:] - segments[:, :2]
+    count = 1 + (np.linalg.norm(along, axis=1) / _SAMPLING).astype(int)
+    number = np.repeat(np.arange(len(count)), count + 1)
+    share = (np.arange(len(number)) - np.repeat(np.cumsum(count + 1) - count - 1, count + 1)) / count[number]
+    pixels = np.rint(begin[number] + share[:, None] * along[number]).astype(int)
+    pixels = pixels[((pixels >= -1) & (pixels <= shape)).all(axis=1)]
+    free = np.ones(shape, np.bool_)
+    free[tuple(np.clip(pixels, 0, np.array(shape) - 1).T)] = False
+    # along the axis on which it is longer: never more than the distance itself
+    clearance = np.full(shape, _FAR) if free.all() else scipy.ndimage.distance_transform_cdt(free, "chessboard")
+    return BarrierMap(segments, np.minimum(clearance, _FAR) - _ROUNDING)
 
 
 @compiled

@@ -97,15 +97,10 @@ def _closing_off(contours: Sequence[Contour], shape: tuple[int, ...]) -> list[Co
     kept = []
     for number, contour in enumerate(contours):
         loose = not any(contour.junctions) and _loose_ends(contour, shape).all()
-        if not loose or _has_others(tree, owner, number, contour):
+        near = tree.query_ball_point(polyline.middles(contour.path, 1)[0], _ROOM * contour.length) if loose else []
+        if not loose or (owner[near] != number).any():
             kept.append(contour)
     return kept
-
-
-def _has_others(tree: scipy.spatial.cKDTree, owner: Index, number: int, contour: Contour) -> bool:
-    """Whether another contour lies nearer to the middle of this one than `_ROOM` allows."""
-    middle = polyline.middles(contour.path, 1)[0]
-    return bool((owner[tree.query_ball_point(middle, _ROOM * contour.length)] != number).any())
 
 
 def _joined(contours: Sequence[Contour], paths: list[tuple[Array, slice]], scale_field: ScaleField) -> Boundary:
@@ -113,7 +108,10 @@ def _joined(contours: Sequence[Contour], paths: list[tuple[Array, slice]], scale
     if not paths:
         return Boundary(np.zeros((0, 2)), np.zeros((0, 2), np.int64), np.zeros(0), np.zeros((0, 2)))
     start = np.cumsum([0, *(len(path) for path, _ in paths)])
-    normals = [_extended(scale_field.normals(path[known]), known, len(path)) for path, known in paths]
+    normals = [
+        np.pad(scale_field.normals(path[known]), [(known.start, len(path) - known.stop), (0, 0)], mode="edge")
+        for path, known in paths
+    ]
     distinct, first, index = np.unique(
         np.concatenate([path for path, _ in paths]), axis=0, return_index=True, return_inverse=True
     )  # junctions occur more than once
@@ -127,11 +125,6 @@ def _joined(contours: Sequence[Contour], paths: list[tuple[Array, slice]], scale
         np.concatenate(normals)[first],
         loose / max(sum(contour.length for contour in contours), 1e-300),
     )
-
-
-def _extended(values: Array, known: slice, count: int) -> Array:
-    """Values of a part of a path, the first and the last of them repeated over what is before and behind it."""
-    return np.pad(values, [(known.start, count - known.stop), (0, 0)], mode="edge")
 
 
 def _loose_ends(contour: Contour, shape: tuple[int, ...]) -> NDArray[np.bool_]:
@@ -156,12 +149,9 @@ def _without_border(path: Array, shape: tuple[int, ...]) -> list[Array]:
 def _evenly(contour: Contour) -> Array:
     """Points along a contour, including its vertices; of a closed one the first is repeated at the end."""
     path = contour.path
-    parts = [path[:1]]
-    for a, b in pairwise(path):
-        count = max(1, int(np.ceil(np.linalg.norm(b - a) / _STRIDE)))
-        steps = np.arange(1, count + 1)[:, None] / count
-        parts.append(np.where(steps == 1.0, b, a + (b - a) * steps))
-    return np.concatenate(parts)
+    counts = np.maximum(np.ceil(np.linalg.norm(np.diff(path, axis=0), axis=1) / _STRIDE), 1).astype(int)
+    at = np.concatenate([[0.0], *(k + np.arange(1, count + 1) / count for k, count in enumerate(counts.tolist()))])
+    return np.stack([np.interp(at, np.arange(len(path)), axis) for axis in path.T], axis=1)
 
 
 def _continued(path: Array, shape: tuple[int, ...]) -> tuple[Array, slice]:

@@ -193,35 +193,35 @@ def _depth(inside: Mask, size: Array) -> Array:
 
 def _pruned(lines: Mask, depth: Array, size: Array, pruning: float) -> list[Chain]:
     """Chains of voxels that remain when short ones that end in the open are taken away, again and again."""
+
+    def is_wrinkle(chain: Chain) -> bool:
+        """Whether a chain hardly leaves the ball at its junction, or its tip with its ball hardly sticks out."""
+        points = chain.points if chain.free_end else chain.points[::-1]  # from the junction
+        tip = chain.own[-1 if chain.free_end else 0]
+        reach = pruning * float(depth[tuple(np.rint(points[0]).astype(int))])
+        length = float(np.linalg.norm(np.diff(points * size, axis=0), axis=1).sum())
+        away = float(np.linalg.norm((points[-1] - points[0]) * size))
+        salient = away + depth[tuple(tip)] > reach + _SALIENT * size.min()
+        return bool(length <= reach or (pruning > 0.0 and not salient))
+
     while True:
         chains = chains_of(lines)
-        short = [chain for chain in chains if chain.free and _is_wrinkle(chain, depth, size, pruning)]
+        short = [chain for chain in chains if chain.free and is_wrinkle(chain)]
         if not short:
             return chains
         for chain in short:
             lines[tuple(chain.own.T)] = False
 
 
-def _is_wrinkle(chain: Chain, depth: Array, size: Array, pruning: float) -> bool:
-    """Whether a chain hardly leaves the ball at its junction, or its tip, with the ball there, hardly sticks out."""
-    reach, end = pruning * _radius(chain, depth), chain.own[-chain.free_end]
-    away = float(np.linalg.norm((chain.points[-chain.free_end] - chain.points[chain.free_end - 1]) * size))
-    salient = away + depth[tuple(end)] > reach + _SALIENT * size.min()
-    return bool(_length(chain, size) <= reach or (pruning > 0.0 and not salient))
-
-
-def _length(chain: Chain, size: Array) -> float:
-    return float(np.linalg.norm(np.diff(chain.points * size, axis=0), axis=1).sum())
-
-
-def _radius(chain: Chain, depth: Array) -> float:
-    """Distance to the surface at the junction of a chain that ends in the open."""
-    return float(depth[tuple(np.rint(chain.points[0 if chain.free_end == 1 else -1]).astype(int))])
-
-
 def _branch(chain: Chain, depth: Array, walls: scipy.spatial.KDTree, size: Array, begin: Array) -> Branch:
-    """A chain of voxels in the middle of the inside, smoothed with its ends kept; `walls` are the voxels around it."""
-    points = _centered(chain.points, depth)
+    """A chain of voxels moved to the mean of those around that are about as deep as the deepest, and smoothed.
+
+    Its ends are kept; `walls` are the voxels around the inside.
+    """
+    voxels = np.rint(chain.points).astype(int)[:, None] + _WINDOW
+    depths = depth[tuple(np.clip(voxels, 0, np.array(depth.shape) - 1).transpose(2, 0, 1))]
+    deepest = depths >= depths.max(1, keepdims=True) - _AS_DEEP
+    points = (voxels * deepest[..., None]).sum(1) / deepest.sum(1, keepdims=True)
     if chain.nodes[0] == chain.nodes[1]:
         points[-1] = points[0]
     if len(points) > 2:
@@ -230,11 +230,3 @@ def _branch(chain: Chain, depth: Array, walls: scipy.spatial.KDTree, size: Array
         points = straight + scipy.ndimage.gaussian_filter1d(bent, _SMOOTHING, axis=0)[_MARGIN:-_MARGIN]
     distances = np.asarray(walls.query(points * size)[0])
     return Branch(points + begin, np.maximum(distances - _BEYOND * size.min(), 0.0), chain.nodes)
-
-
-def _centered(points: Array, depth: Array) -> Array:
-    """Points moved to the mean of the voxels around them that are about as deep as the deepest."""
-    voxels = np.rint(points).astype(int)[:, None] + _WINDOW
-    depths = depth[tuple(np.clip(voxels, 0, np.array(depth.shape) - 1).transpose(2, 0, 1))]
-    deepest = depths >= depths.max(1, keepdims=True) - _AS_DEEP
-    return np.asarray((voxels * deepest[..., None]).sum(1) / deepest.sum(1, keepdims=True))

@@ -7,6 +7,7 @@ Snoeyink 2001, doi:10.1007/s00453-001-0014-x).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -76,38 +77,25 @@ class Axis:
 
     def within(self, low: Array, high: Array) -> Axis:
         """The part of the axis in a rectangle; edges are clipped."""
-        start = self.points[self.edges[:, 0]]
-        along = self.points[self.edges[:, 1]] - start
-        with np.errstate(divide="ignore", invalid="ignore"):
-            to_low, to_high = (low - start) / along, (high - start) / along
-        aside = np.where(
-            (start < low) | (start > high), np.inf, -np.inf
-        )  # edges along a side are inside or outside as a whole
-        still = along == 0.0
-        enter = np.where(still, aside, np.minimum(to_low, to_high)).max(axis=1).clip(min=0.0)
-        leave = np.where(still, -aside, np.maximum(to_low, to_high)).min(axis=1).clip(max=1.0)
-        kept = enter < leave
-        edges = self.edges[kept].copy()
-        points, radius, nearest = [self.points], [self.radius], [self.nearest]
-        size = len(self.points)
-        for end, at in enumerate((enter[kept], leave[kept])):
-            cut = (at > 0.0) if end == 0 else (at < 1.0)
-            a, b = self.edges[kept][cut].T
-            share = at[cut]
-            points.append(self.points[a] + share[:, None] * (self.points[b] - self.points[a]))
-            radius.append(self.radius[a] + share * (self.radius[b] - self.radius[a]))
-            nearest.append(self.nearest[np.where(share < 0.5, a, b)])
-            edges[cut, end] = size + np.arange(len(share))
-            size += len(share)
+        places = np.column_stack([self.points, self.radius])
+        nearest, edges, kept = self.nearest, self.edges.copy(), np.ones(len(self.edges), np.bool_)
+        for axis, bound, inward in [(k, end[k], sign) for end, sign in ((low, 1.0), (high, -1.0)) for k in range(2)]:
+            height = inward * (places[:, axis] - bound)
+            one, other = height[edges].T
+            kept &= (np.maximum(one, other) > 0.0) | ((one == 0.0) & (other == 0.0))  # edges along a side are inside
+            cut = np.flatnonzero(kept & (np.minimum(one, other) < 0.0))
+            a, b = edges[cut].T
+            share = one[cut] / (one[cut] - other[cut])
+            between = places[a] + share[:, None] * (places[b] - places[a])
+            between[:, axis] = bound
+            edges[cut, np.where(one[cut] < 0.0, 0, 1)] = len(places) + np.arange(len(cut))
+            places = np.concatenate([places, between])
+            nearest = np.concatenate([nearest, nearest[np.where(share < 0.5, a, b)]])
         joined = np.zeros(len(self.points), np.bool_)
         joined[self.edges] = True
-        cutting = Axis(np.concatenate(points), edges, np.concatenate(radius), np.concatenate(nearest))
         alone = np.flatnonzero(self.inside(low, high) & ~joined)
-        return cutting.only(edges, alone, self.sides[kept] if len(self.sides) else None)
-
-
-def _empty() -> Axis:
-    return Axis(np.zeros((0, 2)), np.zeros((0, 2), np.int64), np.zeros(0), np.zeros(0, np.int64))
+        clipped = Axis(places[:, :2], edges, places[:, 2], nearest)
+        return clipped.only(edges[kept], alone, self.sides[kept] if len(self.sides) else None)
 
 
 def medial_axis(boundary: Boundary, shape: tuple[int, ...]) -> Axis:
@@ -120,11 +108,8 @@ def medial_axis(boundary: Boundary, shape: tuple[int, ...]) -> Axis:
     middle, widest = 0.5 * (size - 1.0), float(size.max())
     corners = middle + _FAR * widest * np.array([(-1, -1), (-1, 1), (1, -1), (1, 1)])
     if len(boundary.points) < 2:
-        return _empty()
-    try:
-        diagram = scipy.spatial.Voronoi(np.concatenate([boundary.points, corners]))
-    except scipy.spatial.QhullError:  # all points on one line
-        return _empty()
+        return Axis(np.zeros((0, 2)), np.zeros((0, 2), np.int64), np.zeros(0), np.zeros(0, np.int64))
+    diagram = scipy.spatial.Voronoi(np.concatenate([boundary.points, corners]))
     count = len(boundary.points)
     sites = np.sort(diagram.ridge_points.astype(np.int64), axis=1)
     edges = np.asarray(diagram.ridge_vertices, dtype=np.int64)
@@ -180,8 +165,17 @@ def prune(axis: Axis, pruning: float) -> Axis:
         return axis
     count, part = parts(axis)
     roots = _largest(axis.radius, part, count)
-    graph = Graph(axis.points, _cut_back(axis, set(roots.tolist()), pruning))
-    _drop_stubs(graph)
+    reach = axis.radius.copy()  # how far the shape removed behind a vertex reaches around it
+
+    def is_covered(tip: int, following: int) -> bool:
+        reached = float(np.linalg.norm(axis.points[tip] - axis.points[following])) + reach[tip]
+        covered = bool(reached - axis.radius[following] <= pruning)
+        if covered:
+            reach[following] = max(reach[following], reached)
+        return covered
+
+    graph = Graph(axis.points, without_tips(axis, is_covered, frozenset(roots.tolist())))
+    graph.drop_spurs(_SHORTEST)
     _merge_junctions(graph, axis.radius)
     edges = graph.edges()
     return axis.only(edges, roots[~np.isin(np.arange(count), part[edges[:, 0]])])
@@ -205,36 +199,27 @@ def _largest(radius: Array, part: NDArray[np.int32], count: int) -> NDArray[np.i
     return largest
 
 
-def _cut_back(axis: Axis, roots: set[int], pruning: float) -> NDArray[np.int64]:
-    """Edges that remain when every tip is shortened as far as `pruning` allows."""
+def without_tips(axis: Axis, leaves: Callable[[int, int], bool], kept: frozenset[int] = frozenset()) -> Index:
+    """Edges that remain when tips are removed as long as they leave, which is asked of a tip and the vertex next to it.
+
+    Some vertices are kept in any case.
+    """
     links: list[set[int]] = [set() for _ in axis.points]
     for a, b in axis.edges.tolist():
         links[a].add(b)
         links[b].add(a)
-    radius = axis.radius.tolist()
-    reach = axis.radius.tolist()  # how far the shape removed behind a vertex reaches around it
-    tips = [v for v, near in enumerate(links) if len(near) == 1 and v not in roots]
+    tips = [v for v, near in enumerate(links) if len(near) == 1 and v not in kept]
     while tips:
         tip = tips.pop()
-        (following,) = links[tip]
-        reached = float(np.linalg.norm(axis.points[tip] - axis.points[following])) + reach[tip]
-        if reached - radius[following] > pruning:
+        if not links[tip]:  # the other end of the same edge has left
             continue
-        links[tip].clear()
-        links[following].discard(tip)
-        reach[following] = max(reach[following], reached)
-        if len(links[following]) == 1 and following not in roots:
-            tips.append(following)
+        (following,) = links[tip]
+        if leaves(tip, following):
+            links[tip].clear()
+            links[following].discard(tip)
+            if len(links[following]) == 1 and following not in kept:
+                tips.append(following)
     return np.array([(v, w) for v, near in enumerate(links) for w in near if v < w], np.int64).reshape(-1, 2)
-
-
-def _drop_stubs(graph: Graph) -> None:
-    """Remove branches shorter than a pixel, the shortest first."""
-    stubs = [graph.branch(end) for end in graph.ends().tolist()]
-    for stub in sorted(stubs, key=graph.length):
-        path = graph.branch(int(stub[0]))  # longer if its junction has become a plain vertex
-        if graph.degree(path[-1]) > 2 and graph.length(path) < _SHORTEST:
-            graph.drop(path)
 
 
 def _merge_junctions(graph: Graph, radius: Array) -> None:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from cpm_core.field.edge_map import background_strength
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.medial_axis.boundary import Boundary, find_boundary
-from cpm_core.medial_axis.medial_axis import Axis, medial_axis, parts, prune
+from cpm_core.medial_axis.medial_axis import Axis, medial_axis, parts, prune, without_tips
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 
@@ -113,7 +113,11 @@ def common_polarity(
         Shape of the image; what lies outside has no effect.
     """
     inside = axis.inside(np.full(2, -0.5), np.array(shape) - 0.5)[axis.edges].all(axis=1)
-    length = np.where(inside, lengths(axis) * _breadth(axis, boundary), 0.0)
+    outward = boundary.points[axis.sides] - axis.points[axis.edges].mean(axis=1)[:, None]
+    across = np.linalg.norm(outward[:, 1] - outward[:, 0], axis=1)
+    # how far apart the sides of each edge are, 1 for opposite ones; small at irregularities
+    breadth = (across / np.maximum(np.linalg.norm(outward, axis=2).sum(axis=1), 1e-300)) ** 2
+    length = np.where(inside, lengths(axis) * breadth, 0.0)
     count, part = parts(axis)
     of_part = part[axis.edges[:, 0]]
     dark, light, mixed = (np.bincount(of_part, length * (polarity == sign), count) for sign in (DARK, LIGHT, 0))
@@ -124,13 +128,6 @@ def common_polarity(
     if max(shares) <= _CLEAR * sum(shares):
         return 0
     return DARK if shares[0] > shares[1] else LIGHT
-
-
-def _breadth(axis: Axis, boundary: Boundary) -> Array:
-    """How far apart the sides of each edge of an axis are, from 0 to 1 for opposite ones; small at irregularities."""
-    outward = boundary.points[axis.sides] - axis.points[axis.edges].mean(axis=1)[:, None]
-    across = np.linalg.norm(outward[:, 1] - outward[:, 0], axis=1)
-    return np.asarray((across / np.maximum(np.linalg.norm(outward, axis=2).sum(axis=1), 1e-300)) ** 2)
 
 
 def lengths(axis: Axis) -> Array:
@@ -222,12 +219,20 @@ def strips(axis: Axis, boundary: Boundary, width: float, sure: float) -> Axis:
     sure : float
         Least strength of edges that make a strip certain [gray levels / px].
     """
-    cut = _without_mouths(axis.narrower(width))
+    thin = axis.narrower(width)
+
+    def is_mouth(tip: int, following: int) -> bool:
+        """Whether a tip widens into an open region."""
+        away = float(np.linalg.norm(thin.points[tip] - thin.points[following]))
+        return bool(thin.radius[tip] - thin.radius[following] > _OPPOSITE * away)
+
+    cut = thin.only(without_tips(thin, is_mouth))
     if not len(cut.edges):
         return cut
     count, part = parts(cut)
     of_part, length = part[cut.edges[:, 0]], lengths(cut)
-    opposite = _slope(cut) <= _OPPOSITE
+    change = np.abs(np.diff(cut.radius[cut.edges], axis=1)[:, 0])
+    opposite = change / np.maximum(length, 1e-300) <= _OPPOSITE
     strong = boundary.strength[cut.nearest[cut.edges]].mean(axis=1) >= sure
     total, between, certain, area = (
         np.bincount(of_part, weights, count)
@@ -261,35 +266,6 @@ def own_width(found: Axis, boundary: Boundary) -> float:
 def _weights(found: Axis, boundary: Boundary) -> Array:
     """Length of each edge of an axis times the strength of the boundary next to it, shape (M,)."""
     return np.asarray(lengths(found) * boundary.strength[found.nearest[found.edges]].mean(axis=1))
-
-
-def _slope(axis: Axis) -> Array:
-    """Change of the radius along each edge, per length, shape (M,)."""
-    change = np.abs(np.diff(axis.radius[axis.edges], axis=1)[:, 0])
-    return np.asarray(change / np.maximum(lengths(axis), 1e-300))
-
-
-def _without_mouths(axis: Axis) -> Axis:
-    """Axis without its ends that widen into an open region."""
-    links: list[set[int]] = [set() for _ in axis.points]
-    for a, b in axis.edges.tolist():
-        links[a].add(b)
-        links[b].add(a)
-    tips = [v for v, near in enumerate(links) if len(near) == 1]
-    while tips:
-        tip = tips.pop()
-        if not links[tip]:
-            continue
-        (following,) = links[tip]
-        away = float(np.linalg.norm(axis.points[tip] - axis.points[following]))
-        if axis.radius[tip] - axis.radius[following] <= _OPPOSITE * away:
-            continue
-        links[tip].clear()
-        links[following].discard(tip)
-        if len(links[following]) == 1:
-            tips.append(following)
-    rest = [(v, w) for v, near in enumerate(links) for w in near if v < w]
-    return axis.only(np.array(rest, np.int64).reshape(-1, 2))
 
 
 _MOSTLY_LOOSE = 0.5

@@ -4,24 +4,41 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from copy import copy
+from functools import lru_cache, partial
+from threading import RLock
 from typing import Any, Self
 
+import numpy as np
 from numpy.typing import ArrayLike
 
-from cpm_core.field.placed_charges import PlacedCharge, PlacedChargeCache, VolumeCharges, placed_in
-from cpm_core.field.scale_field import ScaleField
-from cpm_core.field.scale_space import ScaleSpace
-from cpm_core.field.volume_field import VolumeSpace
+from cpm_core.field.placed_charges import (
+    Charges,
+    PlacedCharge,
+    at_scale,
+    charged,
+    placed_force_at,
+    placed_in,
+    placed_potential,
+    places_near,
+    radius_at,
+)
+from cpm_core.field.scale_field import LARGE, ScaleField
+from cpm_core.field.scale_space import SourceImages, plane_fields
+from cpm_core.field.volume_field import check_parameters, pitch_of, volume_fields
 from cpm_core.image.image import Image, as_image
-from cpm_core.image.regions import Regions
-from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
+from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.memory import check_room
+from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 
 _LEAST_MEMORY = {2: 80.0, 3: 24.0}
 """Memory that no run needs less of, for one pixel [bytes], in the plane and in space; in the plane 106 to 200 are
 measured."""
+
+
+_KEPT = 2
+"""Fields with placed charges that are kept: those that the threads of a run and a window use."""
 
 
 class ImageFields:
@@ -57,14 +74,25 @@ class ImageFields:
                 f"{self.image.source} is constant ({array.flat[0]:g} everywhere) and has no edges: "
                 "open an image with objects."
             )
-        self.regions = regions
         check_room(array.shape, _LEAST_MEMORY[array.ndim], self.image.source)
-        self._scale_space = _scale_space_of(self.image, parameters.scales, regions)
-        self._scale_space.prepare(parameters)
-        self._charged = _charges_of(self.image)
+        self.scales = parameters.scales
+        self._pitch: Any = pitch_of(self.image.spacing) if array.ndim == 3 else (1.0, 1.0)
+        self._sources = SourceImages(self.image, parameters.scales)
         self._latest = parameters
+        self._limit(regions)
+        if array.ndim == 3:
+            check_parameters(parameters)
+        elif array.size <= LARGE:  # the fields of all scales at once, side by side
+            share(lambda first, end: [self._at(scale, parameters) for scale in range(first, end)], self.scales, 1)
         if regions is not None:
             self._check_edges()
+
+    def _limit(self, regions: AnyRegions | None, free: Any = None) -> None:
+        """Take other regions; `free` builds the fields of the same regions of interest."""
+        self.regions, self._lock = regions, RLock()
+        fields: Any = partial(volume_fields, pitch=self._pitch) if self.image.ndim == 3 else plane_fields
+        self._free, self._at = fields(self._sources, regions=regions, free=free)
+        self._charged = lru_cache(_KEPT)(partial(charged, self.image.shape))
 
     def with_regions(self, regions: AnyRegions | None) -> Self:
         """The same with other regions of interest and barriers, and as many scales.
@@ -80,18 +108,12 @@ class ImageFields:
         others = regions is not None and (self.regions is None or regions.interest != self.regions.interest)
         if regions is not None and others:
             regions.check(self.image.values.shape)
+        same = (regions.interest if regions else ()) == (self.regions.interest if self.regions else ())
         other = copy(self)
-        other.regions = regions
-        other._scale_space = self._scale_space.with_regions(regions)
-        other._charged = _charges_of(self.image)
+        other._limit(regions, self._free if same else None)
         if others:
             other._check_edges()
         return other
-
-    @property
-    def scales(self) -> int:
-        """Number of scales."""
-        return len(self._scale_space)
 
     def suits(self, parameters: Parameters) -> bool:
         """Whether a run with these parameters can start in these fields, which have a fixed number of scales."""
@@ -100,8 +122,13 @@ class ImageFields:
     def scale_field(self, parameters: Parameters, scale: int = 0) -> ScaleField:
         """Fields of a scale, built on first use; a `VolumeField` in a volume."""
         self._latest = parameters
-        found: ScaleField = self._scale_space.at(scale, parameters)
+        with self._lock:
+            found: ScaleField = self._at(scale, parameters)
         return found
+
+    def charged(self, field: ScaleField, scale: int, charges: Charges) -> ScaleField:
+        """A scale field with placed charges; in a volume, where particles feel these directly, the field itself."""
+        return field if not charges or self.image.ndim == 3 else self._charged(field, scale, charges)
 
     def edge_map(self, parameters: Parameters, scale: int = 0) -> Array:
         """Edge map of a scale, shape (H, W), zero where the edge floor leaves no fixed charge."""
@@ -112,10 +139,13 @@ class ImageFields:
 
         Without charges the vectors have at most unit length. The charges are in px of the image, at every scale.
         """
-        force: Array = self._charged.force(
-            self.scale_field(parameters, scale), scale, placed_in(charges, self.image.ndim)
-        )
-        return force
+        field, radius = self.scale_field(parameters, scale), radius_at(scale)
+        force: Any = np.array(field.lorentz)
+        placed = self._placed(charges, scale)
+        for window, places in places_near(placed, radius, field.shape, self._pitch):
+            force[(slice(None), *window)] += np.moveaxis(placed_force_at(placed, radius, places), -1, 0)
+        found: Array = force
+        return found
 
     def potential(self, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> Array:
         """Potential on the pixels of the image, shape (H, W) [gray levels], lowest where it attracts particles most.
@@ -123,22 +153,16 @@ class ImageFields:
         The sum of the potential of the fixed charges, eq. (7), which is computed on first use and kept with the field,
         and of the potential of placed charges, whose unit of force counts as the mean slope of the former.
         """
-        placed = placed_in(charges, self.image.ndim)
-        potential: Array = self._charged.potential(self.scale_field(parameters), placed)
+        field, placed = self.scale_field(parameters), self._placed(charges, 0)
+        potential = field.potential.copy()
+        for window, places in places_near(placed, radius_at(0), field.shape, self._pitch):
+            potential[window] += field.slope * placed_potential(placed, radius_at(0), places)
         return potential
+
+    def _placed(self, charges: Sequence[PlacedCharge], scale: int) -> Array:
+        """Position of each charge, as those of particles at a scale, and its strength; shape (K, D + 1)."""
+        return at_scale(placed_in(charges, self.image.ndim), scale, self.image.shape) * (*self._pitch, 1.0)
 
     def _check_edges(self) -> None:
         if not self.scale_field(self._latest).edge_map.any():
             raise ValueError("there are no edges in the regions of interest: draw them around the objects.")
-
-
-def _scale_space_of(image: Image, scales: int, regions: AnyRegions | None) -> Any:
-    """The `ScaleSpace` of an image, or the `VolumeSpace` of a volume, which has the same methods."""
-    if image.ndim == 3:
-        return VolumeSpace(image, scales, regions if isinstance(regions, VolumeRegions) else None)
-    return ScaleSpace(image.values, scales, regions if isinstance(regions, Regions) else None, image.colors)
-
-
-def _charges_of(image: Image) -> Any:
-    """The `PlacedChargeCache` of an image, or the `VolumeCharges` of a volume."""
-    return VolumeCharges(image.shape) if image.ndim == 3 else PlacedChargeCache(image.shape)

@@ -29,14 +29,14 @@ def segments_of(path: Array) -> Array:
 def distances_to_segments(points: Array, begin: Array, along: Array) -> Array:
     """Distance of each point from the segment that belongs to it, shape (...) [px].
 
-    `points`, `begin` and `along` have shapes (..., 2) that broadcast: the points, one end of each segment, and the
+    `points`, `begin` and `along` have shapes (..., D) that broadcast: the points, one end of each segment, and the
     vector from it to the other end, which may be zero.
     """
     offset = points - begin
     square = np.einsum("...i,...i->...", along, along)
     share = np.einsum("...i,...i->...", offset, along) / np.where(square > 0.0, square, 1.0)
     away = offset - np.clip(share, 0.0, 1.0)[..., None] * along
-    return np.asarray(np.hypot(away[..., 0], away[..., 1]))
+    return np.asarray(np.linalg.norm(away, axis=-1))
 
 
 @compiled
@@ -105,29 +105,6 @@ class PathTree:
         """Indices of the paths within `reach` [px] of a position, nearest first."""
         _, path, away = self.pairs(np.array([place]), reach)
         return list(path[np.lexsort((path, away))].tolist())
-
-
-def cut(segment: Array, others: Array, tolerance: float) -> Array:
-    """Pieces of a segment, shape (4,), between the places where others, shape (S, 4), cross or touch it, shape (P, 4).
-
-    `meet` decides whether segments cross; this function finds where. The end of another segment lies on the line of
-    this one within the distance `tolerance` [px]. The pieces come in order.
-    """
-    a, along = segment[:2], segment[2:] - segment[:2]
-    p, d = others[:, :2] - a, others[:, 2:] - others[:, :2]
-    turn = along[0] * d[:, 1] - along[1] * d[:, 0]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        at = (p[:, 0] * d[:, 1] - p[:, 1] * d[:, 0]) / turn
-        on_other = (p[:, 0] * along[1] - p[:, 1] * along[0]) / turn
-    crossing = at[(turn != 0.0) & (on_other >= 0.0) & (on_other <= 1.0)]
-    # segments on one line do not cross: they are cut at their ends
-    away = np.abs(p[:, 0] * along[1] - p[:, 1] * along[0]) / np.linalg.norm(along)
-    ends = (p @ along / (along @ along))[away < tolerance]
-    every = np.unique(np.concatenate([crossing, ends, [0.0, 1.0]]))
-    every = every[(every >= 0.0) & (every <= 1.0)]
-    places = a + every[:, None] * along
-    places[-1] = segment[2:]
-    return segments_of(places)
 
 
 def _signed_area(p: Array, q: Array, a: Array) -> Any:
@@ -202,3 +179,17 @@ def _turns(from_: Array, to: Array, points: Array, first: Index, last: Index) ->
             elif from_[k, 0] > to[k, 0] and left < 0.0:
                 turns[i] -= 1
     return turns
+
+
+def rim_of(polygons: Sequence[Array]) -> Array:
+    """Boundary of what some polygons, each of shape (K, 2), wind around, as segments, shape (S, 4)."""
+    import shapely  # noqa: PLC0415 - needed for regions of interest only
+
+    inside = []
+    for corners in polygons:
+        line = shapely.union_all(shapely.LineString([*corners, corners[0]]))  # cut where it crosses itself
+        pieces = shapely.get_parts(shapely.polygonize([line]))
+        places = shapely.get_coordinates(shapely.point_on_surface(pieces))
+        inside += pieces[winds_around(corners, places)].tolist()
+    rings = shapely.get_parts(shapely.boundary(shapely.union_all(inside)))
+    return np.concatenate([np.zeros((0, 4)), *(segments_of(shapely.get_coordinates(ring)) for ring in rings)])

@@ -17,14 +17,13 @@ from numpy.typing import ArrayLike
 from cpm_core.contours.result import Result
 from cpm_core.field.placed_charges import PlacedCharge, placed_in
 from cpm_core.field.scale_field import ScaleField
-from cpm_core.field.volume_field import pitch_of
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model import interventions
 from cpm_core.model.coverage import no_coverage, no_surface
 from cpm_core.model.image_fields import ImageFields
-from cpm_core.model.measures import Energies, Forces, forces_asked, kinetic_energy
+from cpm_core.model.measures import Energies, Forces, kinetic_energy
 from cpm_core.model.plane import step as plane
 from cpm_core.model.starts import starting_points
 from cpm_core.model.state import Particles, SpaceState, State
@@ -125,7 +124,7 @@ class Engine(ImageFields):
             When there is no particle, or none inside the image and the regions of interest.
         """
         points = starting_points(seeds, self.image.shape, self.regions)
-        space = SpaceState(pitch_of(self.image.spacing), no_surface()) if self.image.ndim == 3 else None
+        space = SpaceState(self._pitch, no_surface()) if self.image.ndim == 3 else None
         none, nowhere = Particles.at_rest(points[:0]), no_coverage(())
         first = State(none, points, self.image.shape, self.scales, nowhere, regions=self.regions, space=space)
         return interventions.start_scale(first, self.scales - 1, self.regions)
@@ -153,8 +152,9 @@ class Engine(ImageFields):
         if state.stop_reason:
             return state
         state = interventions.applied(state, self.regions, parameters, charges)
-        field = self._charged.of(self._field_of(state, parameters), state.scale, state.charges)
-        return self._stepped(state, field, parameters)
+        field = self.charged(self._field_of(state, parameters), state.scale, state.charges)
+        after: State = self._laws.stepped(state, field, self.regions, parameters)
+        return after
 
     def forces(
         self,
@@ -179,18 +179,17 @@ class Engine(ImageFields):
         Returns
         -------
         Forces
-            In the order of `index`; NaN for particles that the step removes because they lie outside new regions. As
-            exact as in a step: near pairs in single precision (2e-4 of a unit force), distant particles by a mesh that
-            is used for four steps (see `mesh_force`). A step also extrapolates the force, eq. (15), integrates the
-            damping exactly and applies friction along the edge at once; these are not forces.
+            In the order of `index`. As exact as in a step: near pairs in single precision (2e-4 of a unit force),
+            distant particles by a mesh that is used for four steps (see `mesh_force`). A step also extrapolates the
+            force, eq. (15), integrates the damping exactly and applies friction along the edge at once; these are not
+            forces.
         """
         asked = np.arange(state.count) if index is None else np.atleast_1d(np.asarray(index, dtype=np.int64))
-        changed = interventions.applied(state, self.regions, parameters, charges)
+        changed = interventions.applied(state, state.regions, parameters, charges)
         field = self._field_of(state, parameters)
-        charged = self._charged.of(field, state.scale, changed.charges)
-        return forces_asked(
-            state, changed, asked, lambda which: self._laws.forces(changed, field, charged, parameters, which)
-        )
+        charged = self.charged(field, state.scale, changed.charges)
+        found: Forces = self._laws.forces(changed, field, charged, parameters, asked)
+        return found
 
     def energies(self, state: State, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> Energies:
         """Kinetic and potential energy of the particles of a state, as `cpm_core.model.measures` defines them.
@@ -280,11 +279,6 @@ class Engine(ImageFields):
     def positions(self, state: State) -> Array:
         """Positions of the particles, shape (N, 2) [px of the image]."""
         return state.position
-
-    def _stepped(self, state: State, field: ScaleField, parameters: Parameters) -> State:
-        """The state after a step; a method of its own so that experiments can replace it."""
-        after: State = self._laws.stepped(state, field, self.regions, parameters)
-        return after
 
     def _field_of(self, state: State, parameters: Parameters) -> ScaleField:
         """Fields of the scale of a state, limited to the edges that its start reaches."""

@@ -19,8 +19,8 @@ from app.model.document import edits
 from app.session.features.workspace import Workspace
 from app.session.session import Session
 from app.views.features import files
-from app.views.main_window import MainWindow
 from app.views.window import dialogs
+from app.views.window.window import MainWindow
 from cpm_core.shapes import Circle
 from tests.app.window.windows import (
     KEPT,

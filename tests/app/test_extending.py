@@ -15,7 +15,6 @@ from app.model.document import edits
 from app.model.text.wording import FORMULAS
 from app.session.exchange.core_functions import Core
 from app.session.features.workspace import Workspace
-from app.views import main_window
 from app.views.canvas import canvas_area
 from app.views.canvas import layers as canvas_layers
 from app.views.canvas.items.curves import Curves
@@ -24,7 +23,9 @@ from app.views.canvas.tools import TOOLS
 from app.views.canvas.tools.drawn import DraggedTool
 from app.views.canvas.tools.tool import START
 from app.views.features import edit
+from app.views.main_window import make_window
 from app.views.window import bars
+from app.views.window.window import MainWindow
 from cpm_core.cli import main
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result
@@ -84,9 +85,9 @@ class CenterLayer(Layer):
             self.cross.show([np.array([[row - 3, col], [row + 3, col]]), np.array([[row, col - 3], [row, col + 3]])])
 
 
-def another_window(qtbot, request, workspace: Workspace, image_file) -> main_window.MainWindow:
+def another_window(qtbot, request, workspace: Workspace, image_file) -> MainWindow:
     """A window made after something new has been added."""
-    window = main_window.MainWindow(workspace)
+    window = make_window(workspace)
     request.addfinalizer(lambda: close_workspace(workspace))
     request.addfinalizer(lambda: close_window(window))
     window.resize(1000, 700)

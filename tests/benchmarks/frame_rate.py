@@ -32,7 +32,7 @@ from app.session.features.workspace import Workspace
 from app.session.session import FRAME
 from app.views.application import make_application
 from app.views.features.files import OpenSaveFeature
-from app.views.main_window import MainWindow
+from app.views.main_window import make_window
 from cpm_core.contours.result import Result
 from cpm_core.model.starts import uniform_grid
 from cpm_core.model.state import Particles
@@ -149,7 +149,7 @@ def measure(seconds: float, count: int | None = None, color: str = "state") -> T
     """
     application = make_application()
     workspace = Workspace(trembling(count) if count else None)
-    window, session = MainWindow(workspace), workspace.session
+    window, session = make_window(workspace), workspace.session
     window.canvas_area.canvas.layers["particles"].choose("colour", color)
     window.showMaximized()
     with tempfile.TemporaryDirectory() as folder:

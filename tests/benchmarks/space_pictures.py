@@ -25,7 +25,8 @@ from app.session.features.workspace import Workspace
 from app.views.application import make_application
 from app.views.features.files import OpenSaveFeature
 from app.views.features.volumes import SlicesFeature
-from app.views.main_window import MainWindow
+from app.views.main_window import make_window
+from app.views.window.window import MainWindow
 from cpm_core.shapes import Points
 
 SIDE, APART, RADIUS = 256, 128, 26.0
@@ -82,7 +83,7 @@ def measure(seconds: float) -> None:
     """Run the window for some seconds and print the figures."""
     application = make_application()
     workspace = Workspace()
-    window, session = MainWindow(workspace), workspace.session
+    window, session = make_window(workspace), workspace.session
     window.resize(1600, 1000)
     window.show()
     with tempfile.TemporaryDirectory() as folder:

@@ -9,9 +9,10 @@ import pytest
 from PySide6.QtCore import QPoint, QSettings
 from PySide6.QtGui import QCursor
 
-from app.views.application import make_application, open_window
-from app.views.main_window import MainWindow
+from app.views.application import make_application
+from app.views.main_window import open_window
 from app.views.window import dialogs
+from app.views.window.window import MainWindow
 
 PATIENCE = 60_000
 """Longest wait for anything [ms]."""

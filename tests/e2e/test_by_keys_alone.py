@@ -10,7 +10,7 @@ from PySide6.QtCore import Qt, QTimer
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog, QMenu, QWidget
 
-from app.views.main_window import MainWindow
+from app.views.window.window import MainWindow
 from cpm_core.shapes import Circle
 from tests.e2e.conftest import PATIENCE
 

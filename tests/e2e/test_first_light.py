@@ -10,8 +10,9 @@ from PySide6.QtGui import QColor
 from PySide6.QtWidgets import QFileDialog
 
 from app.model.document.samples import samples
-from app.views.application import make_application, open_window
+from app.views.application import make_application
 from app.views.features.exchange import ExportFeature
+from app.views.main_window import open_window
 from tests.e2e.conftest import PATIENCE
 
 

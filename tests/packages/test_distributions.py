@@ -94,9 +94,9 @@ from app.model.document.samples import samples
 from app.model.text.language import languages
 from app.session.features.workspace import Workspace
 from app.views.application import make_application
-from app.views.main_window import MainWindow
+from app.views.main_window import make_window
 application = make_application()
-window = MainWindow(Workspace())
+window = make_window(Workspace())
 window.show()
 application.processEvents()
 assert all(sample.path.is_file() and sample.picture.is_file() for sample in samples())

@@ -12,7 +12,7 @@ import scipy
 from app.model.document.objects import AnySelection
 from app.model.volume.slices import Slice
 from cpm_core import Contour, Selection, Skeleton, Surface, VolumeSelection
-from cpm_core.contours import Measures, chains
+from cpm_core.contours import Graph, Measures
 from cpm_core.numerics import Array, Place, polyline
 from cpm_core.objects.segmented import Click, Line, SegmentedObject, SegmentedObjects
 
@@ -46,7 +46,7 @@ def _section(surface: Surface, cut: Slice) -> tuple[Contour, ...]:
     first, last = heights[edges].T
     share = (first / (first - last))[:, None]
     places = surface.vertices[edges[:, 0]] * (1.0 - share) + surface.vertices[edges[:, 1]] * share
-    return chains(cut.flattened(places), numbers.reshape(-1, 2))
+    return Graph(cut.flattened(places), numbers.reshape(-1, 2)).contours()
 
 
 def unmeasured(contour: Contour, number: int) -> Measures:

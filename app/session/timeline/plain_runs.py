@@ -203,7 +203,7 @@ def _action_to_plain(action: RunAction, usual: Parameters) -> dict[str, Any]:
 
 def _run(plain: Plain, image: ImageReference) -> StoredRun:
     if plain.get("size") is not None:  # it may have been changed since
-        size = Reading.of(mapping(plain["size"], "size"))
+        size = from_plain(Reading, plain["size"], "size")
         if size.spacing is None or len(size.spacing) != len(image.shape):
             raise ValueError(
                 f"the size of a pixel is {shown(plain['size'])} but the image has {len(image.shape)} axes."

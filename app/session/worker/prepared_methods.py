@@ -10,10 +10,9 @@ import numpy as np
 
 from app.model.display.display_image import (
     DisplayImage,
+    DisplayVolume,
     display_of_edge_map,
     display_of_potential,
-    volume_of_edge_map,
-    volume_of_potential,
 )
 from app.model.display.lines import iso_lines
 from app.model.document.document import Document
@@ -104,8 +103,8 @@ def overlay(name: str, method: Method[Any], parameters: Parameters, charges: Seq
     image = method.image
     deep = image.ndim == 3
     if name == "edge_map":
-        edges = method.edge_map(parameters)
-        return volume_of_edge_map(edges) if deep else DisplayImage.of(display_of_edge_map(edges))
+        shades = display_of_edge_map(method.edge_map(parameters))
+        return DisplayVolume(shades) if deep else DisplayImage.of(shades)
     if name == "field":
         if math.prod(image.shape) > _MOST_VOXELS:
             raise ValueError(
@@ -115,5 +114,6 @@ def overlay(name: str, method: Method[Any], parameters: Parameters, charges: Seq
         return SampledForce.of(field, image.spacing) if deep else field
     potential = method.potential(parameters, charges)
     if name == "potential":
-        return volume_of_potential(potential) if deep else DisplayImage.of(display_of_potential(potential))
+        shades = display_of_potential(potential)
+        return DisplayVolume(shades) if deep else DisplayImage.of(shades)
     return SampledValues.of(potential) if deep else iso_lines(potential)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QEvent, QPointF, Qt, Signal
+from collections.abc import Callable
+
+from PySide6.QtCore import QEvent, QObject, QPointF, Qt, Signal
 from PySide6.QtGui import QFocusEvent, QKeyEvent, QMouseEvent, QWheelEvent
 from PySide6.QtWidgets import QApplication
 
@@ -13,37 +15,6 @@ from app.views.canvas.tools.tool import Tool
 from cpm_core.numerics import Position
 
 ZOOM = 1.2
-
-
-class Panning:
-    """A drag that moves the image; one of the right button begins only when the pointer has moved."""
-
-    def __init__(self) -> None:
-        self._from: QPointF | None = None
-        self._still = False
-
-    @property
-    def active(self) -> bool:
-        """Whether the button is down."""
-        return self._from is not None
-
-    def begin(self, at: QPointF, at_once: bool) -> None:
-        """Begin at a point of the widget."""
-        self._from, self._still = at, not at_once
-
-    def move(self, to: QPointF) -> QPointF:
-        """By how much to pan [px of the screen]."""
-        assert self._from is not None
-        moved = self._from - to
-        if self._still and moved.manhattanLength() < QApplication.startDragDistance():
-            return QPointF()
-        self._from, self._still = to, False
-        return moved
-
-    def end(self) -> bool:
-        """End, and tell whether it was a click."""
-        self._from = None
-        return self._still
 
 
 class Wheel:
@@ -129,78 +100,83 @@ class ToolInUse:
         view.viewport().setCursor(self.at(view, at).cursor(view.placed(at), view.reach()))
 
 
-class PointedView(ImageView):
-    """Passes the left button to the tool in use, and the drags of the others to `drag`."""
+class Pointer(QObject):
+    """Takes the buttons of the pointer in a view: the left one works with the tool in use, the others drag.
 
+    A drag of the right button begins only when the pointer has moved; without one, its click opens a menu.
+    """
+
+    moved = Signal(object)
+    """It has moved to a position (row, col), and no drag goes on but one of the tool."""
+    dragged = Signal(object, object)
+    """A drag of another button: QMouseEvent, and by how much it is to pan [px of the screen], QPointF."""
     menu_wanted = Signal(object)
     """The right button was clicked at a point of the screen: QPoint."""
 
-    def __init__(self, requests: Requests | None = None, original: ImageView | None = None) -> None:
-        super().__init__(requests, original)
-        self._panning = Panning()
-        self._wheel = Wheel()
+    def __init__(self, view: ImageView, canvas: Canvas) -> None:
+        super().__init__(view)
+        self._view, self._canvas = view, canvas
+        self.over: QPointF | None = None
+        """Where it is in the view; None when it has left."""
+        self._from: QPointF | None = None
+        self._still = False
+        self._does: dict[QEvent.Type, Callable[[QMouseEvent], None]] = {
+            QEvent.Type.MouseButtonPress: self._press,
+            QEvent.Type.MouseButtonDblClick: self._press,
+            QEvent.Type.MouseMove: self._move,
+            QEvent.Type.MouseButtonRelease: self._release,
+        }
+        view.viewport().installEventFilter(self)
 
-    @property
-    def main(self) -> Canvas:
-        """The canvas, which holds the tool."""
-        raise NotImplementedError
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Handle what the pointer does."""
+        if isinstance(event, QMouseEvent) and event.type() in self._does:
+            event.accept()
+            self._does[event.type()](event)
+            return True
+        canvas = self._canvas
+        if event.type() == QEvent.Type.Leave and not (canvas.led_by_keys or canvas.hold.dragging):
+            canvas.leave()
+        return False
 
-    def move_to(self, at: Position) -> None:
-        """Move the pointer, or the cross-hair, to a position."""
-        raise NotImplementedError
-
-    def drag(self, event: QMouseEvent, moved: QPointF) -> None:
-        """Handle a drag of the middle or the right button; by default it moves the image."""
-        self.viewport().setCursor(Qt.CursorShape.ClosedHandCursor)
-        self.pan(moved.x(), moved.y())
-
-    # Called by Qt
-
-    def mousePressEvent(self, event: QMouseEvent) -> None:
+    def _press(self, event: QMouseEvent) -> None:
         """Begin a gesture or a drag."""
-        event.accept()
-        self.main.taken.emit()
-        self.main.setFocus()
-        if event.button() == Qt.MouseButton.LeftButton and self.shape is not None:
-            self.main.hold.set_modifiers(event.modifiers())
-            self.main.hold.press(self, self.position(event.position()))
+        canvas = self._canvas
+        canvas.taken.emit()
+        canvas.setFocus()
+        if event.button() == Qt.MouseButton.LeftButton and self._view.shape is not None:
+            canvas.hold.set_modifiers(event.modifiers())
+            canvas.hold.press(self._view, self._view.position(event.position()))
         elif event.button() in (Qt.MouseButton.MiddleButton, Qt.MouseButton.RightButton):
-            self._panning.begin(event.position(), at_once=event.button() == Qt.MouseButton.MiddleButton)
+            self._from, self._still = event.position(), event.button() == Qt.MouseButton.RightButton
+            self.dragged.emit(event, QPointF())
 
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+    def _move(self, event: QMouseEvent) -> None:
         """Continue it, or report the position of the pointer."""
-        event.accept()
-        if self._panning.active:
-            moved = self._panning.move(event.position())
-            if not moved.isNull():
-                self.drag(event, moved)
-        elif not self.main.led_by_keys:
-            self.main.hold.set_modifiers(event.modifiers())
-            self.move_to(self.position(event.position()))
+        self.over = event.position()
+        if self._from is not None:
+            by = self._from - event.position()
+            if not self._still or by.manhattanLength() >= QApplication.startDragDistance():
+                self._from, self._still = event.position(), False
+                self._view.viewport().setCursor(Qt.CursorShape.ClosedHandCursor)
+                self.dragged.emit(event, by)
+        elif not self._canvas.led_by_keys:
+            self._canvas.hold.set_modifiers(event.modifiers())
+            self.moved.emit(self._view.position(event.position()))
 
-    def mouseReleaseEvent(self, event: QMouseEvent) -> None:
+    def _release(self, event: QMouseEvent) -> None:
         """End it."""
-        event.accept()
-        hold = self.main.hold
+        hold = self._canvas.hold
         if event.button() == Qt.MouseButton.LeftButton and hold.dragging:
             hold.release()
-        elif self._panning.active:
-            if self._panning.end() and event.button() == Qt.MouseButton.RightButton and not hold.dragging:
+        elif self._from is not None:
+            self._from = None
+            if self._still and event.button() == Qt.MouseButton.RightButton and not hold.dragging:
                 self.menu_wanted.emit(event.globalPosition().toPoint())
-            hold.show_cursor(self, self.position(event.position()))
-
-    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
-        """Treat the second click like any other."""
-        self.mousePressEvent(event)
-
-    def leaveEvent(self, event: QEvent) -> None:
-        """Report that the pointer has left."""
-        if not self.main.led_by_keys and not self.main.hold.dragging:
-            self.main.leave()
-        super().leaveEvent(event)
+            hold.show_cursor(self._view, self._view.position(event.position()))
 
 
-class Canvas(PointedView):
+class Canvas(ImageView):
     """Shows the image, or the slice that is worked on; the middle and the right button pan, the wheel zooms."""
 
     pointed = Signal(object)
@@ -226,13 +202,11 @@ class Canvas(PointedView):
         self.setAccessibleName(tr("Image"))
         self.led_by_keys = False
         self._pointer: Position | None = None
-        self._over: QPointF | None = None
+        self._wheel = Wheel()
+        self.pointer = Pointer(self, self)
+        self.pointer.moved.connect(self.move_to)
+        self.pointer.dragged.connect(lambda _, by: self.pan(by.x(), by.y()))
         self.view.sigRangeChanged.connect(self.point_again)
-
-    @property
-    def main(self) -> Canvas:
-        """Itself."""
-        return self
 
     def use_image(self) -> None:
         """Cancel what was begun on another image."""
@@ -257,14 +231,14 @@ class Canvas(PointedView):
 
     def leave(self) -> None:
         """Take the pointer off the canvas."""
-        self._pointer = self._over = None
+        self._pointer = self.pointer.over = None
         self.hold.tool.put_away()
         self._report(None)
 
     def point_again(self) -> None:
         """The pointer rests, and another place of the image, of a slice or of another image has moved under it."""
-        if self._over is not None and not self.led_by_keys:
-            self._pointer = self.position(self._over)
+        if self.pointer.over is not None and not self.led_by_keys:
+            self._pointer = self.position(self.pointer.over)
             self._report(self._pointer)
 
     def _report(self, at: Position | None) -> None:
@@ -272,11 +246,6 @@ class Canvas(PointedView):
         self.placed_at.emit(None if at is None else self.placed(at))
 
     # Called by Qt
-
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Remember where the pointer is."""
-        self._over = event.position()
-        super().mouseMoveEvent(event)
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Zoom around the pointer; with Shift go through the slices of a volume."""

@@ -21,6 +21,7 @@ from app.views.canvas.pointed import Pointed, part_around, selected_places
 from app.views.canvas.tools import TOOLS
 from app.views.canvas.tools.select import SelectTool
 from app.views.canvas.tools.tool import ToolContext
+from app.views.widgets.containers import OfferBar
 from cpm_core.numerics import Place
 from cpm_core.shapes import Circle, Sphere
 
@@ -54,11 +55,11 @@ class CanvasArea(QWidget):
         layout = QVBoxLayout(self)
         layout.setContentsMargins(0, 0, 0, 0)
         layout.setSpacing(0)
-        self.offers, self.controls, self.views = QVBoxLayout(), QVBoxLayout(), QGridLayout()
-        """Lines above the canvas, lines below it, and views next to it, which features add."""
+        self.offers, self.controls, self.views = OfferBar(), QVBoxLayout(), QGridLayout()
+        """The line above the canvas, lines below it, and views next to it, which features add."""
         self.views.setSpacing(2)
         self.views.addWidget(self.canvas, 0, 0, 2, 1)  # as high as two views next to it
-        layout.addLayout(self.offers)
+        layout.addWidget(self.offers)
         layout.addLayout(self.views, 1)
         layout.addLayout(self.controls)
         layout.addWidget(self.strip)

@@ -133,10 +133,11 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
 
     def pan(self, right: float, down: float) -> None:
         """Move the visible part by pixels of the screen."""
-        width, height = self.view.viewPixelSize()
-        row, col = self.toward(down * height, right * width)
-        self.view.translateBy(x=col, y=row)
-        self._fitted = False
+        if right or down:
+            width, height = self.view.viewPixelSize()
+            row, col = self.toward(down * height, right * width)
+            self.view.translateBy(x=col, y=row)
+            self._fitted = False
 
     def toward(self, down: float, right: float) -> Position:
         """Displacement (row, col) in the image that leads down and to the right on the screen."""

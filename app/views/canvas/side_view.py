@@ -11,7 +11,7 @@ from app.model.text.language import tr
 from app.model.volume.slices import AXES, Slices
 from app.session.features.slices import Sections
 from app.session.scene import Scene
-from app.views.canvas.canvas import ZOOM, Canvas, PointedView
+from app.views.canvas.canvas import ZOOM, Canvas, Pointer, Wheel
 from app.views.canvas.image_view import ImageView
 from app.views.canvas.items.item import image_rectangle, line_pen
 from app.views.theme import theme
@@ -42,7 +42,7 @@ class Cross:
                 line.setValue(at)
 
 
-class SideView(PointedView):
+class SideView(ImageView):
     """Shows the slice across one axis, at first as a whole, and takes the tool in use.
 
     The right button moves the cross, and a click of it on something opens its menu; the wheel goes through the slices,
@@ -61,14 +61,13 @@ class SideView(PointedView):
         self.setMinimumSize(_SMALLEST, _SMALLEST)
         self.cross = Cross(self)
         self._main = canvas
+        self._wheel = Wheel()
+        self.pointer = Pointer(self, canvas)
+        self.pointer.moved.connect(self._move)
+        self.pointer.dragged.connect(self._drag)
         drawing = canvas.layers.drawing
         drawing.draft_shown.connect(self.layers.drawing.show_draft)
         drawing.ring_shown.connect(self.layers.drawing.show_ring)
-
-    @property
-    def main(self) -> Canvas:
-        """The canvas."""
-        return self._main
 
     def show_slice(self, scene: Scene, axis: int) -> None:
         """Draw the slice of a scene across an axis."""
@@ -78,23 +77,19 @@ class SideView(PointedView):
         self.draw(scene)
         self.cross.show(self.drawn.slices)
 
-    def move_to(self, at: Position) -> None:
-        """Move the pointer to a position."""
-        self.main.hold.move(self, at)
-        self.main.placed_at.emit(self.placed(at))
+    def _move(self, at: Position) -> None:
+        """Pass the pointer to the tool in use."""
+        self._main.hold.move(self, at)
+        self._main.placed_at.emit(self.placed(at))
 
-    def drag(self, event: QMouseEvent, moved: QPointF) -> None:
+    def _drag(self, event: QMouseEvent, by: QPointF) -> None:
         """Move the cross with the right button, the image with the middle one."""
         if event.buttons() & Qt.MouseButton.RightButton:
-            self._go(event)
+            place = self.placed(self.position(event.position()))
+            self.went.emit(place)
+            self._main.placed_at.emit(place)
         else:
-            super().drag(event, moved)
-
-    def mousePressEvent(self, event: QMouseEvent) -> None:
-        """Begin a gesture of the tool in use, or move the cross."""
-        super().mousePressEvent(event)
-        if event.button() == Qt.MouseButton.RightButton:
-            self._go(event)
+            self.pan(by.x(), by.y())
 
     def wheelEvent(self, event: QWheelEvent) -> None:
         """Go through the slices of this view; with Ctrl zoom around the pointer, at the least to the whole slice."""
@@ -105,9 +100,3 @@ class SideView(PointedView):
                 self.fit()
         elif self.sections.axis is not None:
             self.passed.emit(self.sections.axis, self._wheel.notches(event))
-
-    def _go(self, event: QMouseEvent) -> None:
-        """Move the cross to the pointer."""
-        place = self.placed(self.position(event.position()))
-        self.went.emit(place)
-        self.main.placed_at.emit(place)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from app.views.features.animation import AnimationFeature
 from app.views.features.contours import ContoursFeature, HandEditingFeature, SkeletonsFeature, TruthFeature
-from app.views.features.edit import DrawFeature, HistoryFeature, ModesFeature, UndoSelectionFeature
+from app.views.features.edit import DrawFeature, ModesFeature, UndoSelectionFeature
 from app.views.features.exchange import BatchFeature, ClipboardFeature, ExportFeature, ImportFeature
 from app.views.features.files import FolderFeature, OpenSaveFeature, RecoveryFeature, StartFeature
 from app.views.features.help import HelpFeature, PreferencesFeature
 from app.views.features.objects import ObjectsFeature
-from app.views.features.offers import BeginningFeature, LargeImageFeature, PixelSizeFeature, StackFeature
+from app.views.features.offers import BeginningFeature, PixelSizeFeature, StackFeature
 from app.views.features.run import (
     ComparisonFeature,
     ParametersFeature,
@@ -17,9 +17,9 @@ from app.views.features.run import (
     TasksFeature,
     TimelineFeature,
 )
-from app.views.features.view import AppearanceFeature, ComparingFeature, KeyboardFeature, LayersFeature, LevelsFeature
+from app.views.features.view import ComparingFeature, KeyboardFeature, LayersFeature, LevelsFeature
 from app.views.features.volumes import PagesFeature, SlicesFeature, SpaceFeature
-from app.views.window.feature import Feature
+from app.views.window.window import Feature
 
 FEATURES: tuple[type[Feature], ...] = (
     OpenSaveFeature,
@@ -39,7 +39,6 @@ FEATURES: tuple[type[Feature], ...] = (
     ModesFeature,
     ParametersFeature,
     BeginningFeature,
-    LargeImageFeature,
     StackFeature,
     PixelSizeFeature,
     ContoursFeature,
@@ -48,7 +47,6 @@ FEATURES: tuple[type[Feature], ...] = (
     ObjectsFeature,
     SkeletonsFeature,
     ComparisonFeature,
-    HistoryFeature,
     LayersFeature,
     LevelsFeature,
     ComparingFeature,
@@ -56,7 +54,6 @@ FEATURES: tuple[type[Feature], ...] = (
     PagesFeature,
     SpaceFeature,
     KeyboardFeature,
-    AppearanceFeature,
     PreferencesFeature,
     HelpFeature,
 )

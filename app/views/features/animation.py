@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import queue
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 
@@ -13,36 +13,42 @@ from app.model.export import provenance_comment
 from app.model.state.situation import has_particles
 from app.model.text.language import reason, tr
 from app.session.exchange.messages import Exported, Report
+from app.session.session import Session
 from app.session.signals import FILMING
 from app.session.tasks.tasks import Task
 from app.views.export.animation_dialog import AnimationDialog, AnimationPlan
 from app.views.export.frames import FrameRecorder, FrameRenderer, seen_part
 from app.views.widgets.actions import ActionSpec
-from app.views.window.dialogs import Files
-from app.views.window.feature import Feature, FeatureContext
+from app.views.window.window import Feature, MainWindow
 from cpm_core import write_animation
 from cpm_core.formats import ANIMATED, check_animation
 from cpm_core.numerics import Pixels
-
-_AHEAD = 4
-"""Maximum number of frames that wait to be written."""
 
 _TIMEOUT = 0.05
 """Time between two checks for cancellation [s]."""
 
 
+def comment_on(session: Session) -> str:
+    """How pictures of a session came about, for their file."""
+    return provenance_comment(session.document, steered=session.status.steered)
+
+
+def begin_writing(
+    session: Session, path: Path, work: Callable[[Task], Report | None], cancellable: bool = True
+) -> Task:
+    """Write a file on another thread."""
+    doing, done = tr("Writing {name}…").format(name=path.name), tr("writing {name}").format(name=path.name)
+    return session.tasks.start(doing, work, done, cancellable=cancellable)
+
+
 class AnimationFeature(Feature):
     """Exports animations."""
 
-    def __init__(self, context: FeatureContext) -> None:
-        super().__init__(context)
-        self._navigation = context.workspace.navigation
+    def __init__(self, window: MainWindow) -> None:
+        super().__init__(window)
         self._filming: list[FrameRecorder] = []
-
-    def action_specs(self) -> Sequence[ActionSpec]:
-        """The export."""
-        return (
-            ActionSpec("export_animation", "File", tr("Export a&nimation…"), tr("Export the run as GIF, APNG or MP4."),
+        self.actions = (
+            ActionSpec("export_animation", "File", "Export a&nimation…", "Export the run as GIF, APNG or MP4.",
                        self.ask_for_animation, "Ctrl+Shift+A", when=has_particles),
         )  # fmt: skip
 
@@ -54,22 +60,25 @@ class AnimationFeature(Feature):
 
     def ask_for_animation(self) -> AnimationDialog:
         """Ask for the settings and the file of the animation, then write it."""
-        branch = self._navigation.place[0]
-        dialog = AnimationDialog(
-            self.context.window,
-            self.context.preferences,
-            0,
-            self._navigation.last(branch),
-            self._part,
-        )
-        dialog.accepted.connect(lambda: self._ask_for_place(branch, dialog.plan))
+        navigation = self.window.workspace.navigation
+        branch = navigation.place[0]
+        last = navigation.last(branch)
+        dialog = AnimationDialog(self.window, self.window.preferences, 0, last, self._part)
+
+        def ask_for_place() -> None:
+            ending = f"_run{dialog.plan.suffix}"
+            path = self.window.files.ask_where_to_export(tr("Export animation"), ending, ANIMATED)
+            if path is not None:
+                self.write(branch, dialog.plan, path)
+
+        dialog.accepted.connect(ask_for_place)
         dialog.finished.connect(dialog.deleteLater)
         dialog.open()
         return dialog
 
     def write(self, branch: int, plan: AnimationPlan, path: Path) -> Task | None:
         """Write an animation; None if it cannot be written, which is reported."""
-        session = self.context.session
+        session, canvas = self.window.session, self.window.canvas_area.canvas
         session.attempt(FILMING)
         try:
             check_animation(path)
@@ -77,59 +86,16 @@ class AnimationFeature(Feature):
             session.say(reason(error), True, FILMING)
             return None
         frames: queue.Queue[Pixels | None] = queue.Queue()
-        task = session.tasks.start(
-            tr("Writing {name}…").format(name=path.name),
-            partial(_encode, frames, len(plan.steps), path, plan.frames_per_second, self._comment),
-            tr("writing {name}").format(name=path.name),
-        )
-        self._film(
-            task,
-            FrameRenderer(session.scene, self.context.canvas_area.canvas, self._part(plan.zoomed), plan.size),
-            [(branch, step) for step in plan.steps],
-            frames,
-        )
+        encode = partial(_encode, frames, len(plan.steps), path, plan.frames_per_second, comment_on(session))
+        task = begin_writing(session, path, encode)
+        renderer = FrameRenderer(session.scene, canvas, self._part(plan.zoomed), plan.size)
+        filming = FrameRecorder(session, renderer, task, [(branch, step) for step in plan.steps], frames)
+        self._filming = [*(other for other in self._filming if not other.over), filming]
         return task
 
-    def _film(
-        self,
-        task: Task,
-        renderer: FrameRenderer,
-        places: Sequence[tuple[int, int]],
-        frames: queue.Queue[Pixels | None],
-    ) -> None:
-        layers = self.context.canvas_area.canvas.layers
-        filming = FrameRecorder(
-            self.context.session,
-            renderer,
-            task,
-            places,
-            contours=layers["contours"].shown,
-            take=frames.put,
-            end=lambda: frames.put(None),
-            has_room=lambda: frames.qsize() < _AHEAD,
-        )
-        self._filming = [*(other for other in self._filming if not other.over), filming]
-
-    def _ask_for_place(self, branch: int, plan: AnimationPlan) -> None:
-        kinds = [Files(text, (suffix,)) for suffix, text in ANIMATED.items()]
-        name = self._suggestion("run", plan.suffix)
-        path = self.context.files.ask_where_to_save("export", tr("Export animation"), name, kinds)
-        if path is not None:
-            self.write(branch, plan, path)
-
-    @property
-    def _comment(self) -> str:
-        """How the pictures came about, for their file."""
-        return provenance_comment(self.context.session.document, steered=self.context.session.status.steered)
-
     def _part(self, zoomed: bool) -> QRectF:
-        canvas = self.context.canvas_area.canvas
+        canvas = self.window.canvas_area.canvas
         return seen_part(canvas, canvas.shape or (1, 1), zoomed)
-
-    def _suggestion(self, what: str, suffix: str) -> str:
-        image = self.context.session.document.image
-        stem = Path(image.name).stem if image is not None else "cpm"
-        return f"{stem}_{what}{suffix}"
 
 
 def _taken(frames: queue.Queue[Pixels | None], task: Task) -> Iterator[Pixels]:

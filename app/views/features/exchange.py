@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtCore import QMimeData, QUrl
+from PySide6.QtCore import QMimeData
 from PySide6.QtGui import QImage
 from PySide6.QtWidgets import QApplication, QWidget
 
@@ -28,8 +28,8 @@ from app.session.signals import EXPORTING, OPENING
 from app.session.tasks.tasks import Task
 from app.views.export.dialog import ExportDialog
 from app.views.widgets.actions import ActionSpec
-from app.views.window.dialogs import Button, Files, Question, all_files, ask_for_folder
-from app.views.window.feature import Feature, FeatureContext
+from app.views.window.dialogs import ALL_FILES, Button, Files, Question
+from app.views.window.window import Feature, MainWindow
 from cpm_core.formats import CONTOURS_READABLE, FOR_CENTERLINES, READABLE, SURFACES_READABLE, suffix_of
 from cpm_core.shapes import Points
 
@@ -40,64 +40,59 @@ _SUFFIX = "files/export_suffix"
 class ExportFeature(Feature):
     """Export of the contours to files."""
 
-    def __init__(self, context: FeatureContext) -> None:
-        super().__init__(context)
+    def __init__(self, window: MainWindow) -> None:
+        super().__init__(window)
         self._exported: Path | None = None
         self._order = ExportOrder()
         self.dialog: ExportDialog | None = None
-        context.session.listen(Opened, self._forget)
-        context.session.listen(Exported, self._remember)
-
-    def action_specs(self) -> Sequence[ActionSpec]:
-        """Export, and export again to the same file."""
-        return (
-            ActionSpec("export", "File", tr("&Export contours…"),
-                       tr("Export the contours, or the skeleton, to a file."), self._export, "Ctrl+E Ctrl+Shift+K",
-                       short=tr("Export"), icon="export", gap=True, when=_can_export, worded=_export_text),
-            ActionSpec("export_again", "File", tr("Export a&gain"), tr("Export the contours to the last file again."),
-                       self._export_again, "Ctrl+Shift+E",
+        window.session.listen(Opened, self._forget)
+        window.session.listen(Exported, self._remember)
+        again = tr("Export a&gain to {name}")
+        self.actions = (
+            ActionSpec("export", "File", "&Export contours…", "Export the contours, or the skeleton, to a file.",
+                       self._export, "Ctrl+E Ctrl+Shift+K", short=tr("Export"), icon="export", gap=True,
+                       when=_can_export,
+                       worded=lambda now: tr("&Export skeleton…") if not needs_start(now.document.mode)
+                       else tr("&Export surface…") if has_volume(now) else tr("&Export contours…")),
+            ActionSpec("export_again", "File", "Export a&gain", "Export the contours to the last file again.",
+                       self.export_again, "Ctrl+Shift+E",
                        when=lambda situation: _can_export(situation) and self._exported is not None,
-                       worded=lambda situation: self._again_text()),
+                       worded=lambda _: again.format(name=self._exported.name.replace("&", "&&")) if self._exported
+                       else tr("Export a&gain")),
         )  # fmt: skip
 
-    def _again_text(self) -> str:
-        if self._exported is None:
-            return tr("Export a&gain")
-        return tr("Export a&gain to {name}").format(name=self._exported.name.replace("&", "&&"))
-
     def _export(self) -> None:
-        session, preferences = self.context.session, self.context.preferences
+        session, preferences = self.window.session, self.window.preferences
         if session.document.image is None or self.dialog is not None:
             return
         suffix = suffix_of(self._exported) if self._exported else preferences.get(_SUFFIX, ".svg")
-        selected = frozenset(item.measures.number for item in self.context.workspace.review.chosen)
-        self.dialog = ExportDialog(self.context.window, session, selected, suffix, self._ask)
+        selected = frozenset(item.measures.number for item in self.window.workspace.review.chosen)
+        self.dialog = ExportDialog(self.window, session, selected, suffix, self._ask)
         self.dialog.ordered.connect(self._write)
         self.dialog.finished.connect(self._end)
         self.dialog.open()
 
     def _ask(self, dialog: QWidget, suffix: str) -> Path | None:
         """Ask for a file."""
-        session = self.context.session
-        image, in_volume = session.document.image, session.scene.slices is not None
-        assert image is not None
+        scene = self.window.session.scene
+        in_volume = scene.slices is not None
         kind = "surface" if in_volume else "contours"
-        if session.scene.skeleton is not None:
+        if scene.skeleton is not None:
             kind = "lines" if in_volume else "skeleton"
-        name = f"{image.name.partition('.')[0] if in_volume else Path(image.name).stem}_{kind}{suffix}"
-        files = [Files(formats(of_volumes=in_volume)[suffix], (suffix,))]
-        return self.context.files.ask_where_to_save("export", tr("Export"), name, files, parent=dialog)
+        kinds = {suffix: formats(of_volumes=in_volume)[suffix]}
+        return self.window.files.ask_where_to_export(tr("Export"), f"_{kind}{suffix}", kinds, dialog)
 
     def _write(self, path: Path, order: ExportOrder) -> None:
         self._order = order
-        self.context.session.export(path, order)
+        self.window.session.export(path, order)
+
+    def export_again(self) -> None:
+        """Write the last file again; nothing where there is none, as the action is not offered then."""
+        if self._exported is not None:
+            self._write(self._exported, self._order)
 
     def _end(self) -> None:
         self.dialog = None
-
-    def _export_again(self) -> None:
-        if self._exported is not None:
-            self.context.session.export(self._exported, self._order)
 
     def _forget(self, _: Opened) -> None:
         self._exported, self._order = None, ExportOrder()
@@ -105,59 +100,54 @@ class ExportFeature(Feature):
             self.dialog.reject()
 
     def _remember(self, exported: Exported) -> None:
-        self.context.files.remember("export", exported.path)
+        self.window.files.remember("export", exported.path)
         if exported.counts is None:  # an animation, or a strip
             return
         self._exported = exported.path
-        self.context.preferences.put(_SUFFIX, suffix_of(exported.path))
-        self.context.refresh()
+        self.window.preferences.put(_SUFFIX, suffix_of(exported.path))
+        self.window.refresh()
 
 
 def _can_export(situation: Situation) -> bool:
     return has_contours(situation) or situation.status.surface is not None or has_objects(situation.document)
 
 
-def _export_text(situation: Situation) -> str:
-    if has_volume(situation) and situation.document.mode != "skeleton":
-        return tr("&Export surface…")
-    return tr("&Export contours…") if needs_start(situation.document.mode) else tr("&Export skeleton…")
-
-
-_COPIES = (
-    ("copy_svg", tr("Copy contours as &SVG"), ".svg", "Ctrl+C"),
-    ("copy_csv", tr("Copy contours as &CSV"), ".csv", ""),
-    ("copy_geojson", tr("Copy contours as &GeoJSON"), ".geojson", ""),
-)
-
 _MIME = {".svg": "image/svg+xml", ".csv": "text/csv", ".geojson": "application/geo+json"}
+"""Kinds of contours on the clipboard, by the suffixes of their files."""
 
 
 class ClipboardFeature(Feature):
-    """Copies for other programs."""
+    """Copies for other programs: contours in several formats, and the view."""
 
-    def action_specs(self) -> Sequence[ActionSpec]:
-        """Contours in several formats, and the view."""
-        contours = [
-            ActionSpec(name, "Edit", text, tr("Copy the contours to the clipboard."),
-                       partial(self.context.session.copy_contours, suffix, partial(self._put_contours, suffix)), keys,
-                       gap=suffix == ".svg", when=has_contours)
-            for name, text, suffix, keys in _COPIES
-        ]  # fmt: skip
-        view = ActionSpec("copy_view", "Edit", tr("Copy &view as image"),
-                          tr("Copy the visible part of the image with its overlays to the clipboard."), self._copy_view,
-                          "Ctrl+Shift+P", when=has_image)  # fmt: skip
-        return (*contours, view)
+    def __init__(self, window: MainWindow) -> None:
+        super().__init__(window)
 
-    def _copy_view(self) -> None:
-        QApplication.clipboard().setImage(self.context.canvas_area.canvas.grab().toImage())
-        self.context.session.say(tr("The view is on the clipboard."), topic=EXPORTING)
+        def copy(suffix: str) -> Callable[[], None]:
+            return partial(window.session.copy_contours, suffix, partial(self._put_contours, suffix))
+
+        self.actions = (
+            ActionSpec("copy_svg", "Edit", "Copy contours as &SVG", "Copy the contours to the clipboard.",
+                       copy(".svg"), "Ctrl+C", gap=True, when=has_contours),
+            ActionSpec("copy_csv", "Edit", "Copy contours as &CSV", "Copy the contours to the clipboard.",
+                       copy(".csv"), when=has_contours),
+            ActionSpec("copy_geojson", "Edit", "Copy contours as &GeoJSON", "Copy the contours to the clipboard.",
+                       copy(".geojson"), when=has_contours),
+            ActionSpec("copy_view", "Edit", "Copy &view as image",
+                       "Copy the visible part of the image with its overlays to the clipboard.", self.copy_view,
+                       "Ctrl+Shift+P", when=has_image),
+        )  # fmt: skip
+
+    def copy_view(self) -> None:
+        """Copy what the canvas shows."""
+        QApplication.clipboard().setImage(self.window.canvas_area.canvas.grab().toImage())
+        self.window.session.say(tr("The view is on the clipboard."), topic=EXPORTING)
 
     def _put_contours(self, suffix: str, content: bytes) -> None:
         data = QMimeData()
         data.setText(content.decode())  # most programs take text only
         data.setData(_MIME[suffix], content)
         QApplication.clipboard().setMimeData(data)
-        self.context.session.say(tr("The contours are on the clipboard."), topic=EXPORTING)
+        self.window.session.say(tr("The contours are on the clipboard."), topic=EXPORTING)
 
 
 _ON_CLIPBOARD = ("image/svg+xml", "application/geo+json", "text/csv")
@@ -175,70 +165,70 @@ _TITLES = {"contours": tr("Use contours"), "surface": tr("Use surface"), "center
 class ImportFeature(Feature):
     """Contours, surfaces and pictures of other programs."""
 
-    def __init__(self, context: FeatureContext) -> None:
-        super().__init__(context)
-        self.open_files: Callable[[Sequence[QUrl]], None] = lambda urls: None
-        """Opens files that were pasted; set by the window."""
-
-    def action_specs(self) -> Sequence[ActionSpec]:
-        """Import contours, and paste."""
-        return (
-            ActionSpec("import_contours", "File", tr("&Import contours…"),
-                       tr("Read contours of another program, as a start, as objects or as ground truth."), self._choose,
+    def __init__(self, window: MainWindow) -> None:
+        super().__init__(window)
+        self.actions = (
+            ActionSpec("import_contours", "File", "&Import contours…",
+                       "Read contours of another program, as a start, as objects or as ground truth.", self._choose,
                        when=has_image),
-            ActionSpec("paste", "Edit", tr("&Paste"),
-                       tr("Open the picture on the clipboard, or use the contours on it."), self.paste, "Ctrl+V"),
+            ActionSpec("paste", "Edit", "&Paste", "Open the picture on the clipboard, or use the contours on it.",
+                       self.paste, "Ctrl+V"),
         )  # fmt: skip
 
     def take(self, path: Path) -> None:
         """Read contours, and ask what they are for."""
-        session = self.context.session
+        session = self.window.session
         if session.document.image is None:
             message = tr("Open an image first. Then {name} can be drawn.")
-            session.say(message.format(name=path.name), True, OPENING)
         elif session.scene.slices is None and path.suffix.lower() in IN_VOLUMES:
             message = tr("{name} lies in a volume, but an image is open.")
-            session.say(message.format(name=path.name), True, OPENING)
         else:
             session.attempt(OPENING)
             read_file(session, path, partial(self._use, path))
+            return
+        session.say(message.format(name=path.name), True, OPENING)
 
     def paste(self) -> None:
         """Open the picture or the files on the clipboard, or read the contours on it."""
-        data, session = QApplication.clipboard().mimeData(), self.context.session
+        data, session = QApplication.clipboard().mimeData(), self.window.session
         session.attempt(OPENING)
         content = _contours_on(data)
+        picture = data.imageData() if data.hasImage() else None
         if data.hasUrls():
-            self.open_files(data.urls())
+            self.window.dropped.emit(data.urls())
         elif content and session.document.image is not None and session.scene.slices is None:
             read_pasted(session, content, partial(self._use, None))
-        elif isinstance(picture := data.imageData() if data.hasImage() else None, QImage) and not picture.isNull():
-            keep_picture(session, picture, lambda path: self.context.open_file(path, False))
-        elif content and session.scene.slices is not None:
-            message = tr("{name} has contours for an image, but a volume is open.")
-            session.say(message.format(name=tr("the clipboard")), True, OPENING)
-        elif content:
-            session.say(tr("Open an image first. Then the contours on the clipboard can be used."), True, OPENING)
+        elif isinstance(picture, QImage) and not picture.isNull():
+            keep_picture(session, picture, self.window.open_image)
         else:
-            session.say(tr("There is no picture and there are no contours on the clipboard."), True, OPENING)
+            trouble = tr("There is no picture and there are no contours on the clipboard.")
+            if content and session.scene.slices is not None:
+                trouble = tr("{name} has contours for an image, but a volume is open.")
+                trouble = trouble.format(name=tr("the clipboard"))
+            elif content:
+                trouble = tr("Open an image first. Then the contours on the clipboard can be used.")
+            session.say(trouble, True, OPENING)
 
     def _choose(self) -> None:
-        in_volume = self.context.session.scene.slices is not None
-        kinds = (_FILES_IN_VOLUMES if in_volume else Files(tr("Contours"), tuple(CONTOURS_READABLE)), all_files())
+        in_volume = self.window.session.scene.slices is not None
+        kinds = (_FILES_IN_VOLUMES if in_volume else Files(tr("Contours"), tuple(CONTOURS_READABLE)), ALL_FILES)
         title = tr("Import surface") if in_volume else tr("Import contours")
-        chosen = self.context.files.ask_for_file("truth", title, kinds)
+        chosen = self.window.files.ask_for_file("truth", title, kinds)
         if chosen is not None:
             self.take(chosen)
 
     def _use(self, path: Path | None, found: Found) -> None:
         """Draw points, and ask what contours are for; without a path they come from the clipboard."""
-        session = self.context.session
+        session = self.window.session
         if isinstance(found, Points):
             name = tr("draw {name}").format(name="" if path is None else path.name)
             session.edit(name, lambda document: edits.add_shape(document, found))
             return
-        words = _TITLES[found.kind], _question(found), _explained(found)
-        answer = Question(self.context.window, *words, _buttons(found, path is not None)).ask()
+        whole = found.kind == "center lines" or not found.count
+        question = tr("Use {name} as a start?") if whole else tr("What is {name} for?")
+        buttons = _buttons(found, path is not None)
+        text = question.format(name=found.name)
+        answer = Question(self.window, _TITLES[found.kind], text, _explained(found), buttons).ask()
         if answer == "start":
             name = tr("start from {name}").format(name=found.name)
             session.edit(name, lambda document: imported.add_starts(document, found))
@@ -246,8 +236,8 @@ class ImportFeature(Feature):
             name = tr("take objects from {name}").format(name=found.name)
             session.edit(name, lambda document: imported.add_objects(document, found))
         elif answer == "truth" and path is not None:
-            self.context.reveal("truth")
-            self.context.workspace.truth.load(path)
+            self.window.docks.reveal("truth")
+            self.window.workspace.truth.load(path)
 
 
 def _contours_on(data: QMimeData) -> bytes:
@@ -255,14 +245,7 @@ def _contours_on(data: QMimeData) -> bytes:
     for kind in _ON_CLIPBOARD:
         if data.hasFormat(kind):
             return bytes(data.data(kind).data())
-    text = data.text() if data.hasText() and not data.hasImage() else ""
-    return text.encode()
-
-
-def _question(found: Imported) -> str:
-    if found.kind == "center lines" or not found.count:
-        return tr("Use {name} as a start?").format(name=found.name)
-    return tr("What is {name} for?").format(name=found.name)
+    return data.text().encode() if data.hasText() and not data.hasImage() else b""
 
 
 def _explained(found: Imported) -> str:
@@ -287,32 +270,26 @@ def _buttons(found: Imported, of_file: bool) -> Sequence[Button]:
 class BatchFeature(Feature):
     """Applies the session to the images of a folder, one folder at a time."""
 
-    def __init__(self, context: FeatureContext) -> None:
-        super().__init__(context)
+    def __init__(self, window: MainWindow) -> None:
+        super().__init__(window)
         self._task: Task | None = None
-
-    def action_specs(self) -> Sequence[ActionSpec]:
-        """The action."""
-        return (
-            ActionSpec("apply_to_folder", "File", tr("Apply this session to a &folder…"),
-                       tr("Run every image of a folder with what is drawn and set here, and write the contours."),
-                       self._apply, "Ctrl+Alt+E", when=self._can_apply),
+        self.actions = (
+            ActionSpec("apply_to_folder", "File", "Apply this session to a &folder…",
+                       "Run every image of a folder with what is drawn and set here, and write the contours.",
+                       self._apply, "Ctrl+Alt+E",
+                       when=lambda situation: has_image(situation) and (self._task is None or self._task.over)),
         )  # fmt: skip
 
-    def _can_apply(self, situation: Situation) -> bool:
-        return has_image(situation) and (self._task is None or self._task.over)
-
     def _apply(self) -> None:
-        context = self.context
-        folder = ask_for_folder(context.window, tr("Folder of the images"), str(context.files.begin("open")))
+        folder = self.window.files.ask_for_folder(tr("Folder of the images"))
         if folder:
-            self._task = apply_to_folder(context.session, Path(folder), self._report)
-            context.refresh()
+            self._task = apply_to_folder(self.window.session, Path(folder), self._report)
+            self.window.refresh()
 
     def _report(self, done: BatchDone) -> None:
         text = tr("{done} of {count} images are done.").format(done=done.images - done.failed, count=done.images)
         more = tr("{failed} could not be used.").format(failed=done.failed)
         table = tr("The table is {path}.").format(path=done.table)
         words = " ".join((text, more, table) if done.failed else (text, table))
-        self.context.session.say(words, done.failed > 0, TOPIC)
-        self.context.refresh()
+        self.window.session.say(words, done.failed > 0, TOPIC)
+        self.window.refresh()

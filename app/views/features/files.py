@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from PySide6.QtCore import QDateTime, QLocale, QTimer, QUrl
 from PySide6.QtGui import QImage
@@ -14,22 +13,21 @@ from PySide6.QtWidgets import QMenu
 from app.model.document.document import Document
 from app.model.document.samples import sample_at, samples
 from app.model.preferences.table import SAVE_IN_FOLDER
-from app.model.state.situation import Situation, has_image
+from app.model.state.situation import has_image
 from app.model.text.language import shortened, tr
 from app.session.exchange.messages import ImageReady, NotOpened, Opened
 from app.session.signals import JOURNAL, OF_THE_PROGRAM, OPENING, RECOVERY
 from app.session.storage.pictures import SIZE, Pictures, folder_of_pictures, middle
 from app.session.storage.recovery import Journal, Leftover, folder_of_journals, left_behind
 from app.session.storage.session_file import Written
-from app.session.tasks.opening import Wanted
+from app.views.features.exchange import ImportFeature
 from app.views.files.folder_bar import FolderBar
 from app.views.files.recent_files import RecentFiles
 from app.views.files.start_screen import Entry, StartScreen
 from app.views.widgets.actions import ActionSpec, Submenu
-from app.views.widgets.containers import OfferBar
 from app.views.window import dialogs
-from app.views.window.dialogs import Button, Question, images_and_sessions, sessions
-from app.views.window.feature import Feature, FeatureContext
+from app.views.window.dialogs import ALL_FILES, SESSIONS, Button, Files, Question
+from app.views.window.window import Feature, MainWindow
 from cpm_core.formats import CONTOURS_READABLE, FOR_CENTERLINES, READABLE, SUFFIX, SURFACES_READABLE, Reading
 
 CONTOURS = frozenset((*CONTOURS_READABLE, *SURFACES_READABLE, *FOR_CENTERLINES)) - frozenset(READABLE)
@@ -39,36 +37,34 @@ CONTOURS = frozenset((*CONTOURS_READABLE, *SURFACES_READABLE, *FOR_CENTERLINES))
 class OpenSaveFeature(Feature):
     """Opening of images, sessions, points and presets, and the session file."""
 
-    def __init__(self, context: FeatureContext) -> None:
-        super().__init__(context)
-        self.document_file = context.document_file
-        self.recent = RecentFiles(context.preferences, lambda path: self.take([path]))
-        self.import_contours: Callable[[Path], None] | None = None
-        """Reads a file of contours or points; set by the window."""
+    def __init__(self, window: MainWindow) -> None:
+        super().__init__(window)
+        self.document_file = window.document_file
+        self.recent = RecentFiles(window.preferences, window.open_image)
         self._left: tuple[Document, int] | None = None
-        context.session.may_replace = self._may_replace
+        """Document and number of the image that the user has agreed to close."""
+        session = window.session
+        session.may_replace = self._may_replace
+        window.files_wanted.connect(self.take)
+        window.dropped.connect(self.take_dropped)
         self.document_file.changed.connect(self._name_window)
-        self.document_file.restored.connect(self._use_view_state)
-        context.session.document_changed.connect(lambda _: self._name_window())
-        context.session.listen(Opened, self._take_opened)
-        context.session.listen(Written, lambda written: self._remember(written.path))
+        self.document_file.restored.connect(window.workspace.slices.use_view_state)
+        self.document_file.restored.connect(window.canvas_area.canvas.use_view_state)  # in the slice chosen before
+        session.document_changed.connect(lambda _: self._name_window())
+        session.listen(Opened, self._take_opened)
+        session.listen(Written, lambda written: self._remember(written.path))
         self._name_window()
-
-    def action_specs(self) -> Sequence[ActionSpec | Submenu]:
-        """Open, save, quit."""
-        return (
-            ActionSpec("open", "File", tr("&Open…"), tr("Open an image or a session."), self.ask_for_file, "Ctrl+O",
+        self.actions = (
+            ActionSpec("open", "File", "&Open…", "Open an image or a session.", self.ask_for_file, "Ctrl+O",
                        short=tr("Open"), icon="open"),
-            Submenu(name="recent", menu="File", text=tr("Open &recent"), fill=self.recent.fill),
-            Submenu(name="samples", menu="File", text=tr("Open sa&mple"), fill=self._fill_samples),
-            ActionSpec("save", "File", tr("&Save session"),
-                       tr("Save what you see: drawing, runs, contours, objects, view."), self.save, "Ctrl+S",
-                       short=tr("Save"), icon="save", gap=True, when=has_image),
-            ActionSpec("save_as", "File", tr("Save session &as…"),
-                       tr("Save the session to another file and continue with it."), self.save_as, "Ctrl+Shift+S",
+            Submenu("recent", "File", "Open &recent", self.recent.fill),
+            Submenu("samples", "File", "Open sa&mple", self.fill_samples),
+            ActionSpec("save", "File", "&Save session", "Save what you see: drawing, runs, contours, objects, view.",
+                       self.save, "Ctrl+S", short=tr("Save"), icon="save", gap=True, when=has_image),
+            ActionSpec("save_as", "File", "Save session &as…",
+                       "Save the session to another file and continue with it.", self.save_as, "Ctrl+Shift+S",
                        when=has_image),
-            ActionSpec("quit", "File", tr("&Quit"), tr("Quit the program."), self.context.window.close, "Ctrl+Q",
-                       gap=True),
+            ActionSpec("quit", "File", "&Quit", "Quit the program.", window.close, "Ctrl+Q", gap=True),
         )  # fmt: skip
 
     def take(self, paths: Sequence[Path], resumes: bool = False) -> None:
@@ -79,23 +75,25 @@ class OpenSaveFeature(Feature):
         An image that `resumes` is opened with the session next to it. Of a recent file that part is opened which was
         chosen last.
         """
-        self.context.canvas_area.messages.keep_only(*OF_THE_PROGRAM)
-        documents = [path for path in paths if path.suffix.lower() not in CONTOURS]
+        self.window.canvas_area.messages.keep_only(*OF_THE_PROGRAM)
+        documents = []
         for path in paths:
-            if path.suffix.lower() in CONTOURS and self.import_contours is not None:
-                self.import_contours(path)
+            if path.suffix.lower() in CONTOURS:
+                self.window.feature(ImportFeature).take(path)
+            else:
+                documents.append(path)
         if documents and self._may_open():
             as_volume, reading = self.recent.part_of(documents[0])
-            self.context.session.open(documents[0], resumes=resumes, as_volume=as_volume, reading=reading)
+            self.window.session.open(documents[0], resumes=resumes, as_volume=as_volume, reading=reading)
             if len(documents) > 1:
                 message = tr("Only one image can be open at a time: of {count} files, {name} is opened.")
-                self.context.session.say(message.format(count=len(documents), name=documents[0].name), topic=OPENING)
+                self.window.session.say(message.format(count=len(documents), name=documents[0].name), topic=OPENING)
 
     def take_part(self, path: Path, as_volume: bool, reading: Reading) -> None:
         """Open a part of a file, as a volume or as an image."""
-        self.context.canvas_area.messages.keep_only(*OF_THE_PROGRAM)
+        self.window.canvas_area.messages.keep_only(*OF_THE_PROGRAM)
         if self._may_open():
-            self.context.session.open(path, as_volume=as_volume, reading=reading)
+            self.window.session.open(path, as_volume=as_volume, reading=reading)
 
     def take_dropped(self, urls: Sequence[QUrl]) -> None:
         """Open files that were dropped on the window."""
@@ -103,11 +101,12 @@ class OpenSaveFeature(Feature):
         self.take([Path(url.toLocalFile()) for url in urls if url.isLocalFile()])
         if elsewhere:
             message = tr("{place} is not a file on this computer. Save it first, then open it.")
-            self.context.session.say(message.format(place=elsewhere[0].toDisplayString()), True, OPENING)
+            self.window.session.say(message.format(place=elsewhere[0].toDisplayString()), True, OPENING)
 
     def ask_for_file(self) -> None:
         """Ask for a file and open it."""
-        chosen = self.context.files.ask_for_file("open", tr("Open"), images_and_sessions())
+        both, images = Files(tr("Images and sessions"), (*READABLE, SUFFIX)), Files(tr("Images"), tuple(READABLE))
+        chosen = self.window.files.ask_for_file("open", tr("Open"), (both, images, SESSIONS, ALL_FILES))
         if chosen is not None:
             self.take([chosen])
 
@@ -124,36 +123,28 @@ class OpenSaveFeature(Feature):
         if path is not None:
             self.document_file.save(path)
 
-    def may_leave(self) -> bool:
+    def close(self) -> bool:
         """Whether the document may be closed; asks about unsaved work and saves it if the user agrees."""
         self.document_file.finish()
         if not self.document_file.unsaved:
             return True
-        answer = dialogs.ask_about_unsaved(self.context.window, self.document_file.name, self.document_file.lost)
+        answer = dialogs.ask_about_unsaved(self.window, self.document_file.name, self.document_file.lost)
         if answer != "save":
             return answer == "discard"
         path = self.document_file.path or self._ask_where()
         return path is not None and self.document_file.save_at_once(path)
 
-    def close(self) -> bool:
-        """Ask about unsaved work first."""
-        return self.may_leave()
-
     # Internal
-
-    def _use_view_state(self, state: Mapping[str, Any]) -> None:
-        self.context.workspace.slices.use_view_state(state)  # the place on the canvas lies in the slice
-        self.context.canvas_area.canvas.use_view_state(state)
 
     @property
     def _work(self) -> tuple[Document, int]:
         """What would be lost."""
-        return self.context.session.document, self.context.session.generation
+        return self.window.session.document, self.window.session.generation
 
     def _may_open(self) -> bool:
         """Whether another image may be opened; not asked again while one is being opened and nothing has changed."""
-        if not (self.context.session.opening and self._left == self._work):
-            if not self.may_leave():
+        if not (self.window.session.opening and self._left == self._work):
+            if not self.close():
                 return False
             self._left = self._work
         return True
@@ -166,17 +157,18 @@ class OpenSaveFeature(Feature):
         turned = opened.saved is not None and opened.saved.turned
         if turned or not self.document_file.unsaved or self._left == self._work:
             return True
-        QTimer.singleShot(0, self.context.window, lambda: self._ask_again(opened))
+        QTimer.singleShot(0, self.window, lambda: self._ask_again(opened))
         return False
 
     def _ask_again(self, opened: Opened) -> None:
-        if self.may_leave():
-            self.context.session.use(opened)
+        if self.close():
+            self.window.session.use(opened)
         else:
             kept = tr("{name} was not opened, and your work stays open.")
-            self.context.session.say(kept.format(name=opened.path.name))
+            self.window.session.say(kept.format(name=opened.path.name))
 
-    def _fill_samples(self, menu: QMenu) -> None:
+    def fill_samples(self, menu: QMenu) -> None:
+        """Fill a menu with the samples."""
         for sample in samples():
             action = menu.addAction(sample.title)
             action.triggered.connect(lambda _=False, path=sample.path: self.take([path]))
@@ -185,58 +177,50 @@ class OpenSaveFeature(Feature):
     def _ask_where(self) -> Path | None:
         path, name = self.document_file.path, self.document_file.name
         folder = path.parent if path is not None else None
-        return self.context.files.ask_where_to_save("session", tr("Save session"), name, [sessions()], folder)
+        return self.window.files.ask_where_to_save("session", tr("Save session"), name, [SESSIONS], folder)
 
     def _take_opened(self, opened: Opened) -> None:
         self._left = None
-        if opened.saved is not None and opened.saved.file.truth is not None:
-            folder = (opened.saved.path or opened.path).absolute().parent
-            self.context.workspace.truth.restore(opened.saved.file.truth, folder)
         path = opened.saved.path if opened.saved and opened.saved.path else opened.path
+        if opened.saved is not None and opened.saved.file.truth is not None:
+            self.window.workspace.truth.restore(opened.saved.file.truth, path.absolute().parent)
         if sample_at(opened.path) is None or opened.saved:
             self._remember(path)
             self.recent.keep_part(opened)
 
     def _remember(self, path: Path) -> None:
         self.recent.add(path)
-        self.context.files.remember("open", path)
+        self.window.files.remember("open", path)
 
     def _name_window(self) -> None:
-        image = self.context.session.document.image
+        image = self.window.session.document.image
         name = self.document_file.path.name if self.document_file.path else image.name if image else ""
         title = f"{name}[*] – CPM" if name else "CPM"
-        window = self.context.window
-        if window.windowTitle() != title:
-            window.setWindowTitle(title)
-        window.setWindowModified(self.document_file.unsaved)
+        if self.window.windowTitle() != title:
+            self.window.setWindowTitle(title)
+        self.window.setWindowModified(self.document_file.unsaved)
 
 
 class StartFeature(Feature):
     """Shows the start screen, and keeps a picture of each image and session that has been open."""
 
-    def __init__(self, context: FeatureContext) -> None:
-        super().__init__(context)
+    def __init__(self, window: MainWindow) -> None:
+        super().__init__(window)
         self.pictures = Pictures(folder_of_pictures())
-        self.screen = StartScreen(context.canvas_area)
-        self._recent: RecentFiles | None = None
-        self.screen.asked.connect(lambda: context.do("open"))
-        self.screen.chosen.connect(lambda path: self.context.open_file(path, False))
+        self.screen = StartScreen(window.canvas_area)
+        self._recent = window.feature(OpenSaveFeature).recent
+        self._recent.cleared.append(self.pictures.clear)
+        self.screen.asked.connect(window.feature(OpenSaveFeature).ask_for_file)
+        self.screen.chosen.connect(window.open_image)
         self.screen.left.connect(self.leave)
-        context.session.image_changed.connect(self.leave)
-        context.session.listen(ImageReady, lambda _: self._keep_picture())
-        context.session.listen(Written, lambda _: self._keep_picture())
-        context.session.listen(NotOpened, self._stay)
-
-    def show_files_of(self, recent: RecentFiles) -> None:
-        """Show the files that have been open."""
-        self._recent = recent
-        recent.cleared.append(self.pictures.clear)
-
-    def action_specs(self) -> Sequence[ActionSpec]:
-        """The start screen."""
-        return (
-            ActionSpec("start", "File", tr("S&tart screen"), tr("Show recent work and samples as pictures."),
-                       self.toggle, "Alt+Home", short=tr("Start"), icon="home"),
+        session = window.session
+        session.image_changed.connect(self.leave)
+        session.listen(ImageReady, lambda _: self._keep_picture())
+        session.listen(Written, lambda _: self._keep_picture())
+        session.listen(NotOpened, self._stay)
+        self.actions = (
+            ActionSpec("start", "File", "S&tart screen", "Show recent work and samples as pictures.", self.toggle,
+                       "Alt+Home", short=tr("Start"), icon="home"),
         )  # fmt: skip
 
     def close(self) -> bool:
@@ -246,14 +230,22 @@ class StartFeature(Feature):
 
     def show(self) -> None:
         """Show the start screen in place of the image."""
-        recent = [self._entry(path) for path in self._paths]
-        self.screen.show_entries(recent, _samples(), leaves=self.context.session.document.image is not None)
+        shown = [
+            Entry(sample.path, middle(QImage(str(sample.picture)), SIZE), sample.title, "", sample.about)
+            for sample in samples()
+        ]
+        recent = []
+        for path in self._paths:
+            changed = QDateTime.fromSecsSinceEpoch(int(path.stat().st_mtime)).date()
+            below = f"{path.parent.name} · {QLocale().toString(changed, QLocale.FormatType.ShortFormat)}"
+            recent.append(Entry(path, self.pictures.get(path), path.name, below, str(path)))
+        self.screen.show_entries(recent, shown, leaves=self.window.session.document.image is not None)
 
     def leave(self) -> None:
         """Show the image, if there is one."""
-        if self.screen.isVisible() and self.context.session.document.image is not None:
+        if self.screen.isVisible() and self.window.session.document.image is not None:
             self.screen.hide()
-            self.context.canvas_area.canvas.setFocus()
+            self.window.canvas_area.canvas.setFocus()
 
     def toggle(self) -> None:
         """Show the start screen, or the image again."""
@@ -262,17 +254,17 @@ class StartFeature(Feature):
         else:
             self.show()
 
-    def welcome(self, bar: OfferBar) -> None:
+    def welcome(self) -> None:
         """Offer the newest work when the program begins with a sample."""
-        session = self.context.session
+        session = self.window.session
 
         def offer(opened: Opened) -> None:
             session.stop_listening(Opened, offer)
             newest = next(iter(self._paths), None)
             if newest is not None and opened.saved is None:
-                bar.offer(
+                self.window.offers.offer(
                     tr("Continue with {name}?").format(name=newest.name),
-                    (tr("Open {name}").format(name=newest.name), lambda: self.context.open_file(newest, True)),
+                    (tr("Open {name}").format(name=newest.name), partial(self.window.open_image, newest, True)),
                     (tr("Recent work"), self.show),
                 )
 
@@ -281,90 +273,70 @@ class StartFeature(Feature):
     @property
     def _paths(self) -> list[Path]:
         """Recent files that are still there."""
-        return [path for path in self._recent.paths if path.is_file()] if self._recent is not None else []
+        return [path for path in self._recent.paths if path.is_file()]
 
     def _stay(self, refused: NotOpened) -> None:
         """With nothing open and nothing else to open, show what could be opened."""
-        if refused.otherwise is None and self.context.session.document.image is None:
+        if refused.otherwise is None and self.window.session.document.image is None:
             self.show()
-
-    def _entry(self, path: Path) -> Entry:
-        changed = QDateTime.fromSecsSinceEpoch(int(path.stat().st_mtime)).date()
-        when = QLocale().toString(changed, QLocale.FormatType.ShortFormat)
-        return Entry(path, self.pictures.get(path), path.name, f"{path.parent.name} · {when}", str(path))
 
     def _keep_picture(self) -> None:
         """Keep what the canvas shows as the picture of the image, and of its session if there is one."""
-        image = self.context.session.document.image
+        image = self.window.session.document.image
         if image is None:
             return
-        session = self.context.document_file.path
-        canvas = self.context.canvas_area.canvas
-        picture = canvas.grab().toImage()
-        for path in (Path(image.path), session):
+        picture = self.window.canvas_area.canvas.grab().toImage()
+        for path in (Path(image.path), self.window.document_file.path):
             if path is not None and sample_at(path) is None:
                 self.pictures.put(path, picture)
-
-
-def _samples() -> list[Entry]:
-    return [
-        Entry(sample.path, middle(QImage(str(sample.picture)), SIZE), sample.title, "", sample.about)
-        for sample in samples()
-    ]
 
 
 class FolderFeature(Feature):
     """Opens the previous and the next image of a folder, each with the session next to it."""
 
-    def __init__(self, context: FeatureContext) -> None:
-        super().__init__(context)
+    def __init__(self, window: MainWindow) -> None:
+        super().__init__(window)
         self.bar = FolderBar()
         self.bar.asked.connect(self.go)
-        context.window.statusBar().addPermanentWidget(self.bar)
+        window.statusBar().addPermanentWidget(self.bar)
         self._images: tuple[Path, ...] = ()
         self._here = self._ahead = 0
-        context.session.listen(Opened, self._take)
-        context.session.listen(NotOpened, self._stay)
-
-    def action_specs(self) -> Sequence[ActionSpec]:
-        """Previous and next."""
-        return (
-            ActionSpec("previous_image", "File", tr("Pre&vious image of the folder"),
-                       tr("Open the previous image of the folder, with the session beside it."), partial(self.go, -1),
-                       "Alt+Left", gap=True, when=partial(self._leads, -1)),
-            ActionSpec("next_image", "File", tr("Ne&xt image of the folder"),
-                       tr("Open the next image of the folder, with the session beside it."), partial(self.go, 1),
-                       "Alt+Right", when=partial(self._leads, 1)),
+        window.session.listen(Opened, self._take)
+        window.session.listen(NotOpened, self._stay)
+        self.actions = (
+            ActionSpec("previous_image", "File", "Pre&vious image of the folder",
+                       "Open the previous image of the folder, with the session beside it.", partial(self.go, -1),
+                       "Alt+Left", gap=True, when=lambda _: self._here > 0),
+            ActionSpec("next_image", "File", "Ne&xt image of the folder",
+                       "Open the next image of the folder, with the session beside it.", partial(self.go, 1),
+                       "Alt+Right", when=lambda _: self._here + 1 < len(self._images)),
         )  # fmt: skip
 
     def go(self, by: int) -> None:
         """Open the next image (1) or the previous one (-1) that is still there."""
-        begin = self._ahead if self.context.session.opening else self._here
+        begin = self._ahead if self.window.session.opening else self._here
         ahead = range(begin + by, len(self._images) if by > 0 else -1, by)
         place = next((place for place in ahead if self._images[place].is_file()), None)
         if place is not None and self._saved():
             self._ahead = place
-            self.context.open_file(self._images[place], True)
+            self.window.open_image(self._images[place], True)
 
     def _saved(self) -> bool:
         """Save without a question, where the user wants that and nothing is overwritten; False when it fails."""
-        file, image = self.context.document_file, self.context.session.document.image
-        if image is None or not file.unsaved or not self.context.preferences.value(SAVE_IN_FOLDER):
+        file, image = self.window.document_file, self.window.session.document.image
+        if image is None or not file.unsaved or not self.window.preferences.value(SAVE_IN_FOLDER):
             return True
         beside = Path(image.path).with_suffix(SUFFIX)
         if file.path is None and beside.exists():
             return True  # the usual question follows
         return file.save_at_once(file.path or beside)
 
-    def _leads(self, by: int, situation: Situation) -> bool:
-        return 0 <= self._here + by < len(self._images)
-
     def _take(self, opened: Opened) -> None:
         known = opened.path in opened.folder and sample_at(opened.path) is None
         self._images = opened.folder if known else ()
         self._here = self._ahead = opened.folder.index(opened.path) if known else 0
         self.bar.show_place(self._here, len(self._images), opened.path.parent.name)
-        self.context.refresh()
+        self.window.refresh()
 
     def _stay(self, _: NotOpened) -> None:
         self._ahead = self._here
@@ -377,24 +349,23 @@ _PATH = 300
 class RecoveryFeature(Feature):
     """Recovery of unsaved work after the program has ended unexpectedly."""
 
-    def __init__(self, context: FeatureContext) -> None:
-        super().__init__(context)
+    def __init__(self, window: MainWindow) -> None:
+        super().__init__(window)
         self._folder = folder_of_journals()
-        self.journal = Journal(context.document_file, self._folder, context.preferences)
-        self.journal.put.connect(lambda trouble: context.session.trouble(trouble, JOURNAL))
+        self.journal = Journal(window.document_file, self._folder, window.preferences)
+        self.journal.put.connect(lambda trouble: window.session.trouble(trouble, JOURNAL))
         self.box: Question | None = None
         self._waiting: list[Leftover] = []
         self._restoring: Leftover | None = None
-        self._wanted: Wanted | None = None
         self._restored = False
-        context.session.listen(Opened, self._use_opened)
-        context.session.listen(Written, self._use_written)
+        window.session.listen(Opened, self._use_opened)
+        window.session.listen(Written, self._use_written)
 
     def offer(self) -> None:
         """Offer to restore the unsaved work of earlier windows, and say what of it cannot be read."""
         self._waiting, troubles = left_behind(self._folder)
         if troubles:
-            self.context.session.say(" ".join(troubles), True, RECOVERY)
+            self.window.session.say(" ".join(troubles), True, RECOVERY)
         self._ask()
 
     def close(self) -> bool:
@@ -420,7 +391,7 @@ class RecoveryFeature(Feature):
         )
         text = tr("CPM ended unexpectedly. Restore “{name}”?").format(name=shortened(leftover.name, _PATH))
         details = "\n".join(_details(leftover))
-        self.box = box = Question(self.context.window, tr("Restore unsaved work"), text, details, buttons)
+        self.box = box = Question(self.window, tr("Restore unsaved work"), text, details, buttons)
         box.buttonClicked.connect(lambda _: self._act_on(box.given()))
         box.open()
 
@@ -429,15 +400,15 @@ class RecoveryFeature(Feature):
             if self._restoring is not None:  # its image was not found, and it waits for another time
                 self._restoring.keep()
             self._restoring = self._waiting.pop(0)
-            self._wanted = self._restoring.wanted
-            self.context.session.begin(self._wanted)
+            self.window.session.begin(self._restoring.wanted)
         elif answer == "discard":
             self._waiting.pop(0).discard()
             self._ask()
 
     def _use_opened(self, opened: Opened) -> None:
         """Write a restored document to the new journal, and delete the old one only when that is on the disk."""
-        self._restored = self._wanted is not None and opened.saved is self._wanted.saved
+        saved, restoring = opened.saved, self._restoring
+        self._restored = saved is not None and restoring is not None and saved.file is restoring.file
         if self._restored:
             self.journal.write()
             if self.journal.flush() and self.journal.path.exists():
@@ -445,13 +416,13 @@ class RecoveryFeature(Feature):
 
     def _use_written(self, written: Written) -> None:
         """A restored document that no journal could take is in a session file now."""
-        if self._restored and self.context.document_file.is_current(written):
+        if self._restored and self.window.document_file.is_current(written):
             self._end_restoring()
 
     def _end_restoring(self) -> None:
         if self._restoring is not None:
             self._restoring.discard()
-        self._restoring, self._wanted, self._restored = None, None, False
+        self._restoring, self._restored = None, False
 
 
 def _details(leftover: Leftover) -> Sequence[str]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Sequence
 
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication, QMessageBox
@@ -16,10 +15,9 @@ from app.session.exchange.messages import Opened
 from app.session.signals import PREFERENCES
 from app.views.theme.icons import program_icon
 from app.views.widgets.actions import ActionSpec
-from app.views.widgets.containers import OfferBar
-from app.views.window.feature import Feature, FeatureContext
 from app.views.window.guide import KEYS, Guide
-from app.views.window.preferences import PreferencesDialog, ShortcutsPage
+from app.views.window.preferences import PreferencesDialog
+from app.views.window.window import Feature, MainWindow, OneDialog
 
 SEEN = "guide/seen"
 """Preference: whether the guide has been shown."""
@@ -28,57 +26,46 @@ SEEN = "guide/seen"
 class HelpFeature(Feature):
     """Help on the program."""
 
-    def __init__(self, context: FeatureContext) -> None:
-        super().__init__(context)
-        self.guide: Guide | None = None
-
-    def action_specs(self) -> Sequence[ActionSpec]:
-        """Keys, guide and about."""
-        return (
-            ActionSpec(KEYS, "Help", tr("&Keys"), tr("Show all keys."), self._show_keys, "?"),
-            ActionSpec("guide", "Help", tr("&Guide"),
-                       tr("First steps, examples step by step, and the use of the canvas."), self.show_guide, "F1",
-                       icon="guide"),
-            ActionSpec("about", "Help", tr("&About CPM"),
-                       tr("Version, license, the paper, and the versions of what the program works with."),
+    def __init__(self, window: MainWindow) -> None:
+        super().__init__(window)
+        self._guide = OneDialog(lambda: Guide(window, window.shortcuts, self._open_sample))
+        self.actions = (
+            ActionSpec(KEYS, "Help", "&Keys", "Show all keys.", self._show_keys, "?"),
+            ActionSpec("guide", "Help", "&Guide", "First steps, examples step by step, and the use of the canvas.",
+                       self.show_guide, "F1", icon="guide"),
+            ActionSpec("about", "Help", "&About CPM",
+                       "Version, license, the paper, and the versions of what the program works with.",
                        self._show_about, gap=True),
         )  # fmt: skip
 
-    def welcome(self, bar: OfferBar) -> None:
+    @property
+    def guide(self) -> Guide | None:
+        """The guide, if it is open."""
+        return self._guide.shown
+
+    def welcome(self) -> None:
         """Offer the guide when the first image is open, at the first start of the program."""
-        if self.context.preferences.get(SEEN, False):
+        if self.window.preferences.get(SEEN, False):
             return
-        self.context.preferences.put(SEEN, True)
-        session = self.context.session
+        self.window.preferences.put(SEEN, True)
+        session = self.window.session
 
         def offer(_: Opened) -> None:
             session.stop_listening(Opened, offer)
             question = tr("New here? The guide ({key:guide}) has four examples, step by step.")
-            bar.offer(with_keys(question), (tr("&Guide"), self.show_guide))
+            self.window.offers.offer(with_keys(question), (tr("&Guide"), self.show_guide))
 
         session.listen(Opened, offer)
 
     def show_guide(self, page: str = "") -> None:
         """Open the guide, at a named page if given, or bring it to the front."""
-        if self.guide is None:
-            self.guide = Guide(self.context.window, self.context.action_specs(), self._open_sample)
-            self.guide.destroyed.connect(self._forget_guide)
-        if page:
-            self.guide.turn_to(page)
-        self.guide.show()
-        self.guide.raise_()
-        self.guide.activateWindow()
-
-    def use_keys(self) -> None:
-        """Name the keys as they are now."""
-        if self.guide is not None:
-            self.guide.use_actions(self.context.action_specs())
+        guide = self._guide.open()
+        if guide is not None and page:
+            guide.turn_to(page)
 
     def close(self) -> bool:
         """Close the guide."""
-        if self.guide is not None:
-            self.guide.close()
-        return True
+        return self._guide.close()
 
     def _show_keys(self) -> None:
         if self.guide is not None and self.guide.page == KEYS:
@@ -90,7 +77,7 @@ class HelpFeature(Feature):
         """Show versions, license and paper; a button copies them."""
         rows = "".join(f"<tr><td>{name} </td><td>{version}</td></tr>" for name, version in versions()[1:])
         text = "".join(f"<p>{html.escape(text)}</p>" for text in (PURPOSE, PAPER, LICENSE))
-        box = QMessageBox(self.context.window)
+        box = QMessageBox(self.window)
         box.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         box.setWindowTitle(tr("About CPM"))
         box.setIconPixmap(program_icon().pixmap(64, 64))
@@ -107,36 +94,29 @@ class HelpFeature(Feature):
     def _open_sample(self, file: str) -> None:
         sample = sample_called(file)
         if sample is not None:
-            self.context.open_file(sample.path, False)
-
-    def _forget_guide(self) -> None:
-        self.guide = None
+            self.window.open_image(sample.path)
 
 
 class PreferencesFeature(Feature):
     """Opens the dialog of the preferences, and says what of those that are stored cannot be used."""
 
-    def __init__(self, context: FeatureContext) -> None:
-        super().__init__(context)
-        context.preferences.troubled.connect(self._say)
-        if context.preferences.troubles:
+    def __init__(self, window: MainWindow) -> None:
+        super().__init__(window)
+        window.preferences.troubled.connect(self._say)
+        if window.preferences.troubles:
             self._say()
-
-    def action_specs(self) -> Sequence[ActionSpec]:
-        """The dialog."""
-        return (
-            ActionSpec("preferences", "Edit", tr("&Preferences…"), tr("Change the settings of the program."), self.show,
+        self.actions = (
+            ActionSpec("preferences", "Edit", "&Preferences…", "Change the settings of the program.", self.show,
                        "Ctrl+,", gap=True),
         )  # fmt: skip
 
     def show(self) -> PreferencesDialog:
         """Open the dialog; the window stays usable."""
-        context = self.context
-        page = ShortcutsPage(context.shortcuts())
-        dialog = PreferencesDialog(context.window, context.preferences, page)
+        window = self.window
+        dialog = PreferencesDialog(window, window.preferences, window.shortcuts)
         dialog.finished.connect(dialog.deleteLater)
         dialog.open()
         return dialog
 
     def _say(self, _: str = "") -> None:
-        self.context.session.say(" ".join(self.context.preferences.troubles), True, PREFERENCES)
+        self.window.session.say(" ".join(self.window.preferences.troubles), True, PREFERENCES)

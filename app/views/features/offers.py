@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -19,174 +18,96 @@ from app.model.volume.parts import Parts
 from app.session.exchange.messages import Opened
 from app.session.features.background import LatestOnlyWorker
 from app.session.tasks.opening import parts_of
+from app.views.features.files import OpenSaveFeature
 from app.views.files.part_dialog import PartDialog
 from app.views.files.pixel_size_dialog import PixelSizeDialog
 from app.views.widgets.actions import ActionSpec
-from app.views.widgets.containers import OfferBar
-from app.views.window.feature import Feature, FeatureContext
+from app.views.window.window import Feature, MainWindow
 from cpm_core.formats import Reading
 from cpm_core.segmentation import LargeImageSettings
 
 
-def offering(context: FeatureContext, offer: Callable[[Opened], None]) -> OfferBar:
-    """A line above the image in which `offer` may offer something for each image that is opened.
-
-    An offer is withdrawn when a run begins or another image is opened. Of several offers one is shown at a time.
-    """
-    bar, session, offers = OfferBar(), context.session, context.canvas_area.offers
-
-    def begin(opened: Opened) -> None:
-        bar.end()
-        offer(opened)
-
-    def withdraw() -> None:
-        if bar.waiting and session.status.started:
-            bar.end()
-
-    def take_turns() -> None:
-        items = [item for place in range(offers.count()) if (item := offers.itemAt(place)) is not None]
-        bars = [one for item in items if isinstance(one := item.widget(), OfferBar)]
-        first = next((one for one in bars if one.waiting), None)
-        for one in bars:
-            one.setVisible(one is first)
-
-    bar.changed.connect(take_turns)
-    offers.addWidget(bar)
-    session.listen(Opened, begin)
-    session.status_changed.connect(withdraw)
-    return bar
-
-
 class BeginningFeature(Feature):
-    """The parameters that an image begins with, and what is offered for it in a line above it."""
+    """The parameters that an image begins with, and what is offered for it: earlier work, and settings that suit it."""
 
-    def __init__(self, context: FeatureContext) -> None:
-        super().__init__(context)
-        self.bar = offering(context, self.offer)
-        context.preferences.follow(KEEP_PARAMETERS, self._use)
+    def __init__(self, window: MainWindow) -> None:
+        super().__init__(window)
+        window.session.listen(Opened, self._offer)
+        window.preferences.follow(KEEP_PARAMETERS, self._use)
 
-    def action_specs(self) -> Sequence[ActionSpec]:
-        """Parameters of the last image."""
-        session = self.context.session
-        return (
-            ActionSpec("former_parameters", "Run", tr("Use parameters of the &last image"),
-                       tr("Set all parameters as they were for the image that was open before this one."),
-                       session.use_former_parameters, when=self._differ),
+        def differ(situation: Situation) -> bool:
+            former, document = window.session.former_parameters, situation.document
+            return former is not None and document.fitting(former) != document.parameters
+
+        self.actions = (
+            ActionSpec("former_parameters", "Run", "Use parameters of the &last image",
+                       "Set all parameters as they were for the image that was open before this one.",
+                       window.session.use_former_parameters, when=differ),
         )  # fmt: skip
 
-    def offer(self, opened: Opened) -> None:
-        """Offer earlier work on an image, or the settings for its kind."""
-        session, kind = self.context.session, opened.kind
-        if opened.saved is not None or sample_at(opened.path) is not None:
+    def _offer(self, opened: Opened) -> None:
+        if opened.saved is not None:
             return
-        if opened.beside is not None:
-            beside = opened.beside
+        session, offers, beside, kind = self.window.session, self.window.offers, opened.beside, opened.kind
+        of_sample = sample_at(opened.path) is not None
+        if beside is not None and not of_sample:
             earlier = tr("{name} holds earlier work on this image. Continue it?").format(name=beside.name)
-            self.bar.offer(earlier, (tr("Open session"), lambda: self.context.open_file(beside, False)))
+            offers.offer(earlier, (tr("Open session"), partial(self.window.open_image, beside)))
         elif (
             kind is not None
             and kind in ADVICE
+            and not of_sample
             and session.document.mode != "skeleton"
-            and self.context.preferences.value(OFFER_SETTINGS)
+            and self.window.preferences.value(OFFER_SETTINGS)
         ):
             take = partial(session.edit, tr("settings for the kind of image"), partial(use_kind, kind=kind))
-            self.bar.offer(ADVICE[kind].sentence, (tr("Use these settings"), take))
-
-    def _differ(self, situation: Situation) -> bool:
-        former, document = self.context.session.former_parameters, situation.document
-        return former is not None and document.fitting(former) != document.parameters
+            offers.offer(ADVICE[kind].sentence, (tr("Use these settings"), take))
+        settings, document = opened.large, session.document
+        if settings is not None and _with_settings(document, settings) != document:
+            sentence = tr(
+                "This image is large: {scales} scales and smoothing {smoothing} find its objects more surely. Use them?"
+            ).format(scales=settings.scales, smoothing=written(f"{settings.smoothing:g}"))
+            enlarge = partial(_with_settings, settings=settings)
+            offers.offer(sentence, (tr("Use them"), partial(session.edit, tr("settings for a large image"), enlarge)))
 
     def _use(self) -> None:
-        self.context.session.keeps_parameters = self.context.preferences.value(KEEP_PARAMETERS)
+        self.window.session.keeps_parameters = self.window.preferences.value(KEEP_PARAMETERS)
 
 
-class LargeImageFeature(Feature):
-    """Offers the scales and the smoothing that suit a large image; nothing is changed before the user agrees."""
-
-    def __init__(self, context: FeatureContext) -> None:
-        super().__init__(context)
-        self.bar = offering(context, self.offer)
-
-    def offer(self, opened: Opened) -> None:
-        """Offer what a large image wants."""
-        settings, document = opened.large, self.context.session.document
-        if settings is None or opened.saved is not None or _with(document, settings) == document:
-            return
-        sentence = tr(
-            "This image is large: {scales} scales and smoothing {smoothing} find its objects more surely. Use them?"
-        ).format(scales=settings.scales, smoothing=written(f"{settings.smoothing:g}"))
-        name = tr("settings for a large image")
-        self.bar.offer(
-            sentence,
-            (tr("Use them"), lambda: self.context.session.edit(name, lambda document: _with(document, settings))),
-        )
-
-
-def _with(document: Document, settings: LargeImageSettings) -> Document:
+def _with_settings(document: Document, settings: LargeImageSettings) -> Document:
     """The document with settings for a large image, and with no less of either than it has."""
     now = document.parameters
     smoothing = now.smoothing if now.smoothing == "auto" else max(now.smoothing, settings.smoothing)
-    wanted = replace(now, scales=max(now.scales, settings.scales), smoothing=smoothing)
-    return edits.set_parameters(document, wanted)
+    return edits.set_parameters(document, replace(now, scales=max(now.scales, settings.scales), smoothing=smoothing))
 
 
 class StackFeature(Feature):
     """Says what else a file holds when a part of it is opened, and opens another part."""
 
-    def __init__(self, context: FeatureContext) -> None:
-        super().__init__(context)
-        self.bar = offering(context, self.offer)
+    def __init__(self, window: MainWindow) -> None:
+        super().__init__(window)
         self.dialog: PartDialog | None = None
         self._opened: Opened | None = None
-        self._looking = LatestOnlyWorker(context.session, "cpm-parts", tr("looking into the file"))
-
-    def action_specs(self) -> Sequence[ActionSpec]:
-        """The other way to open a stack, and the choice of a part."""
-        return (
-            ActionSpec("open_stack", "File", tr("Open all pages as one volu&me"),
-                       tr("Open a stack of pages as one volume, or one page of it as an image."), self._open_otherwise,
-                       when=lambda _: self._parts is not None and self._parts.fit_a_volume, worded=_stack_text),
-            ActionSpec("choose_part", "File", tr("Choose part of the &file…"),
-                       tr("Choose page, channel, point in time and series of a file that holds several."), self.ask,
+        self._looking = LatestOnlyWorker(window.session, "cpm-parts", tr("looking into the file"))
+        window.session.listen(Opened, self._offer)
+        self.actions = (
+            ActionSpec("open_stack", "File", "Open all pages as one volu&me",
+                       "Open a stack of pages as one volume, or one page of it as an image.", self._open_otherwise,
+                       when=lambda _: self._parts is not None and self._parts.fit_a_volume,
+                       worded=lambda situation: tr("Open one page as an i&mage") if has_volume(situation)
+                       else tr("Open all pages as one volu&me")),
+            ActionSpec("choose_part", "File", "Choose part of the &file…",
+                       "Choose page, channel, point in time and series of a file that holds several.", self.ask,
                        when=lambda _: self._parts is not None and self._parts.several),
-            ActionSpec("open_series", "File", tr("Open the &whole series"),
-                       tr("Open all slices in the folder of this DICOM file as one volume."), self._open_series,
-                       when=lambda _: self._parts is not None and self._parts.series_around is not None),
+            ActionSpec("open_series", "File", "Open the &whole series",
+                       "Open all slices in the folder of this DICOM file as one volume.",
+                       self._open_series, when=lambda _: self._series is not None),
         )  # fmt: skip
 
     def close(self) -> bool:
         """End the thread."""
         self._looking.close()
         return True
-
-    def offer(self, opened: Opened) -> None:
-        """Say what the file holds, and offer other parts of it."""
-        self._opened, parts = opened, opened.parts
-        if parts is None or opened.saved is not None:
-            return
-        volume = opened.image.ndim == 3
-        if parts.series_around is not None:
-            sentence = tr("{name} seems to be one slice of a series in the folder {folder}.").format(
-                name=opened.path.name, folder=parts.series_around.name
-            )
-            self.bar.offer(sentence, (tr("Open the series"), self._open_series))
-            return
-        if parts.doubts and (volume or not parts.fit_a_volume):
-            # What is wrong with a volume is said as long as nobody works on it.
-            answers = [(tr("Choose…"), self.ask)]
-            if parts.planes == parts.pages:  # all were taken, and only how far apart they are is in doubt
-                answers.insert(0, (tr("Size of a voxel…"), lambda: self.context.do("pixel_size")))
-            self.bar.offer(f"{opened.path.name}: {' '.join(map(from_core, parts.doubts))}", *answers)
-            return
-        if not (parts.several_volumes or (parts.several and not volume)):
-            return
-        sentence = tr("{name} holds {parts}. Open now: {open}.").format(
-            name=opened.path.name, parts=parts.counted, open=parts.taken(opened.reading, volume)
-        )
-        answers = [(tr("Choose…"), self.ask)]
-        if parts.fit_a_volume and not volume:
-            answers.insert(0, (tr("Open as volume"), self._open_otherwise))
-        self.bar.offer(sentence, *answers)
 
     def ask(self) -> None:
         """Ask which part is to be opened."""
@@ -195,8 +116,10 @@ class StackFeature(Feature):
             return
         image = opened.image
         colored = image.colors is not None or opened.reading.color != "luminance"
-        self.dialog = PartDialog(self.context.window, opened.path.name, parts, opened.reading, image.ndim == 3, colored)
-        self.dialog.asked.connect(self._look)
+        self.dialog = PartDialog(self.window, opened.path.name, parts, opened.reading, image.ndim == 3, colored)
+        self.dialog.asked.connect(
+            lambda series: self._looking.ask(lambda: parts_of(opened.path, Reading(series=series))[0], self._show_parts)
+        )
         self.dialog.chosen.connect(self._open)
         self.dialog.finished.connect(self.dialog.deleteLater)
         self.dialog.open()
@@ -207,9 +130,34 @@ class StackFeature(Feature):
     def _parts(self) -> Parts | None:
         return None if self._opened is None else self._opened.parts
 
-    def _look(self, series: int) -> None:
-        if self._opened is not None:
-            self._looking.ask(partial(_looked, self._opened.path, series), self._show_parts)
+    @property
+    def _series(self) -> Path | None:
+        return None if self._parts is None else self._parts.series_around
+
+    def _offer(self, opened: Opened) -> None:
+        """Say what the file holds, and offer other parts of it."""
+        self._opened, parts = opened, opened.parts
+        if parts is None or opened.saved is not None:
+            return
+        offer, volume = self.window.offers.offer, opened.image.ndim == 3
+        answers = [(tr("Choose…"), self.ask)]
+        if parts.series_around is not None:
+            sentence = tr("{name} seems to be one slice of a series in the folder {folder}.").format(
+                name=opened.path.name, folder=parts.series_around.name
+            )
+            offer(sentence, (tr("Open the series"), self._open_series))
+        elif parts.doubts and (volume or not parts.fit_a_volume):
+            # What is wrong with a volume is said as long as nobody works on it.
+            if parts.planes == parts.pages:  # all were taken, and only how far apart they are is in doubt
+                answers.insert(0, (tr("Size of a voxel…"), partial(self.window.do, "pixel_size")))
+            offer(f"{opened.path.name}: {' '.join(map(from_core, parts.doubts))}", *answers)
+        elif parts.several_volumes or (parts.several and not volume):
+            if parts.fit_a_volume and not volume:
+                answers.insert(0, (tr("Open as volume"), self._open_otherwise))
+            sentence = tr("{name} holds {parts}. Open now: {open}.").format(
+                name=opened.path.name, parts=parts.counted, open=parts.taken(opened.reading, volume)
+            )
+            offer(sentence, *answers)
 
     def _show_parts(self, found: object) -> None:
         if self.dialog is not None and isinstance(found, Parts):
@@ -220,12 +168,11 @@ class StackFeature(Feature):
             return
         if as_volume != (self._opened.image.ndim == 3):  # a size by hand has as many numbers as there are axes
             reading = replace(reading, spacing=None, unit=None)
-        self.context.open_part(self._opened.path, as_volume, reading)
+        self.window.feature(OpenSaveFeature).take_part(self._opened.path, as_volume, reading)
 
     def _open_series(self) -> None:
-        parts = self._parts
-        if parts is not None and parts.series_around is not None:
-            self.context.open_file(parts.series_around, False)
+        if self._series is not None:
+            self.window.open_image(self._series)
 
     def _open_otherwise(self) -> None:
         if self._opened is not None:
@@ -234,49 +181,37 @@ class StackFeature(Feature):
             self._open(not volume, replace(self._opened.reading, page=None, color=color))
 
 
-def _looked(path: Path, series: int) -> Parts | None:
-    """What a series of a file holds."""
-    return parts_of(path, Reading(series=series))[0]
-
-
-def _stack_text(situation: Situation) -> str:
-    if has_volume(situation):
-        return tr("Open one page as an i&mage")
-    return tr("Open all pages as one volu&me")
-
-
 class PixelSizeFeature(Feature):
     """Asks for the size, offers to where a volume tells none, and makes it an edit that can be undone."""
 
-    def __init__(self, context: FeatureContext) -> None:
-        super().__init__(context)
-        self.bar = offering(context, self.offer)
+    def __init__(self, window: MainWindow) -> None:
+        super().__init__(window)
         self.dialog: PixelSizeDialog | None = None
         self._told: tuple[tuple[float, ...], str | None] | None = None
-
-    def action_specs(self) -> Sequence[ActionSpec]:
-        """Ask for the size."""
-        return (
-            ActionSpec("pixel_size", "Edit", tr("Size of a p&ixel…"),
-                       tr("Set how far apart rows and columns are, and planes of a volume, and in which unit."),
-                       self.ask, gap=True, when=has_image, worded=_size_text),
+        window.session.listen(Opened, self._offer)
+        self.actions = (
+            ActionSpec("pixel_size", "Edit", "Size of a p&ixel…",
+                       "Set how far apart rows and columns are, and planes of a volume, and in which unit.", self.ask,
+                       gap=True, when=has_image,
+                       worded=lambda situation: tr("Size of a vo&xel…") if has_volume(situation)
+                       else tr("Size of a p&ixel…")),
         )  # fmt: skip
 
-    def offer(self, opened: Opened) -> None:
+    def _offer(self, opened: Opened) -> None:
         """Offer to set the size where a volume tells none: the particles take its voxels for cubes."""
         parts, ndim = opened.parts, opened.image.ndim
         self._told = None if parts is None else (parts.spacing[-ndim:], parts.unit)
         if ndim == 3 and opened.image.unit is None and opened.saved is None:
             sentence = tr("{name} does not tell the size of a voxel: its voxels are taken for cubes. Set the size?")
-            self.bar.offer(sentence.format(name=opened.path.name), (tr("Set the size…"), self.ask))
+            self.window.offers.offer(sentence.format(name=opened.path.name), (tr("Set the size…"), self.ask))
 
     def ask(self) -> None:
         """Ask for the size."""
-        image = self.context.session.document.image
+        image = self.window.session.document.image
         if image is None:
             return
         told = "" if self._told is None or self._told[1] is None else size_text(*self._told)
-        self.dialog = PixelSizeDialog(self.context.window, image.spacing, image.unit, told)
+        self.dialog = PixelSizeDialog(self.window, image.spacing, image.unit, told)
         self.dialog.reset_button.setEnabled(self._told is not None and image.reading.spacing is not None)
         self.dialog.chosen.connect(self._use)
         self.dialog.reset.connect(self._reset)
@@ -285,14 +220,10 @@ class PixelSizeFeature(Feature):
 
     def _use(self, spacing: tuple[float, ...], unit: str) -> None:
         name = tr("size of a voxel") if len(spacing) == 3 else tr("size of a pixel")
-        self.context.session.edit(name, lambda document: edits.set_pixel_size(document, spacing, unit))
+        self.window.session.edit(name, lambda document: edits.set_pixel_size(document, spacing, unit))
 
     def _reset(self) -> None:
         if self._told is not None:
             spacing, unit = self._told
             name = tr("size as the file tells")
-            self.context.session.edit(name, lambda document: edits.use_told_size(document, spacing, unit))
-
-
-def _size_text(situation: Situation) -> str:
-    return tr("Size of a vo&xel…") if has_volume(situation) else tr("Size of a p&ixel…")
+            self.window.session.edit(name, lambda document: edits.use_told_size(document, spacing, unit))

@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QMenu
 from app.model.text.language import tr
 from app.session.exchange.messages import Opened
 from app.session.storage.preferences import Preferences
-from cpm_core.formats import Reading
+from cpm_core.formats import Reading, from_plain
 from cpm_core.formats.images.reading import DEFAULT
 
 MOST = 12
@@ -62,7 +62,7 @@ class RecentFiles:
         if entry is None:
             return None, DEFAULT
         try:
-            return bool(entry.get("volume")), Reading.of(entry.get("reading", {}))
+            return bool(entry.get("volume")), from_plain(Reading, entry.get("reading", {}), "reading")
         except (ValueError, AttributeError, TypeError):
             return None, DEFAULT
 

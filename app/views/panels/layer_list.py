@@ -14,6 +14,7 @@ from app.views.canvas.layers import Layers
 from app.views.canvas.layers.layer import Layer
 from app.views.canvas.layers.layer_form import LayerForm
 from app.views.theme.icons import swatch
+from app.views.theme.theme import Theme
 from app.views.widgets.actions import LAYER, native
 from app.views.widgets.containers import Scrolled, arrange
 from app.views.widgets.fields import MarkedSlider
@@ -44,8 +45,8 @@ class LayersPanel(Scrolled):
                 lambda _, row=row: QTimer.singleShot(0, row, partial(self.ensureWidgetVisible, row, 0, 4))
             )
 
-    def show_colors(self) -> None:
-        """Show the colors in use, which the preferences change."""
+    def use_theme(self, theme: Theme) -> None:
+        """Show the colors of layers in use, which the preferences change."""
         for row in self.rows.values():
             row.show_color()
 

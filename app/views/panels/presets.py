@@ -14,7 +14,7 @@ from app.model.parameters.presets import Preset
 from app.model.text.language import reason, tr
 from app.session.storage.presets import PresetStore
 from app.views.window.dialogs import Button, Question, ask_for_text
-from app.views.window.feature import FeatureContext
+from app.views.window.window import MainWindow
 from cpm_core import PRESETS
 
 _TOPIC = "preset"
@@ -23,9 +23,9 @@ _TOPIC = "preset"
 class Presets(QToolButton):
     """Shows the preset in use; a click, Enter or the arrow key opens a menu to choose, save and delete presets."""
 
-    def __init__(self, context: FeatureContext, store: PresetStore) -> None:
+    def __init__(self, window: MainWindow, store: PresetStore) -> None:
         super().__init__()
-        self._window, self._session = context.window, context.session
+        self._window, self._session = window, window.session
         self.store = store
         self.current: Preset | None = None
         """The preset whose parameters are in use."""
@@ -41,7 +41,7 @@ class Presets(QToolButton):
         self.save = self._make(tr("&Save as…"), self._save, tr("Save the current parameters under a name."))
         self.delete = self._make(tr("&Delete…"), self._delete, tr("Delete the preset in use, if it is your own."))
         store.changed.connect(self._list)
-        context.session.document_changed.connect(self._show)
+        window.session.document_changed.connect(self._show)
         self._list()
 
     def open(self) -> None:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 from PySide6.QtCore import QPoint
@@ -20,23 +20,14 @@ from app.model.state.situation import (
     has_volume,
 )
 from app.model.text.keys import with_keys
+from app.model.text.language import from_core
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
-
-
-def portable(key: str) -> str:
-    """A key in the notation that is the same on all systems."""
-    return QKeySequence(key).toString(QKeySequence.SequenceFormat.PortableText)
 
 
 def native(key: str) -> str:
     """A key as people call it here."""
     return QKeySequence(key).toString(QKeySequence.SequenceFormat.NativeText)
-
-
-def natives(keys: Sequence[str]) -> str:
-    """Keys, separated by commas."""
-    return ", ".join(native(key) for key in keys)
 
 
 LAYER = "layer_"
@@ -54,7 +45,7 @@ class ActionSpec:
     menu : str
         Its menu; ``"File>Open sample"`` names a submenu.
     text : str
-        Text in the menu.
+        Text in the menu; in English, or in the language of the window already.
     tip : str
         One sentence for the tooltip and the status bar; it may name keys of actions (see `with_keys`).
     do : callable
@@ -97,6 +88,10 @@ class ActionSpec:
     pictured: Callable[[Situation], str] | None = None
     short: str = ""
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "text", from_core(self.text))
+        object.__setattr__(self, "tip", from_core(self.tip))
+
     @property
     def shortcuts(self) -> tuple[str, ...]:
         """Its keys, one by one."""
@@ -107,13 +102,8 @@ class ActionSpec:
         """Its text without the marks of menus."""
         return self.text.replace("&", "").rstrip("…")
 
-    @property
-    def said(self) -> str:
-        """Its tip with the keys of actions as they are now."""
-        return with_keys(self.tip)
 
-
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Submenu:
     """A submenu that `fill` fills each time before it opens; the rest is as in `ActionSpec`."""
 
@@ -122,6 +112,9 @@ class Submenu:
     text: str
     fill: Callable[[QMenu], None]
     gap: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "text", from_core(self.text))
 
 
 PRIMARY = "run"
@@ -190,12 +183,6 @@ class Actions:
         for name in {*OTHERWISE_IN_VOLUMES, *NOT_IN_VOLUMES} & self._actions.keys() if changed else ():
             self._tell(name)
 
-    def use_keys(self, name: str, keys: tuple[str, ...]) -> None:
-        """Give an action other keys; menus and all that shows `specs` follow, and tooltips by `show_keys`."""
-        self._specs[name] = replace(self._specs[name], keys=" ".join(keys))
-        self._actions[name].setShortcuts([QKeySequence(key) for key in keys])
-        self._changing = [self._specs[known.name] for known in self._changing]
-
     def show_keys(self) -> None:
         """Say the keys as they are now in all tips, which may name those of other actions."""
         for name in self._specs:
@@ -226,12 +213,12 @@ class Actions:
 
     def _tell(self, name: str) -> None:
         """Set the tips of an action, in a volume those that hold there."""
-        spec, action = self._specs[name], self._actions[name]
+        action, tip = self._actions[name], self._specs[name].tip
         if self._limited:
-            _, otherwise = OTHERWISE_IN_VOLUMES.get(name, ("", spec.tip))
-            spec = replace(spec, tip=NOT_IN_VOLUMES.get(name, otherwise))
-        action.setStatusTip(spec.said)
-        action.setToolTip(tooltip(action.text(), spec))
+            tip = NOT_IN_VOLUMES.get(name, OTHERWISE_IN_VOLUMES.get(name, ("", tip))[1])
+        said, key = with_keys(tip), action.shortcut().toString(QKeySequence.SequenceFormat.NativeText)
+        action.setStatusTip(said)
+        action.setToolTip(f"{_plain(action.text()).rstrip('…')}{f' ({key})' if key else ''}: {said}")
 
     def _tint(self, name: str) -> None:
         if self._theme is not None:
@@ -242,12 +229,6 @@ class Actions:
 def _plain(text: str) -> str:
     """A text without its mnemonic, which a menu may have moved."""
     return text.replace("&", "")
-
-
-def tooltip(text: str, spec: ActionSpec) -> str:
-    """Name, key and tip of an action in one line."""
-    keys = f" ({native(spec.shortcuts[0])})" if spec.shortcuts else ""
-    return f"{_plain(text).rstrip('…')}{keys}: {spec.said}"
 
 
 @runtime_checkable

@@ -9,6 +9,8 @@ from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
 from PySide6.QtGui import QIcon, QKeyEvent, QPainter, QPaintEvent, QPixmap, QResizeEvent
 from PySide6.QtWidgets import (
     QBoxLayout,
+    QDialog,
+    QDialogButtonBox,
     QFrame,
     QHBoxLayout,
     QLabel,
@@ -60,6 +62,16 @@ def wrapped(text: str = "", dim: bool = False) -> QLabel:
     label.setWordWrap(True)
     label.setObjectName("dim" if dim else "")
     return label
+
+
+class AcceptButtons(QDialogButtonBox):
+    """The buttons of a dialog: one that accepts it, and Cancel."""
+
+    def __init__(self, dialog: QDialog, text: str) -> None:
+        super().__init__(QDialogButtonBox.StandardButton.Cancel)
+        self.accept_button = self.addButton(text, QDialogButtonBox.ButtonRole.AcceptRole)
+        self.accepted.connect(dialog.accept)
+        self.rejected.connect(dialog.reject)
 
 
 class Scrolled(QScrollArea):
@@ -180,10 +192,7 @@ class ElidedLabel(QLabel):
 
 
 class OfferBar(QFrame):
-    """One sentence, buttons, and a cross that turns the offer down; it waits without a limit of time."""
-
-    changed = Signal()
-    """Something is offered, or no longer."""
+    """One sentence, buttons, and a cross that turns the offer down; other offers wait behind it."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -201,38 +210,44 @@ class OfferBar(QFrame):
         self.cross.clicked.connect(self.end)
         row = QHBoxLayout(self)
         self._row = arrange(row, self._label, self.cross, margins=(12, 4, 6, 4), spacing=8, wide=self._label)
-        self.waiting = False
-        """Whether something is offered that has not been answered."""
+        self._offers: list[tuple[str, tuple[tuple[str, Callable[[], object]], ...]]] = []
         self.hide()
 
     @property
     def text(self) -> str:
         """The offer, or empty."""
-        return "" if self.isHidden() else self._label.text()
+        return self._offers[0][0] if self._offers else ""
 
     def offer(self, sentence: str, *answers: tuple[str, Callable[[], object]]) -> None:
-        """Offer something in place of what was offered before; each answer has a text and what it does."""
-        self._label.setText(sentence)
-        self._label.setToolTip(sentence)
-        for button in self.buttons:
-            self._row.removeWidget(button)
-            button.deleteLater()
-        self.buttons = [self._button(text, do) for text, do in answers]
-        for place, button in enumerate(self.buttons, start=1):
-            self._row.insertWidget(place, button)
-        self.waiting = True
-        self.show()
-        self.changed.emit()
+        """Offer something after what is offered already; each answer has a text and what it does."""
+        self._offers.append((sentence, answers))
+        self._show()
 
     def end(self) -> None:
+        """Show the next offer in place of the one that is shown."""
+        self._offers = self._offers[1:]
+        self._show()
+
+    def clear(self) -> None:
         """Offer nothing any more."""
-        self.waiting = False
-        self.hide()
-        self.changed.emit()
+        self._offers = []
+        self._show()
 
     def use_theme(self, theme: Theme) -> None:
         """Tint the cross."""
         self.cross.setIcon(icon("close", theme.text))
+
+    def _show(self) -> None:
+        for button in self.buttons:
+            self._row.removeWidget(button)
+            button.deleteLater()
+        sentence, answers = self._offers[0] if self._offers else ("", ())
+        self._label.setText(sentence)
+        self._label.setToolTip(sentence)
+        self.buttons = [self._button(text, do) for text, do in answers]
+        for place, button in enumerate(self.buttons, start=1):
+            self._row.insertWidget(place, button)
+        self.setVisible(bool(self._offers))
 
     def _button(self, text: str, do: Callable[[], object]) -> QPushButton:
         button = QPushButton(text)

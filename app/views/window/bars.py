@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from itertools import groupby
+from typing import cast
 
 from PySide6.QtCore import QSize, Qt, QTimer
 from PySide6.QtGui import QAction, QFontMetrics
@@ -31,7 +33,10 @@ from app.views.widgets.actions import PRIMARY, Actions
 from app.views.widgets.containers import Scrolled
 from cpm_core.shapes import KINDS
 
-_FILES, _EDITS, _RUN, _AFTER = ("open", "save"), ("undo", "redo"), ("run", "step", "reset"), ("fit", "export")
+_BEFORE = ("open", "save", "", "undo", "redo", "")
+_RUN, _AFTER = ("", "run", "step", "reset", ""), ("", "fit", "export")
+"""Actions of the tool bar before the modes, after them, and after the speed control; an empty name is a line."""
+
 _ICON_ONLY = ("undo", "redo", "fit")
 """Buttons that need no text."""
 
@@ -45,26 +50,20 @@ class ToolBar(QToolBar):
         self.setMovable(False)
         self.toggleViewAction().setEnabled(False)
         self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
-        self._add(actions, *_FILES)
-        self.addSeparator()
-        self._add(actions, *_EDITS)
-        self.addSeparator()
+        self._add(actions, _BEFORE)
         self.addWidget(_modes(actions))
-        self.addSeparator()
-        self._add(actions, *_RUN)
-        self.addSeparator()
+        self._add(actions, _RUN)
         self.addWidget(speed)
-        self.addSeparator()
-        self._add(actions, *_AFTER)
+        self._add(actions, _AFTER)
 
-    def _add(self, actions: Actions, *names: str) -> None:
-        for name in filter(actions.__contains__, names):
-            self._add_one(actions[name], name)
-
-    def _add_one(self, action: QAction, name: str) -> None:
-        self.addAction(action)
-        button = self.widgetForAction(action)
-        if isinstance(button, QToolButton):
+    def _add(self, actions: Actions, names: Iterable[str]) -> None:
+        for name in names:
+            if not name:
+                self.addSeparator()
+                continue
+            action = actions[name]
+            self.addAction(action)
+            button = cast("QToolButton", self.widgetForAction(action))
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
             button.setObjectName("primary" if name == PRIMARY else name)
             if name in _ICON_ONLY:
@@ -73,8 +72,7 @@ class ToolBar(QToolBar):
             if name == PRIMARY:
                 bold = button.font()
                 bold.setBold(True)
-                metrics = QFontMetrics(bold)
-                button.setMinimumWidth(metrics.horizontalAdvance(tr("Run again")) + 52)
+                button.setMinimumWidth(QFontMetrics(bold).horizontalAdvance(tr("Run again")) + 52)
 
 
 def _modes(actions: Actions) -> QWidget:
@@ -84,13 +82,12 @@ def _modes(actions: Actions) -> QWidget:
     row = QHBoxLayout(segments)
     row.setContentsMargins(6, 0, 6, 0)
     row.setSpacing(0)
-    names = [f"mode_{mode}" for mode in MODES]
-    for index, name in enumerate(names):
+    for mode, place in zip(MODES, ("first", "middle", "last"), strict=True):
+        name = f"mode_{mode}"
         button = QToolButton()
         button.setDefaultAction(actions[name])
         button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
         button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        place = "first" if index == 0 else "last" if index == len(names) - 1 else "middle"
         button.setProperty("segment", place)
         button.setObjectName(name)
         row.addWidget(button)
@@ -120,7 +117,8 @@ class ToolPalette(QToolBar):
         for number, (group, tools) in enumerate(groupby(TOOLS, lambda tool: tool.group)):
             buttons = [self._make(actions[tool.name], tool.name) for tool in tools]
             if group == OBJECT:
-                column.addWidget(self._widened(buttons[0], group))
+                buttons[0].defaultAction().setIconText(group)
+                column.addWidget(_widened(buttons[0]))
                 continue
             heading = QLabel(group)
             heading.setObjectName("heading")
@@ -144,24 +142,13 @@ class ToolPalette(QToolBar):
         self.starts.setIcon(icon("everywhere", theme.text, faded=theme.line))
 
     def _make(self, action: QAction, name: str) -> QToolButton:
-        button = QToolButton()
+        button = self.buttons[name] = self._button(name, action.text().replace("&", ""))
         button.setDefaultAction(action)
         button.setFixedSize(_BUTTON, _BUTTON)
-        button.setAccessibleName(action.text().replace("&", ""))
-        self._set_style(button, name)
-        self.buttons[name] = button
-        return button
-
-    def _widened(self, button: QToolButton, text: str) -> QToolButton:
-        """A button as wide as the palette, with a short text next to its icon."""
-        button.defaultAction().setIconText(text)
-        button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
-        button.setMaximumWidth(_WIDEST)
-        button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         return button
 
     def _make_starts(self, actions: list[QAction]) -> QToolButton:
-        button = QToolButton()
+        button = _widened(self._button("starts", tr("Starts that need no drawing")))
         menu = QMenu(button)
         menu.setToolTipsVisible(True)
         menu.addActions(actions)
@@ -169,17 +156,24 @@ class ToolPalette(QToolBar):
         button.setText(tr("Auto"))
         button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         button.setToolTip(tr("Starts that need no drawing: everywhere, on strong edges, at centers."))
-        button.setAccessibleName(tr("Starts that need no drawing"))
-        self._set_style(button, "starts")
-        button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
-        button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
         return button
 
-    def _set_style(self, button: QToolButton, name: str) -> None:
+    def _button(self, name: str, title: str) -> QToolButton:
+        button = QToolButton()
         button.setObjectName(name)
+        button.setAccessibleName(title)
         button.setIconSize(self.iconSize())
         button.setAutoRaise(True)
         button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        return button
+
+
+def _widened(button: QToolButton) -> QToolButton:
+    """A button as wide as the palette, with a text next to its icon."""
+    button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+    button.setMaximumWidth(_WIDEST)
+    button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+    return button
 
 
 SHOWN_AFTER = 0.3
@@ -213,8 +207,7 @@ class TaskBar(QWidget):
         row.setSpacing(8)
         for widget in (self._name, self._bar, self._left, self._button):
             row.addWidget(widget)
-        self._later = QTimer(self)
-        self._later.setSingleShot(True)
+        self._later = QTimer(self, singleShot=True)
         self._later.timeout.connect(self._show)
         tasks.changed.connect(self._show)
         tasks.advanced.connect(self._show)
@@ -227,8 +220,7 @@ class TaskBar(QWidget):
 
     def cancel(self) -> None:
         """Cancel the task shown, or the first one that will be shown."""
-        shown = self._task
-        task = shown or next((task for task in self._tasks.current if task.cancellable), None)
+        task = self._task or next((task for task in self._tasks.current if task.cancellable), None)
         if task is not None:
             task.cancel()
             self._tasks.look()
@@ -247,8 +239,8 @@ class TaskBar(QWidget):
             return
         task, others = self._task, len(current) - 1
         more = tr("{name} (and {others} more)").format(name=task.name, others=others)
-        _set(self._name, more if others else task.name)
-        _set(self._left, remaining_text(task.seconds_left))
+        self._name.setText(more if others else task.name)
+        self._left.setText(remaining_text(task.seconds_left))
         self._left.setVisible(bool(self._left.text()))
         self._button.setVisible(task.cancellable)
         self._button.setToolTip(tr("Cancel: {name}").format(name=task.name))
@@ -257,8 +249,3 @@ class TaskBar(QWidget):
         if task.fraction is not None:
             self._bar.setValue(round(_FULL * task.fraction))
         self.show()
-
-
-def _set(label: QLabel, text: str) -> None:
-    if label.text() != text:
-        label.setText(text)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, cast
@@ -13,7 +13,7 @@ from app.model.text.language import tr
 from app.session.session import Session
 from app.session.storage.folders import Purpose, first_folder, remember_folder
 from app.session.storage.preferences import Preferences
-from cpm_core.formats import READABLE, SUFFIX
+from cpm_core.formats import SUFFIX
 
 Answer = Literal["save", "discard", "cancel"]
 
@@ -69,13 +69,6 @@ class Question(QMessageBox):
         return self.given()
 
 
-def would_be_lost(parts: Sequence[str]) -> str:
-    """A sentence on what would be lost."""
-    listed = ", ".join(parts[:-1])
-    named = tr("{parts} and {last}").format(parts=listed, last=parts[-1]) if listed else "".join(parts)
-    return tr("This would be lost: {parts}.").format(parts=named)
-
-
 def ask_about_unsaved(parent: QWidget, name: str, lost: Sequence[str]) -> Answer:
     """What to do with unsaved work called `name`; `lost` tells what would be lost."""
     buttons = (
@@ -84,7 +77,11 @@ def ask_about_unsaved(parent: QWidget, name: str, lost: Sequence[str]) -> Answer
         Button("cancel", tr("&Keep editing"), "cancel"),
     )
     text = tr("Save the work on “{name}”?").format(name=name)
-    return cast("Answer", Question(parent, tr("Unsaved work"), text, would_be_lost(lost), buttons).ask())
+    parts = "".join(lost)
+    if len(lost) > 1:
+        parts = tr("{parts} and {last}").format(parts=", ".join(lost[:-1]), last=lost[-1])
+    more = tr("This would be lost: {parts}.").format(parts=parts)
+    return cast("Answer", Question(parent, tr("Unsaved work"), text, more, buttons).ask())
 
 
 def ask_to_replace(parent: QWidget, name: str) -> bool:
@@ -99,23 +96,14 @@ def ask_to_replace(parent: QWidget, name: str) -> bool:
 
 def ask_for_text(parent: QWidget, title: str, label: str, button: str, text: str = "") -> str | None:
     """A text that is typed, None when the user cancels; `button` says what is done with it."""
-    dialog = _input(parent, title, label, button)
-    dialog.setTextValue(text)
-    return _typed(dialog)
-
-
-def _input(parent: QWidget, title: str, label: str, button: str) -> QInputDialog:
     dialog = QInputDialog(parent)
     dialog.setWindowTitle(title)
     dialog.setLabelText(label)
     dialog.setOkButtonText(button)
     dialog.setCancelButtonText(tr("Cancel"))
     dialog.setMinimumWidth(max(_LEAST_WIDTH, dialog.fontMetrics().horizontalAdvance(title) + _BESIDE_TITLE))
-    return dialog
-
-
-def _typed(dialog: QInputDialog) -> str | None:
-    accepted = bool(dialog.exec())
+    dialog.setTextValue(text)
+    accepted = dialog.exec()
     dialog.deleteLater()
     return dialog.textValue() if accepted else None
 
@@ -137,25 +125,8 @@ class Files:
         return f"{self.name} ({' '.join(f'*{suffix}' for suffix in self.suffixes) or '*'})"
 
 
-def images() -> Files:
-    """Images that can be read."""
-    return Files(tr("Images"), tuple(READABLE))
-
-
-def sessions() -> Files:
-    """Sessions."""
-    return Files(tr("Sessions"), (SUFFIX,))
-
-
-def all_files() -> Files:
-    """Files of any kind."""
-    return Files(tr("All files"), ())
-
-
-def images_and_sessions() -> Sequence[Files]:
-    """What can be opened: both together first, then each kind."""
-    both = Files(tr("Images and sessions"), (*READABLE, SUFFIX))
-    return (both, images(), sessions(), all_files())
+SESSIONS = Files(tr("Sessions"), (SUFFIX,))
+ALL_FILES = Files(tr("All files"), ())
 
 
 class FileDialogs:
@@ -178,7 +149,10 @@ class FileDialogs:
         """A file that exists; None when the user cancels."""
         filters = ";;".join(kind.filter for kind in kinds)
         chosen, _ = QFileDialog.getOpenFileName(self._window, title, str(self.begin(purpose)), filters, "", _SHORT)
-        return self._chosen(purpose, chosen)
+        if not chosen:
+            return None
+        self.remember(purpose, Path(chosen))
+        return Path(chosen)
 
     def ask_where_to_save(
         self,
@@ -208,16 +182,20 @@ class FileDialogs:
             # The desktop has asked only about the name as it was typed.
             if path.exists() and not ask_to_replace(parent, path.name):
                 return None
-        return self._chosen(purpose, str(path))
-
-    def _chosen(self, purpose: Purpose, chosen: str) -> Path | None:
-        if not chosen:
-            return None
-        path = Path(chosen)
         self.remember(purpose, path)
         return path
 
+    def ask_where_to_export(
+        self, title: str, ending: str, kinds: Mapping[str, str], parent: QWidget | None = None
+    ) -> Path | None:
+        """A file to export to, named after the image with an ending; `kinds` are the names of suffixes."""
+        image, stem = self._session.document.image, "cpm"
+        if image is not None:
+            in_volume = self._session.scene.slices is not None
+            stem = image.name.partition(".")[0] if in_volume else Path(image.name).stem
+        files = [Files(name, (suffix,)) for suffix, name in kinds.items()]
+        return self.ask_where_to_save("export", title, f"{stem}{ending}", files, parent=parent)
 
-def ask_for_folder(parent: QWidget, title: str, folder: str) -> str:
-    """A folder, empty when the user cancels."""
-    return QFileDialog.getExistingDirectory(parent, title, folder)
+    def ask_for_folder(self, title: str) -> str:
+        """A folder of images, empty when the user cancels."""
+        return QFileDialog.getExistingDirectory(self._window, title, str(self.begin("open")))

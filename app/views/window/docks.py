@@ -1,33 +1,65 @@
-"""Panels in docks around the canvas: their places and actions."""
+"""Panels in docks around the canvas: their places and actions, and the keyboard in them."""
 
 from __future__ import annotations
 
 import zlib
-from collections.abc import Callable, Iterable, Iterator
-from functools import partial
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 
 from PySide6.QtCore import QByteArray, QObject, Qt, QTimer
 from PySide6.QtGui import QAction, QKeySequence
-from PySide6.QtWidgets import QDockWidget, QMainWindow, QTabBar, QTabWidget, QWidget
+from PySide6.QtWidgets import QApplication, QDockWidget, QMainWindow, QTabBar, QTabWidget, QWidget
 
-from app.model.text.language import tr
-from app.views.window.feature import Area, Panel
-from app.views.window.keyboard import Areas
+from app.model.text.language import from_core, tr
+from app.views.window.keyboard import Keyboard, in_panel, take_keyboard
+
+BELOW = "below"
+"""Name of the tab of the panels below the canvas; all others are on the right."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Panel:
+    """A panel next to the canvas; it can be moved, closed, and opened again from the menu View.
+
+    Attributes
+    ----------
+    name : str
+        Name in code and in the stored layout.
+    title : str
+        Heading, in English.
+    widget : QWidget
+        Content.
+    tab : str
+        Panels with the same value are tabbed; empty for a panel without tab.
+    shown : bool
+        Whether it is initially open.
+    height : int
+        Initial height, as far as there is room; those of an area keep their proportions [px].
+    shortcut : str
+        Key that opens or closes it.
+    """
+
+    name: str
+    title: str
+    widget: QWidget
+    tab: str = ""
+    shown: bool = True
+    height: int = 400
+    shortcut: str = ""
 
 
 class PanelAction(QAction):
-    """Checked while the panel is open; `enter` opens it, brings it to the front and gives it the keyboard.
+    """Checked while the panel is open; it opens the panel, brings it to the front and gives it the keyboard.
 
     A panel that is open behind a tab is not seen, so it is raised before it is closed. When a panel with the keyboard
-    closes, `leave` is called.
+    closes, the canvas gets it.
     """
 
-    def __init__(self, dock: QDockWidget, key: str, enter: Callable[[], None], leave: Callable[[], None]) -> None:
+    def __init__(self, docks: Docks, dock: QDockWidget, key: str) -> None:
         super().__init__(dock.windowTitle(), dock)
         self.setObjectName(f"panel_{dock.objectName()}")
+        self._docks = docks
         self._dock = dock
-        self._enter = enter
-        self._leave = leave
         self.setCheckable(True)
         self.setStatusTip(tr("Show or hide the panel {title}.").format(title=dock.windowTitle()))
         if key:
@@ -37,37 +69,27 @@ class PanelAction(QAction):
         self.setChecked(not dock.isHidden())
         self.triggered.connect(self._do)
 
-    @property
-    def behind(self) -> bool:
-        """Whether the panel is open behind the tab of another one."""
-        return not self._dock.isHidden() and self._dock.visibleRegion().isEmpty()
-
     def _do(self) -> None:
-        if self._dock.isHidden() or self.behind:
-            self._enter()
+        if self._dock.visibleRegion().isEmpty():  # hidden, or behind the tab of another one
+            self._docks.enter(self._dock.objectName())
         else:
             focused = self._dock.focusWidget()
             inside = focused is not None and focused.hasFocus()
             self._dock.close()
             if inside:
-                self._leave()
+                self._docks.keyboard.give_back()
         self._follow()
 
     def _follow(self) -> None:
         self.setChecked(not self._dock.isHidden())
 
 
-_AREAS: dict[Area, Qt.DockWidgetArea] = {
-    "left": Qt.DockWidgetArea.LeftDockWidgetArea,
-    "right": Qt.DockWidgetArea.RightDockWidgetArea,
-    "bottom": Qt.DockWidgetArea.BottomDockWidgetArea,
-}
-_LOW_AREAS = (Qt.DockWidgetArea.BottomDockWidgetArea, Qt.DockWidgetArea.TopDockWidgetArea)
-_FEATURES = (
-    QDockWidget.DockWidgetFeature.DockWidgetClosable
-    | QDockWidget.DockWidgetFeature.DockWidgetMovable
-    | QDockWidget.DockWidgetFeature.DockWidgetFloatable
-)
+_RIGHT, _BOTTOM = Qt.DockWidgetArea.RightDockWidgetArea, Qt.DockWidgetArea.BottomDockWidgetArea
+_LOW_AREAS = (_BOTTOM, Qt.DockWidgetArea.TopDockWidgetArea)
+_UPRIGHT = QDockWidget.DockWidgetFeature.DockWidgetVerticalTitleBar
+
+_AROUND = ("parameters", "contours", "objects", "timeline")
+"""The panels that the keyboard visits after the canvas, in this order."""
 
 _WIDTH = 330
 """Initial width of the panels next to the canvas [px]."""
@@ -76,9 +98,10 @@ _WIDTH = 330
 class Docks(QObject):
     """One dock for each panel, which the user can move, close and open again; tabs replace the headings of panels."""
 
-    def __init__(self, window: QMainWindow, panels: Iterable[Panel], areas: Areas) -> None:
+    def __init__(self, window: QMainWindow, panels: Iterable[Panel], keyboard: Keyboard) -> None:
         super().__init__(window)
         self._window = window
+        self.keyboard = keyboard
         self.actions: list[PanelAction] = []
         self._panels = list(panels)
         self._docks: dict[str, QDockWidget] = {}
@@ -87,19 +110,15 @@ class Docks(QObject):
         self._tidying = QTimer(self, singleShot=True, interval=0)
         self._tidying.timeout.connect(self._tidy)
         # Panels next to the canvas reach the bottom of the window; those below the canvas are as wide as the canvas.
-        window.setCorner(Qt.Corner.BottomRightCorner, Qt.DockWidgetArea.RightDockWidgetArea)
+        window.setCorner(Qt.Corner.BottomRightCorner, _RIGHT)
         window.setCorner(Qt.Corner.BottomLeftCorner, Qt.DockWidgetArea.LeftDockWidgetArea)
-        window.setDockOptions(
-            QMainWindow.DockOption.AnimatedDocks
-            | QMainWindow.DockOption.AllowTabbedDocks
-            | QMainWindow.DockOption.AllowNestedDocks
-        )
+        window.setDockNestingEnabled(True)
         window.setTabPosition(Qt.DockWidgetArea.AllDockWidgetAreas, QTabWidget.TabPosition.North)
         for panel in self._panels:
-            dock = self._docks[panel.name] = QDockWidget(panel.title, window)
+            dock = self._docks[panel.name] = QDockWidget(from_core(panel.title), window)
             dock.setObjectName(panel.name)
             dock.setWidget(panel.widget)
-            self.actions.append(PanelAction(dock, panel.shortcut, partial(areas.enter, panel.name), areas.leave))
+            self.actions.append(PanelAction(self, dock, panel.shortcut))
             for changed in (dock.topLevelChanged, dock.dockLocationChanged, dock.visibilityChanged):
                 changed.connect(lambda *_: self._tidying.start())
         self.restore()
@@ -120,23 +139,41 @@ class Docks(QObject):
         self._docks[name].show()
         self._docks[name].raise_()
 
+    def enter(self, name: str) -> None:
+        """Open a panel, bring it to the front and give it the keyboard."""
+        self.reveal(name)
+        panel = self._docks[name].widget()
+        panel.window().activateWindow()
+        take_keyboard(in_panel(panel))
+
+    def go_on(self, by: int = 1) -> None:
+        """Give the keyboard to the next area that is open, or for -1 to the previous one."""
+        focused = QApplication.focusWidget()
+        around = ["", *(name for name in _AROUND if not self._docks[name].isHidden())]
+        here = next((name for name in around[1:] if focused and self._docks[name].isAncestorOf(focused)), "")
+        name = around[(around.index(here) + by) % len(around)]
+        if name:
+            self.enter(name)
+        else:
+            self.keyboard.give_back()
+
     def restore(self) -> None:
         """Move every panel to its initial place."""
         window = self._window
-        first: dict[tuple[Area, str], QDockWidget] = {}
+        first: dict[str, QDockWidget] = {}
         for panel in self._panels:
-            dock, key = self._docks[panel.name], (panel.area, panel.tab)
+            dock = self._docks[panel.name]
             dock.setFloating(False)
-            if panel.tab and key in first:
-                window.tabifyDockWidget(first[key], dock)
+            if panel.tab in first:
+                window.tabifyDockWidget(first[panel.tab], dock)
             else:
-                window.addDockWidget(_AREAS[panel.area], dock)
-                first[key] = dock
+                window.addDockWidget(_BOTTOM if panel.tab == BELOW else _RIGHT, dock)
+                first[panel.tab or panel.name] = dock
             if dock.isHidden() == panel.shown:
                 dock.setVisible(panel.shown)
         for dock in first.values():
             dock.raise_()
-        beside = [dock for (area, _), dock in first.items() if area == "right"]
+        beside = [dock for tab, dock in first.items() if tab != BELOW]
         window.resizeDocks(beside, [_WIDTH] * len(beside), Qt.Orientation.Horizontal)
         window.resizeDocks(list(self), [panel.height for panel in self._panels], Qt.Orientation.Vertical)
         self._front = ""
@@ -161,9 +198,7 @@ class Docks(QObject):
             if tabbed != (dock.titleBarWidget() is not None):
                 dock.setTitleBarWidget(QWidget(dock) if tabbed else None)  # type: ignore[arg-type]  # None is Qt's own
             below = self._window.dockWidgetArea(dock) in _LOW_AREAS and not dock.isFloating() and not tabbed
-            dock.setFeatures(
-                _FEATURES | QDockWidget.DockWidgetFeature.DockWidgetVerticalTitleBar if below else _FEATURES
-            )
+            dock.setFeatures(dock.features() | _UPRIGHT if below else dock.features() & ~_UPRIGHT)
         for bar in self._window.findChildren(QTabBar, options=Qt.FindChildOption.FindDirectChildrenOnly):
             bar.setElideMode(Qt.TextElideMode.ElideNone)
             bar.setUsesScrollButtons(True)
@@ -176,7 +211,7 @@ class Docks(QObject):
         for panel in self._panels:
             dock = self._docks[panel.name]
             below = self._window.dockWidgetArea(dock) in _LOW_AREAS and not dock.isFloating()
-            if panel.area == "bottom" and below and not dock.visibleRegion().isEmpty():
+            if panel.tab == BELOW and below and not dock.visibleRegion().isEmpty():
                 if self._front not in (None, panel.name):
                     self._window.resizeDocks([dock], [panel.height], Qt.Orientation.Vertical)
                 self._front = panel.name

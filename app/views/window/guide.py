@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable
 
 from PySide6.QtCore import QSize, Qt, QUrl
 from PySide6.QtGui import QKeySequence, QShortcut
@@ -13,18 +13,17 @@ from PySide6.QtWidgets import (
     QDialogButtonBox,
     QHBoxLayout,
     QListWidget,
-    QMainWindow,
     QTextBrowser,
     QVBoxLayout,
+    QWidget,
 )
 
 from app.model.parameters.controls import controls
 from app.model.text.assets import asset, guide_page
 from app.model.text.keys import key_of
 from app.model.text.language import from_core, tr
-from app.views.widgets.actions import LAYER, ActionSpec, native
-from app.views.window.docks import PanelAction
-from app.views.window.menus import MENUS
+from app.views.widgets.actions import native
+from app.views.window.shortcuts import Shortcuts
 
 KEYS = "keys"
 """Name of the page that lists all keys, and of the action that opens and closes it."""
@@ -43,17 +42,16 @@ _LABELS = {control.name: f"“{control.title}” ({control.rich_symbol})" for co
 class Guide(QDialog):
     """Shows the pages next to the window; links open samples and other pages.
 
-    `specs` are all actions, whose names and keys the pages mention; `open_sample` opens a sample by its file name.
+    `shortcuts` are all actions, whose names and keys the pages mention; `open_sample` opens a sample by its file name.
     """
 
-    def __init__(self, parent: QMainWindow, specs: Iterable[ActionSpec], open_sample: Callable[[str], None]) -> None:
+    def __init__(self, parent: QWidget, shortcuts: Shortcuts, open_sample: Callable[[str], None]) -> None:
         super().__init__(parent)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         self.setWindowTitle(tr("Guide"))
-        self._specs = {spec.name: spec for spec in specs}
-        self._window = parent
+        self._shortcuts = shortcuts
         self._open_sample = open_sample
-        for key in self._specs[KEYS].shortcuts if KEYS in self._specs else ():
+        for key in shortcuts.keys(KEYS):
             QShortcut(QKeySequence(key), self, self.close)
         self.contents = QListWidget()
         self.contents.setObjectName("contents")
@@ -73,6 +71,7 @@ class Guide(QDialog):
         layout.addLayout(beside, 1)
         layout.addWidget(buttons)
         self.contents.currentRowChanged.connect(self._show)
+        shortcuts.changed.connect(self._show)
         self.resize(_SIZE.boundedTo(self.screen().availableSize()))
         self.turn_to(PAGES[0])
 
@@ -80,11 +79,6 @@ class Guide(QDialog):
     def page(self) -> str:
         """Name of the page that is open."""
         return PAGES[self.contents.currentRow()]
-
-    def use_actions(self, specs: Iterable[ActionSpec]) -> None:
-        """Name actions and their keys as they are now."""
-        self._specs = {spec.name: spec for spec in specs}
-        self._show()
 
     def turn_to(self, name: str) -> None:
         """Open a page by its name."""
@@ -110,32 +104,22 @@ class Guide(QDialog):
         """A text with actions in braces replaced by name and key, and parameters (``{=beta}``) by label and symbol."""
         text = re.sub(r"\{=(\w+)\}", lambda found: _LABELS[found.group(1)], text)
         text = re.sub(r"\{key:(\w+)\}", lambda found: html.escape(key_of(found.group(1))), text)
-        return re.sub(r"\{(\w+)\}", lambda found: self._action(self._specs[found.group(1)]), text)
+        actions = self._shortcuts.names()
 
-    @staticmethod
-    def _action(spec: ActionSpec) -> str:
-        keys = f" ({html.escape(native(spec.shortcuts[0]))})" if spec.shortcuts else ""
-        return f"<b>{html.escape(spec.title)}</b>{keys}"
+        def named(found: re.Match[str]) -> str:
+            action = actions[found.group(1)]
+            key = f" ({html.escape(action.key)})" if action.key else ""
+            return f"<b>{html.escape(action.title)}</b>{key}"
+
+        return re.sub(r"\{(\w+)\}", named, text)
 
     def _keys(self) -> str:
-        """All keys of actions and panels, by menu."""
-        tools, layers, panels = tr("Tools"), tr("Layers"), tr("Panels")
-        menus = {name: title.replace("&", "") for name, title in MENUS.items()}
-        groups: dict[str, list[tuple[Sequence[str], str]]] = {
-            title: [] for title in (tools, layers, panels, *menus.values())
-        }
-        for spec in self._specs.values():
-            group = tools if spec.group == "tool" else layers if spec.name.startswith(LAYER) else ""
-            if spec.shortcuts:
-                groups[group or menus[spec.menu.partition(">")[0]]].append((spec.shortcuts[:2], spec.title))
-        for action in self._window.findChildren(PanelAction):
-            if not action.shortcut().isEmpty():
-                groups[panels].append(([action.shortcut().toString()], action.text()))
-        cell, text = "<td style='padding: 2px 14px 2px 0'>", ""
-        for title, rows in groups.items():
-            lines = "".join(
-                f"<tr>{cell}<b>{html.escape('  '.join(map(native, keys)))}</b></td>{cell}{html.escape(name)}</td></tr>"
-                for keys, name in rows
-            )
-            text += f"<h3>{title}</h3><table>{lines}</table>" if rows else ""
-        return text
+        """All keys of actions and panels, in their groups."""
+        groups: dict[str, str] = {}
+        for action in self._shortcuts.actions:
+            keys = self._shortcuts.keys(action.name)
+            if keys:
+                cells = f"<b>{html.escape('  '.join(map(native, keys[:2])))}</b>", html.escape(action.title)
+                row = "".join(f"<td style='padding: 2px 14px 2px 0'>{cell}</td>" for cell in cells)
+                groups[action.group] = f"{groups.get(action.group, '')}<tr>{row}</tr>"
+        return "".join(f"<h3>{title}</h3><table>{rows}</table>" for title, rows in groups.items())

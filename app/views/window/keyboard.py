@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from functools import partial
-from typing import Any, Protocol, runtime_checkable
+from collections.abc import Callable
+from typing import Any
 
 import shiboken6
 from PySide6.QtCore import QCoreApplication, QEvent, QLocale, QObject, Qt, QTimer
@@ -17,7 +16,6 @@ from PySide6.QtWidgets import (
     QComboBox,
     QDialog,
     QDockWidget,
-    QDoubleSpinBox,
     QLineEdit,
     QMainWindow,
     QMenu,
@@ -25,68 +23,18 @@ from PySide6.QtWidgets import (
     QPlainTextEdit,
     QScrollArea,
     QSlider,
-    QSpinBox,
     QTextEdit,
     QWidget,
 )
 
 from app.views.widgets.containers import has_own_escape
+from app.views.widgets.fields import DecimalField, MarkedSlider
 
-Text = Callable[[str], bool]
-
-
-@runtime_checkable
-class Exact(Protocol):
-    """A field that shows its value rounded."""
-
-    exact: float
-    """The value that it was last given."""
-
-    def move_to(self, value: float) -> None:
-        """Set a value, as if the person had done so."""
-
-
-def _number(character: str) -> bool:
-    """Digits, signs and separators; no letters, so that a number has no exponent."""
-    locale = QLocale()
-    return character.isdigit() or character in f"+-.,{locale.decimalPoint()}{locale.groupSeparator()}"
-
-
-def _anything(character: str) -> bool:
-    return True
-
-
-def _nothing(character: str) -> bool:
-    return False
-
-
-TEXTS: tuple[tuple[tuple[type[QWidget], ...], Text], ...] = (
-    ((QAbstractSpinBox,), _number),
-    ((QLineEdit, QTextEdit, QPlainTextEdit), _anything),
-    ((QAbstractButton, QComboBox, QSlider), _nothing),
-)
-"""Which characters a field takes as text; all others belong to the window."""
+_FIELDS = (QAbstractSpinBox, QLineEdit, QTextEdit, QPlainTextEdit, QAbstractButton, QComboBox, QSlider)
+"""What holds a value or is a button."""
 
 _HELD = Qt.KeyboardModifier.ShiftModifier | Qt.KeyboardModifier.KeypadModifier | Qt.KeyboardModifier.GroupSwitchModifier
 """Modifier keys with which a key still writes a character."""
-
-
-def types(event: QKeyEvent) -> bool:
-    """Whether a key writes a character."""
-    return bool(event.text()) and event.text().isprintable() and not event.modifiers() & ~_HELD
-
-
-def is_field(widget: QWidget) -> bool:
-    """Whether a widget holds a value or is a button, and is not an editor inside a table."""
-    return any(isinstance(widget, kinds) for kinds, _ in TEXTS) and not in_view(widget)
-
-
-def takes(widget: QWidget, event: QKeyEvent) -> bool:
-    """Whether a key that writes a character is text for a widget."""
-    if isinstance(widget, QComboBox) and widget.isEditable():
-        return True
-    text = next((text for kinds, text in TEXTS if isinstance(widget, kinds)), _nothing)
-    return all(map(text, event.text()))
 
 
 def in_view(widget: QWidget) -> bool:
@@ -95,33 +43,41 @@ def in_view(widget: QWidget) -> bool:
     return viewport is not None and isinstance(viewport.parentWidget(), QAbstractItemView)
 
 
-def value_of(widget: QWidget) -> Any:
-    """The value of a field; None for what holds none."""
+def leaves(widget: QWidget, event: QKeyEvent) -> bool:
+    """Whether a key writes a character that is no text for a field, so that it is a key of the window."""
+    text = event.text()
+    if not text or not text.isprintable() or event.modifiers() & ~_HELD:
+        return False
+    if not isinstance(widget, _FIELDS) or in_view(widget):
+        return False
     match widget:
-        case Exact():
-            return widget.exact
-        case QSpinBox() | QDoubleSpinBox() | QSlider():
-            return widget.value()
+        case QAbstractSpinBox():  # no letters, so that a number has no exponent
+            locale = QLocale()
+            signs = f"+-.,{locale.decimalPoint()}{locale.groupSeparator()}"
+            return not all(character.isdigit() or character in signs for character in text)
         case QComboBox():
-            return widget.currentIndex()
-        case QLineEdit():
-            return widget.text()
-    return None
+            return not widget.isEditable()
+    return isinstance(widget, QAbstractButton | QSlider)
+
+
+def value_of(widget: QWidget) -> Any:
+    """The value of a field, which its class names in Qt; None for what holds none."""
+    return (
+        widget.exact
+        if isinstance(widget, DecimalField | MarkedSlider)
+        else widget.metaObject().userProperty().read(widget)
+    )
 
 
 def put_back(widget: QWidget, value: Any) -> None:
-    """Restore the value of a field, as if the person had set it."""
-    match widget:
-        case Exact():
-            widget.move_to(value)
-        case QSpinBox() | QDoubleSpinBox() | QSlider():
-            widget.setValue(value)  # also drops what has been typed and not entered
-        case QComboBox():
-            if value != widget.currentIndex():
-                widget.setCurrentIndex(value)
-                widget.activated.emit(value)
-        case QLineEdit():
-            widget.setText(value)
+    """Restore the value of a field, as if the user had set it; what has been typed and not entered is dropped."""
+    if isinstance(widget, DecimalField | MarkedSlider):
+        widget.move_to(value)
+        return
+    changed = value != value_of(widget)
+    widget.metaObject().userProperty().write(widget, value)
+    if changed and isinstance(widget, QComboBox):
+        widget.activated.emit(widget.currentIndex())
 
 
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
@@ -130,8 +86,7 @@ _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 class Keyboard(QObject):
     """Decides on the keys of the focused widget, in the window and its detached panels; dialogs are left alone.
 
-    - A character that is not text for a field (see `fields.TEXTS`) is a key of the window: Space runs, letters choose
-      tools.
+    - A character that is not text for a field is a key of the window: Space runs, letters choose tools.
     - Enter enters the value of a field and gives the keyboard back to the canvas; it presses a button.
     - Escape restores the value from before the first key, and gives the keyboard back.
 
@@ -164,7 +119,7 @@ class Keyboard(QObject):
 
     def _follow(self, before: QWidget | None, now: QWidget | None) -> None:
         if now is None and before is not None and isinstance(dialog := before.window(), QDialog):
-            QTimer.singleShot(0, self, partial(self._take_back, dialog))
+            QTimer.singleShot(0, self, lambda: self.take_back(dialog))
         if self._watched is not None and shiboken6.isValid(self._watched):
             self._watched.removeEventFilter(self)
         self._watched, self._before = None, None
@@ -172,7 +127,7 @@ class Keyboard(QObject):
             self._watched = now
             now.installEventFilter(self)
 
-    def _take_back(self, dialog: QDialog) -> None:
+    def take_back(self, dialog: QDialog) -> None:
         """Take the keyboard from a dialog that has closed: without a window manager nobody else gives it."""
         closed = not shiboken6.isValid(dialog) or not dialog.isVisible()
         if closed and QGuiApplication.focusWindow() is None and self._window.isVisible():
@@ -193,7 +148,7 @@ class Keyboard(QObject):
         if event.key() == Qt.Key.Key_Escape and not event.modifiers():
             event.accept()
             return True
-        if types(event) and is_field(widget) and not takes(widget, event):
+        if leaves(widget, event):
             event.ignore()
             return True
         return False
@@ -213,20 +168,17 @@ class Keyboard(QObject):
         if own or isinstance(widget, QAbstractItemView):
             return False
         if event.key() in _ENTER:
-            self._enter(widget, event)
+            widget.removeEventFilter(self)
+            QCoreApplication.sendEvent(widget, event)
+            event.accept()
+            self.give_back()
             return True
-        if types(event) and is_field(widget) and not takes(widget, event):
+        if leaves(widget, event):
             event.ignore()  # its action cannot be done now; the field must not take it instead
             return True
         if self._before is None:
             self._before = value_of(widget)
         return False
-
-    def _enter(self, widget: QWidget, event: QKeyEvent) -> None:
-        widget.removeEventFilter(self)
-        QCoreApplication.sendEvent(widget, event)
-        event.accept()
-        self.give_back()
 
 
 def sliders_of(panel: QWidget) -> list[QSlider]:
@@ -234,6 +186,16 @@ def sliders_of(panel: QWidget) -> list[QSlider]:
     found = [slider for slider in panel.findChildren(QSlider) if slider.isVisibleTo(panel) and slider.isEnabled()]
     places = {slider: slider.mapTo(panel, slider.rect().topLeft()) for slider in found}
     return sorted(found, key=lambda slider: (places[slider].y(), places[slider].x()))
+
+
+def in_panel(panel: QWidget) -> QWidget:
+    """What takes the keyboard in a panel: what it says itself, or the slider that had it last, or the first one."""
+    proxy, last, sliders = panel.focusProxy(), panel.focusWidget(), sliders_of(panel)
+    if proxy is not None:
+        return proxy
+    if isinstance(last, QSlider) and last in sliders:
+        return last
+    return sliders[0] if sliders else panel
 
 
 def take_keyboard(widget: QWidget) -> None:
@@ -244,58 +206,6 @@ def take_keyboard(widget: QWidget) -> None:
         if isinstance(around, QScrollArea):
             around.ensureWidgetVisible(widget)
         around = around.parentWidget()
-
-
-AREAS = ("parameters", "contours", "objects", "timeline")
-"""The panels that the keyboard visits after the canvas, in this order."""
-
-
-class Areas:
-    """Gives the keyboard to panels and to the canvas; `reveal` brings a panel to the front by its name."""
-
-    def __init__(self, canvas: QWidget, panels: Mapping[str, QWidget], reveal: Callable[[str], None]) -> None:
-        self._canvas = canvas
-        self._panels = panels
-        self._reveal = reveal
-
-    def enter(self, name: str) -> None:
-        """Open a panel, bring it to the front and give it the keyboard."""
-        self._reveal(name)
-        panel = self._panels[name]
-        panel.window().activateWindow()
-        take_keyboard(self._within(panel))
-
-    def go_on(self, by: int = 1) -> None:
-        """Give the keyboard to the next area that is open, or for -1 to the previous one."""
-        around: list[str] = ["", *(name for name in AREAS if name in self._panels and self._is_open(name))]
-        here = next((name for name in around if name and self._has_keyboard(name)), "")
-        name = around[(around.index(here) + by) % len(around)]
-        if name:
-            self.enter(name)
-        else:
-            self.leave()
-
-    def leave(self) -> None:
-        """Give the keyboard to the canvas."""
-        self._canvas.window().activateWindow()
-        self._canvas.setFocus()
-
-    def _within(self, panel: QWidget) -> QWidget:
-        """What takes the keyboard in a panel: what it says itself, or the slider that had it last, or the first one."""
-        proxy, last, sliders = panel.focusProxy(), panel.focusWidget(), sliders_of(panel)
-        if proxy is not None:
-            return proxy
-        if isinstance(last, QSlider) and last in sliders:
-            return last
-        return sliders[0] if sliders else panel
-
-    def _is_open(self, name: str) -> bool:
-        dock = self._panels[name].parentWidget()
-        return isinstance(dock, QDockWidget) and not dock.isHidden()
-
-    def _has_keyboard(self, name: str) -> bool:
-        focused = QApplication.focusWidget()
-        return focused is not None and (focused is self._panels[name] or self._panels[name].isAncestorOf(focused))
 
 
 class Keys(QObject):

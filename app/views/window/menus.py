@@ -16,14 +16,14 @@ from app.views.widgets.actions import Actions, ActionSpec, MenuOwner, Submenu
 
 def keep_apart(menu: QMenu) -> None:
     """Let no letter choose two of the visible entries, each time the menu opens: other ones may be visible then."""
-    menu.aboutToShow.connect(partial(_tell_apart, menu))
 
+    def tell_apart() -> None:
+        visible = [action for action in menu.actions() if action.isVisible() and not action.isSeparator()]
+        for action, text in zip(visible, distinct([action.text() for action in visible]), strict=True):
+            if text != action.text():
+                action.setText(text)
 
-def _tell_apart(menu: QMenu) -> None:
-    visible = [action for action in menu.actions() if action.isVisible() and not action.isSeparator()]
-    for action, text in zip(visible, distinct([action.text() for action in visible]), strict=True):
-        if text != action.text():
-            action.setText(text)
+    menu.aboutToShow.connect(tell_apart)
 
 
 MENUS = {
@@ -42,23 +42,27 @@ QUIT = "quit"
 """The action that is always the last of its menu."""
 
 
+def refill(menu: QMenu, spec: Submenu) -> None:
+    """Fill a submenu in place of what it had."""
+    menu.clear()
+    spec.fill(menu)
+
+
 class Menus:
     """The menus of a window, made from specifications and their actions."""
 
     def __init__(self, bar: QMenuBar, specs: Iterable[ActionSpec | Submenu], actions: Actions) -> None:
         self._menus: dict[str, QMenu] = {}
-        listed = list(specs)
-        filled = [name for name in MENUS if any(spec.menu.partition(">")[0] == name for spec in listed)]
-        for name, title in zip(filled, distinct([MENUS[name] for name in filled]), strict=True):
+        for name, title in zip(MENUS, distinct([*MENUS.values()]), strict=True):
             self._menus[name] = bar.addMenu(title)
-        for spec in sorted(listed, key=lambda spec: spec.name == QUIT):
+        for spec in sorted(specs, key=lambda spec: spec.name == QUIT):
             menu = self[spec.menu]
             if spec.gap and not menu.isEmpty():
                 menu.addSeparator()
             if isinstance(spec, Submenu):
                 inner = menu.addMenu(spec.text)
                 inner.setToolTipsVisible(True)
-                inner.aboutToShow.connect(partial(_refill, inner, spec))
+                inner.aboutToShow.connect(partial(refill, inner, spec))
             else:
                 menu.addAction(actions[spec.name])
         for menu in self._menus.values():
@@ -75,11 +79,6 @@ class Menus:
         """Add other actions at the end of a menu, below a separator."""
         self[path].addSeparator()
         self[path].addActions(list(actions))
-
-
-def _refill(menu: QMenu, spec: Submenu) -> None:
-    menu.clear()
-    spec.fill(menu)
 
 
 _RUN = ("run", "step", "reset")
@@ -102,7 +101,6 @@ THINGS: Mapping[str, tuple[str, ...]] = {
     "space": ("space_whole", "space_along_0", "space_along_1", "space_along_2", "", "space_particles", "space_surface",
               "space_objects", "space_slices", "space_projection", "space_box", "", "copy_space", "export_space",
               "export_turntable"),
-    "history": ("undo", "redo"),
     "parameter": (),
 }  # fmt: skip
 """Names of actions and submenus by thing; an empty name is a line between groups. An action is a thing, too."""
@@ -126,34 +124,24 @@ class ContextMenus(QObject):
         for widget in widgets:
             widget.installEventFilter(self)
 
-    def open_at(self, widget: QWidget | None, place: QPoint) -> None:
-        """Open the menu of what lies in a widget at a point of the screen."""
+    def open_at(self, widget: QWidget | None, place: QPoint | None = None) -> None:
+        """Open the menu of what lies in a widget at a point of the screen, or of what is chosen in it."""
         while widget is not None:
             if isinstance(widget, MenuOwner):
-                thing, _ = widget.menu_at(widget.mapFromGlobal(place))
+                thing, at = widget.menu_at(None if place is None else widget.mapFromGlobal(place))
                 if thing:
-                    self._show(thing, widget, place)
+                    self._show(thing, widget, widget.mapToGlobal(at) if place is None else place)
                     return
             widget = widget.parentWidget()
-        self._show("", self._parent, place)
-
-    def open_by_key(self) -> None:
-        """Open the menu of what is chosen in the widget with the keyboard."""
-        widget = QApplication.focusWidget()
-        while widget is not None:
-            if isinstance(widget, MenuOwner):
-                thing, place = widget.menu_at(None)
-                if thing:
-                    self._show(thing, widget, widget.mapToGlobal(place))
-                    return
-            widget = widget.parentWidget()
+        if place is not None:
+            self._show("", self._parent, place)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Open the menu that no widget below has opened."""
         if not isinstance(event, QContextMenuEvent) or not isinstance(watched, QWidget):
             return False
         if event.reason() == QContextMenuEvent.Reason.Keyboard:
-            self.open_by_key()
+            self.open_at(QApplication.focusWidget())
         else:
             self.open_at(watched.childAt(event.pos()) or watched, event.globalPos())
         event.accept()
@@ -164,21 +152,15 @@ class ContextMenus(QObject):
         menu.setToolTipsVisible(True)
         own = owner.actions() if thing else self._general
         menu.addActions(list(own))
-        names = THINGS.get(thing, (thing,))
-        if own and any(names):
-            menu.addSeparator()
-        for name in names:
-            self._add(menu, name)
+        menu.addSeparator()
+        for name in THINGS.get(thing, (thing,)):
+            if name in self._actions:
+                menu.addAction(self._actions[name])
+            elif name in self._submenus:
+                self._submenus[name].fill(menu.addMenu(self._submenus[name].text))
+            else:
+                menu.addSeparator()
         menu.aboutToHide.connect(menu.deleteLater)
         keep_apart(menu)
         self.menu = menu
         menu.popup(place)
-
-    def _add(self, menu: QMenu, name: str) -> None:
-        if name in self._actions:
-            menu.addAction(self._actions[name])
-        elif name in self._submenus:
-            inner = menu.addMenu(self._submenus[name].text)
-            self._submenus[name].fill(inner)
-        else:
-            menu.addSeparator()

@@ -33,11 +33,11 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.preferences.shortcuts import refusal
-from app.model.preferences.table import PAGES, PREFERENCES, Choice, Color, Flag, Number, Preference
+from app.model.preferences.table import BY_PAGE, PAGES, Choice, Color, Flag, Number, Preference
 from app.model.text.language import tr
 from app.session.storage.preferences import Preferences
 from app.views.theme.icons import swatch
-from app.views.widgets.actions import native, natives
+from app.views.widgets.actions import native
 from app.views.widgets.fields import DecimalField
 from app.views.window.shortcuts import Shortcuts
 
@@ -59,25 +59,21 @@ class PreferencesDialog(QDialog):
         Widgets by their labels.
     """
 
-    def __init__(self, parent: QWidget, preferences: Preferences, shortcuts: ShortcutsPage) -> None:
+    def __init__(self, parent: QWidget, preferences: Preferences, shortcuts: Shortcuts) -> None:
         super().__init__(parent)
         self.setWindowTitle(tr("Preferences"))
-        self.shortcuts = shortcuts
+        self.shortcuts, self._keys = ShortcutsPage(shortcuts), shortcuts
+        self.rows: dict[str, QWidget] = {}
         self._preferences = preferences
-        self._show: dict[str, Callable[[Any], object]] = {}
+        self._show: dict[str, Callable[[], object]] = {}
         self.contents = QListWidget()
         self.contents.setObjectName("contents")
         self.contents.setAccessibleName(tr("Pages of the preferences"))
         self.contents.addItems(list(PAGES.values()))
         self.contents.setFixedWidth(self.contents.sizeHintForColumn(0) + 40)
-        forms: dict[str, QFormLayout] = {}
         pages = QStackedWidget()
         for name in PAGES:
-            page, forms[name] = _form()
-            pages.addWidget(shortcuts if name == "shortcuts" else page)
-        self.rows = {
-            preference.label: self._add_field(forms[preference.page], preference) for preference in PREFERENCES
-        }
+            pages.addWidget(self.shortcuts if name == "shortcuts" else self._make_page(name))
         preferences.changed.connect(self._follow)
         self.contents.currentRowChanged.connect(pages.setCurrentIndex)
         self.contents.setCurrentRow(0)
@@ -106,50 +102,46 @@ class PreferencesDialog(QDialog):
     def reset(self) -> None:
         """Set everything on the shown page to its default."""
         page = list(PAGES)[self.contents.currentRow()]
-        for preference in PREFERENCES:
-            if preference.page == page:
-                self._preferences.choose(preference, preference.default)
+        for preference in BY_PAGE.get(page, ()):
+            self._preferences.choose(preference, preference.default)
         if page == "shortcuts":
-            self.shortcuts.reset()
+            self._keys.reset()
 
-    def _add_field(self, form: QFormLayout, preference: Preference[Any]) -> QWidget:
-        widget, self._show[preference.name] = field_for(preference, self._preferences)
+    def _make_page(self, name: str) -> QScrollArea:
+        """A page, with a row for each of its preferences."""
+        page, content = QScrollArea(), QWidget()
+        content.setObjectName("scrolled")
+        rows = QFormLayout(content)
+        rows.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.ExpandingFieldsGrow)
+        rows.setLabelAlignment(Qt.AlignmentFlag.AlignLeft)
+        rows.setHorizontalSpacing(16)
+        rows.setVerticalSpacing(8)
+        page.setWidget(content)
+        page.setWidgetResizable(True)
+        page.setFrameShape(QFrame.Shape.NoFrame)
+        for preference in BY_PAGE.get(name, ()):
+            self._add_row(rows, preference)
+        return page
+
+    def _add_row(self, rows: QFormLayout, preference: Preference[Any]) -> None:
+        """Add a field, with a sentence below it."""
+        widget, show = field_for(preference, self._preferences)
+        self._show[preference.name] = lambda: show(self._preferences.value(preference))
+        self.rows[preference.label] = widget
         widget.setAccessibleName(preference.label)
         widget.setAccessibleDescription(preference.note)
-        _add_row(form, preference.label, widget, preference.note)
-        return widget
+        rows.addRow(preference.label, widget)
+        if preference.note:
+            note = QLabel(preference.note)
+            note.setObjectName("dim")
+            note.setWordWrap(True)
+            note.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Minimum)
+            rows.addRow("", note)
 
     def _follow(self, key: str) -> None:
         """Show a value that has changed."""
-        for preference in PREFERENCES:
-            if preference.name == key:
-                self._show[key](self._preferences.value(preference))
-
-
-def _form() -> tuple[QScrollArea, QFormLayout]:
-    """A page, and the rows of it."""
-    page, content = QScrollArea(), QWidget()
-    content.setObjectName("scrolled")
-    rows = QFormLayout(content)
-    rows.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.ExpandingFieldsGrow)
-    rows.setLabelAlignment(Qt.AlignmentFlag.AlignLeft)
-    rows.setHorizontalSpacing(16)
-    rows.setVerticalSpacing(8)
-    page.setWidget(content)
-    page.setWidgetResizable(True)
-    page.setFrameShape(QFrame.Shape.NoFrame)
-    return page, rows
-
-
-def _add_row(form: QFormLayout, label: str, widget: QWidget, text: str) -> None:
-    """Add a row, with a sentence below it."""
-    form.addRow(label, widget)
-    if text:
-        note = QLabel(text)
-        note.setObjectName("dim")
-        note.setWordWrap(True)
-        note.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Minimum)
-        form.addRow("", note)
+        if key in self._show:
+            self._show[key]()
 
 
 def field_for(preference: Preference[Any], preferences: Preferences) -> tuple[QWidget, Callable[[Any], object]]:
@@ -181,29 +173,24 @@ def field_for(preference: Preference[Any], preferences: Preferences) -> tuple[QW
             combo.activated.connect(lambda index: store(combo.itemData(index)))
             return combo, lambda shown: combo.setCurrentIndex(combo.findData(shown))
         case Color():
-            return _color_field(preference, preferences)
+            button = QPushButton()
+            button.setMinimumWidth(_COLOR_WIDTH)
+            button.setAutoDefault(False)
+            button.setToolTip(tr("Choose another color…"))
+
+            def show(shown: str) -> None:
+                button.setIcon(swatch(shown))
+                button.setText(shown)
+
+            def ask() -> None:
+                chosen = QColorDialog.getColor(preferences.value(preference), button, preference.label)
+                if chosen.isValid():
+                    store(chosen.name())
+
+            show(value)
+            button.clicked.connect(ask)
+            return button, show
     raise TypeError(f"{type(preference).__name__} has no field.")
-
-
-def _color_field(color: Color, preferences: Preferences) -> tuple[QWidget, Callable[[str], None]]:
-    """A button with the color and its digits, which opens a dialog of colors."""
-    button = QPushButton()
-    button.setMinimumWidth(_COLOR_WIDTH)
-    button.setAutoDefault(False)
-    button.setToolTip(tr("Choose another color…"))
-
-    def show(value: str) -> None:
-        button.setIcon(swatch(value))
-        button.setText(value)
-
-    def ask() -> None:
-        chosen = QColorDialog.getColor(preferences.value(color), button, color.label)
-        if chosen.isValid():
-            preferences.choose(color, chosen.name())
-
-    show(preferences.value(color))
-    button.clicked.connect(ask)
-    return button, show
 
 
 class ShortcutsPage(QWidget):
@@ -236,27 +223,20 @@ class ShortcutsPage(QWidget):
         self.message = QLabel()
         self.message.setObjectName("dim")
         self.message.setWordWrap(True)
+        self.take_over, self.remove = QPushButton(tr("Use it here")), QPushButton(tr("Remove"))
+        self.restore = QPushButton(tr("Reset"))
+        self.take_over.setToolTip(tr("Take the key away from the other action."))
+        self.remove.setToolTip(tr("Leave the action without a key."))
+        self.restore.setToolTip(tr("Go back to the default key of this action."))
+        self.take_over.clicked.connect(lambda: self._choose(self._wanted))
+        self.remove.clicked.connect(lambda: self._choose(""))
+        self.restore.clicked.connect(lambda: shortcuts.restore(self._current))
         row = QHBoxLayout()
         row.addWidget(QLabel(tr("New key:")))
         row.addWidget(self.keys, 1)
-
-        def button(text: str, tip: str, do: Callable[[], None]) -> QPushButton:
-            made = QPushButton(text)
-            made.setToolTip(tip)
-            made.setAutoDefault(False)
-            made.clicked.connect(do)
-            row.addWidget(made)
-            return made
-
-        self.take_over = button(
-            tr("Use it here"), tr("Take the key away from the other action."), lambda: self._choose(self._wanted)
-        )
-        self.remove = button(tr("Remove"), tr("Leave the action without a key."), lambda: self._choose(""))
-        self.restore = button(
-            tr("Reset"),
-            tr("Go back to the default key of this action."),
-            lambda: shortcuts.restore(self._current),
-        )
+        for button in (self.take_over, self.remove, self.restore):
+            button.setAutoDefault(False)
+            row.addWidget(button)
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.addWidget(self.search)
@@ -269,10 +249,6 @@ class ShortcutsPage(QWidget):
     def choose(self, name: str) -> None:
         """Choose an action by its name in code."""
         self.list.setCurrentItem(self._items[name])
-
-    def reset(self) -> None:
-        """Give all actions their default keys."""
-        self._shortcuts.reset()
 
     def _fill(self) -> None:
         for action in self._shortcuts.actions:
@@ -293,7 +269,7 @@ class ShortcutsPage(QWidget):
         """Show the keys as they are now, of the actions that are searched for."""
         wanted = self.search.text().casefold()
         for name, item in self._items.items():
-            item.setText(1, natives(self._shortcuts.keys(name)))
+            item.setText(1, ", ".join(map(native, self._shortcuts.keys(name))))
             item.setHidden(wanted not in f"{item.text(0)} {item.text(1)}".casefold())
         for group in self._groups.values():
             group.setHidden(all(item.isHidden() for item in self._items.values() if item.parent() is group))

@@ -10,9 +10,12 @@ import secrets
 import signal
 import stat
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from types import FrameType
+
+from cpm_core.formats.common.content import AnyPath
+from cpm_core.parameters.quotation import shown
 
 _DRAFT = ".cpm-"
 """Beginning of the name of a draft."""
@@ -22,75 +25,63 @@ _ABANDONED = 600.0
 
 
 def write_together(contents: Sequence[tuple[Path, bytes]]) -> None:
-    """Write temporary files next to the targets first, and rename them once all of them are on the disk.
+    """Write files that are made in memory, all or none; see `drafts_of`.
 
     Parameters
     ----------
     contents : sequence of (Path, bytes)
-        Where to, and what. Files that exist are replaced and keep their rights; through a link, the file that it points
-        to. An interrupt (Ctrl+C) that comes while files are renamed waits until all of them are.
-
-    Raises
-    ------
-    ValueError
-        When one cannot be written, is read-only or not an ordinary file; then none of them is changed, unless the move
-        of a later one fails, which the message tells.
+        Where to, and what.
     """
-    moves: list[tuple[Path, Path]] = []
-    moved = 0
-    try:
-        for path, content in contents:
+    with drafts_of(*(path for path, _ in contents)) as drafts:
+        for draft, (path, content) in zip(drafts, contents, strict=True):
             with _failures_told(path):
-                target = path.resolve()
-                draft = _draft_beside(target)
-            moves.append((draft, target))
-            with draft.open("xb") as stream:
-                stream.write(content)
-                stream.flush()  # what is still in the buffer would not be brought to the disk
-                _finish(stream.fileno(), target)
-        with interrupts_put_off():
-            for draft, target in moves:
-                _move(draft, target)
-                moved += 1
-    except OSError as error:
-        target = moves[moved if moved else -1][1]
-        before = f" {moved} of {len(moves)} files were written before." if moved else ""
-        raise ValueError(f"{target} cannot be written: {error.strerror or error}.{before}") from error
-    finally:
-        for draft, _ in moves:
-            with contextlib.suppress(OSError):
-                draft.unlink()
+                draft.write_bytes(content)
 
 
 @contextlib.contextmanager
-def draft_of(path: Path) -> Iterator[Path]:
-    """Give a temporary file next to a target, for content that is too large to be made in memory.
+def drafts_of(*paths: Path) -> Iterator[list[Path]]:
+    """Give temporary files next to their targets.
 
     Parameters
     ----------
-    path : Path
-        Where to. A file that exists is replaced and keeps its rights; through a link, the file that it points to.
+    *paths : Path
+        Where to. Files that exist are replaced and keep their rights; through a link, the file that it points to.
 
     Yields
     ------
-    Path
-        The file to write. When the block ends without an error it replaces the target; otherwise it is removed.
+    list of Path
+        The files to write. When the block ends without an error all of them are brought to the disk and replace their
+        targets, which an interrupt (Ctrl+C) does not stop halfway; otherwise they are removed.
 
     Raises
     ------
     ValueError
-        When it cannot be written, is read-only or not an ordinary file.
+        When one cannot be written, is read-only or not an ordinary file; then no target is changed, unless the move of
+        a later one fails, which the message tells.
     """
-    with _failures_told(path):
-        target = path.resolve()
-        draft = _draft_beside(target)
-        try:
-            yield draft
-            with draft.open("rb+") as stream:
-                _finish(stream.fileno(), target)
-            with interrupts_put_off():
-                _move(draft, target)
-        finally:
+    moves: list[tuple[Path, Path]] = []
+    try:
+        for path in paths:
+            with _failures_told(path):
+                target = path.resolve()
+                _check_target(target)
+                stem = f"{_DRAFT}{hashlib.sha256(os.fsencode(target.name)).hexdigest()[:12]}"
+                remove_abandoned(target.parent, stem)  # left behind by writers of this target
+                moves.append((target.with_name(f"{stem}-{secrets.token_hex(6)}.part"), target))
+        with _failures_told(paths[-1] if paths else Path()):
+            yield [draft for draft, _ in moves]
+        for draft, target in moves:
+            with _failures_told(target), draft.open("rb+") as stream:
+                known = _check_target(target)
+                if known is not None and hasattr(os, "fchmod"):
+                    os.fchmod(stream.fileno(), stat.S_IMODE(known.st_mode))
+                os.fsync(stream.fileno())
+        with interrupts_put_off():
+            for moved, (draft, target) in enumerate(moves):
+                with _failures_told(target, f" {moved} of {len(moves)} files were written before." if moved else ""):
+                    draft.replace(target)
+    finally:
+        for draft, _ in moves:
             with contextlib.suppress(OSError):
                 draft.unlink()
 
@@ -99,6 +90,28 @@ def append(path: Path, content: bytes) -> None:
     """Append to a file, whose reader ignores an end that is cut short; ValueError when it cannot be written."""
     with _failures_told(path), path.open("ab") as stream:
         stream.write(content)
+
+
+def suffix_among(path: AnyPath, known: Iterable[str]) -> str:
+    """The longest of some suffixes that a file's name ends in, in lower case; empty for none, and where it is all."""
+    name = Path(path).name.lower()
+    suffix = max((one for one in known if name.endswith(one)), key=len, default="")
+    return suffix if len(suffix) < len(name) else ""
+
+
+def check_target(path: AnyPath, known: Iterable[str], what: str = "that can be written") -> None:
+    """Check in advance whether a file could be written to a path, in a format `what` with one of these suffixes.
+
+    Raises
+    ------
+    ValueError
+        When the suffix is not known, or `check_place` does.
+    """
+    file = Path(path)
+    if not suffix_among(file, known) and not file.is_dir():
+        named = f"ends in {shown(file.suffix)}" if file.suffix and file.suffix not in known else "has no suffix"
+        raise ValueError(f"{file.name} {named}, which names no format {what}: choose one of {', '.join(known)}.")
+    check_place(file)
 
 
 def check_place(file: Path) -> None:
@@ -120,13 +133,13 @@ def check_place(file: Path) -> None:
 
 
 @contextlib.contextmanager
-def _failures_told(file: Path) -> Iterator[None]:
+def _failures_told(file: Path, more: str = "") -> Iterator[None]:
     """Let ValueError say in a sentence what the system refuses to do with a file."""
     try:
         yield
     except (OSError, RuntimeError) as error:  # some releases of Python call links in a circle a RuntimeError
         reason = (error.strerror if isinstance(error, OSError) else "") or error
-        raise ValueError(f"{file} cannot be written: {reason}.") from error
+        raise ValueError(f"{file} cannot be written: {reason}.{more}") from error
 
 
 def remove_abandoned(folder: Path, stem: str = _DRAFT) -> None:
@@ -152,27 +165,6 @@ def _check_target(target: Path) -> os.stat_result | None:
     if not known.st_mode & (stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH) or not os.access(target, os.W_OK):
         raise ValueError(f"{target} is read-only and is not replaced: make it writable, or name another one.")
     return known
-
-
-def _draft_beside(target: Path) -> Path:
-    """A new name of fixed length for a draft of a target; drafts of it that have been left behind are removed."""
-    _check_target(target)
-    stem = f"{_DRAFT}{hashlib.sha256(os.fsencode(target.name)).hexdigest()[:12]}"
-    remove_abandoned(target.parent, stem)
-    return target.with_name(f"{stem}-{secrets.token_hex(6)}.part")
-
-
-def _finish(descriptor: int, target: Path) -> None:
-    """Give a draft the rights of its target, and bring it to the disk."""
-    known = _check_target(target)
-    if known is not None and hasattr(os, "fchmod"):
-        os.fchmod(descriptor, stat.S_IMODE(known.st_mode))
-    os.fsync(descriptor)
-
-
-def _move(draft: Path, target: Path) -> None:
-    """Let a draft take the place of its target, and note that."""
-    draft.replace(target)
 
 
 @contextlib.contextmanager

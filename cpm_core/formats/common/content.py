@@ -1,11 +1,19 @@
-"""Content of a file: all of it, unless it is too large, and its fingerprint, the hash by which it is known again."""
+"""Content of a file: how it is read, what is said when it cannot be, and the hash by which it is known again."""
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
+import logging
 import os
-from collections.abc import Callable, Iterable
+import stat
+import warnings
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
+
+import numpy as np
+
+AnyPath = str | os.PathLike[str]
 
 MOST = 2**29
 """Most bytes of a file of contours or of a surface."""
@@ -22,17 +30,49 @@ _SAMPLES = 64
 _SAMPLED = "sampled:"
 """Begins the fingerprint of a larger file."""
 
+_LOG = logging.getLogger(__name__)
 
-def content_of(file: Path) -> bytes:
-    """The bytes of a file; ValueError when it cannot be read or is too large."""
+
+class UnreadableError(ValueError):
+    """A file cannot be used; the message is a sentence for users."""
+
+
+def content_of(file: Path, most: int = MOST, part: int = -1) -> bytes:
+    """The bytes of a file, or so many of its first; UnreadableError when it cannot be read or is too large."""
     try:
-        size = file.stat().st_size
-        content = file.read_bytes() if size <= MOST else b""
+        known = file.stat()
+        if stat.S_ISDIR(known.st_mode):
+            raise UnreadableError(f"{file} is a folder: choose a file in it.")
+        if not stat.S_ISREG(known.st_mode):
+            raise UnreadableError(f"{file} is not an ordinary file: choose another one.")
+        if known.st_size > most and part < 0:
+            raise UnreadableError(f"{file.name} has {known.st_size >> 20} MB, more than the {most >> 20} MB allowed.")
+        with file.open("rb") as stream:
+            return stream.read(part)
+    except FileNotFoundError:
+        raise UnreadableError(f"{file} does not exist: check its name and folder.") from None
+    except PermissionError:
+        raise UnreadableError(f"{file} cannot be read, because you have no permission: ask its owner for it.") from None
     except OSError as error:
-        raise ValueError(f"{file} cannot be read: {error.strerror or error}.") from error
-    if size > MOST:
-        raise ValueError(f"{file.name} has {size >> 20} MB, more than the {MOST >> 20} MB that are read.")
-    return content
+        raise UnreadableError(f"{file} cannot be read: {error.strerror or error}.") from error
+
+
+@contextlib.contextmanager
+def decoding(name: str, otherwise: str) -> Iterator[None]:
+    """Let ValueError say in a sentence why a file of this name cannot be read: `otherwise`, where nobody knows why."""
+    try:
+        with warnings.catch_warnings(), np.errstate(all="ignore"):
+            warnings.simplefilter("ignore")  # oddities of a readable file do not concern the user
+            yield
+    except UnreadableError as error:
+        if name in str(error):
+            raise
+        raise UnreadableError(f"{name}: {error}") from error
+    except MemoryError:
+        raise ValueError(f"{name} does not fit into memory: crop it or make it smaller first.") from None
+    except Exception as error:  # decoders raise exceptions of any kind on damaged files
+        _LOG.info("%s: %s: %s", name, type(error).__name__, error)
+        raise ValueError(f"{name} {otherwise}") from error
 
 
 def fingerprint(path: Path, go_on: Callable[[], object] | None = None) -> str:

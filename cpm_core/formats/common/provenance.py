@@ -13,12 +13,16 @@ from pathlib import PurePosixPath, PureWindowsPath
 from typing import Any
 
 from cpm_core.contours.result import Result
+from cpm_core.formats.common.plain import Entries
 from cpm_core.formats.common.printable import printable
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import Extrusion, Voxels
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.shapes import SHAPES, EnclosedRegion, EnclosingWall, Shape
+
+Outcome = Result | Skeleton
+"""What has been found in an image: contours, or their middle lines."""
 
 VERSION = "0.1.0"
 """Version of CPM; the package is built with it."""
@@ -32,7 +36,7 @@ _MOST_PLACES = 32
 """Positions of a shape that are listed one by one; of more only the number is."""
 
 
-def facts_of(result: Result | Skeleton) -> dict[str, Any]:
+def facts_of(result: Outcome) -> Entries:
     """All that is known of the origin of a result, as plain JSON."""
     facts = facts_on(result.source, result.provenance, _limits(result))
     if isinstance(result, Result) and result.provenance.method != "objects":
@@ -40,12 +44,12 @@ def facts_of(result: Result | Skeleton) -> dict[str, Any]:
     return facts
 
 
-def facts_on(source: str, made: Provenance, shapes: Iterable[Mapping[str, Any]] = ()) -> dict[str, Any]:
+def facts_on(source: str, made: Provenance, shapes: Iterable[Mapping[str, Any]] = ()) -> Entries:
     """The same for an image by its name; those of `shapes` are added that the provenance does not have already."""
     image = {"name": printable(PurePosixPath(PureWindowsPath(source).name).name)}
     if made.sha256:
         image["sha256" if made.of_file else "array_sha256"] = made.sha256
-    facts: dict[str, Any] = {"program": "CPM", "version": VERSION, "image": image}
+    facts: Entries = {"program": "CPM", "version": VERSION, "image": image}
     if made.method:
         facts["method"] = made.method
     if made.parameters:
@@ -54,7 +58,13 @@ def facts_on(source: str, made: Provenance, shapes: Iterable[Mapping[str, Any]] 
         facts["seeds"] = made.seeds
     drawn = [*made.shapes, *(shape for shape in shapes if shape not in made.shapes)]
     if drawn:
-        facts["shapes"] = [_shortened(shape) for shape in drawn]
+        facts["shapes"] = [
+            {
+                name: len(value) if isinstance(value, list | tuple) and len(value) > _MOST_PLACES else value
+                for name, value in shape.items()
+            }
+            for shape in drawn
+        ]
     if made.scale is not None:
         facts["scale"] = made.scale
     if made.steered:
@@ -106,13 +116,13 @@ def ascii_entries_of(facts: Mapping[str, Any]) -> dict[str, str]:
     }
 
 
-def plain_shapes(shapes: Iterable[Shape]) -> tuple[dict[str, Any], ...]:
+def plain_shapes(shapes: Iterable[Shape]) -> tuple[Entries, ...]:
     """Shapes for `Provenance.shapes`, with the kinds and fields that session files have."""
     kinds = {kind: name for name, kind in SHAPES.items()}
     return tuple({"shape": kinds[type(shape)], **_fields(shape)} for shape in shapes)
 
 
-def _fields(shape: Shape) -> dict[str, Any]:
+def _fields(shape: Shape) -> Entries:
     """The fields of a shape; of a surface, which may have many thousand triangles, their number and the voxels."""
     if isinstance(shape, EnclosedRegion | EnclosingWall):
         return {"triangles": len(shape.surface.surface.faces), "voxels": int(shape.limit.mask.sum())}
@@ -124,7 +134,7 @@ def with_shapes(result: Result, shapes: Iterable[Shape], more: Iterable[Mapping[
     return replace(result, provenance=replace(result.provenance, shapes=(*plain_shapes(shapes), *more)))
 
 
-def _limits(result: Result | Skeleton) -> list[dict[str, Any]]:
+def _limits(result: Outcome) -> list[Entries]:
     """Regions of interest and barriers of a run as shapes."""
     regions = result.regions if isinstance(result, Result) else None
     known = regions or Regions()
@@ -132,14 +142,8 @@ def _limits(result: Result | Skeleton) -> list[dict[str, Any]]:
     return [{"shape": shape, **_limit(limit)} for shape, limit in limits]
 
 
-def _limit(limit: Any) -> dict[str, Any]:
+def _limit(limit: Any) -> Entries:
     """What a region of interest or a barrier consists of."""
     if isinstance(limit, Extrusion):
         return {"points": limit.line, "axis": limit.axis, "first": limit.first, "last": limit.last}
     return {"voxels": int(limit.mask.sum())} if isinstance(limit, Voxels) else {"points": limit}
-
-
-def _shortened(shape: Mapping[str, Any]) -> dict[str, Any]:
-    """A shape with the number of its positions in place of long lists of them."""
-    long = {name for name, value in shape.items() if isinstance(value, (list, tuple)) and len(value) > _MOST_PLACES}
-    return {name: len(value) if name in long else value for name, value in shape.items()}

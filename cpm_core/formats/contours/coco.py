@@ -9,12 +9,10 @@ import numpy as np
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import Measures, measure
 from cpm_core.contours.rasterize import paint
-from cpm_core.contours.result import Result
-from cpm_core.formats.common.provenance import ENTRY, PROGRAM, facts_of
-from cpm_core.formats.contours.contents import DEFAULT, Contents, color_of, rgb
-from cpm_core.formats.contours.json_text import PIXEL, rounded, text
+from cpm_core.formats.common.plain import Entries, encoded_json
+from cpm_core.formats.common.provenance import ENTRY, PROGRAM, Outcome, facts_of
+from cpm_core.formats.contours.contents import PIXEL, Contents, rgb, rounded
 from cpm_core.formats.contours.mask import mask_of_runs, outlines
-from cpm_core.medial_axis.skeleton import Skeleton
 
 _OBJECT = "object"
 """Category of an instance without a name."""
@@ -23,7 +21,7 @@ _OUTLINES, _HOLES = "outlines", "holes"
 """Entries of CPM next to a run-length mask: its curves as polygons, and which of them are holes."""
 
 
-def encode(result: Result | Skeleton) -> bytes:
+def encode(result: Outcome) -> bytes:
     """Write an instance for each label of the label mask, with its net area and its box.
 
     Names are categories. Coordinates are x, y in px from the corner of the image. An instance without anything inside
@@ -46,7 +44,7 @@ def encode(result: Result | Skeleton) -> bytes:
     surrounding = {row.inside for row in rows if row.closed}
     labels = paint(result.contours, result.shape) if surrounding - {0} else None
     height, width = result.shape
-    instances: list[dict[str, Any]] = []
+    instances: list[Entries] = []
     for label, pairs in sorted(parts.items()):
         first, measures = pairs[0]
         polygons = [_polygon(contour) for contour, _ in pairs]
@@ -73,7 +71,7 @@ def encode(result: Result | Skeleton) -> bytes:
             instance[_OUTLINES] = [*polygons, *map(_polygon, holes)]
             instance[_HOLES] = [False] * len(polygons) + [True] * len(holes)
         instances.append(instance)
-    return text(
+    return encoded_json(
         {
             "info": {"description": f"Contours of {result.source}", "contributor": PROGRAM, ENTRY: facts_of(result)},
             "licenses": [],
@@ -88,13 +86,13 @@ def _polygon(contour: Contour) -> list[float]:
     return rounded((contour.points[:, ::-1] + PIXEL).ravel())
 
 
-def read(content: dict[str, Any]) -> Contents:
+def read(content: Entries) -> Contents:
     """Contours of the instances of one image: the first with any.
 
     The category is the name of a contour. Of run-length masks contours run between pixels, unless CPM has written
     their outlines next to them.
     """
-    found = Contents()
+    found = Contents(own=ENTRY in (content.get("info") or {}))
     categories = {entry["id"]: entry["name"] for entry in content.get("categories", [])}
     images = {entry["id"]: entry for entry in content["images"]}
     used = {entry["image_id"] for entry in content["annotations"]}
@@ -113,9 +111,8 @@ def read(content: dict[str, Any]) -> Contents:
     return found
 
 
-def _add(found: Contents, entry: dict[str, Any], name: str) -> None:
-    color = color_of(entry.get("color"))
-    known: dict[str, Any] = {"name": name, "color": "" if color == DEFAULT else color}
+def _add(found: Contents, entry: Entries, name: str) -> None:
+    known: Entries = {"name": name, "color": entry.get("color")}
     shapes = entry.get("segmentation")
     if entry.get(_OUTLINES):
         found.add_object(zip(map(_corners, entry[_OUTLINES]), entry[_HOLES], strict=True), **known)

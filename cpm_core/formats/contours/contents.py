@@ -13,10 +13,14 @@ import numpy as np
 from PIL import ImageColor
 
 from cpm_core.contours.contour import MOST_LETTERS, Contour, Reached
+from cpm_core.formats.common.plain import Entries
 from cpm_core.numerics.types import Array
 
 DEFAULT = "#d6006c"
 """Color of contours without one of their own: visible on gray and on white."""
+
+PIXEL = 0.5
+"""Where the center of the first pixel lies for formats that count from its corner [px]."""
 
 
 def title(contour: Contour, number: int) -> str:
@@ -28,6 +32,16 @@ def rgb(contour: Contour) -> tuple[int, int, int]:
     """Red, green and blue of a contour, from 0 to 255."""
     color = contour.color or DEFAULT
     return int(color[1:3], 16), int(color[3:5], 16), int(color[5:7], 16)
+
+
+def pairs(points: Array) -> list[list[float]]:
+    """Points (row, col) as pairs [x, y] from the corner of the image, the usual origin in graphics [px]."""
+    return rounded(points[:, ::-1] + PIXEL)
+
+
+def rounded(values: Array) -> list[Any]:
+    """Numbers to a ten thousandth of a pixel, in nested lists."""
+    return list(np.round(values, 4).tolist())
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +71,8 @@ class Contents:
         Shape of the image, where the file gives it.
     notes : list of str
         What else has to be reported, one sentence each.
+    own : bool
+        Whether CPM has written the file: what it writes for a contour without a name and color is none.
     """
 
     contours: list[Contour] = field(default_factory=list)
@@ -65,6 +81,7 @@ class Contents:
     left_out: Counter[str] = field(default_factory=Counter)
     shape: tuple[int, int] | None = None
     notes: list[str] = field(default_factory=list)
+    own: bool = False
     _objects: int = field(default=0, repr=False)
 
     def add(self, points: Any, closed: bool, *, page: int = 0, junctions: Any = (), **properties: Any) -> None:
@@ -81,9 +98,12 @@ class Contents:
         if closed and len(vertices) > 2 and np.array_equal(vertices[0], vertices[-1]):
             vertices = vertices[:-1]
         first, last = (*map(bool, junctions), False, False)[:2]
-        self.contours.append(
-            Contour(vertices, closed and len(vertices) > 2, junctions=(first, last), **checked(properties))
-        )
+        known = checked(properties)
+        if self.own and re.fullmatch(r"(contour|track) \d+", known["name"]):
+            known["name"] = ""
+        if self.own and known["color"] == DEFAULT:
+            known["color"] = ""
+        self.contours.append(Contour(vertices, closed and len(vertices) > 2, junctions=(first, last), **known))
         self.pages.append(page)
 
     def add_object(self, curves: Iterable[tuple[Any, bool]], *, page: int = 0, **properties: Any) -> None:
@@ -103,7 +123,7 @@ class Contents:
         self.places.append((row, col, page))
 
 
-def checked(properties: dict[str, Any]) -> dict[str, Any]:
+def checked(properties: Entries) -> Entries:
     """Properties of a contour; those that it cannot have are dropped."""
     reached = properties.get("reached", "")
     return {
@@ -129,8 +149,6 @@ def color_of(value: object) -> str:
     if isinstance(value, int) and not isinstance(value, bool):
         return f"#{value & 0xFFFFFF:06x}"
     if isinstance(value, str) and value:
-        if re.fullmatch("#[0-9A-Fa-f]{6}", value):
-            return value
         try:
             return "#{:02x}{:02x}{:02x}".format(*ImageColor.getrgb(value)[:3])
         except ValueError:

@@ -15,12 +15,11 @@ import numpy as np
 
 from cpm_core.contours.contour import numbers_of
 from cpm_core.contours.measurements import centroid, contour_labels, measure
-from cpm_core.contours.result import Result
+from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.printable import cell, text_of_cell
-from cpm_core.formats.common.provenance import entries_of, facts_of
+from cpm_core.formats.common.provenance import Outcome, entries_of, facts_of
 from cpm_core.formats.contours.contents import Contents
 from cpm_core.formats.contours.curves import ellipse
-from cpm_core.formats.images.decoded import UnreadableError
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.pages.page import StackResult
 
@@ -31,7 +30,7 @@ _OWN = {"closed", "row", "col"}
 _NAPARI = {"index", "shape-type", "vertex-index"}
 
 
-def encode(result: Result | Skeleton) -> bytes:
+def encode(result: Outcome) -> bytes:
     """Tabulate the vertices of all contours, one a row.
 
     Columns: ``contour`` (the number), ``closed`` (TRUE or FALSE; the first vertex is not repeated), ``label`` (that in
@@ -46,7 +45,7 @@ def encode(result: Result | Skeleton) -> bytes:
     return table(_vertices(result), ("contour", "closed", "label", "strength", "vertex", "row", "col"))
 
 
-def _vertices(result: Result | Skeleton) -> list[Row]:
+def _vertices(result: Outcome) -> list[Row]:
     named = any(contour.name or contour.color for contour in result.contours)
     edited = any(contour.by_hand for contour in result.contours)
     radii = result.radii if isinstance(result, Skeleton) else None
@@ -75,7 +74,7 @@ def _vertices(result: Result | Skeleton) -> list[Row]:
     return rows
 
 
-def encode_measures(result: Result | Skeleton) -> bytes:
+def encode_measures(result: Outcome) -> bytes:
     """Tabulate the measures of the contours, one contour a row.
 
     Columns: ``contour`` (the number), ``label`` (that in the label mask, 0 when open), ``name``, ``color``, ``closed``
@@ -92,7 +91,7 @@ def encode_measures(result: Result | Skeleton) -> bytes:
     return table(_measures(result), ("contour", "label", "closed", "length_px"))
 
 
-def _measures(result: Result | Skeleton) -> list[Row]:
+def _measures(result: Outcome) -> list[Row]:
     edited = any(contour.by_hand for contour in result.contours)
     objects = any(contour.group for contour in result.contours)
     reached = any(contour.reached for contour in result.contours)
@@ -139,7 +138,7 @@ def encode_measures_of_pages(found: StackResult) -> bytes:
     label stack, and ``inside`` the track of the contour around it.
     """
 
-    def with_centroids(result: Result | Skeleton) -> list[Row]:
+    def with_centroids(result: Outcome) -> list[Row]:
         rows = []
         for contour, row in zip(result.contours, _measures(result), strict=True):
             center = centroid(contour)
@@ -149,7 +148,7 @@ def encode_measures_of_pages(found: StackResult) -> bytes:
     return table(_on_pages(found, with_centroids), ("page", "track"))
 
 
-def _on_pages(found: StackResult, tabulated: Callable[[Result | Skeleton], list[Row]]) -> list[Row]:
+def _on_pages(found: StackResult, tabulated: Callable[[Outcome], list[Row]]) -> list[Row]:
     rows: list[Row] = []
     for page, result in found.results:
         for row in tabulated(result):
@@ -158,12 +157,12 @@ def _on_pages(found: StackResult, tabulated: Callable[[Result | Skeleton], list[
     return rows
 
 
-def provenance_cells(result: Result | Skeleton) -> Row:
+def provenance_cells(result: Outcome) -> Row:
     """Names and cells of the last columns."""
     return {name: cell(value) for name, value in entries_of(facts_of(result)).items()}
 
 
-def _in_unit(column: str, result: Result | Skeleton) -> str:
+def _in_unit(column: str, result: Outcome) -> str:
     """Name of a column with the unit, in ASCII, as spreadsheets often take other letters for a wrong encoding."""
     return column.format({"µm": "um"}.get(result.unit or "", result.unit))
 

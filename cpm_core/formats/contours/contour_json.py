@@ -12,9 +12,9 @@ import numpy as np
 from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.measurements import measure
 from cpm_core.contours.result import Result
-from cpm_core.formats.common.provenance import ENTRY, facts_of, facts_on
-from cpm_core.formats.contours.contents import Contents, checked
-from cpm_core.formats.contours.json_text import rounded, text
+from cpm_core.formats.common.plain import Entries, encoded_json, from_plain, to_plain
+from cpm_core.formats.common.provenance import ENTRY, Outcome, facts_of, facts_on
+from cpm_core.formats.contours.contents import Contents, checked, rounded
 from cpm_core.formats.images.decoded import MAXIMUM_PIXELS
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array
@@ -32,7 +32,7 @@ _FARTHEST = 1e100
 """Distance of a vertex from the first pixel up to which lengths and areas can be computed [px]."""
 
 
-def encode(result: Result | Skeleton) -> bytes:
+def encode(result: Outcome) -> bytes:
     """Write an object with the image, the run, the contours and the bridges; `load_contours` reads it back.
 
     ``points`` are pairs [row, col] in px, pixel centers at integers; lengths are in px, areas in px², strengths in gray
@@ -45,7 +45,7 @@ def encode(result: Result | Skeleton) -> bytes:
     found, unless it is the luminance. ``provenance`` is how they were found (`provenance.facts_of`). Of a
     skeleton the branches are contours with ``radii`` [px], and there is no run.
     """
-    return text({"format": _OF_IMAGE, "version": 1, **_result_to_plain(result)})
+    return encoded_json({"format": _OF_IMAGE, "version": 1, **_result_to_plain(result)})
 
 
 def encode_pages(found: StackResult) -> bytes:
@@ -56,23 +56,19 @@ def encode_pages(found: StackResult) -> bytes:
     ``ends``, null for those that do not. Each of ``pages`` has its number, ``trouble`` where it could not be used,
     ``events``, and what `encode` writes of an image; the number of a contour is its track.
     """
-    stack: dict[str, Any] = {"name": found.source, "pages": found.count, "axis": found.axis, "alone": found.alone}
+    stack: Entries = {"name": found.source, "pages": found.count, "axis": found.axis, "alone": found.alone}
     stack |= {"drawn": facts_on(found.source, Provenance(), found.drawn).get("shapes", [])}
     tracks = [
         {"track": one.number, "pages": list(one.pages), "origin": one.origin, "ends": one.end and one.end.kind}
         for one in found.tracks
     ]
     pages = list(map(page_to_plain, found.pages))
-    return text({"format": _OF_STACK, "version": 1, "stack": stack, "tracks": tracks, "pages": pages})
+    return encoded_json({"format": _OF_STACK, "version": 1, "stack": stack, "tracks": tracks, "pages": pages})
 
 
-def page_to_plain(page: Page) -> dict[str, Any]:
+def page_to_plain(page: Page) -> Entries:
     """A page as an entry of ``pages``; see `encode_pages`."""
-    events = [
-        {"kind": event.kind, "page": event.page, "track": event.track, "others": list(event.others)}
-        for event in page.events
-    ]
-    plain: dict[str, Any] = {"page": page.number, "trouble": page.trouble, "events": events}
+    plain: Entries = {"page": page.number, "trouble": page.trouble, "events": to_plain(page.events)}
     if page.result is not None:
         plain |= _result_to_plain(page.result)
         for entry in plain["contours"]:
@@ -80,21 +76,15 @@ def page_to_plain(page: Page) -> dict[str, Any]:
     return plain
 
 
-def _result_to_plain(result: Result | Skeleton) -> dict[str, Any]:
-    image: dict[str, Any] = {"name": result.source, "shape": list(result.shape)}
+def _result_to_plain(result: Outcome) -> Entries:
+    image: Entries = {"name": result.source, "shape": list(result.shape)}
     image |= {"spacing": list(result.spacing), "unit": result.unit}
     if result.channel != "luminance":
         image["channel"] = result.channel
-    content: dict[str, Any] = {"image": image, ENTRY: facts_of(result)}
+    content: Entries = {"image": image, ENTRY: facts_of(result), "contours": _contours_to_plain(result)}
     if isinstance(result, Result):
-        content["run"] = {
-            "steps": result.steps,
-            "converged": result.converged,
-            "stop_reason": result.stop_reason,
-            "particles": len(result.particles),
-        }
-    content["contours"] = _contours_to_plain(result)
-    if isinstance(result, Result):
+        run = {name: getattr(result, name) for name in ("steps", "converged", "stop_reason")}
+        content["run"] = run | {"particles": len(result.particles)}
         content["bridges"] = [
             {"length": round(bridge.length, 4), "strength": round(bridge.strength, 6), "points": rounded(bridge.points)}
             for bridge in result.bridges
@@ -102,25 +92,15 @@ def _result_to_plain(result: Result | Skeleton) -> dict[str, Any]:
     return content
 
 
-def _contours_to_plain(result: Result | Skeleton) -> list[dict[str, Any]]:
-    entries: list[dict[str, Any]] = []
+def _contours_to_plain(result: Outcome) -> list[Entries]:
+    entries: list[Entries] = []
     rows = measure(result.contours, result.spacing)
     for index, (contour, row) in enumerate(zip(result.contours, rows, strict=True)):
-        entry: dict[str, Any] = {
-            "number": row.number,
-            "label": row.label,
-            "name": row.name,
-            "color": row.color,
-            "closed": row.closed,
-            "junctions": list(contour.junctions),
-            "inside": row.inside,
-            "length": round(row.length, 4),
-            "gross_area": round(row.area, 4),
-            "net_area": round(row.net_area, 4),
-            "strength": round(row.strength, 6),
-            "contrast": None if row.contrast is None else round(row.contrast, 6),
-            "by_hand": round(row.by_hand, 4),
-        }
+        entry: Entries = {name: getattr(row, name) for name in ("number", "label", "name", "color", "closed", "inside")}
+        entry |= {"junctions": list(contour.junctions), "length": round(row.length, 4)}
+        entry |= {"gross_area": round(row.area, 4), "net_area": round(row.net_area, 4)}
+        entry |= {"by_hand": round(row.by_hand, 4), "strength": round(row.strength, 6)}
+        entry["contrast"] = None if row.contrast is None else round(row.contrast, 6)
         if contour.reached:
             entry["reached"] = contour.reached
         if result.unit:
@@ -139,7 +119,7 @@ def is_own(content: Any) -> bool:
     return isinstance(content, dict) and content.get("format") in (_OF_IMAGE, _OF_STACK)
 
 
-def read(content: dict[str, Any]) -> Contents:
+def read(content: Entries) -> Contents:
     """Contours with their numbers, objects and strengths, of a stack with their pages."""
     found = Contents()
     for page in content["pages"] if content["format"] == _OF_STACK else [content]:
@@ -155,10 +135,7 @@ def read(content: dict[str, Any]) -> Contents:
 
 def page_from_plain(plain: Mapping[str, Any]) -> Page:
     """The page of an entry; an exception of some kind for one that is damaged."""
-    events = tuple(
-        TrackEvent(event["kind"], int(event["page"]), int(event["track"]), tuple(map(int, event["others"])))
-        for event in plain["events"]
-    )
+    events = tuple(from_plain(TrackEvent, event, "event of a page") for event in plain["events"])
     result = _result_from(plain) if "contours" in plain else None
     return Page(int(plain["page"]), result, events, str(plain["trouble"]))
 

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 from cpm_core.contours.result import Result
-from cpm_core.formats.common.atomic import check_place, write_together
-from cpm_core.formats.common.provenance import facts_of, text_of
+from cpm_core.formats.common.atomic import check_target, write_together
+from cpm_core.formats.common.content import AnyPath
+from cpm_core.formats.common.provenance import Outcome, facts_of, text_of
 from cpm_core.image.drawing import FIGURES, encoded_figure, new_figure
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.parameters.quotation import shown
 
 
 def write_figure(
-    result: Result | Skeleton,
-    *paths: str | os.PathLike[str],
+    result: Outcome,
+    *paths: AnyPath,
     image: bool = True,
     contours: bool = True,
     particles: bool = False,
@@ -48,21 +47,13 @@ def write_figure(
     """
     files = list(map(Path, paths))
     for file in files:
-        check_figure(file)
+        check_target(file, FIGURES, "of a figure")
     drawn = {"image": image, "contours": contours, "particles": particles, "labels": labels, "scale_bar": scale_bar}
     contents = [(file, encoded(file.suffix.lower(), result, **drawn)) for file in files]
     write_together(contents)
 
 
-def check_figure(path: str | os.PathLike[str]) -> None:
-    """Raise a `ValueError` for a path to which no figure can be written."""
-    file = Path(path)
-    if file.suffix.lower() not in FIGURES:
-        raise ValueError(f"{shown(file.name)} names no figure: choose one of {', '.join(FIGURES)}.")
-    check_place(file)
-
-
-def encoded(suffix: str, result: Result | Skeleton, **drawn: bool) -> bytes:
+def encoded(suffix: str, result: Outcome, **drawn: bool) -> bytes:
     """What `write_figure` writes, as bytes; `drawn` is what it draws."""
     surface = result.surface if isinstance(result, Result) else None
     figure, ax = new_figure(result.shape if surface is None else None, result.spacing)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Sequence
 from typing import Any
 
@@ -11,17 +10,13 @@ from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import Measures, measure
-from cpm_core.contours.result import Result
-from cpm_core.formats.common.provenance import ENTRY, facts_of
-from cpm_core.formats.contours.contents import DEFAULT, Contents, color_of, rgb, title
-from cpm_core.formats.contours.json_text import PIXEL, pairs, text
-from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.formats.common.plain import Entries, encoded_json
+from cpm_core.formats.common.provenance import ENTRY, Outcome, facts_of
+from cpm_core.formats.contours.contents import PIXEL, Contents, color_of, pairs, rgb, title
 from cpm_core.numerics.types import Array
 
-Known = dict[str, Any]
 
-
-def encode(result: Result | Skeleton) -> bytes:
+def encode(result: Outcome) -> bytes:
     """Write a collection of features, one for each contour (RFC 7946, with the properties that QuPath uses).
 
     A closed contour is a polygon whose interior rings are the contours directly inside it, so it covers the pixels of
@@ -30,10 +25,10 @@ def encode(result: Result | Skeleton) -> bytes:
     (x, y) in px from the corner of the image, the center of the first pixel at (0.5, 0.5). How they were found is an
     entry of the collection, a foreign member as the format allows.
     """
-    return text({"type": "FeatureCollection", ENTRY: facts_of(result), "features": features_of(result)})
+    return encoded_json({"type": "FeatureCollection", ENTRY: facts_of(result), "features": features_of(result)})
 
 
-def features_of(result: Result | Skeleton) -> list[dict[str, Any]]:
+def features_of(result: Outcome) -> list[Entries]:
     """The features of a result; see `encode`."""
     rows = measure(result.contours, result.spacing)
     holes: dict[int, list[Contour]] = {}
@@ -79,7 +74,7 @@ def _measurements(contour: Contour, row: Measures, unit: str | None) -> dict[str
     return {name: round(value, 6) for name, value in found.items()}
 
 
-def _geometry(contour: Contour, holes: Sequence[Contour]) -> dict[str, Any]:
+def _geometry(contour: Contour, holes: Sequence[Contour]) -> Entries:
     if contour.closed and len(contour.points) > 2:
         rings = [_ring(contour.points, 1.0), *(_ring(hole.points, -1.0) for hole in holes)]
         return {"type": "Polygon", "coordinates": rings}
@@ -102,59 +97,43 @@ def read(content: Any) -> Contents:
     The name of a contour is that of its feature, else that of its class. A contour in another is an interior ring there
     and, where CPM has written the file, a feature of its own as well: then it is no hole.
     """
-    found = Contents()
     own = isinstance(content, dict) and ENTRY in content
+    found = Contents(own=own)
     geometries = list(_geometries(content, {}, found))
     exteriors = {_key(rings[0]) for kind, rings, _ in geometries if kind == "Polygon"}
     for kind, rings, feature in geometries:
         properties, page = _properties(feature, own), _page(feature)
         if kind == "Polygon":
-            holes = [ring for ring in rings[1:] if _key(ring) not in exteriors]
-            found.add_object([(rings[0], False), *((ring, True) for ring in holes)], page=page, **properties)
-        elif kind == "LineString":
-            found.add(rings[0], False, page=page, **properties)
+            holes = [(ring, True) for ring in rings[1:] if _key(ring) not in exteriors]
+            found.add_object([(rings[0], False), *holes], page=page, **properties)
         else:
-            for place in rings[0]:
-                found.add_place(place, page)
+            found.add(rings[0], False, page=page, **properties)
     return found
 
 
-def _geometries(content: Any, feature: Known, found: Contents) -> Iterator[tuple[str, list[Array], Known]]:
-    """Kind, lines and feature of each geometry."""
+def _geometries(content: Any, feature: Entries, found: Contents) -> Iterator[tuple[str, list[Array], Entries]]:
+    """Kind, lines and feature of each geometry; a point is a line of one vertex."""
+    import shapely
+
     if isinstance(content, list):
         for entry in content:
             yield from _geometries(entry, feature, found)
         return
     kind = content["type"]
-    if kind == "FeatureCollection":
-        yield from _geometries(content["features"], feature, found)
+    if kind in ("FeatureCollection", "GeometryCollection"):
+        yield from _geometries(content["features" if kind == "FeatureCollection" else "geometries"], feature, found)
+    elif kind == "Feature" and content["geometry"] is None:
+        found.left_out["feature without a geometry"] += 1
     elif kind == "Feature":
-        if content["geometry"] is None:
-            found.left_out["feature without a geometry"] += 1
-        else:
-            yield from _geometries(content["geometry"], content, found)
-    elif kind == "GeometryCollection":
-        yield from _geometries(content["geometries"], feature, found)
+        yield from _geometries(content["geometry"], content, found)
     else:
         placed = {**feature, "plane": content.get("plane") or feature.get("plane")}
-        positions = content["coordinates"]
-        many = positions if kind.startswith("Multi") and kind != "MultiPoint" else [positions]
-        for one in many:
-            if kind in ("Polygon", "MultiPolygon"):
-                yield "Polygon", [_corners(ring)[:-1] for ring in one], placed
-            elif kind in ("LineString", "MultiLineString"):
-                yield "LineString", [_corners(one)], placed
-            elif kind in ("Point", "MultiPoint"):
-                yield "Point", [_corners([one] if kind == "Point" else one)], placed
-            else:
-                raise ValueError(f"{kind} is not a kind of geometry")
+        for part in shapely.get_parts(shapely.geometry.shape(content)):
+            rings = (part.exterior, *part.interiors) if part.geom_type == "Polygon" else (part,)
+            yield part.geom_type, [shapely.get_coordinates(ring)[:, ::-1] - PIXEL for ring in rings], placed
 
 
-def _corners(positions: Any) -> Array:
-    return np.asarray(np.array(positions, dtype=np.float64)[:, 1::-1] - PIXEL)
-
-
-def _properties(feature: Known, own: bool) -> Known:
+def _properties(feature: Entries, own: bool) -> Entries:
     """Name, color and junctions of the contours of a feature; what CPM writes for none is none."""
     properties = feature.get("properties") or {}
     kind = properties.get("classification") or {}
@@ -162,15 +141,12 @@ def _properties(feature: Known, own: bool) -> Known:
     name = str(properties.get("name") or kind.get("name") or "")
     colors = (color_of(one.get(key)) for one in (properties, kind) for key in ("color", "colorRGB"))
     color = next(filter(None, colors), "")
-    if own:
-        name = "" if re.fullmatch(r"contour \d+", name) else name
-        color = "" if color == DEFAULT else color
     measures = properties.get("measurements")
     strength = measures.get("Edge strength", 0.0) if own and isinstance(measures, dict) else 0.0
     return {"name": name, "color": color, "junctions": properties.get("junctions") or (), "strength": strength}
 
 
-def _page(feature: Known) -> int:
+def _page(feature: Entries) -> int:
     """Page of a stack: what CPM has written, else the plane of QuPath where it is not the first one."""
     properties = feature.get("properties") or {}
     if "page" in properties:

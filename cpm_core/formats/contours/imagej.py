@@ -6,21 +6,18 @@ import io
 import re
 import struct
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import PurePosixPath
-from typing import Any
 
 import numpy as np
 from roifile import ROI_OPTIONS, ROI_SUBTYPE, ROI_TYPE, ImagejRoi
 
 from cpm_core.contours.contour import Contour, numbers_of
-from cpm_core.contours.result import Result
-from cpm_core.formats.common.provenance import ascii_entries_of, facts_of
-from cpm_core.formats.contours.contents import DEFAULT, Contents, rgb, title
+from cpm_core.formats.common.content import UnreadableError
+from cpm_core.formats.common.plain import Entries
+from cpm_core.formats.common.provenance import Outcome, ascii_entries_of, facts_of
+from cpm_core.formats.contours.contents import PIXEL, Contents, rgb, title
 from cpm_core.formats.contours.curves import bezier, ellipse, nested, rectangle
-from cpm_core.formats.contours.json_text import PIXEL
-from cpm_core.formats.images.decoded import UnreadableError
-from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array
 
 _MAGIC = b"Iout"
@@ -42,7 +39,7 @@ _PARAMETERS = {0: 2, 1: 2, 2: 4, 3: 6, 4: 0}
 """Step of a composite path -> numbers that follow it: begin, line, curves of degree two and three, close."""
 
 
-def encode(result: Result | Skeleton) -> bytes:
+def encode(result: Outcome) -> bytes:
     """Write the only contour of a result as a ROI file; ValueError when there are none or several."""
     if len(result.contours) != 1:
         raise ValueError(
@@ -53,7 +50,7 @@ def encode(result: Result | Skeleton) -> bytes:
     return selection(result.contours[0], number, properties_of(result))
 
 
-def encode_set(result: Result | Skeleton) -> bytes:
+def encode_set(result: Outcome) -> bytes:
     """Write each contour as a selection into one archive, which the ROI manager of ImageJ opens.
 
     The ROI manager shows a selection under the name of its file in the archive: the name of the contour, with a number
@@ -62,24 +59,26 @@ def encode_set(result: Result | Skeleton) -> bytes:
     """
     if not result.contours:
         raise ValueError(f"{result.source} has no contours, and ImageJ opens no empty set: let it run on.")
-    stream, properties = io.BytesIO(), properties_of(result)
-    names = {""}  # in lower case, because some file systems ignore case
-    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
-        for number, contour in zip(numbers_of(result.contours), result.contours, strict=True):
-            name = plain = re.sub(r"[^\w .()+-]", "_", title(contour, number))[:_LONGEST]
-            while name.lower() in names:
-                name = f"{plain}-{number}" if name == plain else f"{name}-"
-            names.add(name.lower())
-            add(archive, name, selection(contour, number, properties))
+    properties, taken = properties_of(result), {""}
+    found = {}
+    for number, contour in zip(numbers_of(result.contours), result.contours, strict=True):
+        name = plain = re.sub(r"[^\w .()+-]", "_", title(contour, number))[:_LONGEST]
+        while name.lower() in taken:  # some file systems ignore case
+            name = f"{plain}-{number}" if name == plain else f"{name}-"
+        taken.add(name.lower())
+        found[name] = selection(contour, number, properties)
+    return set_of(found.items())
+
+
+def set_of(selections: Iterable[tuple[str, bytes]]) -> bytes:
+    """An archive of selections by their names, without a date, because the result has none."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as archive:
+        for name, content in selections:
+            entry = zipfile.ZipInfo(f"{name}.roi")
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, content, zipfile.ZIP_DEFLATED)
     return stream.getvalue()
-
-
-def add(archive: zipfile.ZipFile, name: str, content: bytes) -> None:
-    """Add a selection to a set, without a date, because the result has none."""
-    entry = zipfile.ZipInfo(f"{name}.roi")
-    entry.compress_type = zipfile.ZIP_DEFLATED
-    entry.external_attr = 0o644 << 16
-    archive.writestr(entry, content)
 
 
 def selection(contour: Contour, number: int, properties: str, **place: int) -> bytes:
@@ -118,7 +117,7 @@ def selection(contour: Contour, number: int, properties: str, **place: int) -> b
     return roi.tobytes()
 
 
-def properties_of(result: Result | Skeleton) -> str:
+def properties_of(result: Outcome) -> str:
     """How contours were found, as properties of a selection: a key and a value in each line, in ASCII."""
     return "".join(f"cpm_{name}: {value}\n" for name, value in ascii_entries_of(facts_of(result)).items())
 
@@ -131,15 +130,11 @@ def read(content: bytes) -> Contents:
     found = Contents()
     for name, selection in _selections(content, found):
         roi = ImagejRoi.frombytes(selection)
-        own = "cpm_program" in (roi.props or "")
+        found.own = "cpm_program" in (roi.props or "")
         title = (roi.name or "").rstrip("\0") or name
         color = "" if not roi.stroke_color or roi.stroke_color[0] == 0 else list(roi.stroke_color[1:4])
-        known: dict[str, Any] = {"name": title, "color": color}
-        if own:
-            known["name"] = "" if re.fullmatch(r"(contour|track) \d+", title) else title
-            known["color"] = "" if bytes(roi.stroke_color[1:4]).hex() == DEFAULT[1:] else color
         page = max(roi.position, roi.z_position, roi.t_position, 0)
-        _add(found, roi, selection, page, known)
+        _add(found, roi, selection, {"page": page, "name": title, "color": color})
     return found
 
 
@@ -161,17 +156,17 @@ def _selections(content: bytes, found: Contents) -> Iterator[tuple[str, bytes]]:
                 found.left_out["file of the set that is no selection"] += 1
 
 
-def _add(found: Contents, roi: ImagejRoi, selection: bytes, page: int, known: dict[str, Any]) -> None:
+def _add(found: Contents, roi: ImagejRoi, selection: bytes, known: Entries) -> None:
     if roi.multi_coordinates is not None:
         curves = [curve - PIXEL for curve in _composite(roi.multi_coordinates.astype(np.float64))]
-        found.add_object(nested(curves), page=page, **known)
+        found.add_object(nested(curves), **known)
     elif roi.roitype in _AREAL:
-        found.add(_area(roi, selection) - PIXEL, True, page=page, **known)
+        found.add(_area(roi, selection) - PIXEL, True, **known)
     elif roi.roitype in _LINES:
-        found.add(_rows(roi.coordinates()), False, page=page, **known)
+        found.add(_rows(roi.coordinates()), False, **known)
     elif roi.roitype == ROI_TYPE.POINT:
         for place in _rows(roi.coordinates()):
-            found.add_place(place, page)
+            found.add_place(place, known["page"])
     else:
         found.left_out["empty selection"] += 1
 
@@ -184,22 +179,22 @@ def _area(roi: ImagejRoi, selection: bytes) -> Array:
     """The line around an area, (row, col) from the corner of the image."""
     if roi.subtype in (ROI_SUBTYPE.ELLIPSE, ROI_SUBTYPE.ROTATED_RECT) and roi.roitype == ROI_TYPE.FREEHAND:
         (share,) = struct.unpack_from(">f", selection, _SHARE)
-        one, other = np.array([roi.y1, roi.x1], dtype=float), np.array([roi.y2, roi.x2], dtype=float)
+        one, other = np.array([(roi.y1, roi.x1), (roi.y2, roi.x2)], dtype=float)
         half = 0.5 * (other - one)
         across = np.array([half[1], -half[0]])
         if roi.subtype == ROI_SUBTYPE.ELLIPSE:
             return ellipse(0.5 * (one + other), half, share * across)
         side = 0.5 * share * across / max(float(np.hypot(*across)), 1e-12)
         return np.array([one - side, one + side, other + side, other - side])
-    if roi.roitype in (ROI_TYPE.RECT, ROI_TYPE.OVAL):
-        top, left, bottom, right = float(roi.top), float(roi.left), float(roi.bottom), float(roi.right)
-        if roi.subpixelrect:
-            top, left, bottom, right = roi.yd, roi.xd, roi.yd + roi.heightd, roi.xd + roi.widthd
-        if roi.roitype == ROI_TYPE.RECT:
-            return rectangle((top, left), (bottom, right))
-        center = np.array([0.5 * (top + bottom), 0.5 * (left + right)])
-        return ellipse(center, (0.0, 0.5 * (right - left)), (0.5 * (bottom - top), 0.0))
-    return _rows(roi.coordinates())
+    if roi.roitype not in (ROI_TYPE.RECT, ROI_TYPE.OVAL):
+        return _rows(roi.coordinates())
+    corners = np.array([(roi.top, roi.left), (roi.bottom, roi.right)], dtype=float)
+    if roi.subpixelrect:
+        corners = np.array([(roi.yd, roi.xd), (roi.yd + roi.heightd, roi.xd + roi.widthd)])
+    if roi.roitype == ROI_TYPE.RECT:
+        return rectangle(*corners)
+    down, right = np.diag(0.5 * (corners[1] - corners[0]))
+    return ellipse(corners.mean(axis=0), right, down)
 
 
 def _composite(numbers: Array) -> list[Array]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import io
-import math
 import os
 from collections.abc import Callable
 from dataclasses import replace
@@ -14,13 +13,11 @@ from typing import Any
 import numpy as np
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.result import Result
-from cpm_core.formats.common.provenance import ENTRY, facts_of
-from cpm_core.formats.contours.contents import Contents
+from cpm_core.formats.common.plain import Entries, encoded_json
+from cpm_core.formats.common.provenance import ENTRY, Outcome, facts_of
+from cpm_core.formats.contours.contents import PIXEL, Contents, pairs
 from cpm_core.formats.contours.curves import ellipse, nested, rectangle
-from cpm_core.formats.contours.json_text import PIXEL, pairs, text
 from cpm_core.formats.contours.mask import opened, outlines
-from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array
 
 _CONTOUR = "contour"
@@ -30,7 +27,7 @@ _VERSION = "5.5.0"
 """Version of labelme whose format this is; later versions read it."""
 
 
-def located(result: Result | Skeleton, file: Path, image: Path) -> Result | Skeleton:
+def located(result: Outcome, file: Path, image: Path) -> Outcome:
     """The result with the path of its image as seen from the folder of a file, so that labelme finds the image."""
     try:
         path = Path(os.path.relpath(image.resolve(), file.resolve().parent))
@@ -39,7 +36,7 @@ def located(result: Result | Skeleton, file: Path, image: Path) -> Result | Skel
     return replace(result, source=path.as_posix())
 
 
-def encode(result: Result | Skeleton) -> bytes:
+def encode(result: Outcome) -> bytes:
     """Write a polygon for each closed contour and a strip of lines for each open one.
 
     The label of a shape, its class, is the name of the contour, or "contour". Coordinates are (x, y) in px from the
@@ -49,7 +46,7 @@ def encode(result: Result | Skeleton) -> bytes:
     """
     rows, cols = result.shape
     names = {contour.group: contour.name for contour in result.contours if not contour.hole}
-    shapes: list[dict[str, Any]] = [
+    shapes: list[Entries] = [
         {
             "label": contour.name or (names.get(contour.group) if contour.hole else "") or _CONTOUR,
             "points": pairs(contour.points),
@@ -61,7 +58,7 @@ def encode(result: Result | Skeleton) -> bytes:
         }
         for contour in result.contours
     ]
-    return text(
+    return encoded_json(
         {
             "version": _VERSION,
             "flags": {},
@@ -81,7 +78,7 @@ def _kind(contour: Contour) -> str:
     return "linestrip" if len(contour.points) > 1 else "point"
 
 
-def read(content: dict[str, Any]) -> Contents:
+def read(content: Entries) -> Contents:
     """Contours of all shapes, whose labels are the names.
 
     Shapes of one label and one group are one object, in which a shape in another is a hole.
@@ -114,13 +111,7 @@ def read(content: dict[str, Any]) -> Contents:
     return found
 
 
-def _round(corners: Array) -> Array:
-    """Circle through the second point about the first."""
-    radius = math.hypot(*(corners[1] - corners[0]))
-    return ellipse(corners[0], (0.0, radius), (radius, 0.0))
-
-
-def _mask(shape: dict[str, Any], corners: Array) -> list[tuple[Array, bool]]:
+def _mask(shape: Entries, corners: Array) -> list[tuple[Array, bool]]:
     """The outlines of a mask, which is a picture in text, from its box on."""
     with opened(io.BytesIO(base64.b64decode(shape["mask"], validate=True))) as picture:
         mask = np.asarray(picture.convert("L")) > 0
@@ -128,11 +119,13 @@ def _mask(shape: dict[str, Any], corners: Array) -> list[tuple[Array, bool]]:
     return outlines(mask, row, col)
 
 
+_QUARTER = np.array([[0.0, 1.0], [-1.0, 0.0]])
+
 _CLOSED: dict[str, Callable[[Array], Array]] = {
-    "polygon": lambda corners: corners,
+    # variants of the program call an oriented rectangle a rotation
+    **dict.fromkeys(("polygon", "oriented_rectangle", "rotation"), lambda corners: corners),
     "rectangle": lambda corners: rectangle(corners[0], corners[-1]) if len(corners) == 2 else corners,
-    "oriented_rectangle": lambda corners: corners,
-    "rotation": lambda corners: corners,  # what variants of the program call the same
-    "circle": _round,
+    # through the second point about the first
+    "circle": lambda corners: ellipse(corners[0], corners[1] - corners[0], (corners[1] - corners[0]) @ _QUARTER),
 }
 _OPEN = ("line", "linestrip")

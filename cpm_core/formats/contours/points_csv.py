@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import csv
-import os
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.contours.result import Result
-from cpm_core.formats.common.content import content_of
+from cpm_core.formats.common.content import AnyPath, content_of
+from cpm_core.formats.common.provenance import Outcome
 from cpm_core.formats.contours.contour_csv import Row, provenance_cells, table
-from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.parameters.quotation import shown
 
 _NAMES = ("plane", "row", "col")
 
 
-def encode(result: Result | Skeleton) -> bytes:
+def encode(result: Outcome) -> bytes:
     """Positions ``plane,row,col`` in voxels, below a header; ValueError for what has no particles in a volume.
 
     Provenance (`provenance.entries_of`) is in the last columns, in the first line alone.
@@ -32,7 +31,7 @@ def encode(result: Result | Skeleton) -> bytes:
     return table(rows)
 
 
-def load_points(path: str | os.PathLike[str], axes: int = 2) -> NDArray[np.float64]:
+def load_points(path: AnyPath, axes: int = 2) -> NDArray[np.float64]:
     """Read points from a CSV file.
 
     Parameters

@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import contour_labels
-from cpm_core.contours.result import Result
-from cpm_core.formats.common.provenance import facts_of, text_of
+from cpm_core.formats.common.content import UnreadableError
+from cpm_core.formats.common.plain import Entries
+from cpm_core.formats.common.provenance import Outcome, facts_of, text_of
 from cpm_core.formats.contours.contents import DEFAULT, Contents, Plane
 from cpm_core.formats.contours.curves import bezier
-from cpm_core.formats.images.decoded import UnreadableError
+from cpm_core.formats.images import resolution
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array
 
@@ -35,11 +36,10 @@ _SAME_ASPECT = 0.01
 
 _DEEPEST = 100
 
-_MILLIMETERS = {"nm": 1e-6, "µm": 1e-3, "mm": 1.0, "cm": 10.0, "m": 1000.0}
 _SMALLEST_PAGE = 10.0  # [mm]; a page of the true size of a cell would be invisible
 
 
-def encode(result: Result | Skeleton) -> bytes:
+def encode(result: Outcome) -> bytes:
     """Draw the contours of a result.
 
     User units are pixels of the image, x along columns and y along rows, pixel centers at integers: the image
@@ -90,10 +90,10 @@ def _path(contour: Contour, label: int, radii: NDArray[np.float64] | None = None
     )
 
 
-def _page(result: Result | Skeleton) -> tuple[str, str]:
+def _page(result: Outcome) -> tuple[str, str]:
     """Width and height of the drawing as SVG lengths."""
     size = np.array(result.shape) * result.spacing
-    millimeters = size * _MILLIMETERS.get(result.unit or "", 0.0)
+    millimeters = size * resolution.factor(result.unit, "mm")
     if millimeters.min() >= _SMALLEST_PAGE:
         return f"{millimeters[1]:.6g}mm", f"{millimeters[0]:.6g}mm"
     pixels = size / min(result.spacing)
@@ -151,7 +151,8 @@ def _elements(
         raise ValueError("groups are nested too deeply")
     for element in parent:
         tag = _tag(element)
-        style = _style(element)
+        parts = (part.partition(":") for part in element.get("style", "").split(";"))
+        style = element.attrib | {name.strip(): value.strip() for name, _, value in parts if value}
         if tag in _NOT_DRAWN or style.get("display") == "none":
             continue
         if tag in _LEFT_OUT:
@@ -171,13 +172,7 @@ def _tag(element: ET.Element) -> str:
     return tag.rpartition("}")[2] if isinstance(tag, str) else ""  # a comment has a function for a tag
 
 
-def _style(element: ET.Element) -> dict[str, str]:
-    """Attributes of an element with those of its style, which win."""
-    parts = (part.partition(":") for part in element.get("style", "").split(";"))
-    return {**element.attrib, **{name.strip(): value.strip() for name, _, value in parts if value}}
-
-
-def _known(element: ET.Element, look: dict[str, str], own: bool) -> dict[str, Any]:
+def _known(element: ET.Element, look: dict[str, str], own: bool) -> Entries:
     """Name, color and, in drawings of CPM, number and strength."""
     title = element.find("{*}title")
     label = next((value for key, value in element.attrib.items() if key.endswith("}label")), "")
@@ -186,7 +181,7 @@ def _known(element: ET.Element, look: dict[str, str], own: bool) -> dict[str, An
     if own:  # the color of a group is that of contours without one
         stroke, fill = element.get("stroke", ""), ""
     color = stroke if stroke != "none" else fill
-    known: dict[str, Any] = {"name": name, "color": color}
+    known: Entries = {"name": name, "color": color}
     if own:
         known |= {"strength": element.get("data-strength", 0.0), "number": element.get("data-number", 0)}
     return known

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cpm_core.formats.common.content import UnreadableError
 from cpm_core.image.colors import Colors, reduced
 from cpm_core.image.geometry import Geometry
 
@@ -17,21 +18,6 @@ MAXIMUM_PIXELS = 2**26
 
 ORIENTATION_TAG = 274
 """Number of the orientation tag of EXIF and TIFF, which cameras and scanners write."""
-
-# For each value of the tag whether to swap rows and columns, then to flip rows, then to flip columns.
-_TURNS = {
-    2: (False, False, True),
-    3: (False, True, True),
-    4: (False, True, False),
-    5: (True, False, False),
-    6: (True, False, True),
-    7: (True, True, True),
-    8: (True, True, False),
-}
-
-
-class UnreadableError(ValueError):
-    """A file cannot be used; the message is a sentence for users."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,9 +77,10 @@ def from_bands(samples: NDArray[Any]) -> Decoded:
 
 def upright(decoded: Decoded, orientation: int) -> Decoded:
     """Rotate and mirror `decoded` by its orientation tag (1 to 8); unknown values leave it unchanged."""
-    if orientation not in _TURNS:
+    if orientation not in range(2, 9):
         return decoded
-    swap, flip_rows, flip_columns = _TURNS[orientation]
+    swap, turn = orientation > 4, (orientation - 1) % 4  # rows and columns are swapped first
+    flip_rows, flip_columns = turn in (2, 3), turn in (1, 2)
     spacing = decoded.spacing[::-1] if swap else decoded.spacing
 
     def turned(pixels: NDArray[Any]) -> NDArray[Any]:

@@ -3,25 +3,26 @@
 from __future__ import annotations
 
 import logging
+import math
+from collections.abc import Sequence
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from cpm_core.formats.common.content import UnreadableError, content_of
 from cpm_core.formats.common.printable import printable
-from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size, from_bands, from_samples
-from cpm_core.formats.images.dicom_series import Frame, Series, all_series, frames_of
+from cpm_core.formats.images.decoded import Decoded, check_size, from_bands, from_samples
+from cpm_core.formats.images.dicom_series import Frame, all_series, frames_of
 from cpm_core.formats.images.reading import Reading, series_of
 from cpm_core.formats.images.stack import Stack, check_content, joined
 from cpm_core.image.gray_levels import NO_DATA
 from cpm_core.parameters.quotation import shown
 
 READS = {".dcm": "DICOM image, or a folder with the slices of a series", ".dicom": "the same", ".ima": "the same"}
-
-FOLDER = bytes(128) + b"DICM"
-"""What stands for the first bytes of a folder with a series."""
 
 _MARK, _PLACE = b"DICM", 128
 _GROUPS = (b"\x08\x00", b"\x02\x00")
@@ -62,30 +63,23 @@ def is_series(folder: Path) -> bool:
 
 def dicom_files_beside(path: Path, most: int) -> list[Path]:
     """So many DICOM files at most in the folder of a DICOM file; none for another file or a folder."""
-    try:
-        with path.open("rb") as stream:
-            known = reads(stream.read(512), path)
-        return _files(path.parent, most) if known else []
-    except OSError:
-        return []
+    return _files(path.parent, most) if _is_dicom(path) else []
 
 
 def _files(folder: Path, most: int | None = None) -> list[Path]:
     """DICOM files of a folder by their first bytes, in the order of their names, so many at most."""
-    found: list[Path] = []
-    for path in sorted(folder.iterdir()):
-        if path.name.startswith(".") or not path.is_file():
-            continue
-        try:
-            with path.open("rb") as stream:
-                head = stream.read(512)
-        except OSError:
-            continue
-        if reads(head, path):
-            found.append(path)
-            if len(found) == most:
-                break
-    return found
+    try:
+        paths = sorted(folder.iterdir())
+    except OSError:
+        return []
+    return list(islice((path for path in paths if not path.name.startswith(".") and _is_dicom(path)), most))
+
+
+def _is_dicom(path: Path) -> bool:
+    try:
+        return reads(content_of(path, part=512), path)
+    except UnreadableError:
+        return False
 
 
 def stack(path: Path, reading: Reading) -> Stack:
@@ -112,54 +106,30 @@ def stack(path: Path, reading: Reading) -> Stack:
         raise UnreadableError(f"{name} holds no DICOM image: choose another file or folder.")
     if min(min(frame.shape) for frame in frames) < 1:
         raise ValueError("an image has no pixels")
-    series = all_series(frames)
-    titles = tuple(one.title for one in series)
-    largest = int(np.argmax([len(one.frames) * len(one.frames[0]) for one in series]))
-    number = series_of(reading.series, titles, largest, name)
-    notes = []
-    whole = sum(not one.partial for one in series)
-    if whole > 1 and reading.series is None:
-        which = f"{number + 1} ({shown(titles[number])})"
-        notes.append(f"Of its {whole} series that with the most images was taken, {which}.")
-    if damaged:
-        notes.append(f"{damaged} of its files {'is' if damaged == 1 else 'are'} damaged and left out.")
-    return replace(_stack(name, series[number], tuple(notes), pydicom), series=titles, number=number)
+    if path.is_file():
+        check_content(path, sum(frame.each * math.prod(frame.shape) for frame in frames))
 
-
-def _stack(name: str, series: Series, notes: tuple[str, ...], pydicom: Any) -> Stack:
-    first, planes = series.frames[0][0], len(series.frames[0])
-    if len({frame.path for time in series.frames for frame in time}) == 1:
-        check_content(first.path, len(series.frames) * planes * first.each * first.shape[0] * first.shape[1])
-    row, col = first.spacing or (1.0, 1.0)
-    # millimeters of a depth next to centimeters of a pixel occur in ultrasound alone, which has no slices
-    in_mm = first.unit == "mm"
-
-    def take(time: int, _channel: int, begin: int, end: int) -> Decoded:
+    def decode(wanted: Sequence[Frame]) -> Decoded:
         opened: tuple[Path | None, Any] = (None, None)
         found = []
-        for frame in series.frames[time][begin:end]:
+        for frame in wanted:
             if opened[0] != frame.path:
                 opened = frame.path, _dataset(pydicom, frame.path)
             found.append(_decoded(opened[1], frame, name))
         return joined(found)
 
-    return Stack(
-        name,
-        (planes, *first.shape),
-        take,
-        first.each,
-        len(series.frames),
-        1,
-        (series.depth if series.depth and in_mm else row, row, col),
-        first.unit,
-        series.geometry if in_mm else None,
-        series.places if in_mm else (),
-        series.stretch,
-        (*notes, *series.notes),
-        series.of_volume,
-        word="frame" if planes == 1 else "plane",
-        otherwise=planes // 2,
-    )
+    groups = all_series(frames, name, decode)
+    series = sorted((one for group in groups for one in group), key=lambda one: (one.series, -one.shape[0]))
+    titles = tuple(title for one in series for title in one.series)
+    number = series_of(reading.series, titles, int(np.argmax([one.times * one.shape[0] for one in series])), name)
+    chosen = series[number]
+    notes = []
+    if len(groups) > 1 and reading.series is None:
+        which = f"{number + 1} ({shown(titles[number])})"
+        notes.append(f"Of its {len(groups)} series that with the most images was taken, {which}.")
+    if damaged:
+        notes.append(f"{damaged} of its files {'is' if damaged == 1 else 'are'} damaged and left out.")
+    return replace(chosen, series=titles, number=number, notes=(*notes, *chosen.notes))
 
 
 def _dataset(pydicom: Any, path: Path) -> Any:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from cpm_core.image.geometry import Geometry, Triple
+from cpm_core.formats.images.decoded import Decoded
+from cpm_core.formats.images.stack import Stack
+from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import MINIMUM_SIDE
 from cpm_core.numerics.types import Array
 
@@ -40,7 +42,7 @@ _ALIKE = 4
 """Decimals by which directions and sizes of a pixel are compared: some programs write six digits, some all."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Frame:
     """One image of a file.
 
@@ -58,9 +60,9 @@ class Frame:
         Rows and columns.
     each : float
         Bytes of a pixel.
-    origin : tuple of float or None
+    origin : ndarray or None
         Position of the first pixel (x, y, z) in LPS [mm].
-    along : tuple of tuple of float or None
+    along : ndarray, shape (2, 3), or None
         Unit vectors from a column to the next, and from a row to the next.
     spacing : tuple of float or None
         Size of a pixel along (row, col), in `unit`.
@@ -68,8 +70,8 @@ class Frame:
         Unit of length.
     thickness : float or None
         How far slices are apart where they have no position [mm]: their distance if it is given, or their thickness.
-    detector : bool
-        Whether the size of a pixel is that on the detector.
+    notes : tuple of str
+        What is to be said of the size of a pixel.
     slope, intercept : float
         What turns stored values into those that are meant.
     in_time : bool
@@ -83,15 +85,19 @@ class Frame:
     number: tuple[float, ...]
     shape: tuple[int, int]
     each: float
-    origin: Triple | None
-    along: tuple[Triple, Triple] | None
+    origin: Array | None
+    along: Array | None
     spacing: tuple[float, float] | None
     unit: str | None
     thickness: float | None
-    detector: bool
+    notes: tuple[str, ...]
     slope: float
     intercept: float
     in_time: bool
+
+
+Decode = Callable[[Sequence[Frame]], Decoded]
+"""Reads the pixels of frames, which become planes."""
 
 
 def frames_of(pydicom: Any, path: Path) -> list[Frame]:
@@ -115,244 +121,188 @@ def _frame(path: Path, index: int, header: Any, own: list[Any], count: int) -> F
         found = (item.get(name) for item in items if item is not None and item.get(name) is not None)
         return next(found, header.get(name))
 
-    spacing, unit, detector = _spacing(header, value("PixelSpacing", "PixelMeasuresSequence"))
-    origin = _triple(_numbers(value("ImagePositionPatient", "PlanePositionSequence"), 3))
+    spacing, unit, notes = _spacing(header, value("PixelSpacing", "PixelMeasuresSequence"))
+    origin = _numbers(value("ImagePositionPatient", "PlanePositionSequence"), 3)
     along = _along(_numbers(value("ImageOrientationPatient", "PlaneOrientationSequence"), 6))
-    if count > 1 and not own:
-        origin = _in_grid(header, origin, along, count, index)
+    if count > 1 and not own:  # a grid of doses lists the distances of its images from the first one
+        offsets = _numbers(header.get("GridFrameOffsetVector"), count)
+        if origin is not None and along is not None and offsets is not None:
+            origin = origin + (offsets[index] - offsets[0]) * np.cross(*along)
+        else:
+            origin = None
     apart = (value(name, "PixelMeasuresSequence") for name in ("SpacingBetweenSlices", "SliceThickness"))
     return Frame(
         path,
         index,
         str(header.get("SeriesInstanceUID", "")),
         str(header.get("SeriesDescription", "") or header.get("SeriesNumber", "") or header.get("Modality", "")),
-        (*(_number(header.get(name), 0.0) for name in _ORDER), float(index)),
+        (*(_number(header.get(name)) for name in _ORDER), float(index)),
         (int(header.Rows), int(header.Columns)),
         float(header.get("SamplesPerPixel", 1) or 1) * float(header.get("BitsAllocated", 16) or 16) / 8.0,
         origin,
         along,
         spacing,
         unit,
-        next((size for size in (abs(_number(one, 0.0)) for one in apart) if size), None),
-        detector,
-        _number(value("RescaleSlope", "PixelValueTransformationSequence"), 1.0) or 1.0,
-        _number(value("RescaleIntercept", "PixelValueTransformationSequence"), 0.0),
+        next((size for size in (abs(_number(one)) for one in apart) if size), None),
+        notes,
+        _number(value("RescaleSlope", "PixelValueTransformationSequence")) or 1.0,
+        _number(value("RescaleIntercept", "PixelValueTransformationSequence")),
         count > 1 and not own and origin is None and ("FrameTime" in header or "FrameIncrementPointer" in header),
     )
 
 
-def _in_grid(
-    header: Any, first: Triple | None, along: tuple[Triple, Triple] | None, count: int, index: int
-) -> Triple | None:
-    """Position of an image of a grid of doses, which lists the distances of its images from the first one."""
-    offsets = _numbers(header.get("GridFrameOffsetVector"), count)
-    if first is None or along is None or offsets is None:
-        return None
-    return _triple(np.array(first) + (offsets[index] - offsets[0]) * np.cross(*along))
-
-
-def _spacing(header: Any, given: Any) -> tuple[tuple[float, float] | None, str | None, bool]:
-    """Size of a pixel along (row, col), its unit, and whether it is that on the detector."""
+def _spacing(header: Any, given: Any) -> tuple[tuple[float, float] | None, str | None, tuple[str, ...]]:
+    """Size of a pixel along (row, col), its unit, and what is to be said of it."""
     on_detector, nominal = header.get("ImagerPixelSpacing"), header.get("NominalScannedPixelSpacing")
-    for sides, detector in ((given, False), (on_detector, True), (nominal, False)):
+    for sides in (given, on_detector, nominal):
         found = _numbers(sides, 2)
         if found is not None and min(found) > 0.0:
-            return (found[0], found[1]), "mm", detector
+            notes = ("The size of a pixel is that on the detector.",) if sides is on_detector else ()
+            return (float(found[0]), float(found[1])), "mm", notes
     regions = set()
     for region in header.get("SequenceOfUltrasoundRegions") or []:
-        row, col = (abs(_number(region.get(f"PhysicalDelta{axis}"), 0.0)) for axis in "YX")
+        row, col = (abs(_number(region.get(f"PhysicalDelta{axis}"))) for axis in "YX")
         units = {region.get(f"PhysicalUnits{axis}Direction") for axis in "YX"}
         if units == {_CENTIMETERS} and min(row, col) > 0.0:
             regions.add((row, col))
-    return (regions.pop(), "cm", False) if len(regions) == 1 else (None, None, False)
+    return (regions.pop(), "cm", ()) if len(regions) == 1 else (None, None, ())
 
 
-def _along(turn: list[float] | None) -> tuple[Triple, Triple] | None:
+def _along(turn: Array | None) -> Array | None:
     """Directions of columns and rows; None when they are not at right angles, as where nobody filled them in."""
     if turn is None:
         return None
-    column, row = np.array(turn[:3]), np.array(turn[3:])
-    lengths = np.linalg.norm(column), np.linalg.norm(row)
-    if min(lengths) < 0.5 or abs(column @ row) > 0.05 * lengths[0] * lengths[1]:
+    lengths = np.linalg.norm(turn.reshape(2, 3), axis=1)
+    if lengths.min() < 0.5 or abs(turn[:3] @ turn[3:]) > 0.05 * lengths.prod():
         return None
-    return _vector(column / lengths[0]), _vector(row / lengths[1])
+    return np.asarray(turn.reshape(2, 3) / lengths[:, None])
 
 
-def _numbers(given: Any, count: int) -> list[float] | None:
+def _numbers(given: Any, count: int) -> Array | None:
     """So many finite numbers; None for anything else."""
     try:
-        found = [float(number) for number in given]
+        found = np.array([float(number) for number in given])
     except (TypeError, ValueError):
         return None
-    return found if len(found) == count and all(map(math.isfinite, found)) else None
+    return found if len(found) == count and np.isfinite(found).all() else None
 
 
-def _number(given: Any, otherwise: float) -> float:
-    """A finite number, of several the first."""
-    try:
-        found = float(given[0] if isinstance(given, (list, tuple)) or hasattr(given, "append") else given)
-    except (TypeError, ValueError, IndexError):
-        return otherwise
-    return found if math.isfinite(found) else otherwise
+def _number(given: Any) -> float:
+    """A finite number, of several the first; 0 for anything else."""
+    found = _numbers(given[:1] if hasattr(given, "append") else [given], 1)
+    return 0.0 if found is None else float(found[0])
 
 
-def _triple(numbers: Sequence[float] | Array | None) -> Triple | None:
-    return None if numbers is None else _vector(numbers)
+def all_series(frames: Sequence[Frame], name: str, decode: Decode) -> list[list[Stack]]:
+    """The series among the frames of a file or folder, each with what else of it makes a volume.
 
-
-def _vector(numbers: Sequence[float] | Array) -> Triple:
-    x, y, z = (float(number) for number in numbers)
-    return x, y, z
-
-
-@dataclass(frozen=True, eq=False)
-class Series:
-    """Frames of one size, direction and size of a pixel.
-
-    Attributes
-    ----------
-    title : str
-        What it is called.
-    frames : tuple of tuple of Frame
-        For each time the frames from the first plane to the last.
-    depth : float or None
-        Distance of neighboring planes; None when the files do not give it.
-    stretch : tuple of int or None
-        First plane of the longest part that is evenly spaced, and the one after its last; None when all are.
-    geometry : Geometry or None
-        Where the first plane of the stretch lies, moved back to the first of all.
-    places : tuple of Geometry
-        Where each plane lies.
-    notes, of_volume : tuple of str
-        What is to be reported of it, and of a volume made of it.
-    partial : bool
-        Whether it is a part of another one.
+    Frames of a series have one size, direction and size of a pixel. Besides its longest part that is evenly spaced, all
+    other such parts are offered.
     """
-
-    title: str
-    frames: tuple[tuple[Frame, ...], ...]
-    depth: float | None
-    stretch: tuple[int, int] | None = None
-    geometry: Geometry | None = None
-    places: tuple[Geometry, ...] = ()
-    notes: tuple[str, ...] = ()
-    of_volume: tuple[str, ...] = ()
-    partial: bool = False
-
-
-def all_series(frames: Sequence[Frame]) -> tuple[Series, ...]:
-    """The series among frames, in the order of their names."""
     groups: dict[tuple[object, ...], list[Frame]] = {}
     for frame in frames:
-        along = None if frame.along is None else tuple(np.round(np.ravel(frame.along), _ALIKE - 1).tolist())
+        along = None if frame.along is None else tuple(np.round(frame.along.ravel(), _ALIKE - 1).tolist())
         spacing = None if frame.spacing is None else tuple(round(side, _ALIKE) for side in frame.spacing)
         kind = (frame.series, frame.shape, along, spacing, frame.origin is None)
         groups.setdefault(kind, []).append(frame)
-    found = [series for group in groups.values() for series in _ordered(group)]
-    return tuple(sorted(found, key=lambda series: (series.title, -len(series.frames[0]))))
+    found = []
+    for group in groups.values():
+        group.sort(key=lambda frame: frame.number)
+        placed = group[0].origin is not None and group[0].along is not None
+        found.append(list((_placed if placed else _without_places)(group, name, decode)))
+    return found
 
 
-def _ordered(group: list[Frame]) -> list[Series]:
-    """A series in the order of its places, and what else of it makes a volume next to its longest even part."""
-    first = group[0]
-    group = sorted(group, key=lambda frame: frame.number)
-    notes: tuple[str, ...] = ("The size of a pixel is that on the detector.",) if first.detector else ()
-    if first.origin is None or first.along is None:
-        return [_without_places(group, notes)]
+def _without_places(frames: list[Frame], name: str, decode: Decode) -> Iterator[Stack]:
+    """A series whose files do not give its places: images in time, or slices in the order of their numbers."""
+    first = frames[0]
+    if first.in_time or len(frames) == 1:
+        yield _stack(first.title, [[frame] for frame in frames], first.thickness, name, decode)
+        return
+    apart = "" if first.thickness is None else f", {first.thickness:g} mm apart"
+    note = f"The places of its slices are not given; they were taken in their order{apart}."
+    yield replace(_stack(first.title, [frames], first.thickness, name, decode), of_volume=(note,))
+
+
+def _placed(frames: list[Frame], name: str, decode: Decode) -> Iterator[Stack]:
+    """A series by the positions of its slices along their normal, and the other parts that are evenly spaced."""
+    first, places, heights = frames[0], list[list[Frame]](), list[float]()
+    assert first.along is not None
     normal = np.cross(*first.along)
-    places: list[list[Frame]] = []
-    heights: list[float] = []
-    for height, frame in sorted(
-        ((float(normal @ np.array(frame.origin)), frame) for frame in group), key=lambda pair: pair[0]
-    ):
+    for height, frame in sorted(((float(normal @ one.origin), one) for one in frames), key=lambda pair: pair[0]):
         if heights and height - heights[-1] < _ONE_PLACE:
             places[-1].append(frame)
         else:
             places.append([frame])
             heights.append(height)
     times = min(map(len, places))
-    if times < max(map(len, places)):
-        notes += ("At some places it has more slices than at others; the first of them were taken.",)
+    notes = ("At some places it has more slices than at others; the first of them were taken.",)
     ordered = [sorted(place, key=lambda frame: frame.number) for place in places]
-    by_time = tuple(tuple(place[time] for place in ordered) for time in range(times))
-    at = np.array(heights)
-    found = [_placed(first.title, by_time, at, normal, notes)]
-    parts = _even_parts(at)
-    for begin, end in parts:
-        if (begin, end) != _longest(parts) and end - begin >= MINIMUM_SIDE:
-            title = f"{first.title}, slices {begin + 1} to {end}".lstrip(", ")
-            part = _placed(title, tuple(time[begin:end] for time in by_time), at[begin:end], normal, notes)
-            found.append(replace(part, partial=True))
-    return found
-
-
-def _without_places(frames: list[Frame], notes: tuple[str, ...]) -> Series:
-    """A series whose files do not give its places: images in time, or slices in the order of their numbers."""
-    first = frames[0]
-    if first.in_time or len(frames) == 1:
-        return Series(first.title, tuple((frame,) for frame in frames), first.thickness, notes=notes)
-    apart = "" if first.thickness is None else f", {first.thickness:g} mm apart"
-    note = f"The places of its slices are not given; they were taken in their order{apart}."
-    return Series(first.title, (tuple(frames),), first.thickness, notes=notes, of_volume=(note,))
-
-
-def _placed(
-    title: str, frames: tuple[tuple[Frame, ...], ...], heights: Array, normal: Array, notes: tuple[str, ...]
-) -> Series:
-    """A series by the positions of its slices along their normal."""
-    planes, along = frames[0], frames[0][0].along
-    assert along is not None
-    begin, end, note = _stretch(heights)
-    origins = np.array([frame.origin for frame in planes])
-    if end - begin > 1:
-        step = (origins[end - 1] - origins[begin]) / (end - 1 - begin)
-        depth = float(np.linalg.norm(step))
-    else:
-        depth = planes[0].thickness or 1.0
-        step = normal * depth
-    places = tuple(Geometry(_vector(one), (_vector(normal), along[1], along[0]), "LPS", depth) for one in origins)
-    geometry = Geometry(
-        _vector(origins[begin] - begin * step), (_vector(step / depth), along[1], along[0]), "LPS", depth
-    )
-    stretch = None if end - begin == len(planes) else (begin, end)
-    return Series(title, frames, depth, stretch, geometry, places, notes, note)
-
-
-def _even_parts(heights: Array) -> list[tuple[int, int]]:
-    """First slice of each part that is evenly spaced, and the one after its last; neighbors may share a slice."""
-    gaps = np.diff(heights)
-    found, begin = [], 0
-    for index in range(len(gaps)):
-        part = gaps[begin : index + 1]
+    by_time = [[place[time] for place in ordered] for time in range(times)]
+    gaps, parts = np.diff(heights), [[0, 0]]
+    for end in range(1, len(heights)):
+        part = gaps[parts[-1][0] : end]
         if np.ptp(part) > _UNEVEN * np.median(part):
-            found.append((begin, index + 1))
-            begin = index
-    return [*found, (begin, len(heights))]
+            parts.append([end - 1, end])
+        parts[-1][1] = end
+    longest = max(parts, key=lambda part: part[1] - part[0])
+    for begin, last in [longest, *(one for one in parts if one is not longest)]:
+        whole = (begin, last) == tuple(longest)
+        if not whole and last - begin + 1 < MINIMUM_SIDE:
+            continue
+        title = first.title if whole else f"{first.title}, slices {begin + 1} to {last + 1}".lstrip(", ")
+        shift = begin if whole else 0
+        kept = by_time if whole else [time[begin : last + 1] for time in by_time]
+        planes, count = kept[0], last - begin
+        origins = np.array([frame.origin for frame in planes])
+        depth, step = planes[0].thickness or 1.0, normal * (planes[0].thickness or 1.0)
+        if count:
+            step = (origins[shift + count] - origins[shift]) / count
+            depth = float(np.linalg.norm(step))
+        found = _stack(title, kept, depth, name, decode)
+        if found.unit == "mm":
+            axes = (first.along[1], first.along[0])
+            lies = [Geometry(one, (normal, *axes), "LPS", depth) for one in origins]  # type: ignore[arg-type]
+            at = Geometry(origins[shift] - shift * step, (step / depth, *axes), "LPS", depth)  # type: ignore[arg-type]
+            found = replace(found, geometry=at, places=tuple(lies))
+        if times < max(map(len, places)):
+            found = replace(found, notes=found.notes + notes)
+        if whole and count + 1 < len(heights):
+            found = replace(found, stretch=(begin, last + 1), of_volume=_gap(gaps, begin, last))
+        yield found
 
 
-def _longest(parts: list[tuple[int, int]]) -> tuple[int, int]:
-    return max(parts, key=lambda part: part[1] - part[0])
+def _stack(title: str, frames: list[list[Frame]], depth: float | None, name: str, decode: Decode) -> Stack:
+    """Frames by their times and places."""
+    first, planes = frames[0][0], len(frames[0])
+    row, col = first.spacing or (1.0, 1.0)
+    # millimeters of a depth next to centimeters of a pixel occur in ultrasound alone, which has no slices
+    between = depth if depth and first.unit == "mm" else row
+    return Stack(
+        name,
+        (planes, *first.shape),
+        lambda time, _channel, begin, end: decode(frames[time][begin:end]),
+        first.each,
+        len(frames),
+        1,
+        (between, row, col),
+        first.unit,
+        notes=first.notes,
+        word="frame" if planes == 1 else "plane",
+        otherwise=planes // 2,
+        series=(title,),
+    )
 
 
-def _stretch(heights: Array) -> tuple[int, int, tuple[str, ...]]:
-    """First slice of the longest part that is evenly spaced, the one after its last, and what is wrong next to it."""
-    begin, end = _longest(_even_parts(heights))
-    if end - begin == len(heights):
-        return 0, len(heights), ()
-    gaps = np.diff(heights)
-    usual = float(np.median(gaps[begin : end - 1]))
-    odd = begin - 1 if begin > 0 else end - 1
+def _gap(gaps: Array, begin: int, last: int) -> tuple[str, str]:
+    """What is wrong next to the longest part that is evenly spaced, from one slice to another, and which part it is."""
+    usual = float(np.median(gaps[begin:last]))
+    odd = begin - 1 if begin > 0 else last
     ratio = float(gaps[odd]) / usual
     missing = round(ratio) - 1
     wrong = f"Its slices are from {gaps.min():.4g} to {gaps.max():.4g} mm apart."
     if missing >= 1 and math.isclose(ratio, missing + 1, rel_tol=_UNEVEN):
         lack = "1 slice is missing" if missing == 1 else f"{missing} slices are missing"
         wrong = f"Between slices {odd + 1} and {odd + 2} lie {gaps[odd]:.4g} mm, elsewhere {usual:.4g} mm: {lack}."
-    return (
-        begin,
-        end,
-        (
-            wrong,
-            f"The longest even part has {end - begin} slices, {begin + 1} to {end}, {usual:.4g} mm apart.",
-        ),
-    )
+    part = f"The longest even part has {last - begin + 1} slices, {begin + 1} to {last + 1}, {usual:.4g} mm apart."
+    return wrong, part

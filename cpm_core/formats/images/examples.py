@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -43,13 +41,21 @@ def example(name: str = "disk") -> Image:
     >>> cpm.example("ball").shape
     (31, 31, 31)
     """
-    if not isinstance(name, str) or name not in _DRAWN:
-        raise ValueError(f"there is no example {shown(name)}: choose one of {', '.join(_DRAWN)}.")
+    disk, fog = _disk(32, 32, 20.0), np.exp(-0.5 * (_around(32, 52) / 6.0) ** 2)
+    red = disk / _BRIGHT
+    drawn: dict[str, NDArray[Any]] = {
+        "disk": disk,
+        "ring": _disk(32, 32, 24.0) - _disk(32, 32, 10.0),
+        "disks": _disk(32, 18, 10.0) + _disk(32, 46, 10.0),
+        "gap": disk * (1.0 - fog) + 0.5 * _BRIGHT * fog,
+        "colors": np.stack([40 + 180 * red, 140 - 90 * red, 60 + 0 * red], axis=-1).astype(np.uint8),
+        "ball": _BRIGHT * _within(np.linalg.norm(np.indices((31, 31, 31)) - 15.0, axis=0), 9.0),
+    }
+    if not isinstance(name, str) or name not in drawn:
+        raise ValueError(f"there is no example {shown(name)}: choose one of {', '.join(drawn)}.")
     if name == "ball":
-        return Image(
-            _BRIGHT * _within(np.linalg.norm(np.indices((31, 31, 31)) - 15.0, axis=0), 9.0), (1.0,) * 3, "mm", name
-        )
-    return Image(_DRAWN[name](), (0.5, 0.5), "µm", name)
+        return Image(drawn[name], (1.0, 1.0, 1.0), "mm", name)
+    return Image(drawn[name], (0.5, 0.5), "µm", name)
 
 
 def _within(distance: Array, radius: float) -> Array:
@@ -62,30 +68,5 @@ def _around(row: float, col: float) -> Array:
     return np.asarray(np.hypot(*(np.indices((64, 64)) - np.array([row, col])[:, None, None])))
 
 
-def _disk() -> Array:
-    return _BRIGHT * _within(_around(32, 32), 20.0)
-
-
-def _ring() -> Array:
-    return _BRIGHT * (_within(_around(32, 32), 24.0) - _within(_around(32, 32), 10.0))
-
-
-def _disks() -> Array:
-    return _BRIGHT * (_within(_around(32, 18), 10.0) + _within(_around(32, 46), 10.0))
-
-
-def _gap() -> Array:
-    """A disk with fog over its right edge."""
-    fog = np.exp(-0.5 * (_around(32, 52) / 6.0) ** 2)
-    return _disk() * (1.0 - fog) + 0.5 * _BRIGHT * fog
-
-
-def _colors() -> NDArray[np.uint8]:
-    disk = _within(_around(32, 32), 20.0)
-    return np.asarray(np.stack([40 + 180 * disk, 140 - 90 * disk, 60 + 0 * disk], axis=-1), dtype=np.uint8)
-
-
-_DRAWN: Mapping[str, Callable[[], NDArray[Any]]] = MappingProxyType(
-    {"disk": _disk, "ring": _ring, "disks": _disks, "gap": _gap, "colors": _colors, "ball": _disk}
-)
-"""What is drawn, by name; the ball is drawn in three dimensions."""
+def _disk(row: float, col: float, radius: float) -> Array:
+    return _BRIGHT * _within(_around(row, col), radius)

@@ -10,30 +10,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.printable import printable
-from cpm_core.formats.images.decoded import Decoded, UnreadableError, from_bands
+from cpm_core.formats.images.decoded import Decoded, from_bands
 from cpm_core.formats.images.reading import Reading
-from cpm_core.formats.images.stack import NO_PLACE, Stack, check_content, check_memory, file_beside
-from cpm_core.image.geometry import Geometry, from_affine
+from cpm_core.formats.images.stack import Position, Stack, check_content, check_memory, file_beside, position_of
 
 READS = {".mha": "MetaImage volume", ".mhd": "MetaImage volume of two files"}
 
 _BEGINNINGS = (b"ObjectType", b"NDims", b"ObjectSubType", b"Comment")
 _LONGEST_HEADER = 2**16
-_TYPES = {
-    "CHAR": "i1",
-    "UCHAR": "u1",
-    "SHORT": "i2",
-    "USHORT": "u2",
-    "INT": "i4",
-    "UINT": "u4",
-    "LONG": "i4",
-    "ULONG": "u4",
-    "LONG_LONG": "i8",
-    "ULONG_LONG": "u8",
-    "FLOAT": "f4",
-    "DOUBLE": "f8",
-}
+_SIZES = {"CHAR": 1, "SHORT": 2, "INT": 4, "LONG": 4, "LONG_LONG": 8, "FLOAT": 4, "DOUBLE": 8}
 _UNITS = {"mm": "mm", "um": "µm", "cm": "cm"}
 
 
@@ -55,7 +42,8 @@ def stack(path: Path, _reading: Reading) -> Stack:
     columns, rows, planes, times = (*sizes, 1, 1)[:4]
     msb_first = _is_true(entries.get("binarydatabyteordermsb", entries.get("elementbyteordermsb", "")))
     named = entries["elementtype"].removeprefix("MET_").removesuffix("_ARRAY")
-    kind = np.dtype(_TYPES[named]).newbyteorder(">" if msb_first else "<")
+    letter = "f" if named in ("FLOAT", "DOUBLE") else "u" if named.startswith("U") else "i"
+    kind = np.dtype(f"{'>' if msb_first else '<'}{letter}{_SIZES[named.removeprefix('U')]}")
     packed = _is_true(entries.get("compresseddata", ""))
     file, begin = path, end
     if entries["elementdatafile"].upper() != "LOCAL":
@@ -63,7 +51,7 @@ def stack(path: Path, _reading: Reading) -> Stack:
     shape = (times, planes, rows, columns, bands)
     needed = math.prod(shape) * kind.itemsize
     check_content(file, needed + (0 if packed else max(begin, 0)), packed)
-    spacing, unit, geometry, notes = _place(entries, len(sizes))
+    spacing, unit, geometry, notes = _position(entries, len(sizes))
     color = bands in (3, 4) and kind.kind == "u"
 
     def values() -> NDArray[Any]:
@@ -114,14 +102,10 @@ def _is_true(text: str) -> bool:
     return text.lower() in ("true", "1", "yes")
 
 
-def _place(
-    entries: dict[str, str], axes: int
-) -> tuple[tuple[float, float, float], str | None, Geometry | None, tuple[str, ...]]:
-    """Size of a voxel, its unit, and where the volume lies, where the file gives them, with notes."""
-
+def _position(entries: dict[str, str], axes: int) -> Position:
     def numbers(*names: str) -> Any:
         found = next((entries[name] for name in names if name in entries), None)
-        return None if found is None else np.array([float(part) for part in found.split()])
+        return None if found is None else np.array(found.split(), float)
 
     sides = numbers("elementspacing", "elementsize")
     origin, matrix = numbers("offset", "position", "origin"), numbers("transformmatrix", "rotation", "orientation")
@@ -141,8 +125,5 @@ def _place(
     affine[:3, :3] *= spacing
     if origin is not None:
         affine[:count, 3] = origin[:count]
-    try:
-        geometry, sizes = from_affine(affine, "LPS")
-    except ValueError:
-        return (plane, row, col), unit, None, (NO_PLACE,)
-    return sizes, unit, geometry, ()
+    found, _, geometry, notes = position_of(affine, "LPS", (plane, row, col), "mm")
+    return found, unit, geometry, notes

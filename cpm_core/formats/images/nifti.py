@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 
+from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.printable import printable
-from cpm_core.formats.images.decoded import Decoded, UnreadableError, from_bands
+from cpm_core.formats.images.decoded import Decoded, from_bands
 from cpm_core.formats.images.reading import Reading
-from cpm_core.formats.images.stack import NO_PLACE, Stack, check_content
-from cpm_core.image.geometry import from_affine
+from cpm_core.formats.images.stack import Stack, check_content, position_of
 from cpm_core.parameters.quotation import shown
 
 READS = {".nii": "NIfTI volume", ".nii.gz": "the same, compressed", ".hdr": "NIfTI volume of two files"}
@@ -70,17 +70,11 @@ def stack(path: Path, _reading: Reading) -> Stack:
         stored = volume.get_data_dtype()
         image = Path(volume.file_map["image"].filename or path)
         check_content(image, math.prod(sizes) * stored.itemsize, _is_packed(image))
-        unit, notes = _UNITS.get(volume.header.get_xyzt_units()[0]), []
+        unit = _UNITS.get(volume.header.get_xyzt_units()[0])
+        sides = [abs(float(side)) for side in (*volume.header.get_zooms()[:3], 1.0, 1.0)[2::-1]]
+        spacing, _, geometry, notes = position_of(volume.affine, "RAS", sides, "mm")
         if unit is None:
-            notes.append("It names no unit of length; millimeters were taken.")
-        geometry = None
-        try:
-            geometry, spacing = from_affine(volume.affine, "RAS")
-        except ValueError:
-            plane, row, col = [abs(float(side)) for side in (*volume.header.get_zooms()[:3], 1.0, 1.0)[2::-1]]
-            sound = all(math.isfinite(side) and side > 0.0 for side in (plane, row, col))
-            spacing = (plane, row, col) if sound else (1.0, 1.0, 1.0)
-            notes.append(NO_PLACE)
+            notes = ("It names no unit of length; millimeters were taken.", *notes)
 
     def take(time: int, channel: int, first: int, end: int) -> Decoded:
         at = (slice(None), slice(None), slice(first, end), time, channel)
@@ -103,7 +97,7 @@ def stack(path: Path, _reading: Reading) -> Stack:
         spacing,
         unit or "mm",
         geometry,
-        notes=tuple(notes),
+        notes=notes,
         otherwise=planes // 2,
     )
 

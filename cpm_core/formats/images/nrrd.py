@@ -8,12 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.printable import printable
 from cpm_core.formats.images import resolution
-from cpm_core.formats.images.decoded import Decoded, UnreadableError, from_bands
+from cpm_core.formats.images.decoded import Decoded, from_bands
 from cpm_core.formats.images.reading import Reading
-from cpm_core.formats.images.stack import NO_PLACE, Stack, check_content, check_memory, file_beside
-from cpm_core.image.geometry import Convention, Geometry, from_affine
+from cpm_core.formats.images.stack import Position, Stack, check_content, check_memory, file_beside, position_of
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import shown
 
@@ -21,13 +21,7 @@ READS = {".nrrd": "NRRD volume", ".nhdr": "NRRD volume of two files"}
 
 _ROLES = ("time", "channel", "plane", "row", "col", "color")
 _IN_SPACE, _COLORS, _TIME = ("domain", "space"), ("rgb-color", "rgba-color"), "time"
-_LPS, _RAS, _LAS = "left-posterior-superior", "right-anterior-superior", "left-anterior-superior"
-_SPACES: dict[str, tuple[Convention, tuple[float, float, float]]] = {
-    **dict.fromkeys((_LPS, "lps"), ("LPS", (1.0, 1.0, 1.0))),
-    **dict.fromkeys((_RAS, "ras"), ("RAS", (1.0, 1.0, 1.0))),
-    **dict.fromkeys((_LAS, "las"), ("LPS", (1.0, -1.0, 1.0))),
-}
-"""Coordinates of a patient -> those that they are taken as, and what turns around for that."""
+_SPACES = {"left-posterior-superior": "LPS", "right-anterior-superior": "RAS", "left-anterior-superior": "LAS"}
 
 
 def reads(head: bytes, _path: Path) -> bool:
@@ -61,7 +55,7 @@ def stack(path: Path, _reading: Reading) -> Stack:
         header[named] = str(file)
     if not str(header["encoding"]).startswith("bz"):  # which packs equal values without limit
         check_content(file, math.prod(sizes) * itemsize, header["encoding"] != "raw")
-    spacing, unit, geometry, notes = _place(header, roles)
+    spacing, unit, geometry, notes = _position(header, roles)
     size = {role: sizes[axis] for role, axis in roles.items()}
     shape = tuple(size.get(role, 1) for role in _ROLES)
     order = [roles[role] for role in _ROLES if role in roles]
@@ -116,10 +110,7 @@ def _roles(header: Any, sizes: list[int], name: str) -> dict[str, int]:
     return roles
 
 
-def _place(
-    header: Any, roles: dict[str, int]
-) -> tuple[tuple[float, float, float], str | None, Geometry | None, tuple[str, ...]]:
-    """Size of a voxel, its unit, and where the volume lies, where the file gives them, with notes."""
+def _position(header: Any, roles: dict[str, int]) -> Position:
     axes = [roles[role] for role in ("col", "row", "plane") if role in roles]
     vectors, own = header.get("space directions"), list(header.get("units", []))
     named = [*(own[axis] for axis in axes if axis < len(own) and vectors is None), *header.get("space units", [])]
@@ -134,14 +125,11 @@ def _place(
         return (1.0, 1.0, 1.0), None, None, ()
     col, row, plane = (*sides, 1.0)[:3]
     space = str(header.get("space", "")).lower().removesuffix("-time")
-    if vectors is None or along.shape != (3, 3) or space not in _SPACES:
+    space = _SPACES.get(space, space.upper())
+    if vectors is None or along.shape != (3, 3) or space not in _SPACES.values():
         return (plane, row, col), unit, None, ()
-    convention, turned = _SPACES[space]
     affine = np.eye(4)
     affine[:3, :3], affine[:3, 3] = along.T, np.array(header.get("space origin", np.zeros(3)), float)[:3]
-    affine[:3] *= np.array(turned)[:, None]
-    try:
-        geometry, spacing = from_affine(affine, convention)
-    except ValueError:
-        return (1.0, 1.0, 1.0), None, None, (NO_PLACE,)
-    return spacing, unit or "mm", geometry, ()
+    if space == "LAS":
+        affine[1] *= -1.0
+    return position_of(affine, "RAS" if space == "RAS" else "LPS", (plane, row, col), unit or "mm")

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.lib import format as array_format
 from numpy.typing import NDArray
 
+from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.printable import printable
-from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size, from_bands
+from cpm_core.formats.images.decoded import Decoded, check_size, from_bands
 from cpm_core.formats.images.reading import Reading, UnchosenError, series_of
 from cpm_core.formats.images.stack import Stack, check_content, check_memory
 from cpm_core.image.image import MINIMUM_SIDE

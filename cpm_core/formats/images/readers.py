@@ -5,30 +5,27 @@ A new reader is a module with the interface `Reader`, and an entry in `_READERS`
 
 from __future__ import annotations
 
-import logging
 import os
-import stat
-import warnings
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cpm_core.formats.common.content import fingerprint
+from cpm_core.formats.common.content import AnyPath, UnreadableError, content_of, decoding, fingerprint
+from cpm_core.formats.common.plain import Entries
 from cpm_core.formats.common.printable import printable
 from cpm_core.formats.images import dicom, metaimage, nifti, nrrd, numpy_array, raster, resolution, tiff
-from cpm_core.formats.images.decoded import Decoded, UnreadableError
-from cpm_core.formats.images.reading import Reading, UnchosenError, checked_unit
+from cpm_core.formats.images.decoded import Decoded
+from cpm_core.formats.images.reading import Reading, checked_unit
 from cpm_core.formats.images.stack import Axis, Pages, Stack, plane_of, volume_of
 from cpm_core.image.colors import LUMINANCE, LUMINANCE_NOTE, in_color
 from cpm_core.image.gray_levels import NO_DATA, no_data_note
 from cpm_core.image.image import MINIMUM_SIDE, Image
 from cpm_core.numerics.real_numbers import real_numbers
-
-T = TypeVar("T")
 
 
 class Reader(Protocol):
@@ -67,14 +64,12 @@ _FOREIGN: tuple[tuple[int, bytes, str], ...] = (
 )
 """Place of a signature in a file, the signature, and what the file is: kinds that are known but not read."""
 
-_LOG = logging.getLogger(__name__)
-
 READABLE: dict[str, str] = {suffix: text for reader in _READERS for suffix, text in reader.READS.items()}
 """Suffixes of the images that can be read -> what they are. The content of a file decides, not its suffix."""
 
 
 def load_image(
-    path: str | os.PathLike[str],
+    path: AnyPath,
     go_on: Callable[[], object] | None = None,
     *,
     page: int | None = None,
@@ -130,7 +125,7 @@ def load_image(
 
 
 def load_volume(
-    path: str | os.PathLike[str],
+    path: AnyPath,
     go_on: Callable[[], object] | None = None,
     *,
     channel: int | None = None,
@@ -173,7 +168,7 @@ def load_volume(
 
 
 def load_pages(
-    path: str | os.PathLike[str],
+    path: AnyPath,
     go_on: Callable[[], object] | None = None,
     *,
     channel: int | None = None,
@@ -209,7 +204,8 @@ def load_pages(
     (2, (64, 64))
     """
     file, reading = Path(path), Reading(None, channel, time, series, color, _sides(spacing), unit)
-    stack = _guarded(file, lambda: _opened(file, reading))
+    with _decoding(file):
+        stack = _opened(file, reading)
     sha256 = _hash(file, go_on)
     axes: tuple[tuple[str, Axis, int], ...] = (
         ("page", "z", stack.shape[0]),
@@ -219,9 +215,11 @@ def load_pages(
     name, axis, count = next((one for one in axes if one[2] > 1), axes[0])
 
     def page(number: int) -> Image:
-        chosen: dict[str, Any] = {name: number}
+        chosen: Entries = {name: number}
         one = replace(reading, **chosen)
-        return _finished(_guarded(file, lambda: plane_of(stack, one)), file, one, sha256)
+        with _decoding(file):
+            decoded = plane_of(stack, one)
+        return _finished(decoded, file, one, sha256)
 
     return Pages(
         printable(file.name),
@@ -234,12 +232,12 @@ def load_pages(
     )
 
 
-def holds_volume(path: str | os.PathLike[str], series: int | str | None = None) -> bool:
+def holds_volume(path: AnyPath, series: int | str | None = None) -> bool:
     """Whether a file holds enough planes for a volume; ValueError as for `load_volume`."""
     return open_stack(path, series).shape[0] >= MINIMUM_SIDE
 
 
-def open_stack(path: str | os.PathLike[str], series: int | str | None = None) -> Stack:
+def open_stack(path: AnyPath, series: int | str | None = None) -> Stack:
     """What a file holds, of whose planes none has been read yet.
 
     Parameters
@@ -258,7 +256,8 @@ def open_stack(path: str | os.PathLike[str], series: int | str | None = None) ->
         As for `load_volume`; `UnchosenError` when an archive holds several images and none is chosen.
     """
     file = Path(path)
-    return _guarded(file, lambda: _opened(file, Reading(series=series)))
+    with _decoding(file):
+        return _opened(file, Reading(series=series))
 
 
 def _sides(spacing: ArrayLike | None) -> tuple[float, ...] | None:
@@ -269,7 +268,8 @@ def _image(
     file: Path, reading: Reading, part: Callable[[Stack, Reading], Decoded], go_on: Callable[[], object] | None
 ) -> Image:
     """A part of a file as an image."""
-    decoded = _guarded(file, lambda: part(_opened(file, reading), reading))
+    with _decoding(file):
+        decoded = part(_opened(file, reading), reading)
     return _finished(decoded, file, reading, _hash(file, go_on))
 
 
@@ -296,27 +296,20 @@ def _hash(file: Path, go_on: Callable[[], object] | None) -> str:
     return "" if os.path.isdir(file) else fingerprint(file, go_on)  # noqa: PTH112 - raises nothing
 
 
-def _guarded(file: Path, read: Callable[[], T]) -> T:
-    """What a function reads of a file; ValueError, one sentence, when it fails."""
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # oddities of a readable file do not concern the user
-            return read()
-    except (UnreadableError, UnchosenError):
-        raise
-    except MemoryError:
-        raise ValueError(f"{file.name} does not fit into memory: crop it or make it smaller first.") from None
-    except Exception as error:  # decoders raise exceptions of any kind on damaged files
-        _LOG.info("%s: %s: %s", file, type(error).__name__, error)
-        raise ValueError(
-            f"{file.name} is damaged, cut short or of an unknown kind: get a sound copy of it, "
-            "or save it again as PNG or TIFF."
-        ) from error
+def _decoding(file: Path) -> AbstractContextManager[None]:
+    return decoding(
+        printable(file.name),
+        "is damaged, cut short or of an unknown kind: get a sound copy of it, or save it again as PNG or TIFF.",
+    )
 
 
 def _opened(file: Path, reading: Reading) -> Stack:
     """What a file holds, opened by its reader."""
-    head = _head(file)
+    if dicom.is_series(file):
+        return dicom.stack(file, reading)
+    head = content_of(file, part=_HEAD)
+    if not head:
+        raise UnreadableError(f"{file.name} is empty: get a sound copy of it.")
     reader = next(reader for reader in _READERS if reader.reads(head, file))
     kind = next((kind for place, mark, kind in _FOREIGN if head.startswith(mark, place)), None)
     if reader is raster and kind is not None:
@@ -325,26 +318,3 @@ def _opened(file: Path, reading: Reading) -> Stack:
             "with the program that made it."
         )
     return reader.stack(file, reading)
-
-
-def _head(file: Path) -> bytes:
-    """First bytes of a file; UnreadableError unless it is a regular file that can be read."""
-    try:
-        kind = file.stat().st_mode
-        if stat.S_ISDIR(kind):
-            if dicom.is_series(file):
-                return dicom.FOLDER
-            raise UnreadableError(f"{file} is a folder: choose an image file in it.")
-        if not stat.S_ISREG(kind):
-            raise UnreadableError(f"{file} is not an ordinary file: choose an image file.")
-        with file.open("rb") as stream:
-            head = stream.read(_HEAD)
-    except FileNotFoundError:
-        raise UnreadableError(f"{file} does not exist: check its name and folder.") from None
-    except PermissionError:
-        raise UnreadableError(f"{file} cannot be read, because you have no permission: ask its owner for it.") from None
-    except OSError as error:
-        raise UnreadableError(f"{file} cannot be read: {error.strerror or error}.") from error
-    if not head:
-        raise UnreadableError(f"{file.name} is empty: get a sound copy of it.")
-    return head

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated
 
 import numpy as np
 
+from cpm_core.formats.common.content import UnreadableError
+from cpm_core.formats.common.plain import Entries
 from cpm_core.formats.images import resolution
-from cpm_core.formats.images.decoded import UnreadableError
 from cpm_core.image.colors import LUMINANCE, checked_color
 from cpm_core.numerics.real_numbers import checked_number
 from cpm_core.parameters.quotation import shown
@@ -54,7 +54,7 @@ class Reading:
     time: int | None = None
     series: int | str | None = None
     color: str = LUMINANCE
-    spacing: tuple[float, ...] | None = None
+    spacing: Annotated[tuple[float, ...], 1, 2, 3] | None = None
     unit: str | None = None
 
     def __post_init__(self) -> None:
@@ -77,21 +77,10 @@ class Reading:
             raise ValueError(f"unit is {shown(self.unit)} but there is no spacing: give the size of a pixel as well.")
 
     @property
-    def arguments(self) -> dict[str, Any]:
+    def arguments(self) -> Entries:
         """What is chosen, by name."""
         fields = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
         return {name: given for name, given in fields.items() if given is not None and given != _DEFAULTS[name]}
-
-    @classmethod
-    def of(cls, given: Mapping[str, Any]) -> Reading:
-        """A reading from plain JSON; ValueError when it is not valid."""
-        unknown = sorted(str(name) for name in given if name not in _DEFAULTS)
-        if unknown:
-            raise ValueError(f"reading has a value {shown(unknown[0])}, but only {', '.join(_DEFAULTS)} are known.")
-        spacing = given.get("spacing")
-        if spacing is not None and not (isinstance(spacing, list | tuple) and 1 <= len(spacing) <= 3):
-            raise ValueError(f"spacing is {shown(spacing)} but must be one to three numbers.")
-        return cls(**{**given, "spacing": None if spacing is None else tuple(spacing)})
 
 
 DEFAULT = Reading()
@@ -100,7 +89,7 @@ DEFAULT = Reading()
 _DEFAULTS = {field.name: field.default for field in dataclasses.fields(Reading)}
 
 
-class UnchosenError(ValueError):
+class UnchosenError(UnreadableError):
     """A file holds several images, and none of them was chosen.
 
     Attributes

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -9,12 +10,14 @@ from typing import Literal, overload
 
 import numpy as np
 
-from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size
+from cpm_core.formats.common.content import UnreadableError
+from cpm_core.formats.images.decoded import Decoded, check_size
 from cpm_core.formats.images.reading import Reading, index_of
 from cpm_core.image.colors import Colors
-from cpm_core.image.geometry import Geometry
+from cpm_core.image.geometry import Convention, Geometry, Triple, from_affine
 from cpm_core.image.image import MINIMUM_SIDE, Image
 from cpm_core.numerics.memory import check_room
+from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import counted, described, shown
 
 _BYTES_OF_GRAY = 16
@@ -23,8 +26,8 @@ _BYTES_OF_GRAY = 16
 _SLANTED = 0.5
 """Angle by which axes may be off right ones without a note [degrees]."""
 
-NO_PLACE = "Its matrix is not valid, so that it is not known where it lies."
-"""Note on a volume of which only the size of a voxel is known."""
+Position = tuple[Triple, str | None, Geometry | None, tuple[str, ...]]
+"""Size of a voxel, its unit, where the volume lies, where the file gives them, and notes on them."""
 
 ONLY_THESE = "Only these were taken."
 """What is said behind the sentence on the longest even part of a file."""
@@ -193,6 +196,19 @@ def _first_plane(found: Decoded) -> Decoded:
     """The first plane of a volume."""
     colors = found.colors and replace(found.colors, samples=found.colors.samples[0])
     return replace(found, values=found.values[0], colors=colors)
+
+
+def position_of(affine: Array, convention: Convention, sides: Sequence[float], unit: str) -> Position:
+    """The position of a volume by the matrix of a file, from (col, row, plane, 1) to (x, y, z, 1).
+
+    Where that is not valid, only the size of a voxel (plane, row, col) is known.
+    """
+    try:
+        geometry, spacing = from_affine(affine, convention)
+    except ValueError:
+        plane, row, col = sides if all(math.isfinite(side) and side > 0.0 for side in sides) else (1.0, 1.0, 1.0)
+        return (plane, row, col), unit, None, ("Its matrix is not valid, so that it is not known where it lies.",)
+    return spacing, unit, geometry, ()
 
 
 def check_memory(shape: tuple[int, ...], each: float, name: str) -> None:

@@ -13,9 +13,10 @@ import numpy as np
 import tifffile
 from numpy.typing import NDArray
 
+from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.printable import printable
 from cpm_core.formats.images import resolution
-from cpm_core.formats.images.decoded import Decoded, UnreadableError, check_size, from_samples, upright
+from cpm_core.formats.images.decoded import Decoded, check_size, from_samples, upright
 from cpm_core.formats.images.reading import Reading, series_of
 from cpm_core.formats.images.stack import Stack, check_content, joined
 from cpm_core.image.colors import full_scale
@@ -37,8 +38,8 @@ _LARGEST_PART = 2**24
 _WHITE_IS_ZERO, _BLACK_IS_ZERO, _RGB, _PALETTE, _INKS, _YCBCR = 0, 1, 2, 3, 5, 6
 _JPEG = 7
 _PREMULTIPLIED = 1
-_PER_METER = {2: 1 / 0.0254, 3: 100.0}
-"""Unit of a resolution (inch, centimeter) -> how many of it are a meter."""
+_METER = 1
+"""What tifffile calls the unit of a resolution in pixels a meter."""
 
 _PIXEL_AXES = "YXS"
 
@@ -69,11 +70,10 @@ def stack(path: Path, reading: Reading) -> Stack:
         check_content(path, math.prod(series.shape) * series.dtype.itemsize)
         pages = _pages_of(series, name)
         keyframe = series.keyframe
-        (row, col), unit = _spacing_of(file, keyframe, number)
-        depth = _depth_of(file, unit, number)
+        depth, (row, col), unit = _voxel(file, keyframe, number)
         size = dict(zip(series.axes, series.shape, strict=True))
         sides = (int(size["Y"]), int(size["X"]))
-        if _number(keyframe, "Orientation") in range(5, 9):  # rows become columns
+        if _orientation(keyframe) in range(5, 9):  # rows become columns
             sides, (row, col) = sides[::-1], (col, row)
     notes = () if reading.series or len(names) == 1 else (f"Only the first of its {len(names)} series was taken.",)
     untold = ("The distance of its planes is not given; that of its rows was taken.",)
@@ -111,19 +111,20 @@ def _pages_of(series: tifffile.TiffPageSeries, name: str) -> NDArray[np.int64]:
     """Index of each page by (time, channel, plane); other axes count as planes, or as times next to planes."""
     if not {"Y", "X"} <= set(series.axes):
         raise UnreadableError(f"{name} has the axes {series.axes}: save one volume or plane of it.")
-    outer = [(axis, size) for axis, size in zip(series.axes, series.shape, strict=True) if axis not in _PIXEL_AXES]
-    role = {axis: axis for axis, _ in outer if axis in "TCZ"}
-    for axis, size in outer:
-        if axis in role or size == 1:
-            continue
-        free = next((other for other in "ZT" if other not in role.values()), None)
-        if free is None:
-            raise UnreadableError(f"{name} has the axes {series.axes} {series.shape}: save one volume or plane of it.")
-        role[axis] = free
-    numbers = np.arange(math.prod(size for _, size in outer)).reshape([size for _, size in outer])
-    places = [place for other in "TCZ" for place, (axis, _) in enumerate(outer) if role.get(axis) == other]
-    ordered = numbers.transpose([*places, *(place for place in range(len(outer)) if place not in places)])
-    return ordered.reshape([next((size for axis, size in outer if role.get(axis) == other), 1) for other in "TCZ"])
+    axes = [axis for axis in series.axes if axis not in _PIXEL_AXES]
+    sizes = [size for axis, size in zip(series.axes, series.shape, strict=True) if axis not in _PIXEL_AXES]
+    for place, axis in enumerate(axes):
+        if axis not in "TCZ" and sizes[place] > 1:
+            free = next((other for other in "ZT" if other not in axes), None)
+            if free is None:
+                raise UnreadableError(
+                    f"{name} has the axes {series.axes} {series.shape}: save one volume or plane of it."
+                )
+            axes[place] = free
+    order = sorted(range(len(axes)), key=lambda place: "TCZ".find(axes[place]))
+    size = dict(zip(axes, sizes, strict=True))
+    numbers = np.arange(math.prod(sizes)).reshape(sizes).transpose(order)
+    return numbers.reshape([size.get(axis, 1) for axis in "TCZ"])
 
 
 def _taken(series: tifffile.TiffPageSeries, numbers: NDArray[np.int64], name: str) -> Decoded:
@@ -170,7 +171,11 @@ def _decoded(page: tifffile.TiffPage, raw: NDArray[Any], name: str) -> Decoded:
         table = table if table.max() < 256.0 else table / 257.0  # old programs write eight bits in sixteen
         samples, bits = np.rint(table).astype(np.uint8).T[samples[..., 0]], 8
     elif colors == _INKS:
-        samples = _light_of_inks(page, samples, _white(bits, samples), name)
+        if page.tags.valueof("InkSet", default=1) != 1 or samples.shape[-1] < 4:
+            raise _uncommon(page, name)
+        white = _white(bits, samples)
+        light = (white - samples[..., :3]) * (1.0 - samples[..., 3:4] / white)
+        samples = np.concatenate([light.astype(samples.dtype), samples[..., 4:]], axis=-1)
     elif colors not in (_WHITE_IS_ZERO, _BLACK_IS_ZERO, _RGB) and not (
         colors == _YCBCR and page.compression == _JPEG  # which unpacking turns into red, green and blue
     ):
@@ -190,7 +195,7 @@ def _decoded(page: tifffile.TiffPage, raw: NDArray[Any], name: str) -> Decoded:
         shown = np.divide(shown, share, out=np.zeros(shown.shape), where=share > 0.0)
     found = from_samples(shown, opacity, tuple(notes), white)
     given = stored[..., : 1 if colors == _PALETTE else count]
-    return upright(replace(found, values=_without_no_data(page, found.values, given)), _number(page, "Orientation"))
+    return upright(replace(found, values=_without_no_data(page, found.values, given)), _orientation(page))
 
 
 def _uncommon(page: tifffile.TiffPage, name: str) -> UnreadableError:
@@ -200,14 +205,6 @@ def _uncommon(page: tifffile.TiffPage, name: str) -> UnreadableError:
         f"{name} is a TIFF of an uncommon kind ({page.bitspersample} bits, {kind}): save it again in gray, or in red, "
         "green and blue."
     )
-
-
-def _light_of_inks(page: tifffile.TiffPage, samples: NDArray[Any], white: float, name: str) -> NDArray[Any]:
-    """Red, green and blue of cyan, magenta, yellow and black, and the samples after these."""
-    if _number(page, "InkSet") != 1 or samples.shape[-1] < 4:
-        raise _uncommon(page, name)
-    light = (white - samples[..., :3]) * (1.0 - samples[..., 3:4] / white)
-    return np.concatenate([light.astype(samples.dtype), samples[..., 4:]], axis=-1)
 
 
 def _without_no_data(page: tifffile.TiffPage, gray: NDArray[Any], stored: NDArray[Any]) -> NDArray[Any]:
@@ -225,55 +222,36 @@ def _white(bits: object, samples: NDArray[Any]) -> float:
     return 2.0**bits - 1.0 if isinstance(bits, int) and samples.dtype.kind == "u" else full_scale(samples)
 
 
-def _spacing_of(file: tifffile.TiffFile, page: tifffile.TiffPage, series: int) -> resolution.Spacing:
-    """Pixel size on the specimen from OME or ImageJ; else from the resolution tag, when it is plausible."""
-    if file.ome_metadata:
-        entries = _of_ome(file, series)
-        row, col = entries.get("PhysicalSizeY"), entries.get("PhysicalSizeX")
-        units = {entries.get(f"PhysicalSize{axis}Unit", "µm") for axis in "XY"}
-        if row and col and len(units) == 1:
-            return resolution.from_sizes(float(row), float(col), units.pop())
-        return resolution.UNKNOWN
-    columns, rows = _density(page, "XResolution"), _density(page, "YResolution")
-    if not (columns > 0 and rows > 0):
-        return resolution.UNKNOWN
-    hyperstack = file.imagej_metadata
-    if hyperstack and "unit" in hyperstack:
-        return resolution.from_sizes(1 / rows, 1 / columns, str(hyperstack["unit"]))
-    factor = _PER_METER.get(_number(page, "ResolutionUnit"), 0.0)
-    return resolution.from_density(rows * factor, columns * factor)
+def _orientation(page: tifffile.TiffPage) -> int:
+    found = page.tags.valueof("Orientation", default=1)
+    return found if isinstance(found, int) else 1
 
 
-def _depth_of(file: tifffile.TiffFile, unit: str | None, series: int) -> float | None:
-    """Distance of neighboring planes from OME or ImageJ, in the unit of the pixel size; None when it is not given."""
+def _voxel(
+    file: tifffile.TiffFile, page: tifffile.TiffPage, series: int
+) -> tuple[float | None, tuple[float, float], str | None]:
+    """Distance of neighboring planes, where it is given, the size of a pixel on the specimen, and the unit of both.
+
+    They are those of OME or ImageJ; else the size is that of the resolution tag, when it is plausible.
+    """
+    hyperstack = file.imagej_metadata or {}
     if file.ome_metadata:
-        entries = _of_ome(file, series)
-        given, named = entries.get("PhysicalSizeZ"), entries.get("PhysicalSizeZUnit", "µm")
+        pixels = re.findall(r"<Pixels\b[^>]*>", file.ome_metadata)[series : series + 1]
+        entries = dict(re.findall(r"\b(PhysicalSize[XYZ](?:Unit)?)=\"([^\"]*)\"", "".join(pixels)))
+        sizes = [entries.get(f"PhysicalSize{axis}", 0.0) for axis in "ZYX"]
+        units = [entries.get(f"PhysicalSize{axis}Unit", "µm") for axis in "ZYX"]
     else:
-        given, named = (file.imagej_metadata or {}).get("spacing"), str((file.imagej_metadata or {}).get("unit"))
+        columns, rows = page.get_resolution()
+        sizes = [hyperstack.get("spacing", 0.0), 1.0 / rows if rows else 0.0, 1.0 / columns if columns else 0.0]
+        units = 3 * [str(hyperstack.get("unit"))]
+        if "unit" not in hyperstack:
+            columns, rows = page.get_resolution(_METER)
+            return None, *resolution.from_density(rows, columns)
+    pixel, unit = resolution.from_sizes(float(sizes[1]), float(sizes[2]), units[1] if units[1] == units[2] else "")
     try:
-        (depth, _), its_unit = resolution.from_sizes(abs(float(given or 0.0)), 1.0, named)
+        (depth, _), named = resolution.from_sizes(abs(float(sizes[0])), 1.0, units[0])
     except (TypeError, ValueError):
-        return None
-    return None if its_unit is None or unit is None else depth * resolution.factor(its_unit, unit)
-
-
-def _of_ome(file: tifffile.TiffFile, series: int) -> dict[str, str]:
-    """Sizes of a pixel that OME gives for one of its images."""
-    found = re.findall(r"<Pixels\b[^>]*>", file.ome_metadata or "")
-    pixels = found[series] if series < len(found) else ""
-    return dict(re.findall(r"\b(PhysicalSize[XYZ](?:Unit)?)=\"([^\"]*)\"", pixels))
-
-
-def _density(page: tifffile.TiffPage, name: str) -> float:
-    """A resolution tag as pixels per unit; 0 when it is missing or not valid."""
-    tag = page.tags.get(name)
-    if tag is None or not isinstance(tag.value, tuple) or len(tag.value) != 2 or not tag.value[1]:
-        return 0.0
-    return float(tag.value[0]) / float(tag.value[1])
-
-
-def _number(page: tifffile.TiffPage, name: str) -> int:
-    """A tag that is a whole number; 1 where it is missing."""
-    tag = page.tags.get(name)
-    return int(tag.value) if tag is not None and isinstance(tag.value, int) else 1
+        named = None
+    if named is None or unit is None:
+        return None, pixel, unit
+    return depth * resolution.factor(named, unit), pixel, unit

@@ -5,7 +5,6 @@ from __future__ import annotations
 import colorsys
 import io
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import PIL.Image
@@ -18,15 +17,16 @@ from cpm_core.contours.contour import Contour, numbers_of
 from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.rasterize import MOST_LABELS, label_type
 from cpm_core.contours.result import Result
-from cpm_core.formats.common.provenance import PROGRAM, entries_of, facts_of, text_of
+from cpm_core.formats.common.plain import Entries
+from cpm_core.formats.common.provenance import PROGRAM, Outcome, entries_of, facts_of, text_of
+from cpm_core.formats.images import resolution
 from cpm_core.medial_axis.skeleton import Skeleton
 
-_PER_CENTIMETER = {"nm": 1e7, "µm": 1e4, "mm": 10.0, "cm": 1.0, "m": 0.01}
 _GOLDEN, _PLASTIC, _SILVER = 0.6180339887, 0.7548776662, 0.4142135624
 """Steps of hue, saturation and brightness from one label to the next; multiples of them are spread evenly."""
 
 
-def labels_of(result: Result | Skeleton, *, outlines: bool = False) -> NDArray[np.unsignedinteger]:
+def labels_of(result: Outcome, *, outlines: bool = False) -> NDArray[np.unsignedinteger]:
     """Paint the insides of the closed contours of a result, or the branches of a skeleton.
 
     Parameters
@@ -40,7 +40,7 @@ def labels_of(result: Result | Skeleton, *, outlines: bool = False) -> NDArray[n
     -------
     ndarray of uint16 or uint32, shape `result.shape`
         Labels, 0 outside; 32 bits where there are more than 65535. Of a volume the objects inside the surface, the
-        largest first.
+        largest first. Branches are lines one pixel wide, the longest first, and on top where they meet.
 
     Raises
     ------
@@ -53,25 +53,12 @@ def labels_of(result: Result | Skeleton, *, outlines: bool = False) -> NDArray[n
                 f"{result.source} has no closed surface, so that nothing is inside: write the surface itself."
             )
         return result.labels.astype(label_type(int(result.labels.max())))
-    _count(result, outlines)
+    count = _count(result, outlines)
     if isinstance(result, Skeleton):
-        return paint_branches(result)
+        return paint_lines(result.contours, range(1, count + 1), result.shape)
     if outlines:
         return paint_lines(result.contours, numbers_of(result.contours), result.shape)
     return result.labels.astype(label_type(len(result.contours)))
-
-
-def paint_branches(skeleton: Skeleton) -> NDArray[np.unsignedinteger]:
-    """Draw each branch of a skeleton as a line one pixel wide, connected along sides or corners of pixels.
-
-    The longest branch has label 1, the next 2, and so on; where branches meet, the longer one is on top.
-
-    Returns
-    -------
-    ndarray of uint16 or uint32, shape `skeleton.shape`
-        Labels, 0 off the skeleton; 32 bits where there are more than 65535.
-    """
-    return paint_lines(skeleton.contours, range(1, len(skeleton.contours) + 1), skeleton.shape)
 
 
 def paint_lines(
@@ -89,7 +76,7 @@ def paint_lines(
     return mask
 
 
-def encode_png(result: Result | Skeleton, *, outlines: bool = False) -> bytes:
+def encode_png(result: Outcome, *, outlines: bool = False) -> bytes:
     """Make a PNG file of the labels: of 8 bits and in colors up to label 255, and of 16 bits and gray above.
 
     Each label is the index of its color, so that every viewer shows the labels apart, and a program that reads the
@@ -114,7 +101,7 @@ def encode_png(result: Result | Skeleton, *, outlines: bool = False) -> bytes:
     return stream.getvalue()
 
 
-def encode_tiff(result: Result | Skeleton, *, outlines: bool = False) -> bytes:
+def encode_tiff(result: Outcome, *, outlines: bool = False) -> bytes:
     """Make an uncompressed gray TIFF of 16 bits with the entries of ImageJ, which then shows lengths in the unit.
 
     It has 32 bits where there are more than 65535 labels; ImageJ would interpret them as real numbers, so its entries
@@ -123,7 +110,7 @@ def encode_tiff(result: Result | Skeleton, *, outlines: bool = False) -> bytes:
     """
     facts = facts_of(result)
     mask = labels_of(result, outlines=outlines)
-    entries: dict[str, Any] = {}
+    entries: Entries = {}
     height, width = result.spacing[-2:]
     if result.unit:
         entries["resolution"] = (1.0 / width, 1.0 / height)
@@ -133,16 +120,15 @@ def encode_tiff(result: Result | Skeleton, *, outlines: bool = False) -> bytes:
             entries["metadata"]["spacing"] = result.spacing[0]
     else:
         entries |= {"metadata": None, "description": text_of(facts)}
-        if result.unit in _PER_CENTIMETER:
-            factor = _PER_CENTIMETER[result.unit]
-            entries["resolution"] = (factor / width, factor / height)
+        if factor := resolution.factor(result.unit, "cm"):
+            entries["resolution"] = (1.0 / (factor * width), 1.0 / (factor * height))
             entries["resolutionunit"] = "CENTIMETER"
     stream = io.BytesIO()
     tifffile.imwrite(stream, mask, photometric="minisblack", software=PROGRAM, **entries)
     return stream.getvalue()
 
 
-def entries_for_imagej(result: Result | Skeleton, axes: str) -> dict[str, Any]:
+def entries_for_imagej(result: Outcome, axes: str) -> Entries:
     """What ImageJ reads of a TIFF: its axes, the unit of its resolution, and how the labels were found."""
     unit = {"µm": "um"}.get(result.unit or "pixel", result.unit or "pixel")
     info = "".join(f"{name}: {value}\n" for name, value in entries_of(facts_of(result)).items())
@@ -166,7 +152,7 @@ def palette(count: int) -> NDArray[np.uint8]:
     return np.array(colors, np.uint8)
 
 
-def _count(result: Result | Skeleton, outlines: bool = False) -> int:
+def _count(result: Outcome, outlines: bool = False) -> int:
     """Largest label; ValueError when there are none."""
     if isinstance(result, Skeleton):
         count = len(result.contours)

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import gzip
 
-from cpm_core.contours.result import Result
-from cpm_core.formats.common.provenance import PROGRAM, facts_of, text_of
+from cpm_core.formats.common.provenance import PROGRAM, Outcome, facts_of, text_of
 from cpm_core.formats.masks.labels import labels_of
 from cpm_core.image.geometry import Geometry
-from cpm_core.medial_axis.skeleton import Skeleton
 
 _UNITS = {
     "nm": ("micron", 1e-3),
@@ -22,7 +20,7 @@ _SQUARE = 0.05
 """How far axes may be from right angles for a rotation to give their directions [degrees]."""
 
 
-def encode(result: Result | Skeleton, *, outlines: bool = False) -> bytes:
+def encode(result: Outcome, *, outlines: bool = False) -> bytes:
     """Make a NIfTI-1 file, columns first, from the label mask of a result or a skeleton: one slice, or a volume.
 
     It lies where its image lies, voxel upon voxel. Where that is not known columns run to the patient's left, rows to
@@ -46,6 +44,6 @@ def encode(result: Result | Skeleton, *, outlines: bool = False) -> bytes:
     return bytes(image.to_bytes())
 
 
-def encode_packed(result: Result | Skeleton, *, outlines: bool = False) -> bytes:
+def encode_packed(result: Outcome, *, outlines: bool = False) -> bytes:
     """Compress what `encode` makes; the same result always gives the same bytes."""
     return gzip.compress(encode(result, outlines=outlines), mtime=0)

@@ -17,11 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.contours.result import Result
-from cpm_core.formats.common.provenance import PROGRAM, facts_of, text_of
+from cpm_core.formats.common.provenance import PROGRAM, Outcome, facts_of, text_of
 from cpm_core.formats.images.resolution import factor, known_unit
 from cpm_core.image.geometry import Convention, Geometry
 from cpm_core.image.image import Image
-from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import DEFAULTS
 
@@ -63,7 +62,7 @@ class Mesh(NamedTuple):
     decimals: int
 
 
-def mesh_of(result: Result | Skeleton, space: Convention = "LPS") -> Mesh:
+def mesh_of(result: Outcome, space: Convention = "LPS") -> Mesh:
     """The surface of a result in LPS or RAS; ValueError when it has none."""
     surface = result.surface if isinstance(result, Result) else None
     if surface is None or not len(surface.faces):

@@ -6,17 +6,16 @@ import io
 
 import numpy as np
 
-from cpm_core.contours.result import Result
+from cpm_core.formats.common.provenance import Outcome
 from cpm_core.formats.meshes.coordinates import mesh_of
 from cpm_core.formats.meshes.triangles import Triangles, split
 from cpm_core.image.geometry import Convention
-from cpm_core.medial_axis.skeleton import Skeleton
 
 _GROUP = "object_"
 """What the names of groups begin with that are objects; their number follows."""
 
 
-def encode(result: Result | Skeleton, space: Convention = "LPS") -> bytes:
+def encode(result: Outcome, space: Convention = "LPS") -> bytes:
     """Make an OBJ file of the surface of a result with its normals; ValueError when it has none."""
     mesh = mesh_of(result, space)
     stream = io.BytesIO()

@@ -6,12 +6,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cpm_core.contours.result import Result
-from cpm_core.formats.images.decoded import UnreadableError
+from cpm_core.formats.common.plain import Entries
+from cpm_core.formats.common.provenance import Outcome
 from cpm_core.formats.meshes.coordinates import mesh_of
 from cpm_core.formats.meshes.triangles import Triangles, split
 from cpm_core.image.geometry import Convention
-from cpm_core.medial_axis.skeleton import Skeleton
 
 _OBJECT = "object"
 """Property of a triangle: the number of its object."""
@@ -24,7 +23,7 @@ _KINDS = {
 _ORDERS = {"ascii": "<", "binary_little_endian": "<", "binary_big_endian": ">"}
 
 
-def encode(result: Result | Skeleton, space: Convention = "LPS") -> bytes:
+def encode(result: Outcome, space: Convention = "LPS") -> bytes:
     """Make a binary PLY file of the surface of a result with its normals; ValueError when it has none."""
     mesh = mesh_of(result, space)
     precise = mesh.points.dtype == np.float64
@@ -59,7 +58,7 @@ def read(content: bytes) -> Triangles:
     """Triangles of a file, as text or as binary numbers; UnreadableError when it has none."""
     head, mark, body = content.partition(b"end_header")
     if not mark:
-        raise UnreadableError("its header has no end")
+        raise ValueError("its header has no end")
     body = body.partition(b"\n")[2]
     form = order = ""
     rows: dict[str, int] = {}
@@ -78,7 +77,7 @@ def read(content: bytes) -> Triangles:
         body = np.array(body.split(), dtype=np.float64).astype("<f8").tobytes()
         for element, known in properties.items():
             properties[element] = [_Property(one.name, "<f8", "<f8" if one.counts else "") for one in known]
-    columns: dict[str, dict[str, Any]] = {}
+    columns: dict[str, Entries] = {}
     for element, known in properties.items():
         columns[element], body = _element(body, rows[element], known)
     vertices, polygons = columns["vertex"], columns["face"]
@@ -89,7 +88,7 @@ def read(content: bytes) -> Triangles:
     return Triangles(points, faces, numbers)
 
 
-def _element(body: bytes, count: int, properties: list[_Property]) -> tuple[dict[str, Any], bytes]:
+def _element(body: bytes, count: int, properties: list[_Property]) -> tuple[Entries, bytes]:
     """The numbers of an element by the names of its properties, of a list its counts and all entries; and the rest."""
     fields: list[Any] = []
     for one in properties:
@@ -102,18 +101,17 @@ def _element(body: bytes, count: int, properties: list[_Property]) -> tuple[dict
             columns = {one.name: table[one.name] for one in properties}
             lists = {name: (lengths, columns[name].ravel()) for name, lengths in counts.items()}
             return columns | lists, body[table.nbytes :]
-    found: dict[str, Any] = {one.name: ([], []) if one.counts else [] for one in properties}
+    found: Entries = {one.name: ([], []) for one in properties}
     at = 0
     for _ in range(count):
         for one in properties:
-            length, entries = 1, found[one.name]
+            length, (lengths, entries) = 1, found[one.name]
             if one.counts:
                 length = int(np.frombuffer(body, one.counts, 1, at)[0])
                 at += np.dtype(one.counts).itemsize
-                entries[0].append(length)
-                entries = entries[1]
             if length < 0:
-                raise UnreadableError("a list has a negative number of entries")
+                raise ValueError("a list has a negative number of entries")
+            lengths.append(length)
             entries.extend(np.frombuffer(body, one.kind, length, at).tolist())
             at += length * np.dtype(one.kind).itemsize
-    return found, body[at:]
+    return {one.name: found[one.name] if one.counts else found[one.name][1] for one in properties}, body[at:]

@@ -7,19 +7,18 @@ import struct
 
 import numpy as np
 
-from cpm_core.contours.result import Result
-from cpm_core.formats.images.decoded import UnreadableError
+from cpm_core.formats.common.content import UnreadableError
+from cpm_core.formats.common.provenance import Outcome
 from cpm_core.formats.meshes.coordinates import mesh_of
 from cpm_core.formats.meshes.triangles import Triangles
 from cpm_core.image.geometry import Convention
-from cpm_core.medial_axis.skeleton import Skeleton
 
 _HEADER = 80
 _TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _VERTEX = re.compile(rb"\bvertex\s+(\S+)\s+(\S+)\s+(\S+)", re.IGNORECASE)
 
 
-def encode(result: Result | Skeleton, space: Convention = "LPS") -> bytes:
+def encode(result: Outcome, space: Convention = "LPS") -> bytes:
     """Make a binary STL file of the surface of a result; ValueError when it has none.
 
     Its header has room for the program, the coordinates, the unit and the beginning of the hash of the image.
@@ -43,7 +42,7 @@ def read(content: bytes) -> Triangles:
         corners = np.array(_VERTEX.findall(content), dtype=np.float64).reshape(-1, 3)
         corners = corners[: len(corners) // 3 * 3]
     else:
-        raise UnreadableError("it has no triangles")
+        raise UnreadableError("It has no triangles: write it again.")
     order = np.lexsort(corners.T)
     first = np.append(True, (np.diff(corners[order], axis=0) != 0).any(axis=1))[: len(order)]
     number = np.empty(len(corners), np.int64)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import logging
-import os
 import warnings
 from collections import deque
 from collections.abc import Callable
@@ -15,7 +14,7 @@ import numpy as np
 import scipy
 
 from cpm_core.formats.common.atomic import check_place, write_together
-from cpm_core.formats.common.content import content_of
+from cpm_core.formats.common.content import AnyPath, content_of
 from cpm_core.formats.common.provenance import PROGRAM, facts_on, text_of
 from cpm_core.formats.meshes.coordinates import Place, decimals_for, place_of, positions, unit_in_ascii
 from cpm_core.image.geometry import Convention, Geometry
@@ -36,7 +35,7 @@ _UNDEFINED = 0
 """Type of a point of no known structure."""
 
 
-def write_swc(lines: Centerlines, path: str | os.PathLike[str], geometry: Geometry | None = None) -> None:
+def write_swc(lines: Centerlines, path: AnyPath, geometry: Geometry | None = None) -> None:
     """Write center lines as an SWC file; see `encode`. ValueError when it cannot be written there.
 
     Examples
@@ -55,7 +54,6 @@ def encode(lines: Centerlines, geometry: Geometry | None = None, space: Conventi
     The coordinates are those of surfaces, in a volume with this geometry, by default that of the lines. SWC holds trees
     alone: a loop is cut at the end of one of its branches, where a point is written twice.
     """
-    geometry = geometry or lines.geometry
     rows: list[tuple[int, float, float, float, float, int]] = []
     number: dict[int, int] = {}
     at_node: dict[int, list[int]] = {}
@@ -63,34 +61,25 @@ def encode(lines: Centerlines, geometry: Geometry | None = None, space: Conventi
         for node in branch.nodes:
             at_node.setdefault(node, []).append(k)
     done: set[int] = set()
-
-    def add(branch: int, point: int, parent: int) -> int:
-        x, y, z = positions(lines.branches[branch].points[point], lines.spacing, geometry, space).tolist()
-        rows.append((len(rows) + 1, x, y, z, float(lines.branches[branch].radii[point]), parent))
-        return len(rows)
-
     for first in range(len(lines.branches)):
-        if first in done:
-            continue
-        root = lines.branches[first].nodes[0]
-        number[root] = add(first, 0, -1)
-        waiting = deque([root])
+        waiting = deque([first])
         while waiting:
-            node = waiting.popleft()
-            for k in at_node[node]:
-                if k in done:
-                    continue
-                done.add(k)
-                one, other = lines.branches[k].nodes
-                count = len(lines.branches[k].points)
-                order = range(1, count) if one == node else range(count - 2, -1, -1)
-                last = number[node]
-                for point in order:
-                    last = add(k, point, last)
-                beyond = other if one == node else one
-                if beyond not in number:
-                    number[beyond] = last
-                    waiting.append(beyond)
+            k = waiting.popleft()
+            if k in done:
+                continue
+            done.add(k)
+            branch = lines.branches[k]
+            places = positions(branch.points, lines.spacing, geometry or lines.geometry, space)
+            points, (begin, end) = list(zip(places.tolist(), branch.radii.tolist(), strict=True)), branch.nodes
+            if begin not in number and end in number:
+                points, begin, end = points[::-1], end, begin
+            parent = number.get(begin, -1)
+            for (x, y, z), radius in points if parent < 0 else points[1:]:
+                rows.append((len(rows) + 1, x, y, z, radius, parent))
+                parent = len(rows)
+                number.setdefault(begin, parent)
+            number.setdefault(end, parent)
+            waiting.extend((*at_node[begin], *at_node[end]))
     facts = text_of(facts_on(lines.source, lines.provenance))
     head = (PROGRAM, f"SPACE={space}", f"UNIT={unit_in_ascii(lines.unit)}", facts, "id type x y z radius parent")
     form = f"{{}} {_UNDEFINED}" + 4 * f" {{:.{decimals_for(lines.spacing)}f}}" + " {}\n"
@@ -99,7 +88,7 @@ def encode(lines: Centerlines, geometry: Geometry | None = None, space: Conventi
 
 
 def load_centerlines(
-    path: str | os.PathLike[str],
+    path: AnyPath,
     image: Image | None = None,
     *,
     space: Convention | None = None,

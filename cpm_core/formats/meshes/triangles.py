@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cpm_core.formats.images.decoded import UnreadableError
+from cpm_core.formats.common.content import UnreadableError
 from cpm_core.numerics.types import Array, Index
 
 
@@ -36,9 +36,9 @@ def split(counts: ArrayLike, corners: ArrayLike) -> tuple[Index, Index]:
     """
     sizes, ends = np.asarray(counts, np.int64), np.asarray(corners, np.int64)
     if not len(sizes):
-        raise UnreadableError("it has no triangles")
+        raise UnreadableError("It has no triangles: write it again.")
     if sizes.min() < 0 or int(sizes.sum()) != len(ends):
-        raise UnreadableError("polygons do not have as many corners as they say")
+        raise ValueError("polygons do not have as many corners as they say")
     parts = np.maximum(sizes - 2, 0)
     polygon = np.repeat(np.arange(len(sizes)), parts)
     first = (np.cumsum(sizes) - sizes)[polygon]

@@ -7,12 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.contours.result import Result
-from cpm_core.formats.images.decoded import UnreadableError
+from cpm_core.formats.common.content import UnreadableError
+from cpm_core.formats.common.provenance import Outcome
 from cpm_core.formats.meshes.coordinates import mesh_of
 from cpm_core.formats.meshes.triangles import Triangles, split
 from cpm_core.image.geometry import Convention
-from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Index
 
 _TITLE = 255
@@ -28,7 +27,7 @@ _KINDS = {
 }
 
 
-def encode(result: Result | Skeleton, space: Convention = "LPS") -> bytes:
+def encode(result: Outcome, space: Convention = "LPS") -> bytes:
     """Make a binary file, version 3.0, of the surface of a result with its normals; ValueError when it has none."""
     mesh = mesh_of(result, space)
     count, faces = len(mesh.points), len(mesh.faces)
@@ -82,7 +81,7 @@ def read(content: bytes) -> Triangles:
     """Triangles of a file of version 2 to 5, as text or as binary numbers; UnreadableError when it has none."""
     head, _, coding, dataset, rest = content.split(b"\n", 4)
     if not head.startswith(b"# vtk DataFile") or dataset.split() != [b"DATASET", b"POLYDATA"]:
-        raise UnreadableError("it is no poly data of VTK")
+        raise UnreadableError("It is no poly data of VTK: write it as such.")
     stream, modern = _Stream(rest, coding.strip() == b"BINARY"), head.split()[-1] >= b"5"
     points: NDArray[Any] = np.empty((0, 3))
     counts, corners = np.empty(0, np.int64), np.empty(0, np.int64)
@@ -114,7 +113,7 @@ def _cells(stream: _Stream, first: int, second: int, modern: bool) -> tuple[Inde
     while at < len(rows):
         counts.append(int(rows[at]))
         if counts[-1] < 0:
-            raise UnreadableError("a polygon has a negative number of corners")
+            raise ValueError("a polygon has a negative number of corners")
         at += counts[-1] + 1
     starts = np.cumsum([0, *(count + 1 for count in counts[:-1])])
     return np.array(counts, np.int64), np.delete(rows, starts)

@@ -6,52 +6,43 @@ What the actions of the run tell, its parameters, regions and charges, is not re
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, get_type_hints
 
 import numpy as np
+from numpy.typing import DTypeLike, NDArray
 
 from cpm_core.field.volume_field import pitch_of
-from cpm_core.formats.sessions.plain import array_from_plain, array_to_plain, mapping, number
+from cpm_core.formats.common.plain import array_from_plain, array_to_plain, mapping, number, text
 from cpm_core.image.pyramid import shape_of_scale
 from cpm_core.model.coverage import NEVER, Coverage, SurfaceCoverage, no_coverage
 from cpm_core.model.plane.repulsion import NO_MESH, PITCH, mesh_shape, softening
 from cpm_core.model.starts import inside_image
 from cpm_core.model.state import MEMORY, MeshForce, Particles, SpaceState, State, SurfaceContact
-from cpm_core.numerics.types import Array
-from cpm_core.numerics.vectors import Vector
-from cpm_core.parameters.quotation import shown
 
-_COUNTS = (
-    *("step", "step_of_scale", "reactivated", "next_identity", "born", "deleted", "moving", "idle", "quiet"),
-    "reseedings",
-)
-_COVERAGE = ("found", "latest")
-_MEASURES = ("annealed", "epsilon", "displacement")
+_SCALARS = {name: kind for name, kind in get_type_hints(State).items() if kind in (int, float, bool, str)}
 _MOST = 2**40
 _UNIT = 1.0 + 1e-6
 """Greatest length of a normal, with rounding."""
 
-_PARTICLES = ("position", "velocity", "force", "distance")
-
 
 def state_to_plain(state: State) -> dict[str, Any]:
-    """A state as plain JSON."""
-    plain: dict[str, Any] = {"scale": state.scale, "erased": state.erased, "converged": state.converged}
-    plain |= {name: int(getattr(state, name)) for name in _COUNTS}
-    plain |= {name: _finite(float(getattr(state, name))) for name in _MEASURES}
-    plain["stop_reason"] = state.stop_reason
-    particles = state.particles
-    plain |= {name: array_to_plain(getattr(particles, name)) for name in (*_PARTICLES, "identity")}
-    plain["start"] = array_to_plain(state.start)
-    if state.space is not None:
-        return plain | _space_to_plain(state)
-    plain |= {name: array_to_plain(getattr(state.coverage, name)) for name in _COVERAGE}
-    if state.mesh is not None:
-        far = math.isfinite(state.mesh.reach)
-        plain["mesh"] = {"reach": state.mesh.reach, "force": array_to_plain(state.mesh.force)} if far else {}
-    return plain
+    """A state as plain JSON; what is no number is null."""
+    known = {name: kind(getattr(state, name)) for name, kind in _SCALARS.items()}
+    plain = {name: None if isinstance(one, float) and not math.isfinite(one) else one for name, one in known.items()}
+    particles, contact, space, mesh = state.particles, state.particles.contact, state.space, state.mesh
+    arrays: dict[str, NDArray[Any]] = {"start": state.start}
+    arrays |= {name: getattr(particles, name) for name in ("position", "velocity", "force", "distance", "identity")}
+    if contact is not None and space is not None:
+        arrays |= {"normal": contact.normal, "seated": contact.seated.astype(np.int32), "strength": contact.strength}
+        arrays |= {"woken": contact.woken, "covered": space.covered.cells}
+        plain["side"] = space.covered.side
+    else:
+        arrays |= {"found": state.coverage.found, "latest": state.coverage.latest}
+    if mesh is not None and space is None:
+        far = math.isfinite(mesh.reach)
+        plain["mesh"] = {"reach": mesh.reach, "force": array_to_plain(mesh.force)} if far else {}
+    return plain | {name: array_to_plain(array) for name, array in arrays.items()}
 
 
 def state_from_plain(plain: object, shape: tuple[int, ...], scales: int, spacing: tuple[float, ...] = ()) -> State:
@@ -60,60 +51,61 @@ def state_from_plain(plain: object, shape: tuple[int, ...], scales: int, spacing
     `spacing` has the sides of a voxel of a volume; without it they are equal.
     """
     given = mapping(plain, "state")
-    scale = int(number(given.get("scale"), "scale of state"))
-    if not 0 <= scale < scales:
-        raise ValueError(f"scale of state is {scale} but must be from 0 to {scales - 1}.")
-    size = shape_of_scale(shape, scale)
-    counts = {name: int(number(given.get(name), f"{name} of state", _MOST)) for name in _COUNTS}
-    if min(counts.values()) < 0:
-        raise ValueError("state counts less than nothing.")
-    reason = given.get("stop_reason")
-    if not isinstance(reason, str):
-        raise ValueError(f"stop_reason of state is {shown(reason)} but must be text.")
-    pitch = pitch_of(spacing or (1.0,) * len(shape)) if len(shape) == 3 else None
-    particles, start = _particles(given, size, counts["next_identity"], pitch), _places(given, "start", shape)
+    values = {name: _scalar(kind, given.get(name), f"{name} of state") for name, kind in _SCALARS.items()}
+    if not values["scale"] < scales:
+        raise ValueError(f"scale of state is {values['scale']} but must be from 0 to {scales - 1}.")
+    size, axes = shape_of_scale(shape, values["scale"]), len(shape)
+
+    def array(name: str, dtype: DTypeLike, *sides: int | None) -> NDArray[Any]:
+        found = array_from_plain(given.get(name), dtype, sides, f"{name} of state")
+        if np.isinf(found).any() or (name != "distance" and np.isnan(found).any()):
+            raise ValueError(f"{name} of state holds a value that is not a number.")
+        return found
+
+    identity = array("identity", np.int64, None)
+    count = len(identity)
+    if len(np.unique(identity)) < count or (identity < 0).any():
+        raise ValueError("identity of state holds a number twice, or one below zero.")
+    if (identity >= values["next_identity"]).any():
+        raise ValueError("identity of state holds a number that is yet to come.")
+    position, start = array("position", float, count, axes), array("start", float, None, axes)
+    velocity, force = array("velocity", float, count, axes), array("force", float, count, 2, axes)
+    particles = Particles(position, velocity, force, array("distance", float, count, MEMORY), identity)
+    pitch = pitch_of(spacing or (1.0,) * axes) if axes == 3 else None
+    for name, places, within in (("position", position / (pitch or 1.0), size), ("start", start, shape)):
+        if not inside_image(places, within).all():
+            raise ValueError(f"{name} of state holds a place outside the image.")
     coverage, space, mesh = no_coverage(size), None, None
     if pitch is not None:
-        particles = replace(particles, contact=_contact(given, len(particles)))
-        space = SpaceState(pitch, _covered(given))
+        normal, seated = array("normal", float, count, 3), array("seated", np.int32, count)
+        contact = SurfaceContact(normal, seated != 0, array("strength", float, count), array("woken", np.int64, count))
+        cells, side = array("covered", np.int64, None), number(given.get("side"), "side of state")
+        if not (np.linalg.norm(normal, axis=1) <= _UNIT).all():
+            raise ValueError("normal of state holds a direction longer than one.")
+        if not side > 0.0:
+            raise ValueError(f"side of state is {side} but must be above 0.")
+        if (np.diff(cells) <= 0).any():
+            raise ValueError("covered of state holds cells that do not ascend.")
+        particles = replace(particles, contact=contact)
+        space = SpaceState(pitch, SurfaceCoverage(cells, side))
     else:
-        cells = coverage.found.shape
-        found, latest = (array_from_plain(given.get(name), np.int32, cells, name) for name in _COVERAGE)
+        found, latest = (array(name, np.int32, *coverage.found.shape) for name in ("found", "latest"))
         coverage = Coverage(found, latest, int(np.count_nonzero(found != NEVER)))
         mesh = _mesh(given["mesh"], size) if "mesh" in given else None
-    values: dict[str, Any] = {**counts, **{name: _measure(given.get(name), name) for name in _MEASURES}}
-    return replace(
-        State(particles, start, shape, scale, coverage, mesh, space=space),
-        **values,
-        erased=given.get("erased") is True,
-        stop_reason=reason,
-        converged=given.get("converged") is True,
-    )
+    return State(particles, start, shape, coverage=coverage, mesh=mesh, space=space, **values)
 
 
-def _particles(given: Mapping[str, Any], size: tuple[int, ...], following: int, pitch: Vector | None) -> Particles:
-    identity = array_from_plain(given.get("identity"), np.int64, (None,), "identity of state")
-    if len(np.unique(identity)) < len(identity) or (len(identity) and not 0 <= identity.min() <= identity.max()):
-        raise ValueError("identity of state holds a number twice, or one below zero.")
-    if len(identity) and identity.max() >= following:
-        raise ValueError("identity of state holds a number that is yet to come.")
-    arrays: dict[str, Any] = {}
-    axes = len(size)
-    for name, rest in zip(_PARTICLES, ((axes,), (axes,), (2, axes), (MEMORY,)), strict=True):
-        array = array_from_plain(given.get(name), float, (len(identity), *rest), f"{name} of state")
-        if np.isinf(array).any() or (name != "distance" and np.isnan(array).any()):
-            raise ValueError(f"{name} of state holds a value that is not a number.")
-        arrays[name] = array
-    if not inside_image(arrays["position"] / (pitch or 1.0), size).all():
-        raise ValueError("position of state holds a place outside the image.")
-    return Particles(**arrays, identity=identity)
-
-
-def _places(given: Mapping[str, Any], name: str, shape: tuple[int, ...]) -> Array:
-    places = array_from_plain(given.get(name), float, (None, len(shape)), f"{name} of state")
-    if not inside_image(places, shape).all():
-        raise ValueError(f"{name} of state holds a place outside the image.")
-    return places
+def _scalar(kind: type, plain: object, where: str) -> Any:
+    if kind is bool:
+        return plain is True
+    if kind is str:
+        return text(plain, where)
+    if kind is float and plain is None:
+        return math.nan
+    found = number(plain, where, float(_MOST))
+    if kind is int and found < 0.0:
+        raise ValueError(f"{where} is {found:g} but cannot be less than nothing.")
+    return kind(found)
 
 
 def _mesh(plain: object, size: tuple[int, ...]) -> MeshForce:
@@ -131,50 +123,3 @@ def _mesh(plain: object, size: tuple[int, ...]) -> MeshForce:
     pitch = PITCH * reach
     first = tuple(0.5 * (n - 1) - 0.5 * pitch * (m - 1) for n, m in zip(size, nodes, strict=True))
     return MeshForce(force, first, pitch, reach, softening(reach))
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
-
-
-def _measure(plain: object, name: str) -> float:
-    return math.nan if plain is None else number(plain, f"{name} of state", float(_MOST))
-
-
-def _space_to_plain(state: State) -> dict[str, Any]:
-    """Contact of the particles with surfaces, and the coverage of a volume."""
-    contact, space = state.particles.contact, state.space
-    assert contact is not None
-    assert space is not None
-    return {
-        "normal": array_to_plain(contact.normal),
-        "seated": array_to_plain(contact.seated.astype(np.int32)),
-        "strength": array_to_plain(contact.strength),
-        "woken": array_to_plain(contact.woken),
-        "covered": array_to_plain(space.covered.cells),
-        "side": space.covered.side,
-    }
-
-
-def _contact(given: Mapping[str, Any], count: int) -> SurfaceContact:
-    """Contact of so many particles; ValueError when it cannot be one."""
-    normal = array_from_plain(given.get("normal"), float, (count, 3), "normal of state")
-    seated = array_from_plain(given.get("seated"), np.int32, (count,), "seated of state")
-    strength = array_from_plain(given.get("strength"), float, (count,), "strength of state")
-    woken = array_from_plain(given.get("woken"), np.int64, (count,), "woken of state")
-    if not (np.linalg.norm(normal, axis=1) <= _UNIT).all():
-        raise ValueError("normal of state holds a direction longer than one.")
-    if not np.isfinite(strength).all():
-        raise ValueError("strength of state holds a value that is not a number.")
-    return SurfaceContact(normal, seated != 0, strength, woken)
-
-
-def _covered(given: Mapping[str, Any]) -> SurfaceCoverage:
-    """Coverage of a volume; ValueError when it cannot be one."""
-    cells = array_from_plain(given.get("covered"), np.int64, (None,), "covered of state")
-    side = number(given.get("side"), "side of state")
-    if not side > 0.0:
-        raise ValueError(f"side of state is {side} but must be above 0.")
-    if (np.diff(cells) <= 0).any():
-        raise ValueError("covered of state holds cells that do not ascend.")
-    return SurfaceCoverage(cells, side)

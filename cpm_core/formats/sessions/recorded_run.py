@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from cpm_core.field.placed_charges import PlacedCharge, in_order
-from cpm_core.formats.sessions.particle_state import state_from_plain, state_to_plain
-from cpm_core.formats.sessions.plain import (
+from cpm_core.formats.common.plain import (
     from_plain,
     mapping,
     parameters_from_plain,
@@ -19,6 +19,7 @@ from cpm_core.formats.sessions.plain import (
     shape_to_plain,
     to_plain,
 )
+from cpm_core.formats.sessions.particle_state import state_from_plain, state_to_plain
 from cpm_core.formats.sessions.session_file import SessionFile, decode, encode
 from cpm_core.image.image import Image
 from cpm_core.model.state import State
@@ -74,46 +75,19 @@ def with_run(session: SessionFile, recorder: Recorder) -> SessionFile:
 
 def shown_state(session: SessionFile, image: Image) -> tuple[State, Parameters] | None:
     """The state of the runs of a session that the window shows, with its parameters; None where it was not kept."""
+    runs = session.runs
     try:
-        number, step = session.runs["here"]
-        for run in session.runs["runs"]:
-            for branch in run["branches"]:
-                if branch["number"] == number:
-                    return _state(session.runs, run, branch, number, step, image)
-    except (KeyError, TypeError, ValueError, IndexError, OverflowError):
+        number, step = runs["here"]
+        run, branch = next((run, one) for run in runs["runs"] for one in run["branches"] if one["number"] == number)
+        plain = next(one["state"] for one in runs["states"] if (one["branch"], one["step"]) == (number, step))
+        first = decode(json.dumps(run["document"]).encode(), "the beginning of a run").parameters
+        begins = np.cumsum([branch["first"], *(count for _, count in branch["steps"])])
+        numbers, _ = branch["steps"][np.searchsorted(begins, step, "right") - 1]
+        action = run["actions"][numbers[0]]
+        parameters, _ = parameters_from_plain({**to_plain(first), **mapping(action["step"], "action")})
+        charges = tuple(from_plain(PlacedCharge, one, "charge") for one in action.get("charges", []))
+        regions = regions_from_plain(action, "regions")
+        state = state_from_plain(plain, image.shape, first.scales, image.spacing)
+    except (KeyError, TypeError, ValueError, IndexError, OverflowError, StopIteration):
         return None
-    return None
-
-
-def _state(
-    runs: Mapping[str, Any],
-    run: Mapping[str, Any],
-    branch: Mapping[str, Any],
-    number: int,
-    step: int,
-    image: Image,
-) -> tuple[State, Parameters] | None:
-    plain = next((one["state"] for one in runs["states"] if (one["branch"], one["step"]) == (number, step)), None)
-    if plain is None:
-        return None
-    first = decode(json.dumps(run["document"]).encode(), "the beginning of a run").parameters
-    action = run["actions"][_action_of(branch, step)]
-    usual = to_plain(first)
-    parameters, _ = parameters_from_plain({**usual, **mapping(action["step"], "action")})
-    charges = tuple(from_plain(PlacedCharge, one, "charge") for one in action.get("charges", []))
-    regions = regions_from_plain(action, "regions")
-    state = state_from_plain(plain, image.shape, first.scales, image.spacing)
-    return (
-        replace(state, steering=parameters.steering, regions=regions, charges=in_order(charges)),
-        parameters,
-    )
-
-
-def _action_of(branch: Mapping[str, Any], step: int) -> int:
-    """Number of the action that made a step of a branch."""
-    at = branch["first"]
-    for numbers, count in branch["steps"]:
-        if at <= step < at + count:
-            return int(numbers[0])
-        at += count
-    raise ValueError("there is no such step")
+    return replace(state, steering=parameters.steering, regions=regions, charges=in_order(charges)), parameters

@@ -8,30 +8,32 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import partial
 from pathlib import Path, PurePath
-from typing import Any, NoReturn, TypeVar
+from typing import Annotated, Any, NoReturn, TypeVar
 
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark
 from cpm_core.formats.common.atomic import check_place, write_together
-from cpm_core.formats.common.content import differ, fingerprint_if_read
-from cpm_core.formats.common.provenance import PROGRAM
-from cpm_core.formats.images.readers import open_stack
-from cpm_core.formats.images.reading import DEFAULT, Reading
-from cpm_core.formats.sessions.plain import (
+from cpm_core.formats.common.content import content_of, differ, fingerprint_if_read
+from cpm_core.formats.common.plain import (
+    encoded_json,
     from_plain,
     items,
     mapping,
-    number,
     parameters_from_plain,
     shape_from_plain,
     shape_to_plain,
+    text,
     to_plain,
 )
+from cpm_core.formats.common.provenance import PROGRAM
+from cpm_core.formats.images.readers import open_stack
+from cpm_core.formats.images.reading import DEFAULT, Reading
 from cpm_core.medial_axis.outlines import Outlined
 from cpm_core.objects.methods import CONTOUR_METHODS, Compared, Settings
 from cpm_core.objects.segmented.segmented_object import SegmentedObjects
@@ -50,14 +52,8 @@ Plain = Mapping[str, Any]
 SUFFIX = ".cpm"
 """Ending of the name of a session file."""
 
-_KNOWN = (
-    *(MARK, "program", "image", "shapes", "parameters", "marks", "mode"),
-    *("objects", "outlined", "view", "hand_edits", "runs", "truth", "pages", "comparison"),
-)
 _LARGEST = 64 * 2**20
-_LARGEST_SIDE = 10**6
 _DEEPEST = 64
-_UNPAIRED = re.compile("[\ud800-\udfff]")
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,17 +68,25 @@ class ImageFile:
         Hash of that file, as `fingerprint` makes it; empty where it is not known.
     shape : tuple of int
         (rows, cols), or (planes, rows, cols); empty where it is not known.
-    elsewhere : tuple of str
-        Other paths where it may be.
+    absolute : str
+        Another path where it may be.
     reading : Reading
         Which part of the file it is, and the size of a pixel where it was said by hand.
     """
 
     path: str
     sha256: str = ""
-    shape: tuple[int, ...] = ()
-    elsewhere: tuple[str, ...] = ()
+    shape: Annotated[tuple[int, ...], 0, 2, 3] = ()
+    absolute: str = ""
     reading: Reading = DEFAULT
+
+    def __post_init__(self) -> None:
+        if not self.path or "\0" in self.path + self.absolute:
+            raise ValueError(f"path is {shown(self.path)} but must name a file.")
+        if self.sha256 and not re.fullmatch("(sampled:)?[0-9a-f]{64}", self.sha256):
+            raise ValueError(f"sha256 is {shown(self.sha256)} but must be 64 hexadecimal digits.")
+        if min(self.shape, default=1) < 1:
+            raise ValueError(f"shape is {shown(self.shape)} but must be rows and columns.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,6 +109,10 @@ class TruthFile:
     absolute: str = ""
     tolerance: float = 2.0
     holes: bool = True
+
+    def __post_init__(self) -> None:
+        if not self.path or "\0" in self.path + self.absolute or self.tolerance < 0.0:
+            raise ValueError(f"it names {shown(self.path)} within {self.tolerance:g} px.")
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,6 +170,9 @@ class SessionFile:
     comparison: Compared = field(default_factory=Compared)
 
 
+_KNOWN = {MARK, "program", *(one.name for one in fields(SessionFile))} - {"extra", "notes"}
+
+
 def save_session(session: SessionFile, path: Path) -> None:
     """Write a session file atomically.
 
@@ -194,12 +205,12 @@ def encode(session: SessionFile, folder: Path) -> bytes:
     check_axes(session.shapes, session.image.shape if session.image else ())
     plain: dict[str, Any] = {MARK: VERSION, "program": PROGRAM}
     if session.image is not None:
-        plain["image"] = _image_to_plain(session.image, folder)
+        read = {name: to_plain(given) for name, given in session.image.reading.arguments.items()}
+        plain["image"] = {**to_plain(session.image), **_place_to_plain(session.image.path, folder), "reading": read}
     plain["shapes"] = [shape_to_plain(shape) for shape in session.shapes]
-    plain["parameters"] = to_plain(session.parameters)
-    plain["marks"] = [to_plain(mark) for mark in session.marks]
+    plain |= {"parameters": to_plain(session.parameters), "marks": to_plain(session.marks)}
     if session.hand_edits:
-        plain["hand_edits"] = [to_plain(edit) for edit in session.hand_edits]
+        plain["hand_edits"] = to_plain(session.hand_edits)
     if session.comparison != Compared():
         plain["comparison"] = {
             "methods": list(session.comparison.methods),
@@ -215,7 +226,7 @@ def encode(session: SessionFile, folder: Path) -> bytes:
         plain["runs"] = dict(session.runs)
     if session.pages:
         plain["pages"] = dict(session.pages)
-    return _text_with_lines(plain).encode()
+    return encoded_json(plain)
 
 
 def load_session(path: Path) -> SessionFile:
@@ -237,17 +248,7 @@ def load_session(path: Path) -> SessionFile:
         When there is no such file, or it is not a valid session file; one sentence that says what is wrong.
     """
     path = Path(path)
-    try:
-        if path.is_dir():
-            raise ValueError(f"{path} is a folder: choose a session file in it.")
-        if path.stat().st_size > _LARGEST:
-            raise ValueError(f"{path.name} is too large to be a session file.")
-        content = path.read_bytes()
-    except FileNotFoundError:
-        raise ValueError(f"{path} does not exist: check its name and folder.") from None
-    except OSError as error:
-        raise ValueError(f"{path} cannot be read: {error.strerror or error}.") from error
-    return decode(content, path.name)
+    return decode(content_of(path, _LARGEST), path.name)
 
 
 def decode(content: bytes, name: str) -> SessionFile:
@@ -270,7 +271,7 @@ def decode(content: bytes, name: str) -> SessionFile:
         parameters, unknown = parameters_from_plain(plain.get("parameters", {}))
         if unknown:
             notes.append(f"Parameters that are not known here were left out: {shown(', '.join(unknown))}.")
-        image = _image(plain["image"]) if plain.get("image") is not None else None
+        image = None if plain.get("image") is None else from_plain(ImageFile, plain["image"], "image")
         shapes = listed("shapes", "shape", shape_from_plain)
         check_axes(shapes, image.shape if image else ())
         return SessionFile(
@@ -278,14 +279,14 @@ def decode(content: bytes, name: str) -> SessionFile:
             shapes=shapes,
             parameters=parameters,
             marks=listed("marks", "mark", partial(from_plain, Mark)),
-            mode=_text_of(plain.get("mode", ""), "mode"),
+            mode=text(plain.get("mode", ""), "mode"),
             objects=from_plain(SegmentedObjects, plain.get("objects", {}), "objects"),
             outlined=from_plain(Outlined, plain.get("outlined", {}), "outlined"),
             view=mapping(plain.get("view", {}), "view"),
             extra={key: value for key, value in plain.items() if key not in _KNOWN},
-            runs=optional("runs", "recorded runs were", lambda given: mapping(given, "runs"), {}),
-            truth=optional("truth", "ground truth was", _truth, None),
-            pages=optional("pages", "other pages of the stack were", lambda given: mapping(given, "pages"), {}),
+            runs=optional("runs", "recorded runs were", partial(mapping, where="runs"), {}),
+            truth=optional("truth", "ground truth was", partial(from_plain, TruthFile, where="truth"), None),
+            pages=optional("pages", "other pages of the stack were", partial(mapping, where="pages"), {}),
             comparison=optional("comparison", "comparison of methods was", _compared, Compared()),
             hand_edits=listed("hand_edits", "edit by hand", partial(from_plain, HandEdit)),
             notes=tuple(notes),
@@ -294,23 +295,16 @@ def decode(content: bytes, name: str) -> SessionFile:
         raise ValueError(f"{name}: {error}") from error
 
 
-def _truth(plain: object) -> TruthFile:
-    truth = from_plain(TruthFile, plain, "truth")
-    if not truth.path or "\0" in truth.path + truth.absolute or truth.tolerance < 0.0:
-        raise ValueError(f"truth names {shown(truth.path)} within {truth.tolerance:g} px.")
-    return truth
-
-
 def _compared(plain: object) -> Compared:
     """The comparison of methods; ValueError for methods and settings that are not known here."""
     given = mapping(plain, "comparison")
-    methods = [_text_of(name, "methods of comparison") for name in items(given.get("methods", []), "methods")]
+    methods = [text(name, "methods of comparison") for name in items(given.get("methods", []), "methods")]
     chosen = {}
     for name, values in mapping(given.get("settings", {}), "settings of comparison").items():
         kind = CONTOUR_METHODS[name].settings if name in CONTOUR_METHODS else None
-        if kind is None or not issubclass(kind, Settings) or set(mapping(values, name)) - set(kind.table()):
+        if kind is None or not issubclass(kind, Settings):
             raise ValueError(f"its settings of {shown(name)} are not known here.")
-        chosen[name] = kind(**values)
+        chosen[name] = from_plain(kind, values, f"settings of {name}")
     if unknown := set(methods) - set(CONTOUR_METHODS) - {""}:
         raise ValueError(f"its method {shown(min(unknown))} is not known here.")
     settings = tuple((name, one) for name, one in chosen.items() if one != type(one)())
@@ -343,55 +337,17 @@ def find_image(
     ValueError
         When it is not found; the sentence names the paths that were tried.
     """
-    candidates = dict.fromkeys(folder / place for place in (image.path, *image.elsewhere, PurePath(image.path).name))
+    candidates = dict.fromkeys(
+        folder / place for place in (image.path, image.absolute or image.path, PurePath(image.path).name)
+    )
     for candidate in candidates:
-        if _is_file(candidate):
+        if os.path.isfile(candidate):  # noqa: PTH113 - raises nothing
             found = candidate.resolve()
             if image.sha256 and differ(image.sha256, fingerprint_if_read(found, go_on)):
                 return found, (f"{found.name} has changed since the session was saved: shapes may be misplaced.",)
             return found, ()
     looked = " or ".join(str(candidate) for candidate in candidates)
     raise ValueError(f"The image of the session was not found at {looked}: put it there, or name it.")
-
-
-def _image(plain: object) -> ImageFile:
-    given = mapping(plain, "image")
-    path = _text_of(given.get("path"), "path of image")
-    absolute = _text_of(given.get("absolute", ""), "absolute of image")
-    sha256 = _text_of(given.get("sha256", ""), "sha256 of image").lower()
-    if not path or "\0" in path + absolute:
-        raise ValueError(f"path of image is {shown(path)} but must name a file.")
-    if sha256 and not re.fullmatch("(sampled:)?[0-9a-f]{64}", sha256):
-        raise ValueError(f"sha256 of image is {shown(sha256)} but must be 64 hexadecimal digits.")
-    shape = given.get("shape", [])
-    listed = shape if isinstance(shape, list) else [0]
-    sides = tuple(int(number(side, "shape of image", _LARGEST_SIDE)) for side in listed)
-    if len(sides) not in (0, 2, 3) or any(side < 1 for side in sides):
-        raise ValueError(f"shape of image is {shown(shape)} but must be rows and columns.")
-    reading = Reading.of(mapping(given.get("reading", {}), "reading of image"))
-    return ImageFile(path, sha256, sides, (absolute,) if absolute else (), reading)
-
-
-def _image_to_plain(image: ImageFile, folder: Path) -> dict[str, Any]:
-    plain = _place_to_plain(image.path, folder)
-    if not Path(image.path).is_absolute() and image.elsewhere:
-        plain["absolute"] = image.elsewhere[0]
-    plain |= {"sha256": image.sha256, "shape": list(image.shape)}
-    chosen = {name: to_plain(given) for name, given in image.reading.arguments.items()}
-    return {**plain, "reading": chosen} if chosen else plain
-
-
-def _text_of(value: object, where: str) -> str:
-    if not isinstance(value, str):
-        raise ValueError(f"{where} is {shown(value)} but must be text.")
-    return value
-
-
-def _is_file(path: Path) -> bool:
-    try:
-        return path.is_file()
-    except (OSError, ValueError):  # names that no file can have
-        return False
 
 
 def _place_to_plain(place: str, folder: Path) -> dict[str, Any]:
@@ -414,13 +370,13 @@ def _parsed(content: bytes, name: str) -> Plain:
 
     try:
         plain = json.loads(content.decode("utf-8-sig"), parse_constant=refuse, parse_float=finite)
+        if _depth(plain) > _DEEPEST:
+            raise ValueError("its values are nested too deeply")
     except (ValueError, RecursionError) as error:
         place = f" (line {error.lineno})" if isinstance(error, json.JSONDecodeError) else ""
         raise ValueError(f"{name} is not a session file, or a damaged one{place}: get a sound copy of it.") from error
     if not isinstance(plain, dict) or MARK not in plain:
         raise ValueError(f"{name} is not a session file: it has no entry {MARK}.")
-    if _depth(plain) > _DEEPEST:
-        raise ValueError(f"{name} is not a session file: its values are nested too deeply.")
     version = plain[MARK]
     if version != VERSION or isinstance(version, bool):
         raise ValueError(
@@ -430,42 +386,10 @@ def _parsed(content: bytes, name: str) -> Plain:
     return plain
 
 
-def _text_with_lines(plain: Plain) -> str:
-    """JSON with one line for each shape, mark and parameter."""
-    lines = []
-    for key, value in plain.items():
-        items: list[str]
-        if isinstance(value, list) and value:
-            items, ends = [_line(item) for item in value], "[]"
-        elif isinstance(value, Mapping) and value and key != "image":
-            items, ends = [f"{_line(name)}: {_line(item)}" for name, item in value.items()], "{}"
-        else:
-            lines.append(f"  {_line(key)}: {_line(value)}")
-            continue
-        inner = ",\n".join(f"    {item}" for item in items)
-        lines.append(f"  {_line(key)}: {ends[0]}\n{inner}\n  {ends[1]}")
-    return "{\n" + ",\n".join(lines) + "\n}\n"
-
-
-def _line(value: object) -> str:
-    text = json.dumps(value, ensure_ascii=False, allow_nan=False, default=dict)
-    # Names of files may hold bytes that are not text, which only escapes preserve.
-    return text if text.isascii() or not _UNPAIRED.search(text) else json.dumps(value, allow_nan=False, default=dict)
-
-
-def _depth(plain: object) -> int:
-    """Depth of nested values."""
-    depth, layer = 0, [plain]
-    while layer and depth <= _DEEPEST:
-        depth += 1
-        inner: list[object] = []
-        for value in layer:
-            if isinstance(value, dict):
-                inner += value.values()
-            elif isinstance(value, list):
-                inner += value
-        layer = inner
-    return depth
+def _depth(value: object) -> int:
+    """Depth of nested values; RecursionError for far too many."""
+    inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    return 1 + max(map(_depth, inner), default=0)
 
 
 def part_for(path: Path, reading: Reading) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from cpm_core.numerics.types import Array, Index
+from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.objects.faces.basins import Labels
 from cpm_core.objects.faces.crossings import Crossings
 from cpm_core.objects.faces.minimum_cut import Arcs, arcs
@@ -89,8 +89,8 @@ def face_graph(labels: Labels, values: Array, strength: Array, lines: Crossings,
     at_side = step < 2
     crossed = [np.stack([found.right, found.down], axis=-1) >= 0.0 for found in (lines, barriers)]
 
-    def along(values: Array) -> Array:
-        return np.bincount(number.ravel()[at_side], values[at_side], len(pairs))
+    def along(values: Array | Mask) -> Array:
+        return np.asarray(np.bincount(number.ravel()[at_side], values[at_side], len(pairs)), float)
 
     sides = along(np.ones(len(step)))
     strengths = along(np.maximum(strength[row, col], strength[down, right]))
@@ -100,9 +100,9 @@ def face_graph(labels: Labels, values: Array, strength: Array, lines: Crossings,
     border[[0, -1]] += 1.0
     border[:, [0, -1]] += 1.0
     inner, outer = (low >= 0) & (sides > 0), (low < 0) & (sides > 0)
-    number, sides = labels.ravel() + 1, sides[inner]
+    own, sides = labels.ravel() + 1, sides[inner]
     area, gray, rim, *center = (
-        np.bincount(number, weight.ravel(), count + 1)[1:]
+        np.asarray(np.bincount(own, weight.ravel(), count + 1)[1:], float)
         for weight in (np.ones(labels.shape), values, border, *np.indices(labels.shape))
     )
     pixels = np.maximum(area, 1.0)

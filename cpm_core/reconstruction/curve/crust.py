@@ -12,7 +12,7 @@ import scipy
 from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.graph import chains
+from cpm_core.contours.graph import Graph
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Index
 
@@ -89,13 +89,5 @@ def reconstruct_curve(points: ArrayLike) -> tuple[Contour, ...]:
         raise ValueError(
             f"points hold {int((~np.isfinite(array)).sum())} values that are not finite: leave those points out."
         )
-    distinct = _distinct(array)
-    return chains(distinct, crust(distinct))
-
-
-def _distinct(points: Array) -> Array:
-    """Points of shape (N, 2) without repetitions, sorted by row, then column."""
-    ordered = points[np.lexsort((points[:, 1], points[:, 0]))]
-    new = np.ones(len(ordered), np.bool_)
-    new[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
-    return np.asarray(ordered[new])
+    distinct = np.unique(array, axis=0)
+    return Graph(distinct, crust(distinct)).contours()

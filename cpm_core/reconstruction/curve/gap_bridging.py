@@ -13,20 +13,22 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 import skimage
-from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Bridge
 from cpm_core.contours.graph import Graph
 from cpm_core.field.scale_field import ScaleField
-from cpm_core.numerics.polyline import length, resampled
+from cpm_core.numerics.polyline import length, lengths_along, resampled
 from cpm_core.numerics.segments import first_crossing
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Index, Mask
 
 _EASE = 20.0
 """Ratio, less one, of the costs of a step without an edge and on an edge as strong as at the ends."""
 
 _LEAVING, _BLOCKED = 0.04, 30.0
 """Additional cost of a step for each pixel of distance from the smooth continuation, and on contours and barriers."""
+
+_SPARED = 2.0
+"""Distance from the ends of a bridge within which nothing is avoided [px]."""
 
 _BACK, _BACK_STRENGTH = 6.0, 12.0
 """Lengths of the last stretch of a contour that give its direction and its strength [px]."""
@@ -83,56 +85,39 @@ def bridge_gaps(
     ends = _ends(graph, scale_field, least) if longest > 0.0 else {}
     if not ends:
         return ()
-    grid = _CostGrid(graph, scale_field)
-    ways = [*_between_ends(graph, grid, ends, longest), *_to_sides(graph, grid, ends, longest)]
+    site = _Site(graph, scale_field)
+    ways = [*_between_ends(graph, site, ends, longest), *_to_sides(graph, site, ends, longest)]
     built = []
     for way in sorted(ways, key=lambda way: (way.cost, way.end, way.other)):
         joins_end = way.other in ends
         if graph.degree(way.end) != 1 or (joins_end and graph.degree(way.other) != 1):
             continue
         path = resampled(way.path, spacing)
-        if grid.free(path, (way.end, way.other)):
-            grid.build(way.end, path[1:-1], way.other)
+        if site.free(path, (way.end, way.other)):
+            site.build(way.end, path[1:-1], way.other)
             built.append(Bridge(path, length(path), float(scale_field.strength(path).mean())))
     return tuple(built)
 
 
-class _CostGrid:
-    """Costs of the pixels for the path search: low along edges, high on contours and barriers."""
+class _Site:
+    """What bridges are built in: the graph, its edges, and the pixels of contours and barriers."""
 
     def __init__(self, graph: Graph, scale_field: ScaleField) -> None:
         self.graph = graph
         self.scale_field = scale_field
         self._edges = graph.edges()
         a, b = graph.points[self._edges].swapaxes(0, 1)
-        self._blocked = np.zeros(scale_field.shape, np.bool_)
+        self.blocked = np.zeros(scale_field.shape, np.bool_)
         for t in np.linspace(0.0, 1.0, 5):
             places = np.rint(a + t * (b - a)).astype(np.int64)
-            self._blocked[tuple(np.clip(places, 0, np.array(scale_field.shape) - 1).T)] = True
+            self.blocked[tuple(np.clip(places, 0, np.array(scale_field.shape) - 1).T)] = True
         if len(scale_field.barrier_map.segments):
-            self._blocked |= scale_field.barrier_map.clearance <= 0.0
+            self.blocked |= scale_field.barrier_map.clearance <= 0.0
 
-    def costs(self, low: Array, high: Array, strength: float) -> tuple[Array, Array]:
-        """Cost of a step on every pixel from `low` to `high` without obstacles, and the positions of these pixels."""
-        window = tuple(slice(int(a), int(b) + 1) for a, b in zip(low, high, strict=True))
-        costs = 1.0 / (1.0 + _EASE * self.scale_field.edge_map[window] / max(strength, self.scale_field.floor))
-        places = np.moveaxis(np.indices(costs.shape), 0, -1) + low
-        return costs, places
-
-    def obstacles(self, places: Array, spared: Array) -> Array:
-        """Cost of obstacles on pixels, except around the positions that are to be joined."""
-        blocked = self._blocked[tuple(np.moveaxis(places.astype(np.int64), -1, 0))]
-        for place in spared:
-            blocked = blocked & (np.linalg.norm(places - place, axis=-1) > 2.0)
-        return np.asarray(_BLOCKED * blocked)
-
-    def window(self, points: Array, margin: float) -> tuple[Array, Array]:
-        """First and last pixel of the image around points."""
-        last = np.array(self.scale_field.shape) - 1.0
-        return (
-            np.clip(np.floor(points.min(axis=0) - margin), 0.0, last),
-            np.clip(np.ceil(points.max(axis=0) + margin), 0.0, last),
-        )
+    def strength(self, end: int) -> float:
+        """Edge strength near a loose end, at least the floor."""
+        stretch = last_stretch(self.graph.points[self.graph.branch(end)], _BACK_STRENGTH)
+        return max(float(self.scale_field.strength(stretch).max()), self.scale_field.floor)
 
     def crossing(self, path: Array, spared: tuple[int, ...]) -> tuple[int, tuple[int, int]] | None:
         """First segment of a path that crosses an edge of the graph, and that edge; edges at `spared` are ignored."""
@@ -157,30 +142,27 @@ class _CostGrid:
         )
 
 
-def _between_ends(graph: Graph, grid: _CostGrid, ends: dict[int, Array], longest: float) -> Iterator[_Way]:
+def _between_ends(graph: Graph, site: _Site, ends: dict[int, Array], longest: float) -> Iterator[_Way]:
     """Bridges from end to end."""
-    number = list(ends)
-    for i, j in sorted(scipy.spatial.cKDTree(graph.points[number]).query_pairs(longest)):
-        a, b = number[i], number[j]
+    number = np.array(list(ends))
+    pairs = number[sorted(scipy.spatial.cKDTree(graph.points[number]).query_pairs(longest))].reshape(-1, 2)
+    around = graph.way_between(*pairs.T)
+    for (a, b), apart in zip(pairs.tolist(), around.tolist(), strict=True):
         gap = graph.distance(a, b)
+        if apart <= _ROUND * gap:
+            continue
         across = (graph.points[b] - graph.points[a]) / max(gap, 1e-300)
         if min(ends[a] @ across, -(ends[b] @ across)) < _TURN:
             continue
-        if graph.way_from(a).get(b, np.inf) <= _ROUND * gap:
-            continue
-        guide = continuation(graph.points[a], ends[a], graph.points[b], ends[b])
-        joined = graph.points[[a, b]]
-        low, high = grid.window(guide, 0.5 * gap + 3.0)
-        costs, places = grid.costs(low, high, min(_strength(graph, grid.scale_field, v) for v in (a, b)))
-        off = scipy.spatial.cKDTree(guide).query(places)[0]
-        search = skimage.graph.MCP_Geometric(costs + _LEAVING * off + grid.obstacles(places, joined))
-        total, path = _cheapest(search, low, joined[0], joined[1:])
-        path = smoothed(path, joined[0], joined[1])
-        if length(path) <= _DETOUR * gap:
-            yield _Way(total, a, b, path)
+        strength = min(site.strength(a), site.strength(b))
+        way = way_across(
+            site.scale_field.edge_map, strength, graph.points[[a, b]], np.stack([ends[a], ends[b]]), site.blocked
+        )
+        if way is not None:
+            yield _Way(way[0], a, b, way[1])
 
 
-def _to_sides(graph: Graph, grid: _CostGrid, ends: dict[int, Array], longest: float) -> Iterator[_Way]:
+def _to_sides(graph: Graph, site: _Site, ends: dict[int, Array], longest: float) -> Iterator[_Way]:
     """Bridges from an end to the side of a contour ahead."""
     sides = np.flatnonzero(graph.degrees > 1)
     if not len(sides):
@@ -188,32 +170,32 @@ def _to_sides(graph: Graph, grid: _CostGrid, ends: dict[int, Array], longest: fl
     tree = scipy.spatial.cKDTree(graph.points[sides])
     for end, direction in ends.items():
         place = graph.points[end]
-        own = graph.way_from(end)
         near = sides[tree.query_ball_point(place, longest)]
         away = graph.points[near] - place
         distance = np.linalg.norm(away, axis=1)
         ahead = away @ direction >= _SIDE_TURN * distance
-        apart = np.array([own.get(v, np.inf) for v in near.tolist()]) > _ROUND * distance
+        apart = graph.way_between(np.full(len(near), end), near) > _ROUND * distance
         near = near[ahead & apart]
         if not len(near):
             continue
-        low, high = grid.window(np.concatenate([place[None], graph.points[near]]), 3.0)
-        costs, places = grid.costs(low, high, _strength(graph, grid.scale_field, end))
+        around = np.concatenate([place[None], graph.points[near]])
+        costs, places = _costs(site.scale_field.edge_map, site.strength(end), around, 3.0)
         away = places - place
         forward = away @ direction
         off = np.linalg.norm(away - forward[..., None] * direction, axis=-1)
-        search = skimage.graph.MCP_Geometric(costs + _LEAVING * off + _BLOCKED * (forward < -1.0))
-        total, path = _cheapest(search, low, place, graph.points[near])
-        way = _stopped(graph, grid, end, smoothed(path, place, graph.points[near[_nearest(graph, near, path[-1])]]))
+        costs += _LEAVING * off + _BLOCKED * (forward < -1.0)
+        total, path = _cheapest(costs, places[0, 0], place, graph.points[near])
+        goal = np.argmin(np.linalg.norm(graph.points[near] - path[-1], axis=1))
+        way = _stopped(graph, site, end, smoothed(path, place, graph.points[near[goal]]))
         gap = np.inf if way is None else graph.distance(end, way.other)  # it may have stopped at a vertex farther away
         if way is not None and gap <= longest and length(way.path) <= _DETOUR * gap:
             yield _Way(_SIDE * total, end, way.other, way.path)
 
 
-def _stopped(graph: Graph, grid: _CostGrid, end: int, path: Array) -> _Way | None:
+def _stopped(graph: Graph, site: _Site, end: int, path: Array) -> _Way | None:
     """A bridge that ends where its path first meets a contour; None if it meets it at a narrow angle."""
     (before,) = graph.neighbors(end)
-    meeting = grid.crossing(path, (end, before))
+    meeting = site.crossing(path, (end, before))
     if meeting is None:
         return None
     segment, edge = meeting
@@ -226,14 +208,48 @@ def _stopped(graph: Graph, grid: _CostGrid, end: int, path: Array) -> _Way | Non
     return _Way(0.0, end, other, path) if cosine <= _INCIDENCE else None
 
 
-def _nearest(graph: Graph, vertices: NDArray[np.int64], place: Array) -> int:
-    return int(np.argmin(np.linalg.norm(graph.points[vertices] - place, axis=1)))
+def way_across(
+    edges: Array, strength: float, ends: Array, directions: Array, blocked: Mask | None = None
+) -> tuple[float, Array] | None:
+    """Cost and points, shape (K, 2), of the cheapest way between two ends over an edge map; None if it is a detour.
+
+    Parameters
+    ----------
+    edges : ndarray, shape (H, W)
+        Edge map [gray levels / px].
+    strength : float
+        Strength of a clear edge in it.
+    ends, directions : ndarray, shape (2, 2)
+        Places that are joined [px], and unit vectors in which curves leave there.
+    blocked : ndarray of bool, shape (H, W), optional
+        Pixels that the way should avoid, except around its ends.
+    """
+    (a, b), gap = ends, float(np.linalg.norm(ends[1] - ends[0]))
+    guide = continuation(a, directions[0], b, directions[1])
+    costs, places = _costs(edges, strength, guide, 0.5 * gap + 3.0)
+    costs += _LEAVING * scipy.spatial.cKDTree(guide).query(places)[0]
+    if blocked is not None:
+        around = np.linalg.norm(places[..., None, :] - ends, axis=-1).min(axis=-1) <= _SPARED
+        costs += _BLOCKED * (blocked[tuple(np.moveaxis(places, -1, 0))] & ~around)
+    total, path = _cheapest(costs, places[0, 0], a, b[None])
+    path = smoothed(path, a, b)
+    return (total, path) if length(path) <= _DETOUR * gap else None
 
 
-def _cheapest(search: skimage.graph.MCP_Geometric, low: Array, start: Array, goals: Array) -> tuple[float, Array]:
-    """Cost and pixels of the cheapest path from a position to one of several others."""
-    first = tuple(np.rint(start - low).astype(int))
-    last = [tuple(goal) for goal in np.rint(goals - low).astype(int)]
+def _costs(edges: Array, strength: float, points: Array, margin: float) -> tuple[Array, Index]:
+    """Cost of a step on every pixel around points, and these pixels, shape (H, W, 2)."""
+    last = np.array(edges.shape) - 1
+    low = np.clip(np.floor(points.min(axis=0) - margin), 0, last).astype(np.int64)
+    high = np.clip(np.ceil(points.max(axis=0) + margin), 0, last).astype(np.int64)
+    window = edges[low[0] : high[0] + 1, low[1] : high[1] + 1]
+    return 1.0 / (1.0 + _EASE * window / strength), np.moveaxis(np.indices(window.shape), 0, -1) + low
+
+
+def _cheapest(costs: Array, low: Index, start: Array, goals: Array) -> tuple[float, Array]:
+    """Cost and pixels of the cheapest path from a position to one of several others; `low` is the first pixel."""
+    pixels = np.clip(np.rint(np.concatenate([start[None], goals]) - low), 0, np.array(costs.shape) - 1)
+    first, *last = map(tuple, pixels.astype(int).tolist())
+    search = skimage.graph.MCP_Geometric(costs)
     total, _ = search.find_costs([first])
     goal = min(last, key=lambda pixel: float(total[pixel]))
     return float(total[goal]), np.array(search.traceback(goal), dtype=float) + low
@@ -260,39 +276,23 @@ def continuation(a: Array, from_a: Array, b: Array, from_b: Array) -> Array:
 
 def _ends(graph: Graph, scale_field: ScaleField, least: float) -> dict[int, Array]:
     """Loose ends, and their directions, of curves that are long enough and do not end at a barrier."""
-    ends = [end for end in graph.ends().tolist() if _reaches(graph, end, least)]
-    direction = np.array([_direction(graph, end) for end in ends]).reshape(-1, 2)
+    ways = graph.ways()
+    part = graph.parts()
+    long = np.bincount(part, ways.lengths)[part] >= least
+    ends = np.intersect1d(graph.ends(), np.concatenate([ways.first[long], ways.last[long]]))
+    direction = np.array([direction_at_end(graph.points[graph.branch(end)]) for end in ends.tolist()]).reshape(-1, 2)
     place = graph.points[ends]
     blocked = scale_field.barrier_map.crossed(place, place + _AHEAD * least * direction)
-    return {end: way for end, way, at_barrier in zip(ends, direction, blocked, strict=True) if not at_barrier}
+    return dict(zip(ends[~blocked].tolist(), direction[~blocked], strict=True))
 
 
-def _reaches(graph: Graph, end: int, least: float) -> bool:
-    """Whether a vertex is connected to edges of at least this total length."""
-    seen, waiting, length = {end}, [end], 0.0
-    while waiting and length < least:
-        vertex = waiting.pop()
-        for other in graph.neighbors(vertex):
-            if other not in seen:
-                seen.add(other)
-                waiting.append(other)
-                length += graph.distance(vertex, other)
-    return length >= least
+def last_stretch(points: Array, back: float) -> Array:
+    """The vertices of a curve, shape (K, 2), from its first one up to a length along it, at least two [px]."""
+    return points[: max(int(np.searchsorted(lengths_along(points), back, side="right")), 2)]
 
 
-def _last_stretch(graph: Graph, end: int, back: float) -> list[int]:
-    way = graph.way_from(end)
-    inner = [v for v, length in way.items() if length <= back]
-    return inner if len(inner) > 1 else list(way)[:2]
-
-
-def _direction(graph: Graph, end: int) -> Array:
-    """Unit vector in which a curve leaves its loose end."""
-    stretch = _last_stretch(graph, end, _BACK)
-    way = graph.points[end] - graph.points[stretch[-1]]
+def direction_at_end(points: Array) -> Array:
+    """Unit vector in which a curve, shape (K, 2), leaves its first vertex."""
+    stretch = last_stretch(points, _BACK)
+    way = stretch[0] - stretch[-1]
     return np.asarray(way / max(float(np.linalg.norm(way)), 1e-300))
-
-
-def _strength(graph: Graph, scale_field: ScaleField, end: int) -> float:
-    """Edge strength near a loose end."""
-    return float(scale_field.strength(graph.points[_last_stretch(graph, end, _BACK_STRENGTH)]).max())

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 import scipy
@@ -19,7 +18,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.graph import Graph
 from cpm_core.field.region_contrast import Sides
 from cpm_core.field.scale_field import ScaleField
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Index
 from cpm_core.parameters import Parameters
 
 LEAST_LENGTH, _LEAST_IN_SIGMA = 4.0, 8.0
@@ -30,23 +29,17 @@ _STRETCH = 9
 """Number of vertices over which ratings are averaged, so that shorter weak parts do not cut a contour."""
 
 
-class Ratings(NamedTuple):
-    """Every edge of a graph once, shape (E, 2), and its rating, shape (E,)."""
-
-    edges: NDArray[np.int64]
-    rating: Array
-
-
 def drop_weak(graph: Graph, scale_field: ScaleField, parameters: Parameters) -> None:
     """Remove weak contours from a graph, in place, with hysteresis.
 
     Contours under `min_strength` or `min_contrast` are removed; of contours with a loose end only the weak stretches.
     The others stay if they are connected, through junctions and other contours, to one that reaches `sure_edge`.
     """
-    if parameters.min_strength > 0.0:
-        drop_under(graph, ratings(graph, scale_field.strength), parameters.min_strength)
-    if parameters.min_contrast > 0.0:
-        drop_under(graph, ratings(graph, scale_field.contrast), parameters.min_contrast)
+    least = (parameters.min_strength, scale_field.strength), (parameters.min_contrast, scale_field.contrast)
+    for threshold, measure in least:
+        if threshold > 0.0:
+            edges, rating = ratings(graph, measure)
+            graph.unlink(edges[rating < threshold])
     if parameters.sure_edge > 0.0:
         drop_unconnected(graph, scale_field.strength(graph.points), parameters.sure_edge * scale_field.strongest)
 
@@ -59,8 +52,8 @@ def drop_unreached(graph: Graph, reached: NDArray[np.bool_]) -> None:
     graph.unlink(edges[~on[edges].all(axis=1)])
 
 
-def ratings(graph: Graph, measure: Callable[[Array], Array]) -> Ratings:
-    """Rate every edge of a graph by a measure of its vertices, which maps points, shape (N, 2), to values, shape (N,).
+def ratings(graph: Graph, measure: Callable[[Array], Array]) -> tuple[Index, Array]:
+    """Every edge of a graph, shape (E, 2), and its rating, shape (E,), by a measure of points, shape (N, 2).
 
     A closed contour, or one between two junctions, is rated as a whole by its mean, so that a weak stretch does not
     open it. A contour with a loose end is rated stretch by stretch, since it fades gradually.
@@ -76,12 +69,7 @@ def ratings(graph: Graph, measure: Callable[[Array], Array]) -> Ratings:
     for n in np.flatnonzero(loose & (counts > _STRETCH)).tolist():
         along = scipy.ndimage.uniform_filter1d(values[ways.path(n)], _STRETCH, mode="nearest")
         rating[start[n] : start[n] + len(along) - 1] = 0.5 * (along[:-1] + along[1:])
-    return Ratings(edges, rating)
-
-
-def drop_under(graph: Graph, rated: Ratings, least: float) -> None:
-    """Remove the edges of a graph with a rating under `least`."""
-    graph.unlink(rated.edges[rated.rating < least])
+    return edges, rating
 
 
 def drop_unconnected(graph: Graph, strength: Array, sure: float) -> None:
@@ -89,11 +77,8 @@ def drop_unconnected(graph: Graph, strength: Array, sure: float) -> None:
     ways = graph.ways()
     if not len(ways):
         return
-    size = len(graph.points)
-    first, last = ways.first, ways.last
-    joined = scipy.sparse.coo_array((np.ones(len(ways)), (first, last)), shape=(size, size))
-    part = scipy.sparse.csgraph.connected_components(joined, directed=False)[1][first]
-    strongest = np.full(size, -np.inf)
+    part = graph.parts()
+    strongest = np.full(part.max() + 1, -np.inf)
     np.maximum.at(strongest, part, np.maximum.reduceat(strength[ways.vertices], ways.start[:-1]))
     graph.drop_ways(strongest[part] < sure)
 

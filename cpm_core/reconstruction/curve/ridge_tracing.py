@@ -119,7 +119,13 @@ class _Walks:
         found: dict[int, list[tuple[Array, Index]]] = {}
 
         def work(first: int, last: int) -> None:
-            found[first] = self._part(seeds, met, sign, loose, first, last)
+            own = found[first] = []
+            way = np.empty((self._longest + 2, 4))
+            while first < last:
+                room = 4 * (last - first) + 2 * self._longest
+                vertices, edges = np.empty((room, 2)), np.empty((room, 2), np.int64)
+                first, added, joined = walk(*self._walked, seeds, met, sign, loose, first, last, way, vertices, edges)
+                own.append((vertices[:added], edges[:joined]))
 
         share(work, len(seeds), _SHARE)
         for first in sorted(found):
@@ -128,18 +134,6 @@ class _Walks:
                 self._edges.append(np.where(edges < 0, self._count - 1 - edges, edges))
                 self._count += len(vertices)
         return met
-
-    def _part(
-        self, seeds: Index, met: Index, sign: float, loose: bool, first: int, last: int
-    ) -> list[tuple[Array, Index]]:
-        found = []
-        way = np.empty((self._longest + 2, 4))
-        while first < last:
-            room = 4 * (last - first) + 2 * self._longest
-            vertices, edges = np.empty((room, 2)), np.empty((room, 2), np.int64)
-            first, added, joined = walk(*self._walked, seeds, met, sign, loose, first, last, way, vertices, edges)
-            found.append((vertices[:added], edges[:joined]))
-        return found
 
     def graph(self) -> tuple[Array, Index]:
         """Vertices, the seeds first, and edges."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import scipy
 
@@ -15,23 +13,9 @@ _APART = 4
 """The distance to this neighbor is about that between points, in regular patterns and at random."""
 
 
-@dataclass(frozen=True)
-class Leaving:
-    """Which components of a surface are left out.
-
-    Attributes
-    ----------
-    fewest : int
-        Least number of particles.
-    share : float
-        Least number of particles as a share of those of the component with most of them; 0 leaves none out for this.
-    supported : float
-        Least share of the vertices that have a particle near.
-    """
-
-    fewest: int = 12
-    share: float = 0.003
-    supported: float = 0.25
+_FEWEST, _SHARE, _SUPPORTED = 12, 0.003, 0.25
+"""A component stays if it has so many particles, and so many as a share of those of the component with most of them,
+and if this share of its vertices has a particle near."""
 
 
 def support(vertices: Array, points: Array, distance: float) -> Mask:
@@ -46,7 +30,6 @@ def well_supported(
     supported: Mask,
     spacing: tuple[float, ...],
     unit: str | None,
-    leaving: Leaving,
 ) -> Surface:
     """Surface of the components that are not left out; `supported` tells which vertices have a particle near.
 
@@ -59,7 +42,7 @@ def well_supported(
     nearest = scipy.spatial.KDTree(vertices * spacing).query(points * spacing)[1]
     particles = np.bincount(component[nearest], minlength=component.max() + 1)
     share = np.bincount(component, supported) / np.bincount(component)
-    kept = (particles >= max(leaving.fewest, leaving.share * particles.max())) & (share >= leaving.supported)
+    kept = (particles >= max(_FEWEST, _SHARE * particles.max())) & (share >= _SUPPORTED)
     stays = kept[component]
     number = np.cumsum(stays) - 1
     unsupported = 1.0 - float(supported[stays].mean()) if stays.any() else np.nan
@@ -77,8 +60,16 @@ FAR = 4.0
 """Height inside, and less than zero outside, of voxels away from all particles."""
 
 
-def fill_regions(height: Single) -> None:
-    """Replace NaN in a height by `FAR` or its negative, region by region; infinite heights belong to no region."""
+def fill_regions(height: Single, left_out: Mask | None = None) -> Mask:
+    """Replace NaN in a height by `FAR` or its negative, region by region.
+
+    The outermost voxels, and those that are left out, belong to no region; they are returned.
+    """
+    apart = np.ones(height.shape, np.bool_)
+    apart[1:-1, 1:-1, 1:-1] = False
+    if left_out is not None:
+        apart |= left_out
+    height[apart] = np.inf
     unknown = np.isnan(height)
     regions = parts_of(unknown, corners=False)
     side = np.where(np.isfinite(height), np.where(height > 0.0, 1, -1), 0).astype(np.int8)
@@ -89,3 +80,4 @@ def fill_regions(height: Single) -> None:
         found[:-1] += near[1:]
     votes = np.bincount(regions.labels[unknown], around[unknown], minlength=regions.count + 1)
     height[unknown] = np.where(votes > 0, FAR, -FAR)[regions.labels[unknown]]
+    return apart

@@ -11,10 +11,9 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from cpm_core.contours.surface import Surface
+from cpm_core.contours.surface import Surface, rows_of_three
 from cpm_core.numerics.grids import zero_surface
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Index, Mask, Single
 from cpm_core.reconstruction.surface.components import fill_regions, support, typical_distance
 
@@ -46,11 +45,7 @@ def implicit_surface(points: Array, normals: Array, apart: float) -> tuple[Array
     _add(height, weight, (points - begin) / step, normals)
     with np.errstate(invalid="ignore"):
         np.divide(height, weight, out=height)
-    outermost = np.ones(height.shape, bool)
-    outermost[1:-1, 1:-1, 1:-1] = False
-    height[outermost] = np.inf
-    fill_regions(height)
-    height[outermost] = -1.0
+    height[fill_regions(height)] = -1.0
     vertices, faces = zero_surface(height)
     return vertices * step + begin, faces
 
@@ -177,7 +172,8 @@ def reconstruct_surface(points: ArrayLike, normals: ArrayLike | None = None) -> 
     >>> surface.closed, surface.euler
     (True, 2)
     """
-    places = np.unique(_triples(points, "points"), axis=0) if normals is None else _triples(points, "points")
+    places = rows_of_three("points", points)
+    places = np.unique(places, axis=0) if normals is None else places
     extent = float(np.abs(places - places[:1]).max()) if len(places) else 0.0
     if extent and not _SMALLEST < extent < _LARGEST:
         raise ValueError(f"The points spread over {extent:g}: give them in another unit.")
@@ -185,7 +181,7 @@ def reconstruct_surface(points: ArrayLike, normals: ArrayLike | None = None) -> 
         raise ValueError(f"A surface needs points that span a volume, but these {len(places)} lie in a plane.")
     apart = typical_distance(places)
     if normals is not None:
-        outward = _triples(normals, "normals")
+        outward = rows_of_three("normals", normals)
         if len(outward) != len(places):
             raise ValueError(f"There are {len(places)} points, but {len(outward)} normals: give one for each point.")
         lengths = np.linalg.norm(outward, axis=1)
@@ -201,12 +197,3 @@ def reconstruct_surface(points: ArrayLike, normals: ArrayLike | None = None) -> 
         outward = estimated_normals(places, apart)
     vertices, faces = implicit_surface(places, outward, apart)
     return Surface(vertices, faces, unsupported=1.0 - float(support(vertices, places, apart).mean()))
-
-
-def _triples(given: ArrayLike, name: str) -> Array:
-    found = real_numbers(given)
-    if found.ndim != 2 or found.shape[1] != 3:
-        raise ValueError(f"The {name} have the shape {found.shape}, but must be real numbers of shape (N, 3).")
-    if not np.isfinite(found).all():
-        raise ValueError(f"The {name} hold NaN or infinite numbers: leave them out.")
-    return found

@@ -17,6 +17,7 @@ that far.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -25,11 +26,11 @@ import scipy
 import skimage
 from numpy.typing import NDArray
 
-from cpm_core.field.interpolation import interpolate
 from cpm_core.numerics.grids import Parts, parts_of
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask, Single
 from cpm_core.reconstruction.surface.components import FAR
+from cpm_core.reconstruction.surface.sharpened import gray_at
 
 DEEPEST = 1.5
 """How far a saddle may lie below the threshold at most [steps of the slope of the edges around]."""
@@ -101,18 +102,13 @@ class Surroundings:
         one_bank, other_bank = toward[along < _BANK], -toward[along > -_BANK]
         return bool((one_bank > _FACING).any() and (other_bank > _FACING).any())
 
-    def is_neck(self, way: Index, saddle: Index, depth: float) -> bool:
-        """Whether two parts hang together along a way over a saddle so far below the threshold."""
-        return self.on_a_ridge(way, saddle) or (depth < _SHALLOW and not self.faces_across(way, saddle))
-
     def _second_derivatives(self, at: Index) -> Array:
-        steps = np.eye(3)
-        ways = [s * steps[a] + t * steps[b] for a in range(3) for b in range(a + 1) for s in (1, -1) for t in (1, -1)]
-        values = interpolate(self.volume[None], at + np.array(ways))[:, 0].reshape(-1, 4)
-        found = np.empty((3, 3))
-        pairs = [(a, b) for a in range(3) for b in range(a + 1)]
-        for (a, b), (both, one, other, none) in zip(pairs, values, strict=True):
-            found[a, b] = found[b, a] = (both - one - other + none) / (4.0 * self.size[a] * self.size[b])
+        found, steps = np.empty((3, 3)), np.eye(3)
+        for a in range(3):
+            for b in range(a + 1):
+                ways = np.array([s * steps[a] + t * steps[b] for s in (1, -1) for t in (1, -1)])
+                both, one, other, none = gray_at(self.volume, at + ways)
+                found[a, b] = found[b, a] = (both - one - other + none) / (4.0 * self.size[a] * self.size[b])
         return found
 
 
@@ -132,34 +128,68 @@ _MOST_MEETINGS = 4
 """Parts that may meet another one in a voxel."""
 
 
-def join(height: Single, begin: Index, surroundings: Surroundings) -> int:
-    """Raise the voxels of necks in a height just above zero, and return the number of joints.
-
-    `begin` is the first voxel of the height in the volume.
-    """
+def join(height: Single, begin: Index, surroundings: Surroundings) -> None:
+    """Raise the voxels of necks in a height just above zero; `begin` is its first voxel in the volume."""
     parts = parts_of(height > 0.0, corners=True)
-    if parts.count < 2:
-        return 0
-    meetings = meetings_of(height, (height <= 0.0) & (height > -DEEPEST), parts, np.ones(parts.count, np.bool_))
+    passable, every = (height <= 0.0) & (height > -DEEPEST), np.ones(parts.count, np.bool_)
+
+    def is_neck(way: Index, saddle: Index) -> bool:
+        depth = -float(height[tuple(saddle)])
+        there = way + begin, saddle + begin
+        return surroundings.on_a_ridge(*there) or (depth < _SHALLOW and not surroundings.faces_across(*there))
+
+    for way in ways_over_saddles(height, passable, parts, every, _APART, _WINDOW, is_neck):
+        _raise(height, way)
+
+
+def _raise(height: Single, way: Index) -> None:
+    voxels = tuple(way.T)
+    height[voxels] = np.maximum(height[voxels], RAISED)
+
+
+def ways_over_saddles(
+    values: Single,
+    passable: Mask,
+    parts: Parts,
+    wanted: Mask,
+    apart: int,
+    reach: int,
+    joins: Callable[[Index, Index], bool],
+) -> Iterator[Index]:
+    """Ways between wanted parts over passable voxels, the highest first; they make no loop.
+
+    Parameters
+    ----------
+    values : ndarray of float32, shape (P, R, C)
+        What the ways keep as high as possible; it may be changed between one way and the next.
+    passable : ndarray of bool, shape (P, R, C)
+        Voxels that a way may run through.
+    parts : Parts
+        Parts that are to be joined.
+    wanted : ndarray of bool, shape (count,)
+        Which of them.
+    apart : int
+        Distance between saddles of the same two parts that are looked at [voxels].
+    reach : int
+        Voxels around a saddle in which the way is sought.
+    joins : callable
+        Whether two parts hang together along a way, shape (K, 3), over a saddle, shape (3,).
+    """
+    if wanted.sum() < 2:
+        return
     group = np.arange(parts.count)
     looked_at: dict[tuple[int, int], list[Index]] = {}
-    joined = 0
-    for p, r, c, one, other in meetings:
+    for p, r, c, one, other in meetings_of(values, passable, parts, wanted):
         a, b = root(group, one), root(group, other)
         saddle, pair = np.array([p, r, c]), (min(one, other), max(one, other))
         tried = looked_at.setdefault(pair, [])
-        if a == b or any((np.abs(saddle - before) < _APART).all() for before in tried):
+        if a == b or any((np.abs(saddle - before) < apart).all() for before in tried):
             continue
         tried.append(saddle)
-        depth = -float(height[p, r, c])
-        way = way_between(height, parts, saddle, one, other, _WINDOW)
-        if way is None or not surroundings.is_neck(way + begin, saddle + begin, depth):
-            continue
-        group[max(a, b)] = min(a, b)
-        joined += 1
-        inner = tuple(way.T)
-        height[inner] = np.maximum(height[inner], RAISED)
-    return joined
+        way = way_between(values, parts, saddle, one, other, reach)
+        if way is not None and joins(way, saddle):
+            group[max(a, b)] = min(a, b)
+            yield way
 
 
 def meetings_of(values: Single, passable: Mask, parts: Parts, wanted: Mask) -> Index:
@@ -285,48 +315,30 @@ _NEAR = 4.0
 """Distance from the ends of a way within which particles tell the gray level of the edges [smallest sides]."""
 
 
-def spin(height: Single, begin: Index, surroundings: Surroundings, width: float) -> int:
-    """Raise the voxels of threads in a height just above zero, and return the number of threads.
+def spin(height: Single, begin: Index, surroundings: Surroundings, width: float) -> None:
+    """Raise the voxels of threads in a height just above zero.
 
     `begin` is the first voxel of the height in the volume, and `width` that of a smoothed step [smallest sides].
     """
     inner, low = height[1:-1, 1:-1, 1:-1], begin + 1
     parts = parts_of(inner > 0.0, corners=True)
-    wanted = _with_particles(parts, surroundings, low)
-    if wanted.sum() < 2:
-        return 0
+    just_inside = surroundings.points - surroundings.normals / surroundings.size
+    voxels = np.clip(np.rint(just_inside).astype(np.int64) - low, 0, np.array(inner.shape) - 1)
+    part = parts.part_at(voxels)
+    wanted = np.bincount(part[part >= 0], minlength=parts.count) >= _FEWEST
     gray = surroundings.volume[tuple(slice(a, a + n) for a, n in zip(low, inner.shape, strict=True))]
     gray = gray if surroundings.sign > 0.0 else -gray
     background, noise = _level_and_noise(gray[inner <= -FAR])
-    edges = surroundings.sign * interpolate(surroundings.volume[None], surroundings.points)[:, 0]
+    edges = surroundings.sign * gray_at(surroundings.volume, surroundings.points)
     floor = background + max(_SIGNIFICANT * noise, _SHARE * (float(np.quantile(edges, _FAINT)) - background))
-    group, count = np.arange(parts.count), 0
-    looked_at: dict[tuple[int, int], list[Index]] = {}
+
+    def is_thread(way: Index, _: Index) -> bool:
+        outside = way[parts.part_at(way) < 0] + low.astype(float)
+        return _is_thread(outside, surroundings, width, background, noise)
+
     reach = int(np.ceil(_LONGEST * width / 2.0 / surroundings.size.min())) + 2
-    for p, r, c, one, other in meetings_of(gray, gray > floor, parts, wanted):
-        a, b = root(group, one), root(group, other)
-        saddle, pair = np.array([p, r, c]), (min(one, other), max(one, other))
-        tried = looked_at.setdefault(pair, [])
-        if a == b or any((np.abs(saddle - before) < _SADDLES_APART).all() for before in tried):
-            continue
-        tried.append(saddle)
-        way = way_between(gray, parts, saddle, one, other, reach)
-        if way is None or not _is_thread(
-            way[parts.part_at(way) < 0] + low.astype(float), surroundings, width, background, noise
-        ):
-            continue
-        group[max(a, b)] = min(a, b)
-        count += 1
-        inner[tuple(way.T)] = np.maximum(inner[tuple(way.T)], RAISED)
-    return count
-
-
-def _with_particles(parts: Parts, surroundings: Surroundings, low: Index) -> Mask:
-    """Which parts have enough particles on their sides to begin a thread."""
-    just_inside = surroundings.points - surroundings.normals / surroundings.size
-    voxels = np.clip(np.rint(just_inside).astype(np.int64) - low, 0, np.array(parts.labels.shape) - 1)
-    part = parts.part_at(voxels)
-    return np.asarray(np.bincount(part[part >= 0], minlength=parts.count) >= _FEWEST)
+    for way in ways_over_saddles(gray, gray > floor, parts, wanted, _SADDLES_APART, reach, is_thread):
+        _raise(inner, way)
 
 
 def _level_and_noise(background: Single) -> tuple[float, float]:
@@ -348,7 +360,7 @@ def _is_thread(outside: Array, surroundings: Surroundings, width: float, backgro
     near = np.asarray(scipy.spatial.KDTree(outside[[0, -1]] * size).query(surroundings.points * size)[0]) < _NEAR
     if not near.any():
         return False
-    at_edges = surroundings.sign * interpolate(surroundings.volume[None], surroundings.points[near])[:, 0].mean()
+    at_edges = surroundings.sign * gray_at(surroundings.volume, surroundings.points[near]).mean()
     contrast = scipy.ndimage.uniform_filter1d(falls.mean(1), _ALONG)[_ALONG // 2 : -(_ALONG // 2)]
     least = max(_SIGNIFICANT * noise, _SHARE * (at_edges - background))
     return bool(contrast.min() >= least and (falls.mean(0) >= _FALLS * falls.mean()).all())
@@ -369,5 +381,5 @@ def falls_around(way: Array, surroundings: Surroundings, width: float) -> Array:
     angles = 2.0 * np.pi * np.arange(_DIRECTIONS) / _DIRECTIONS
     away = np.cos(angles)[:, None] * one[:, None] + np.sin(angles)[:, None] * other[:, None]
     around = (places[:, None] + _RING * width * away) / size
-    values = interpolate(surroundings.volume[None], np.concatenate([way, around.reshape(-1, 3)]))[:, 0]
+    values = gray_at(surroundings.volume, np.concatenate([way, around.reshape(-1, 3)]))
     return np.asarray(values[: len(way), None] - values[len(way) :].reshape(len(way), _DIRECTIONS))

@@ -13,9 +13,9 @@ from cpm_core.contours.surface import Surface
 from cpm_core.field.volume_field import pitch_of
 from cpm_core.numerics.grids import join_corners, zero_surface
 from cpm_core.numerics.types import Array, Mask, Single
-from cpm_core.reconstruction.surface.components import Leaving, fill_regions, support, typical_distance, well_supported
+from cpm_core.reconstruction.surface.components import fill_regions, support, typical_distance, well_supported
 from cpm_core.reconstruction.surface.joints import RAISED, Surroundings, join, spin
-from cpm_core.reconstruction.surface.local_threshold import Box, Levels, height
+from cpm_core.reconstruction.surface.local_threshold import Box, height
 from cpm_core.reconstruction.surface.sharpened import levels_at, on_ridge, step_width
 
 _WIDTH, _LEAST_WIDTH = 0.75, 1.5
@@ -36,9 +36,7 @@ def find_surface(
     unit: str | None = None,
     *,
     smoothing: float = 1.0,
-    open_border: bool = False,
     shut: Mask | None = None,
-    leaving: Leaving = Leaving(),  # noqa: B008 - a frozen value
 ) -> Surface:
     """Surface through particles that rest on the edges of a volume.
 
@@ -52,12 +50,8 @@ def find_surface(
         Size of a voxel along each axis, and the unit of length.
     smoothing : float
         Width of the Gaussian that has smoothed the volume, in smallest sides of a voxel.
-    open_border : bool
-        Whether the surface ends at the border of the volume; else objects that the border cuts get a flat end there.
     shut : ndarray of bool, shape (P, R, C), optional
-        Voxels that the surface leaves out: objects get a flat end there.
-    leaving : Leaving
-        Which components are left out.
+        Voxels that the surface leaves out: objects get a flat end there, as at the border of the volume.
 
     Returns
     -------
@@ -73,37 +67,22 @@ def find_surface(
     width, band = max(_WIDTH * apart, _LEAST_WIDTH), max(_BAND * apart, _LEAST_BAND)
     box = _box(points, volume.shape, band / size)
     found = height(volume, box, levels, size, width, band)
-    _join_parts(found, box, volume, levels, normals, size, step_width(smoothing), shut)
-    vertices, faces = zero_surface(found, _inner(box, volume.shape) if open_border else None)
-    vertices += box.begin
-    supported = support(vertices * size, points * size, apart)
-    return well_supported(vertices, faces, points, supported, spacing, unit, leaving)
-
-
-def _join_parts(
-    found: Single,
-    box: Box,
-    volume: Single,
-    levels: Levels,
-    normals: Array,
-    size: Array,
-    width: float,
-    shut: Mask | None,
-) -> None:
-    """Decide on every voxel of a height, and join parts of the inside that hang together other than through a wall."""
-    left_out = _part_of(shut, box)
+    left_out = None if shut is None else _part_of(shut, box)
     sign = _settle(found, left_out)
     surroundings = Surroundings(volume, sign, levels.points, sign * normals, levels.slopes, size)
     join(found, box.begin, surroundings)
-    spin(found, box.begin, surroundings, width)
+    spin(found, box.begin, surroundings, step_width(smoothing))
     join_corners(found, RAISED)
-    found[left_out] = -1.0
+    if left_out is not None:
+        found[left_out] = -1.0
+    vertices, faces = zero_surface(found)
+    vertices += box.begin
+    supported = support(vertices * size, points * size, apart)
+    return well_supported(vertices, faces, points, supported, spacing, unit)
 
 
-def _part_of(shut: Mask | None, box: Box) -> Mask:
-    """The part of a mask that lies in a box, which may reach beyond the volume; False where there is none."""
-    if shut is None:
-        return np.zeros((), np.bool_)
+def _part_of(shut: Mask, box: Box) -> Mask:
+    """The part of a mask that lies in a box, which may reach beyond the volume."""
     axes = (
         np.clip(np.arange(begin, begin + count), 0, n - 1)
         for begin, count, n in zip(box.begin.tolist(), box.shape, shut.shape, strict=True)
@@ -119,28 +98,16 @@ def _box(points: Array, shape: tuple[int, ...], band: Array) -> Box:
     return Box(low - 1, (planes, rows, cols))
 
 
-def _inner(box: Box, shape: tuple[int, ...]) -> tuple[tuple[int, int], ...]:
-    """Range of a box along each axis without the voxels beyond the border of the volume."""
-    return tuple(
-        (int(begin < 0), count - int(begin + count > full))
-        for begin, count, full in zip(box.begin.tolist(), box.shape, shape, strict=True)
-    )
-
-
-def _settle(found: Single, shut: Mask) -> float:
+def _settle(found: Single, left_out: Mask | None) -> float:
     """Decide on every voxel of a height, its rim being outside; return -1 if bright and dark were exchanged.
 
     An object may be darker than what is around it: the inside is not on the side that most of the border lies on.
     """
-    outermost = np.ones(found.shape, bool)
-    outermost[1:-1, 1:-1, 1:-1] = False
-    outermost |= shut
-    found[outermost] = np.inf
-    fill_regions(found)
+    apart = fill_regions(found, left_out)
     inner = found[1:-1, 1:-1, 1:-1]
     border = [side for axis in range(3) for side in (inner.take(0, axis), inner.take(-1, axis))]
     bright = sum(int((side > 0.0).sum()) for side in border)
     sign = -1.0 if 2 * bright > sum(side.size for side in border) else 1.0
     found *= np.float32(sign)
-    found[outermost] = -1.0
+    found[apart] = -1.0
     return sign

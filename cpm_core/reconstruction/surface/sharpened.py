@@ -25,12 +25,17 @@ _FARTHEST = 1.0
 """Largest movement that is undone, in widths of the smoothed step."""
 
 
+def gray_at(volume: Single, points: Array) -> Array:
+    """Gray levels of a volume at points, shape (N, 3) [voxels], shape (N,)."""
+    return np.asarray(interpolate(volume[None], points)[:, 0])
+
+
 def slopes_of(volume: Single, points: Array, size: Array) -> tuple[Array, Array]:
     """Unit vectors against the slope of a volume at points [voxels], in units of length, and the slope's steepness."""
     differences = []
     for axis in range(3):
         step = np.eye(3)[axis]
-        up, down = (interpolate(volume[None], points + way)[:, 0] for way in (step, -step))
+        up, down = gray_at(volume, points + step), gray_at(volume, points - step)
         differences.append((up - down) / (2.0 * size[axis]))
     slope = np.stack(differences, 1)
     steepness = np.linalg.norm(slope, axis=1)
@@ -43,7 +48,7 @@ def on_ridge(volume: Single, edge_map: Single, points: Array, size: Array) -> Ar
     for _ in range(_ROUNDS):
         normals, _ = slopes_of(volume, moved, size)
         probe = normals / size * _PROBE
-        at, ahead, behind = (interpolate(edge_map[None], moved + k * probe)[:, 0] for k in (0.0, 1.0, -1.0))
+        at, ahead, behind = (gray_at(edge_map, moved + k * probe) for k in (0.0, 1.0, -1.0))
         bend = ahead - 2.0 * at + behind
         with np.errstate(divide="ignore", invalid="ignore"):
             step = np.where(bend < 0.0, -0.5 * _PROBE * (ahead - behind) / bend, _PROBE * np.sign(ahead - behind))
@@ -63,43 +68,32 @@ def levels_at(volume: Single, edge_map: Single, points: Array, size: Array, widt
     """
     normals, _ = slopes_of(volume, points, size)
     bent = curvatures(volume, points, size, normals)
-    moved = points + (width * _shift(width * bent).sum(1))[:, None] * normals / size
-    thresholds = interpolate(volume[None], moved)[:, 0]
-    return Levels(points, thresholds, interpolate(edge_map[None], points)[:, 0]), normals
+    curved, shift = _shift_of_tubes()
+    off = (np.sign(bent) * np.interp(np.abs(width * bent), curved, shift)).sum(1)  # in widths of the smoothed step
+    thresholds = gray_at(volume, points + (width * off)[:, None] * normals / size)
+    return Levels(points, thresholds, gray_at(edge_map, points)), normals
 
 
 def curvatures(volume: Single, points: Array, size: Array, normals: Array) -> Array:
     """Two principal curvatures of the surfaces of equal gray level at points, positive where bright is convex."""
     stride = np.maximum(size, 1.0)
-    steps = np.diag(stride / size)
-    at = {key: interpolate(volume[None], points + way)[:, 0] for key, way in _ways(steps).items()}
+    steps, at = np.diag(stride / size), gray_at(volume, points)
+    ahead, behind = ([gray_at(volume, points + sign * step) for step in steps] for sign in (1, -1))
     second = np.empty((len(points), 3, 3))
     for a in range(3):
-        second[:, a, a] = (at[a, 1] - 2.0 * at[0, 0] + at[a, -1]) / stride[a] ** 2
+        second[:, a, a] = (ahead[a] - 2.0 * at + behind[a]) / stride[a] ** 2
         for b in range(a):
-            mixed = at[a, b, 1, 1] - at[a, b, 1, -1] - at[a, b, -1, 1] + at[a, b, -1, -1]
+            mixed = sum(
+                s * t * gray_at(volume, points + (s * steps[a] + t * steps[b])) for s in (1, -1) for t in (1, -1)
+            )
             second[:, a, b] = second[:, b, a] = mixed / (4.0 * stride[a] * stride[b])
-    slope = np.stack([(at[a, 1] - at[a, -1]) / (2.0 * stride[a]) for a in range(3)], 1)
+    slope = np.stack([(ahead[a] - behind[a]) / (2.0 * stride[a]) for a in range(3)], 1)
     steepness = np.maximum(np.linalg.norm(slope, axis=1), 1e-30)
     flat = np.eye(3) - normals[:, :, None] * normals[:, None, :]
     bend = -flat @ second @ flat / steepness[:, None, None]
     values = np.linalg.eigvalsh(bend)
     order = np.argsort(np.abs(values), axis=1)  # the direction of the normal has none
     return np.take_along_axis(values, order[:, 1:], axis=1)
-
-
-def _ways(steps: Array) -> dict[tuple[int, ...], Array]:
-    """Steps along the axes and the diagonals between them, by axes and signs."""
-    ways = {(0, 0): np.zeros(3)} | {(a, s): s * steps[a] for a in range(3) for s in (1, -1)}
-    return ways | {
-        (a, b, s, t): s * steps[a] + t * steps[b] for a in range(3) for b in range(a) for s in (1, -1) for t in (1, -1)
-    }
-
-
-def _shift(curvature: Array) -> Array:
-    """How far outside its ridge an edge lies, by the curvature of the ridge, both in widths of the smoothed step."""
-    curved, shift = _shift_of_tubes()
-    return np.sign(curvature) * np.interp(np.abs(curvature), curved, shift)
 
 
 @cache

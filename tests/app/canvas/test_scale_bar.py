@@ -50,16 +50,16 @@ def test_the_bar_follows_the_zoom_and_is_shown_only_with_a_unit(window, hand):
     assert not layer.item.isVisible()
     layer.choose("pixels", True)
     assert layer.item.isVisible()
-    assert layer.item.label.endswith(" px")
+    assert layer.bar.label.endswith(" px")
     show(window, "µm")
     labels = set()
     for factor in (1.0, 2.6, 2.6, 0.02):
         hand.canvas.zoom(factor)
         pixel = hand.canvas.view.viewPixelSize()[0]
-        assert abs(layer.item.length * pixel * 0.5 - length_said(layer.item.label, "µm")) <= 0.5 * pixel
+        assert abs(layer.bar.pixels * 0.5 - length_said(layer.bar.label, "µm")) <= 0.5 * pixel
         place = layer.item.mapRectToScene(layer.item.boundingRect())
         assert hand.canvas.view.boundingRect().contains(place)
-        labels.add(layer.item.label)
+        labels.add(layer.bar.label)
     assert len(labels) == 4
     window.actions_by_name["layer_scale_bar"].trigger()
     assert not layer.item.isVisible()

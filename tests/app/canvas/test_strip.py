@@ -91,7 +91,7 @@ def test_the_legend_drops_its_words_where_there_is_no_room_and_can_be_folded(res
 def test_particles_lead_during_a_run_and_recede_after_it(rested) -> None:
     particles = rested.canvas_area.canvas.layers.particles
     assert particles.receding
-    assert not rested.canvas_area.canvas.layers.contours.marks_junctions
+    assert not rested.canvas_area.canvas.layers.contours.junctions.isVisible()
     particles.choose("done", "same")
     assert not particles.receding
     rested.session.reset()
@@ -107,4 +107,4 @@ def test_short_open_contours_recede_and_kept_ones_do_not(rested) -> None:
         items = (Item(1, ReviewedContour(contour, mark, 0), row),)
         shown = ReviewedContours(items, None, session.scene.contours.result)
         rested.canvas_area.canvas.draw(replace(session.scene, contours=shown))
-        assert layer.short == short
+        assert layer.short.count == short

@@ -21,7 +21,7 @@ from app.model.parameters.controls import controls
 from app.views.comparison.dialog import CompareDialog
 from app.views.features.files import OpenSaveFeature
 from app.views.features.run import ComparisonFeature
-from app.views.main_window import MainWindow
+from app.views.window.window import MainWindow
 from cpm_core import PRESETS, Engine, segment
 from cpm_core.contours.ground_truth import truth_of_mask
 from cpm_core.formats.sessions.session_file import load_session

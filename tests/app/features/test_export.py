@@ -20,8 +20,8 @@ from app.model.document import edits
 from app.model.export import formats, listed
 from app.views.export.dialog import ExportDialog
 from app.views.features.exchange import ExportFeature
-from app.views.main_window import MainWindow
 from app.views.window.dialogs import FileDialogs
+from app.views.window.window import MainWindow
 from cpm_core.formats import WRITABLE
 from cpm_core.objects.segmented.segmented_object import SegmentedObject
 from cpm_core.parameters import Parameters

@@ -11,7 +11,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
 from app.session.features.image_batch import WRITTEN
-from app.views.main_window import MainWindow
+from app.views.window.window import MainWindow
 from cpm_core import cli
 from tests.app.conftest import Hand, disc
 

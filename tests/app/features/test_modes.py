@@ -64,7 +64,7 @@ def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, tmp_path,
     middle, radius = first.contours[0].points, first.radii[0]
     assert np.hypot(*(middle - 32.0).T).max() < 2.0
     assert radius.max() == pytest.approx(18.0, abs=1.0)
-    assert layer.counts[1] >= 1
+    assert layer.disks.count >= 1
     path = tmp_path / "middle.csv"
     window.actions_by_name["export"].trigger()
     dialog = window.feature(ExportFeature).dialog
@@ -93,7 +93,7 @@ def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, tmp_path,
     hand.wait(lambda: session.status.step == 9 and session.idle)
     hand.key(Qt.Key.Key_F1, Qt.KeyboardModifier.ControlModifier)
     assert session.scene.skeleton is None
-    assert layer.counts == (0, 0)
+    assert (layer.branches.count, layer.disks.count) == (0, 0)
 
 
 def test_particles_and_skeleton_replace_each_other_when_the_mode_changes(ready, hand) -> None:

@@ -41,12 +41,12 @@ def test_potential_and_field_are_shown_on_request(ready, hand):
     session, layers = ready.session, hand.canvas.layers
     potential, field = layers["potential"], layers["field"]
     ready.actions_by_name["layer_potential"].trigger()
-    hand.wait(lambda: potential.shades is not None and potential.lined)
+    hand.wait(lambda: potential.shades is not None and potential.lines.isVisible())
     parameters = session.document.parameters
     engine = Engine(session.image, parameters)
     assert np.array_equal(potential.shades, display_of_potential(engine.potential(parameters)))
     potential.choose("lines", False)
-    hand.wait(lambda: not potential.lined and session.idle)
+    hand.wait(lambda: not potential.lines.isVisible() and session.idle)
     assert potential.shades is not None
     ready.actions_by_name["layer_field"].trigger()
     hand.wait(lambda: len(field.drawn) > 0)

@@ -7,7 +7,7 @@ from PySide6.QtCore import Qt
 
 from app.session.features.workspace import Workspace
 from app.views.canvas.layers.layer import Amount, Choice, Switch
-from app.views.main_window import MainWindow
+from app.views.main_window import make_window
 
 
 def another(option: Amount | Choice | Switch, value: object) -> object:
@@ -78,7 +78,7 @@ def test_settings_are_kept_for_the_next_start_but_not_what_is_shown(window):
     layer.set_shown(False)
     window.canvas_area.canvas.layers["image"].choose("range", "1")
     window.close()
-    other = MainWindow(Workspace())
+    other = make_window(Workspace())
     again = other.canvas_area.canvas.layers["particles"]
     assert again.word("colour") == "force"
     assert again.shown

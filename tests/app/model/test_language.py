@@ -216,10 +216,10 @@ from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QAbstractSpinBox, QComboBox, QMenu, QTabBar, QWidget
 from app.session.features.workspace import Workspace
 from app.views.application import make_application
-from app.views.main_window import MainWindow
+from app.views.main_window import make_window
 
 application = make_application()
-window = MainWindow(Workspace())
+window = make_window(Workspace())
 for dock in window.docks:
     dock.show()
 window.show()

@@ -15,8 +15,8 @@ from app.session.storage.folders import first_folder, remember_folder
 from app.session.storage.preferences import Preferences
 from app.views.features.contours import TruthFeature
 from app.views.features.files import OpenSaveFeature
-from app.views.main_window import MainWindow
 from app.views.window import dialogs
+from app.views.window.window import MainWindow
 
 pytestmark = pytest.mark.shared_window
 

@@ -14,7 +14,7 @@ from app.model.document import edits
 from app.model.preferences.table import SAVE_IN_FOLDER
 from app.session.tasks.opening import _counted, images_beside, session_beside
 from app.views.features.files import FolderFeature, OpenSaveFeature
-from app.views.main_window import MainWindow
+from app.views.window.window import MainWindow
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
 from cpm_core.shapes import Circle
 

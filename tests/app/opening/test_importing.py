@@ -11,7 +11,7 @@ from PySide6.QtCore import QMimeData, QStandardPaths, Qt
 from PySide6.QtGui import QColor, QImage
 from PySide6.QtWidgets import QApplication
 
-from app.views.main_window import MainWindow
+from app.views.window.window import MainWindow
 from cpm_core import Contour
 from cpm_core.formats import encoded
 from cpm_core.shapes import Points, Polygon, Stroke

@@ -10,7 +10,7 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication, QFileDialog
 
-from app.views.main_window import MainWindow
+from app.views.window.window import MainWindow
 from cpm_core import Result, centerlines, export
 from cpm_core.contours.surface import inside_of, surface_of_labels
 from cpm_core.shapes import Points, Stroke

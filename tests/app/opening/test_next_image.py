@@ -18,9 +18,9 @@ from app.model.preferences.table import KEEP_PARAMETERS
 from app.session.exchange.core_functions import Core
 from app.views.features.files import OpenSaveFeature
 from app.views.features.help import PreferencesFeature
-from app.views.main_window import MainWindow
 from app.views.window import dialogs
 from app.views.window.dialogs import Answer
+from app.views.window.window import MainWindow
 from cpm_core import PRESETS, load_image
 from cpm_core.shapes import Circle
 

@@ -10,9 +10,8 @@ from PySide6.QtCore import Qt
 from scipy.ndimage import gaussian_filter
 
 from app.model.document.modes import ADVICE
-from app.views.features.offers import BeginningFeature
-from app.views.main_window import MainWindow
 from app.views.widgets.containers import OfferBar
+from app.views.window.window import MainWindow
 from cpm_core import PRESETS
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_session
 from cpm_core.shapes import Circle, Everywhere
@@ -31,7 +30,7 @@ def nuclei(tmp_path: Path) -> Path:
 
 
 def bar(window: MainWindow) -> OfferBar:
-    return window.feature(BeginningFeature).bar
+    return window.offers
 
 
 def open_image(window: MainWindow, hand, path: Path) -> None:

@@ -19,7 +19,7 @@ MANY = np.concatenate([VALUES, VALUES + 1, VALUES + 2])
 
 
 def bar(window):
-    return window.feature(StackFeature).bar
+    return window.offers
 
 
 def answer(window, hand, text: str) -> None:

@@ -15,10 +15,10 @@ from app.session.features.workspace import Workspace
 from app.session.storage.pictures import SIZE
 from app.views.application import make_application
 from app.views.features.files import OpenSaveFeature, StartFeature
-from app.views.features.offers import BeginningFeature
 from app.views.files.start_screen import StartScreen
-from app.views.main_window import MainWindow
+from app.views.main_window import make_window
 from app.views.window import dialogs
+from app.views.window.window import MainWindow
 
 pytestmark = pytest.mark.usefixtures("pictures_taken")
 
@@ -102,7 +102,7 @@ def test_a_session_saved_when_asked_is_recent_work_and_has_a_picture(
 
 def test_where_nothing_can_be_opened_the_start_screen_is_shown(qtbot: QtBot, workspace: Workspace, tmp_path) -> None:
     make_application()
-    window = MainWindow(workspace)
+    window = make_window(workspace)
     window.show()
     window.open_image(str(tmp_path / "gone.png"))
     qtbot.waitUntil(lambda: screen(window).isVisible(), timeout=20_000)
@@ -114,8 +114,8 @@ def test_where_nothing_can_be_opened_the_start_screen_is_shown(qtbot: QtBot, wor
 
 
 def test_a_start_with_a_sample_offers_the_newest_work(window, hand, other, image_file) -> None:
-    bar = window.feature(BeginningFeature).bar
-    window.feature(StartFeature).welcome(bar)
+    bar = window.offers
+    window.feature(StartFeature).welcome()
     open_image(window, hand, samples()[0].path)
     assert "disc.npy" in bar.text
     hand.qtbot.mouseClick(bar.buttons[1], Qt.MouseButton.LeftButton)

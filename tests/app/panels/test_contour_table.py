@@ -16,8 +16,8 @@ from app.model.document import edits
 from app.session.exchange.contour_tracking import ContourTracker
 from app.session.scene import ReviewedContours
 from app.views.features.contours import ContoursFeature
-from app.views.main_window import MainWindow
 from app.views.panels.contours import COLUMNS, ContourTable
+from app.views.window.window import MainWindow
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import Circle
 from tests.app.conftest import Hand
@@ -158,7 +158,7 @@ def test_a_contour_rejected_on_the_canvas_is_marked_in_its_row_and_missing_in_th
     hand.key(KEY.Key_Delete)
     assert table.column("verdict") == ["–", "✗ rejected", "–", "–"]
     assert hand.canvas.layers.contours.counts == (3, 0)
-    assert hand.canvas.layers.contours.rejected == 1
+    assert hand.canvas.layers.contours.rejected.count == 1
     assert len(exported(hand, found, tmp_path)) == 3
     assert found.actions_by_name["undo"].text().startswith("Undo reject")
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
@@ -258,7 +258,7 @@ def test_a_color_is_chosen_from_the_menu_drawn_and_exported(found, table, hand, 
     assert menu.actions()[0].text() == "Orange"
     menu.actions()[0].trigger()
     layer = hand.canvas.layers.contours
-    assert {color: curves.count for color, curves in layer._own.items()} == {"#e69f00": 1}
+    assert list(layer._other.colors) == ["#e69f00"]
     assert layer._curves[True].count == 3
     assert "#e69f00" in [contour["color"] for contour in exported(hand, found, tmp_path)]
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)

@@ -14,7 +14,7 @@ from PySide6.QtWidgets import QFileDialog
 from app.model.display.differences import differences
 from app.session.features.background import LatestOnlyWorker
 from app.views.features.contours import TruthFeature
-from app.views.main_window import MainWindow
+from app.views.window.window import MainWindow
 from cpm_core.contours.agreement import compare
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import truth_of_contours

@@ -25,7 +25,8 @@ from app.model.document import edits
 from app.session.features.workspace import Workspace
 from app.views.application import make_application
 from app.views.canvas.layers.layer import Layer
-from app.views.main_window import MainWindow
+from app.views.main_window import make_window
+from app.views.window.window import MainWindow
 from cpm_core import Parameters, uniform_grid
 from cpm_core.shapes import Points
 
@@ -125,7 +126,7 @@ def image_file(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
 def window(qtbot, workspace: Workspace) -> Iterator[MainWindow]:
     """A window without an image, as warm as after the start."""
     make_application()
-    made, session = MainWindow(workspace), workspace.session
+    made, session = make_window(workspace), workspace.session
     made.resize(1280, 800)
     made.show()
     qtbot.waitExposed(made)

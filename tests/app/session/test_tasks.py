@@ -18,7 +18,7 @@ from app.session.tasks.tasks import Cancelled, Task, Tasks
 from app.session.worker.commands import Command
 from app.views.application import make_application
 from app.views.features.run import TasksFeature
-from app.views.main_window import MainWindow
+from app.views.main_window import make_window
 from cpm_core import Image, load_image
 
 PATIENCE = 20_000
@@ -189,7 +189,7 @@ def test_closing_while_an_image_is_being_opened_ends_at_once_and_well(
     qtbot, workspace: Workspace, slow_file: Path, reader: Gated
 ) -> None:
     make_application()
-    window, session = MainWindow(workspace), workspace.session
+    window, session = make_window(workspace), workspace.session
     window.show()
     session.open(slow_file)
     reader.gate.set()

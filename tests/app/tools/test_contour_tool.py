@@ -12,7 +12,7 @@ from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QApplication
 
 from app.model.document import edits
-from app.views.main_window import MainWindow
+from app.views.window.window import MainWindow
 from cpm_core.shapes import Grid
 from tests.app.conftest import Hand
 

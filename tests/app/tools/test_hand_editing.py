@@ -12,7 +12,7 @@ from PySide6.QtCore import Qt
 
 from app.views.features.contours import ContoursFeature
 from app.views.features.files import OpenSaveFeature
-from app.views.main_window import MainWindow
+from app.views.window.window import MainWindow
 from cpm_core.formats.sessions.session_file import load_session
 from tests.app.conftest import Hand
 
@@ -84,7 +84,7 @@ def test_a_drag_from_end_to_end_closes_the_contour_along_the_edge(gap, hand) -> 
     assert closed.closed and closed.area == pytest.approx(AREA, rel=0.04)
     assert closed.length_by_hand == pytest.approx(RADIUS, rel=0.1)
     assert len(preview(hand)) == 0
-    assert hand.canvas.layers.contours.drawn_by_hand == 1
+    assert hand.canvas.layers.contours.by_hand.count == 1
     assert gap.session.history.undo_name == "join contours"
 
 

@@ -81,12 +81,12 @@ def test_the_pointer_shows_what_a_click_takes_and_the_click_takes_that(window, h
     hand.wait(lambda: window.session.scene.objects.preview is not None)
     preview = window.session.scene.objects.preview.mask
     assert overlap(preview, disk(*SMALL)) > 0.9
-    assert layer.previewed
+    assert layer.preview_fill.count
     click(hand, 18, 18)
     np.testing.assert_array_equal(offered(objects), preview)
     assert taken(window) == ()
     hand.canvas.leave()
-    assert not layer.previewed
+    assert not layer.preview_fill.count
 
 
 def test_enter_takes_the_object_asks_for_its_name_and_the_next_click_begins_the_next(window, hand, objects) -> None:
@@ -153,7 +153,7 @@ def test_escape_drops_the_proposal_and_backspace_takes_a_click_back(window, hand
     hand.key(KEY.Key_Escape)
     hand.wait(lambda: not objects.proposals)
     assert not objects.selecting
-    assert layer.offered == 0
+    assert layer.offered_fill.count == 0
 
 
 def test_a_click_in_an_object_changes_it_and_keeps_its_number(window, hand, objects) -> None:

@@ -45,11 +45,11 @@ def test_a_key_starts_everywhere_and_the_same_key_ends_it_each_a_step_of_undo(wi
     assert action.isChecked()
     hand.wait(lambda: bool(seen))
     np.testing.assert_array_equal(seen[-1][Everywhere(kind)], expected(kind, window.session.image.values))
-    assert hand.canvas.layers.drawing.everywhere == len(seen[-1][Everywhere(kind)])
+    assert sum(discs.count for discs in hand.canvas.layers.drawing.computed.values()) == len(seen[-1][Everywhere(kind)])
     hand.key(*KEYS[kind])
     assert window.session.document.shapes == ()
     assert not action.isChecked()
-    assert hand.canvas.layers.drawing.everywhere == 0
+    assert sum(discs.count for discs in hand.canvas.layers.drawing.computed.values()) == 0
     hand.key(KEY.Key_Z, CONTROL)
     assert window.session.document.shapes == (Everywhere(kind),)
     assert action.isChecked()

@@ -11,7 +11,7 @@ from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QApplication
 
 from app.views.canvas.image_view import ImageView
-from app.views.main_window import MainWindow
+from app.views.window.window import MainWindow
 from tests.app.conftest import Hand
 
 Button = Qt.MouseButton

@@ -9,7 +9,6 @@ from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QWheelEvent
 from PySide6.QtWidgets import QApplication
 
-from app.views.features.offers import StackFeature
 from app.views.features.volumes import SlicesFeature
 from cpm_core import PRESETS
 from tests.app.volumes.conftest import SHAPE, ball, open_file
@@ -83,7 +82,7 @@ def test_a_stack_opens_at_its_first_page_and_as_one_volume_on_request(window, ha
     tifffile.imwrite(path, pages, photometric="minisblack")
     open_file(window, hand, path)
     assert window.session.image.ndim == 2
-    offer = window.feature(StackFeature).bar
+    offer = window.offers
     assert offer.text == "stack.tif holds 24 pages. Open now: page 1."
     hand.qtbot.mouseClick(offer.buttons[0], Qt.MouseButton.LeftButton)
     hand.wait(lambda: window.session.image.ndim == 3 and window.session.idle)

@@ -33,7 +33,7 @@ def feature(window) -> StackFeature:
 
 def ask(window, hand):
     """The dialog, opened by the button of the offer."""
-    hand.qtbot.mouseClick(feature(window).bar.buttons[-1], Qt.MouseButton.LeftButton)
+    hand.qtbot.mouseClick(window.offers.buttons[-1], Qt.MouseButton.LeftButton)
     assert feature(window).dialog.isVisible()
     return feature(window).dialog
 
@@ -54,11 +54,11 @@ def choose(window, hand, dialog, **numbers) -> None:
 def test_a_hyperstack_says_what_it_holds_and_opens_each_part(window, hand, hyperstack) -> None:
     open_file(window, hand, hyperstack)
     told = "cells.ome.tif holds 9 pages, 3 channels, 2 points in time. Open now: page 1, channel 1, time 1."
-    assert feature(window).bar.text == told
+    assert window.offers.text == told
     choose(window, hand, ask(window, hand), page=4, channel=3, time=2)
     expected = load_image(hyperstack, page=4, channel=3, time=2)
     np.testing.assert_array_equal(window.session.image.values, expected.values)
-    assert feature(window).bar.text.endswith("Open now: page 4, channel 3, time 2.")
+    assert window.offers.text.endswith("Open now: page 4, channel 3, time 2.")
 
 
 def test_a_volume_of_one_channel_and_time_is_opened_by_the_dialog(window, hand, hyperstack) -> None:
@@ -85,7 +85,7 @@ def test_the_menu_opens_the_dialog_again_with_what_is_open(window, hand, hyperst
 def test_a_file_of_one_image_has_nothing_to_choose(window, hand, image_file) -> None:
     open_file(window, hand, image_file)
     assert not window.actions_by_name["choose_part"].isEnabled()
-    assert not feature(window).bar.text
+    assert not window.offers.text
 
 
 def test_sessions_and_recent_files_keep_the_part(window, hand, hyperstack, image_file, tmp_path) -> None:

@@ -11,7 +11,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
 from app.views.features.volumes import SpaceFeature
-from app.views.main_window import MainWindow
+from app.views.window.window import MainWindow
 from cpm_core.contours.agreement import TOLERANCE
 from tests.app.conftest import Hand
 from tests.app.volumes.conftest import SHAPE, ball

@@ -6,8 +6,9 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtWidgets import QScrollArea
 
 from app.session.storage.preferences import Preferences
-from app.views.main_window import MainWindow
+from app.views.main_window import make_window
 from app.views.window.bars import ToolPalette
+from app.views.window.window import MainWindow
 
 LEFT = Qt.MouseButton.LeftButton
 DECISIVE = ("reach", "weakest_edge", "beta", "ratio", "annealing")
@@ -62,7 +63,7 @@ def test_what_is_unfolded_is_remembered(qtbot, workspace, window, hand) -> None:
     run = window.panels["run"]
     hand.qtbot.mouseClick(run.plots.fold, LEFT, pos=QPoint(8, 8))
     assert run.plot.isVisible()
-    again = MainWindow(workspace, Preferences())
+    again = make_window(workspace, Preferences())
     qtbot.addWidget(again)
     assert again.panels["run"].unfolded == ["plots"]
     again.close()

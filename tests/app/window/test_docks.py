@@ -6,7 +6,7 @@ from PySide6.QtCore import QCoreApplication, Qt
 from PySide6.QtWidgets import QToolButton, QWidget
 
 from app.session.storage.preferences import Preferences
-from app.views.main_window import MainWindow
+from app.views.main_window import make_window
 
 
 def test_panels_are_restored_to_their_initial_places(window, hand) -> None:
@@ -25,7 +25,7 @@ def test_panels_are_restored_to_their_initial_places(window, hand) -> None:
 def test_panels_keep_their_places_for_the_next_start(qtbot, workspace, window, hand) -> None:
     window.addDockWidget(Qt.DockWidgetArea.LeftDockWidgetArea, window.docks["run"])
     window.close()
-    again = MainWindow(workspace, Preferences())
+    again = make_window(workspace, Preferences())
     qtbot.addWidget(again)
     assert again.dockWidgetArea(again.docks["run"]) == Qt.DockWidgetArea.LeftDockWidgetArea
     again.close()

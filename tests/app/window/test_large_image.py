@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
-from app.views.features.offers import BeginningFeature, LargeImageFeature
 from cpm_core.parameters import PRESETS
 from cpm_core.segmentation import large_images
 
@@ -27,7 +26,7 @@ def bar(window, hand, tmp_path: Path, monkeypatch):
     np.save(tmp_path / "large.npy", 60.0 + 120.0 * (np.hypot(row - 64, col - 64) < 40) + noise)
     window.open_image(str(tmp_path / "large.npy"))
     hand.wait(lambda: window.session.document.image.name == "large.npy" and window.session.idle)
-    return window.feature(LargeImageFeature).bar
+    return window.offers
 
 
 def test_one_click_takes_what_suits_a_large_image_and_one_key_takes_it_back(window, hand, bar):
@@ -50,10 +49,10 @@ def test_an_image_of_common_size_after_it_offers_nothing(window, hand, bar, imag
     assert not bar.text
 
 
-def test_of_two_offers_the_second_waits_until_the_first_is_answered(window, hand, bar, image_file):
-    other = window.feature(BeginningFeature).bar
-    other.offer("Something else?", ("Yes", lambda: None))
-    assert (other.text, bar.text) == ("Something else?", "")
-    hand.qtbot.mouseClick(other.cross, Qt.MouseButton.LeftButton)
+def test_of_two_offers_the_second_waits_until_the_first_is_answered(window, hand, bar):
+    bar.offer("Something else?", ("Yes", lambda: None))
     assert "4 scales" in bar.text
-    assert not other.text
+    hand.qtbot.mouseClick(bar.cross, Qt.MouseButton.LeftButton)
+    assert (bar.text, [button.text() for button in bar.buttons]) == ("Something else?", ["Yes"])
+    hand.qtbot.mouseClick(bar.cross, Qt.MouseButton.LeftButton)
+    assert not bar.text

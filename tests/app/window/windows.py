@@ -18,9 +18,10 @@ from app.views.application import make_application
 from app.views.canvas.canvas_area import FIRST_TOOL
 from app.views.canvas.tools.brush_tools import RingTool
 from app.views.features.files import StartFeature
-from app.views.main_window import MainWindow
+from app.views.main_window import make_window
 from app.views.panels.tables import ItemTable
 from app.views.window import dialogs
+from app.views.window.window import MainWindow
 
 SIZE = 1000, 700
 """Width and height of windows [px]."""
@@ -29,7 +30,7 @@ SIZE = 1000, 700
 def new_window(qtbot: QtBot, workspace: Workspace) -> MainWindow:
     """A window without an image."""
     make_application()
-    made = MainWindow(workspace)
+    made = make_window(workspace)
     made.resize(*SIZE)
     made.show()
     qtbot.waitExposed(made)

@@ -10,7 +10,7 @@ import roifile
 import tifffile
 
 import cpm_core as cpm
-from cpm_core.formats.contours.stack import export_stack
+from cpm_core.formats.stack_files import export_stack
 from cpm_core.pages.page import Page, StackResult
 
 from .drawn import MOVING, SHAPE, SPLITTING

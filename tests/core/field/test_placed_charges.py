@@ -15,7 +15,7 @@ from cpm_core.field.placed_charges import (
     at_scale,
     changed,
     in_order,
-    placed_force,
+    placed_force_at,
     placed_potential,
     radius_at,
 )
@@ -41,6 +41,11 @@ def law(charge, points):
     one = at_scale([charge], 0, SHAPE)
     slope = [placed_potential(one, RADIUS, points + d) - placed_potential(one, RADIUS, points - d) for d in steps]
     return -np.stack(slope, axis=-1) / (2.0 * h)
+
+
+def grid(*shape):
+    """Places of the pixels of an image."""
+    return np.moveaxis(np.indices(shape), 0, -1)
 
 
 def cut(force):
@@ -70,7 +75,7 @@ def resting(engine):
 
 def test_a_charge_of_one_pulls_at_its_radius_with_one_and_hardly_more_anywhere():
     charge = at_scale([PlacedCharge((0.0, 0.0), 1.0)], 0, SHAPE)
-    force = placed_force(charge, RADIUS, (0, 1, 0, 80))[0]
+    force = placed_force_at(charge, RADIUS, grid(1, 80))[0]
     assert force[int(RADIUS), 1] == pytest.approx(-1.0, abs=1e-12)
     assert np.abs(force[:, 1]).max() < 1.1
     assert (force[:, 0] == 0.0).all()
@@ -84,7 +89,7 @@ def test_a_charge_of_one_pulls_at_its_radius_with_one_and_hardly_more_anywhere()
 def test_forces_are_the_slopes_of_the_potentials_added_up_and_cut(placed):
     points = np.array([*product((0, 7, 19), (0, 3, 22))], dtype=float)
     want = cut(sum(law(charge, points) for charge in placed))
-    force = placed_force(at_scale(placed, 0, SHAPE), RADIUS, (0, 20, 0, 23))
+    force = placed_force_at(at_scale(placed, 0, SHAPE), RADIUS, grid(20, 23))
     np.testing.assert_allclose(force[tuple(points.astype(int).T)], want, atol=1e-5)
     apart = sum(placed_potential(at_scale([charge], 0, SHAPE), RADIUS, points) for charge in placed)
     np.testing.assert_allclose(placed_potential(at_scale(placed, 0, SHAPE), RADIUS, points), apart, atol=1e-9)
@@ -95,7 +100,7 @@ def test_the_force_at_a_place_of_the_image_is_the_same_at_all_scales(scale):
     placed = [PlacedCharge((70.3, 61.8), 2.5), PlacedCharge((20.0, 90.0), -4.0)]
     pixels = np.array([(10, 8), (4, 5), (0, 11), (7, 3)])
     places = to_image(pixels.astype(float), scale, SHAPE)
-    force = placed_force(at_scale(placed, scale, SHAPE), radius_at(scale), (0, 20, 0, 20))
+    force = placed_force_at(at_scale(placed, scale, SHAPE), radius_at(scale), grid(20, 20))
     np.testing.assert_allclose(force[tuple(pixels.T)], cut(sum(law(charge, places) for charge in placed)), atol=1e-5)
     potential = placed_potential(at_scale(placed, scale, SHAPE), radius_at(scale), pixels.astype(float))
     there = placed_potential(at_scale(placed, 0, SHAPE), RADIUS, places)
@@ -107,13 +112,13 @@ def test_a_scale_field_with_charges_does_not_depend_on_their_history(engine):
     placed = [PlacedCharge(tuple(generator.uniform(-10, 200, 2)), q) for q in generator.uniform(-9, 9, 12)]
     scale_field = engine.scale_field(PARAMETERS)
     want = scale_field.lorentz + np.moveaxis(
-        placed_force(at_scale(placed, 0, TWO.shape), RADIUS, (0, 128, 0, 256)), -1, 0
+        placed_force_at(at_scale(placed, 0, TWO.shape), RADIUS, grid(128, 256)), -1, 0
     )
     for some in (placed[:3], placed[2:9], placed[::-1], placed[5:6], placed):
-        got = engine._charged.of(scale_field, 0, in_order(some)).lorentz.copy()
+        got = engine.charged(scale_field, 0, in_order(some)).lorentz.copy()
     np.testing.assert_allclose(got, want, atol=1e-6)
     np.testing.assert_allclose(engine.field(PARAMETERS, 0, placed), want, atol=1e-6)
-    assert engine._charged.of(scale_field, 0, ()) is scale_field
+    assert engine.charged(scale_field, 0, ()) is scale_field
 
 
 @pytest.mark.parametrize("strength", [2.0, 6.0, 10.0])

@@ -11,8 +11,8 @@ import pytest
 from cpm_core.field import convolution as convolution_module
 from cpm_core.field import scale_field as scale_field_module
 from cpm_core.field import scale_space as scale_space_module
-from cpm_core.field.scale_space import ScaleSpace
 from cpm_core.image.regions import Regions
+from cpm_core.model.image_fields import ImageFields
 from cpm_core.parameters import OF_STARTS, OF_VOLUMES, PARAMETERS, Parameters, invalidating
 from cpm_core.parameters.choices import CHOICES
 
@@ -23,18 +23,16 @@ IMAGE = disk((72, 80), (35.4, 38.7), 20.0).values
 REGIONS = Regions(interest=[[(4, 4), (4, 70), (66, 70), (66, 4)]], barriers=[[(10.3, 8.2), (10.3, 60.4)]])
 
 
-class UsedScaleSpace(ScaleSpace):
-    """A scale space whose fields are used at once, also by particles."""
+class UsedFields(ImageFields):
+    """Fields that are used at once, also by particles."""
+
+    def __init__(self, image, scales, regions=None):
+        super().__init__(image, replace(START, scales=scales), regions)
 
     def at(self, scale, parameters):
-        field = super().at(scale, parameters)
+        field = self.scale_field(parameters, scale)
         field.force()
         return field
-
-    def prepare(self, parameters):
-        super().prepare(parameters)
-        for scale in range(len(self)):
-            self.at(scale, parameters)
 
 
 @pytest.fixture
@@ -79,7 +77,7 @@ def others(calls):
 
 @pytest.mark.parametrize("name", [name for name, info in PARAMETERS.items() if info.invalidates != "field"])
 def test_what_acts_at_the_next_step_rebuilds_nothing(calls, name):
-    space = UsedScaleSpace(IMAGE, 3)
+    space = UsedFields(IMAGE, 3)
     before = [space.at(scale, START) for scale in range(3)]
     calls.clear()
     other = replace(START, scales=2) if name == "scales" else changed(name)
@@ -88,7 +86,7 @@ def test_what_acts_at_the_next_step_rebuilds_nothing(calls, name):
 
 
 def test_every_parameter_that_invalidates_the_field_builds_a_scale_field():
-    space = UsedScaleSpace(IMAGE, 1)
+    space = UsedFields(IMAGE, 1)
     names = [name for name in invalidating("field") if name not in (*OF_STARTS, *OF_VOLUMES)]
     assert len(names) == 7
     built = [space.at(0, START), *(space.at(0, changed(name)) for name in names)]
@@ -101,11 +99,12 @@ def test_every_parameter_that_invalidates_the_field_builds_a_scale_field():
 )
 def test_a_scale_field_does_not_depend_on_its_history(regions, taken):
     wanted = Parameters(**taken, edge_floor=0.2, max_border=0.1)
-    space = UsedScaleSpace(IMAGE, 2, regions)
+    space = UsedFields(IMAGE, 2, regions)
     for before in (START, replace(wanted, edge_floor=0.0), replace(wanted, max_border=0.0)):
-        space.prepare(before)
+        for scale in range(2):
+            space.at(scale, before)
     for scale in range(2):
-        roundabout, straight = space.at(scale, wanted), UsedScaleSpace(IMAGE, 2, regions).at(scale, wanted)
+        roundabout, straight = space.at(scale, wanted), UsedFields(IMAGE, 2, regions).at(scale, wanted)
         np.testing.assert_array_equal(roundabout.packed, straight.packed)
         np.testing.assert_array_equal(roundabout.barrier_map.segments, straight.barrier_map.segments)
         assert roundabout.floor == straight.floor
@@ -113,8 +112,9 @@ def test_a_scale_field_does_not_depend_on_its_history(regions, taken):
 
 
 def test_many_threads_get_the_same_scale_field(calls):
-    space, seen = UsedScaleSpace(IMAGE, 2), []
-    threads = [Thread(target=lambda: seen.append(space.at(0, START))) for _ in range(8)]
+    space, seen, other = UsedFields(IMAGE, 2), [], replace(START, smoothing=2.5)
+    calls.clear()
+    threads = [Thread(target=lambda: seen.append(space.at(0, other))) for _ in range(8)]
     for thread in threads:
         thread.start()
     for thread in threads:
@@ -128,7 +128,7 @@ def test_the_parts_in_which_an_image_is_worked_on_fit_together(monkeypatch):
     """Lines computed side by side are those of the whole: no seam, to the last bit."""
     image = np.random.default_rng(2).normal(0.0, 20.0, (150, 140)) + disk((150, 140), (70.0, 72.0), 40.0).values
     monkeypatch.setattr(scale_field_module, "_PART", 40 * 140)
-    pieces = UsedScaleSpace(image, 1).at(0, START)
+    pieces = UsedFields(image, 1).at(0, START)
 
     def alone(work, count, _least):
         work(0, count)
@@ -137,23 +137,23 @@ def test_the_parts_in_which_an_image_is_worked_on_fit_together(monkeypatch):
 
     for name in ("cpm_core.field.scale_field", "cpm_core.field.edge_map"):
         monkeypatch.setattr(sys.modules[name], "share", alone)
-    np.testing.assert_array_equal(UsedScaleSpace(image, 1).at(0, START).packed, pieces.packed)
+    np.testing.assert_array_equal(UsedFields(image, 1).at(0, START).packed, pieces.packed)
 
 
 def test_the_force_of_a_field_is_made_when_particles_need_it_and_shared_beyond_barriers(calls):
-    space = ScaleSpace(IMAGE, 1)
-    plain = space.at(0, START)
-    barred = space.with_regions(Regions(barriers=REGIONS.barriers)).at(0, START)
+    fields = ImageFields(IMAGE, START)
+    plain = fields.scale_field(START)
+    barred = fields.with_regions(Regions(barriers=REGIONS.barriers)).scale_field(START)
     assert calls["convolved_field"] == 0
     assert barred.packed is plain.packed
     assert calls["convolved_field"] == 1
 
 
 def test_fields_of_a_large_image_take_half_the_memory_and_differ_by_rounding_only(monkeypatch):
-    double = ScaleSpace(IMAGE, 1, REGIONS).at(0, START)
+    double = ImageFields(IMAGE, START, REGIONS).scale_field(START)
     for module, name in ((scale_space_module, "LARGE"), (convolution_module, "_MOST_IN_DOUBLE")):
         monkeypatch.setattr(module, name, 0)
-    single = ScaleSpace(IMAGE, 1, REGIONS).at(0, START)
+    single = ImageFields(IMAGE, START, REGIONS).scale_field(START)
     for name in ("gradient", "edge_map", "fixed_charges"):
         assert getattr(single, name).dtype == np.float32
         np.testing.assert_allclose(getattr(single, name), getattr(double, name), rtol=0, atol=1e-6 * double.strongest)

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import cpm_core as cpm
-from cpm_core.field.placed_charges import MOST, RADIUS, at_scale, placed_at, placed_force, placed_potential
+from cpm_core.field.placed_charges import MOST, RADIUS, at_scale, placed_at, placed_force_at, placed_potential
 
 VOLUME = cpm.PRESETS["volume"]
 SPACING = (2.0, 1.0, 1.0)
@@ -40,7 +40,7 @@ def test_in_the_plane_of_a_charge_its_force_is_that_in_an_image(place, strength)
     """The law depends on the distance alone; the plane knows it on pixels."""
     row, col = (round(x) for x in place[1:])
     charge = at_scale([cpm.PlacedCharge((80.0, 80.0), strength)], 0, (200, 200))
-    flat = placed_force(charge, RADIUS, (80 + row, 81 + row, 80 + col, 81 + col))[0, 0]
+    flat = placed_force_at(charge, RADIUS, np.array([80.0 + row, 80.0 + col]))
     solid = placed_at(np.array([[5.0, 0.0, 0.0, strength]]), RADIUS, (5.0, float(row), float(col)))
     np.testing.assert_allclose(solid, (0.0, *flat), atol=1e-12)
 

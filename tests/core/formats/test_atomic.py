@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from cpm_core.formats.common.atomic import check_place, draft_of, write_together
+from cpm_core.formats.common.atomic import check_place, drafts_of, write_together
 
 posix = pytest.mark.skipif(os.name != "posix", reason="rights and signals are those of POSIX")
 
@@ -20,7 +20,7 @@ def names_in(folder):
 
 
 def write_draft(path, content=b"new"):
-    with draft_of(path) as draft:
+    with drafts_of(path) as (draft,):
         draft.write_bytes(content)
 
 
@@ -89,7 +89,7 @@ def test_any_name_that_a_file_can_have_can_be_written(tmp_path, write, name):
 
 def left_behind(path):
     """A draft as a writer of `path` leaves it that is killed."""
-    with draft_of(path) as draft:
+    with drafts_of(path) as (draft,):
         draft.touch()
     path.unlink()
     draft.touch()

@@ -1,4 +1,4 @@
-"""Segments: distances, crossings and pieces against exact arithmetic."""
+"""Segments: distances and crossings against exact arithmetic."""
 
 from fractions import Fraction
 from itertools import pairwise
@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 
 from cpm_core.numerics.segments import (
     SegmentTree,
-    cut,
     first_crossing,
     meet,
     nearest_distances,
@@ -54,23 +53,6 @@ def test_the_first_crossing_of_a_path_is_found(path, others):
     found = [(n, s) for n, step in enumerate(steps) for s, other in enumerate(others) if common(step, other)]
     flat = np.array(others, dtype=float).reshape(-1, 4)
     assert first_crossing(np.array(path, dtype=float), flat) == (found[0] if found else (-1, -1))
-
-
-@given(segments, st.lists(segments, min_size=1, max_size=5))
-def test_a_segment_is_cut_where_others_meet_it(segment, others):
-    flat = np.array(segment, dtype=float).ravel()
-    pieces = cut(flat, np.array(others, dtype=float).reshape(-1, 4), 1e-6)
-    assert pieces[0, :2].tolist() == list(segment[0])
-    assert pieces[-1, 2:].tolist() == list(segment[1])
-    np.testing.assert_array_equal(pieces[:-1, 2:], pieces[1:, :2])
-    for piece in pieces:
-        inner = piece[:2] + 0.5 * (piece[2:] - piece[:2])
-        shrunk = 0.99 * (piece.reshape(2, 2) - inner) + inner
-        for (a, b), other in zip(others, np.array(others, dtype=float), strict=True):
-            parallel = (b[0] - a[0]) * (segment[1][1] - segment[0][1]) == (b[1] - a[1]) * (
-                segment[1][0] - segment[0][0]
-            )
-            assert parallel or not meet(shrunk.ravel(), *other)
 
 
 @pytest.mark.parametrize("count", [1, 3, 400])

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from cpm_core import Engine, Parameters, uniform_grid
 from cpm_core.contours.graph import Graph
-from cpm_core.reconstruction.curve.hysteresis import drop_unconnected, drop_under, ratings
+from cpm_core.reconstruction.curve.hysteresis import drop_unconnected, ratings
 
 
 @st.composite
@@ -27,15 +27,15 @@ def kept_edges(made, least, sure):
     """Edges that the two thresholds leave, and the ratings."""
     points, edges, strength = made
     graph = Graph(points, edges)
-    rated = ratings(graph, lambda _: strength)
-    drop_under(graph, rated, least)
+    rated, rating = ratings(graph, lambda _: strength)
+    graph.unlink(rated[rating < least])
     drop_unconnected(graph, strength, sure)
-    return {tuple(edge) for edge in graph.edges().tolist()}, by_edge(rated)
+    return {tuple(edge) for edge in graph.edges().tolist()}, by_edge(rated, rating)
 
 
-def by_edge(rated):
+def by_edge(edges, ratings):
     """Ratings as a dictionary from edges, the lower index first."""
-    return {(min(edge), max(edge)): rating for edge, rating in zip(rated.edges.tolist(), rated.rating, strict=True)}
+    return {(min(edge), max(edge)): rating for edge, rating in zip(edges.tolist(), ratings, strict=True)}
 
 
 thresholds = st.floats(0.0, 9.0)
@@ -60,7 +60,7 @@ def test_remaining_edges_are_strong_enough_and_connected_to_sure_ones(made, leas
 def test_closed_contours_and_those_between_junctions_are_rated_as_a_whole(made):
     points, edges, strength = made
     graph = Graph(points, edges)
-    rated = by_edge(ratings(graph, lambda _: strength))
+    rated = by_edge(*ratings(graph, lambda _: strength))
     assert set(rated) == {tuple(edge) for edge in graph.edges().tolist()}
     ways = graph.ways()
     assert len(rated) == len(ways.edges()[0])

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from cpm_core import Image
-from cpm_core.formats.sessions.plain import shape_to_plain
+from cpm_core.formats.common.plain import shape_to_plain
 from cpm_core.formats.sessions.session_file import SessionFile, decode, encode
 from cpm_core.shapes import Circle, Everywhere, Points, Shape, Sphere
 from cpm_core.shapes.document_shapes import axes_of, check_axes, seeds_on

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cpm_core import Image, at_centers, everywhere, example, segment
-from cpm_core.formats.sessions.plain import shape_from_plain, shape_to_plain
+from cpm_core.formats.common.plain import shape_from_plain, shape_to_plain
 from cpm_core.model.volume.starts import strength_of
 from cpm_core.parameters import PRESETS
 from cpm_core.shapes import BoxGrid, BoxThreshold, Threshold

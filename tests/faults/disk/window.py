@@ -12,7 +12,7 @@ from pathlib import Path
 from app.model.document import edits
 from app.session.storage.recovery import Journal
 from app.views.features.files import OpenSaveFeature, RecoveryFeature
-from app.views.main_window import MainWindow
+from app.views.window.window import MainWindow
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.shapes import Circle
 

@@ -11,10 +11,11 @@ from pathlib import Path
 from PySide6.QtCore import QCoreApplication, QSettings
 
 from app.model.document import edits
-from app.views.application import make_application, open_window
+from app.views.application import make_application
 from app.views.features.files import OpenSaveFeature, RecoveryFeature
-from app.views.main_window import MainWindow
+from app.views.main_window import open_window
 from app.views.window import dialogs
+from app.views.window.window import MainWindow
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.shapes import Circle
 

@@ -17,7 +17,7 @@ from app.views.canvas.tools import TOOLS
 from app.views.export.animation_dialog import AnimationPlan
 from app.views.features.animation import AnimationFeature
 from app.views.features.files import OpenSaveFeature, RecoveryFeature
-from app.views.main_window import MainWindow
+from app.views.window.window import MainWindow
 from cpm_core.formats import load_image
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.shapes import Circle

@@ -25,7 +25,7 @@ from PySide6.QtWidgets import (
 from shiboken6 import isValid
 
 from app.views.canvas.tools import TOOLS
-from app.views.main_window import MainWindow
+from app.views.window.window import MainWindow
 
 Gesture = Iterator[float]
 """Sends an event between one pause and the next [s]."""

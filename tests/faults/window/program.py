@@ -16,9 +16,10 @@ from PIL import Image as Picture
 from PySide6.QtCore import QCoreApplication, QEvent, QSettings
 from PySide6.QtWidgets import QApplication
 
-from app.views.application import make_application, open_window
-from app.views.main_window import MainWindow
+from app.views.application import make_application
+from app.views.main_window import open_window
 from app.views.window import dialogs
+from app.views.window.window import MainWindow
 from cpm_core.warm_up import warm_up
 
 from ..clock import now

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from app.model.document import edits
 from app.views.features.files import OpenSaveFeature
-from app.views.main_window import MainWindow
+from app.views.window.window import MainWindow
 from cpm_core.shapes import Circle
 
 from ..kills.windows import opened, until

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import QRectF, Qt
-from PySide6.QtGui import QColor, QPainter, QPainterPath, QPen
+from PySide6.QtGui import QColor, QPainter, QPainterPath
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
 from app.views.canvas.items.item import OverImage, cached, line_pen, to_xy
@@ -34,14 +34,14 @@ _DASHES = (2.5, 1.8)
 
 
 class Curves(OverImage):
-    """Curves of one color with a dark halo.
+    """Curves with a dark halo.
 
     Each is drawn in pieces: the time that Qt takes for a wide line grows much faster than its length.
 
     Parameters
     ----------
     color : str
-        Color.
+        Color of those that have none of their own.
     z : float
         Place in the stack of layers.
     width, halo : float
@@ -51,6 +51,8 @@ class Curves(OverImage):
     kind : {"contours", "shapes", "fixed"}
         What it belongs to; its width is as preferred for this kind.
     """
+
+    count = 0
 
     def __init__(
         self,
@@ -65,57 +67,49 @@ class Curves(OverImage):
         self._color, self._width, self._dashed, self._kind = color, width, dashed, kind
         self._rim_of_halo = halo - width if halo else 0.0
         self._paths: Sequence[Array] = ()
-        self._pieces: list[QPainterPath] = []
+        self.colors: Sequence[str] = ()
+        """Color of each curve."""
+        self._pieces: list[tuple[QPainterPath, str]] = []
         self._boxes = boxes([])
         self._made_for = 0.0
-        self.count = 0
-        self.setVisible(False)
         cached(self)
 
-    def show(self, paths: Sequence[Array]) -> None:
-        """Show curves, each of shape (K, 2)."""
+    def show(self, paths: Sequence[Array], colors: Sequence[str] = ()) -> None:
+        """Show curves, each of shape (K, 2), in colors of their own or in that of all."""
         if paths or self.count:
-            self.count = len(paths)
-            self._paths, self._made_for = paths, 0.0
-            self.update()
-            self.set_shown(self._shown)
-
-    @property
-    def empty(self) -> bool:
-        """Whether there are no curves."""
-        return self.count == 0
+            self._paths, self.colors, self._made_for = paths, colors or (self._color,) * len(paths), 0.0
+            self.renew(len(paths))
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
         """Draw the halos, then the curves."""
         painter.setBrush(QColor(0, 0, 0, 0))
         zoom = abs(painter.worldTransform().m11()) * painter.device().devicePixelRatioF()
         self._make_pieces(2.0 ** (math.ceil(_STEPS * math.log2(zoom)) / _STEPS))
-        seen = self._visible(painter, zoom)
-        pens = self._pens()
-        for pen in pens:
+        seen = [self._pieces[index] for index in self._visible(painter, zoom)]
+        if self._rim_of_halo:
             # Where there are many halos, jagged ones are not visible below the smooth lines.
-            painter.setRenderHint(QPainter.RenderHint.Antialiasing, pen is pens[-1] or len(seen) < _MANY)
-            painter.setPen(pen)
-            for index in seen:
-                painter.drawPath(self._pieces[index])
-
-    def _pens(self) -> tuple[QPen, ...]:
-        """Pens of halo and line, in the look in use; the rim of a halo is as wide next to a line of any width."""
-        pen = line_pen(self._color, self._width, self._kind)
-        if self._dashed:
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing, len(seen) < _MANY)
+            # The rim of a halo is as wide next to a line of any width.
+            painter.setPen(line_pen(theme.HALO, self._width * look().width(self._kind) + self._rim_of_halo))
+            for path, _ in seen:
+                painter.drawPath(path)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        pens = {color: line_pen(color, self._width, self._kind) for color in set(self.colors)}
+        for pen in pens.values() if self._dashed else ():
             pen.setDashPattern(_DASHES)
             pen.setCapStyle(Qt.PenCapStyle.FlatCap)
-        if not self._rim_of_halo:
-            return (pen,)
-        return line_pen(theme.HALO, self._width * look().width(self._kind) + self._rim_of_halo), pen
+        for path, color in seen:
+            painter.setPen(pens[color])
+            painter.drawPath(path)
 
     def _make_pieces(self, zoom: float) -> None:
         """Make the pieces for `zoom` px of the screen per px of the image, without corners that are invisible there."""
         if self._made_for != zoom:
             self._made_for = zoom
-            seen = [piece for path in coarser(self._paths, _UNSEEN / zoom) for piece in pieces(path)]
-            self._pieces = [pg.arrayToQPath(*to_xy(piece)) for piece in seen]
-            self._boxes = boxes(seen)
+            paths = zip(coarser(self._paths, _UNSEEN / zoom), self.colors, strict=False)
+            seen = [(piece, color) for path, color in paths for piece in pieces(path)]
+            self._pieces = [(pg.arrayToQPath(*to_xy(piece)), color) for piece, color in seen]
+            self._boxes = boxes([piece for piece, _ in seen])
 
     def _visible(self, painter: QPainter, zoom: float) -> list[int]:
         """Indices of the visible pieces; the others would take the painter as long."""
@@ -150,28 +144,24 @@ Area = tuple[Sequence[Array], str, float]
 class Fills(OverImage):
     """Translucent areas with holes; `z` is the place in the stack of layers."""
 
+    count = 0
+
     def __init__(self, z: float) -> None:
         super().__init__(z, _FILL_RIM)
         self._areas: list[tuple[QPainterPath, str, float]] = []
-        self.setVisible(False)
         cached(self)
-
-    @property
-    def count(self) -> int:
-        """Number of areas."""
-        return len(self._areas)
-
-    @property
-    def empty(self) -> bool:
-        """Whether there are no areas."""
-        return not self._areas
 
     def show(self, areas: Sequence[Area]) -> None:
         """Show areas, in the order in which they lie over each other."""
         if areas or self._areas:
-            self._areas = [(_area_path(curves), color, opacity) for curves, color, opacity in areas]
-            self.update()
-            self.set_shown(self._shown)
+            self._areas = []
+            for curves, color, opacity in areas:
+                path = QPainterPath()  # of which an odd number of curves encloses what is inside
+                for curve in curves:
+                    closed = np.concatenate([curve, curve[:1]])
+                    path.addPath(pg.arrayToQPath(*map(np.ascontiguousarray, to_xy(closed))))
+                self._areas.append((path, color, opacity))
+            self.renew(len(areas))
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
         """Draw the areas."""
@@ -180,12 +170,3 @@ class Fills(OverImage):
             tint = QColor(look().color(color))
             tint.setAlphaF(opacity)
             painter.fillPath(path, tint)
-
-
-def _area_path(curves: Sequence[Array]) -> QPainterPath:
-    path = QPainterPath()
-    for curve in curves:
-        closed = np.concatenate([curve, curve[:1]])
-        path.addPath(pg.arrayToQPath(*map(np.ascontiguousarray, to_xy(closed))))
-    path.setFillRule(Qt.FillRule.OddEvenFill)
-    return path

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,6 +51,8 @@ class Discs(OverImage):
         Centers (row, col) [px of the image].
     """
 
+    count = 0
+
     def __init__(self, color: str, diameter: float, z: float) -> None:
         super().__init__(z, _RIM)
         self._own = (color,)
@@ -64,12 +65,6 @@ class Discs(OverImage):
         self._stamps = internals.PrimitiveArray(QPainter.PixmapFragment, 10)
         self._stamp = QPixmap()
         self._stamped: tuple[object, ...] = ()
-        self.set_shown(True)
-
-    @property
-    def count(self) -> int:
-        """Number of discs."""
-        return len(self.position)
 
     def use_palette(self, colors: Sequence[str] = ()) -> None:
         """Set the palette, by default the own color; call `show` afterwards."""
@@ -89,16 +84,10 @@ class Discs(OverImage):
         nothing is drawn again.
         """
         shown = zip((position, color, opacity), (self.position, self._marks, self._opacity), strict=True)
-        if all(one is other or _same(one, other) for one, other in shown):
+        if all(one is other or np.array_equal(one, other) for one, other in shown):  # type: ignore[arg-type]  # None
             return
         self.position, self._marks, self._opacity = position, color, opacity
-        self.set_shown(self._shown)
-        self.update()
-
-    @property
-    def empty(self) -> bool:
-        """Whether there are no discs."""
-        return not len(self.position)
+        self.renew(len(position))
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
         """Draw all discs."""
@@ -151,7 +140,3 @@ class Discs(OverImage):
                 painter.drawEllipse(QPointF((index + 0.5) * side, side / 2), diameter / 2, diameter / 2)
             painter.end()
         return self._stamp
-
-
-def _same(one: NDArray[Any] | None, other: NDArray[Any] | None) -> bool:
-    return one is not None and other is not None and np.array_equal(one, other)

@@ -9,9 +9,9 @@ import numpy as np
 import pyqtgraph as pg
 from numpy.typing import NDArray
 from pyqtgraph.Qt import QtWidgets
-from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
+from PySide6.QtCore import QPointF, QRectF, Qt
 from PySide6.QtGui import QColor, QFont, QFontMetricsF, QPainter, QPen
-from PySide6.QtWidgets import QApplication, QGraphicsItem, QGraphicsObject, QStyleOptionGraphicsItem, QWidget
+from PySide6.QtWidgets import QGraphicsItem, QStyleOptionGraphicsItem, QWidget
 
 from app.views.theme import theme
 from app.views.theme.theme import Kind, look
@@ -59,12 +59,15 @@ class OverImage(QtWidgets.QGraphicsObject):  # type: ignore[misc]  # `show` of i
         Default width of the rim [px of the image].
     """
 
+    count = 1
+    """Number of things shown; without any the item is hidden and costs nothing in a frame."""
+
     def __init__(self, z: float, rim: float) -> None:
         super().__init__()
         self._room = QRectF()
         self._rim = rim
-        self._shown = True
         self.setZValue(z)
+        self.set_shown(True)
 
     def use_shape(self, shape: tuple[int, ...], rim: float | None = None) -> None:
         """Cover an image of this shape and a rim around it."""
@@ -72,15 +75,16 @@ class OverImage(QtWidgets.QGraphicsObject):  # type: ignore[misc]  # `show` of i
         self.prepareGeometryChange()
         self._room = image_rectangle(shape).adjusted(-width, -width, width, width)
 
-    @property
-    def empty(self) -> bool:
-        """Whether there is nothing to draw."""
-        return False
-
     def set_shown(self, shown: bool) -> None:
-        """Show or hide the item; an empty one is hidden and costs nothing in a frame."""
+        """Show or hide the item."""
         self._shown = shown
-        self.setVisible(shown and not self.empty)
+        self.setVisible(shown and self.count > 0)
+
+    def renew(self, count: int) -> None:
+        """Draw again, so many things."""
+        self.count = count
+        self.update()
+        self.set_shown(self._shown)
 
     def boundingRect(self) -> QRectF:
         """The area that may be drawn on."""
@@ -104,22 +108,17 @@ _NAME_RIM = 300.0
 class Names(OverImage):
     """Texts at positions of the image, of the same size at any zoom."""
 
+    count = 0
+
     def __init__(self, z: float) -> None:
         super().__init__(z, _NAME_RIM)
-        self.texts: tuple[tuple[Position, str, str], ...] = ()
-        self.setVisible(False)
+        self.texts: Sequence[tuple[Position, str, str]] = ()
 
     def show(self, texts: Sequence[tuple[Position, str, str]]) -> None:
         """Show texts, each given by position (row, col), text and color."""
         if texts or self.texts:
-            self.texts = tuple(texts)
-            self.update()
-            self.set_shown(self._shown)
-
-    @property
-    def empty(self) -> bool:
-        """Whether there are no texts."""
-        return not self.texts
+            self.texts = texts
+            self.renew(len(texts))
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
         """Draw each text on a dark background, centered on its position."""
@@ -154,57 +153,39 @@ BACKGROUND, INK, FAINT = "#cc101216", "#f2f4f7", "#b6bec9"
 _Z = 20.0
 
 
-class Pinned(QGraphicsObject):
-    """An item with a size in px of the screen; subclasses draw in `draw`, unless the size is empty."""
+class Pinned(pg.TextItem):  # type: ignore[misc]  # pyqtgraph has no type hints
+    """Text on a dark ground near the edge of a view, which does not move with the image.
 
-    def __init__(self) -> None:
-        super().__init__()
-        self._size = QSizeF()
+    Parameters
+    ----------
+    view : pg.ViewBox
+        Its parent.
+    edge : tuple of float
+        Which of its points lies at which of the view: fractions of width and height.
+    gap : float
+        Distance from the border of the view [px of the screen].
+    """
+
+    def __init__(self, view: pg.ViewBox, edge: tuple[float, float], gap: float = MARGIN) -> None:
+        super().__init__(color=INK, fill=QColor(BACKGROUND), anchor=edge)
+        self._view, self._edge, self._gap = view, edge, gap
+        self.html = ""
+        """What is shown."""
+        self.setParentItem(view)
         self.setZValue(_Z)
         self.setVisible(False)
-        cached(self)
+        view.sigResized.connect(self._place)
+        self._place()
 
-    @property
-    def size(self) -> QSizeF:
-        """Size [px of the screen]."""
-        return self._size
+    def show_html(self, html: str) -> None:
+        """Show another text."""
+        if html != self.html:
+            self.html = html
+            self.setHtml(html)
+            self.textItem.setTextWidth(-1.0)
+            self.setTextWidth(self.textItem.document().idealWidth())  # without a width nothing is centered
 
-    def resize(self, size: QSizeF) -> None:
-        """Set the size and redraw."""
-        if size != self._size:
-            self.prepareGeometryChange()
-            self._size = size
-        self.update()
-
-    def put(self, corner: QPointF) -> None:
-        """Move the upper left corner to a point of the canvas, rounded to whole px to keep the text sharp."""
-        self.setPos(QPointF(round(corner.x()), round(corner.y())))
-
-    def font(self) -> QFont:
-        """Font of its text."""
-        font = QApplication.font()
-        font.setPointSizeF(max(7.0, font.pointSizeF() - 1.0))
-        return font
-
-    def metrics(self) -> QFontMetricsF:
-        """Measures of its text."""
-        return QFontMetricsF(self.font())
-
-    def boundingRect(self) -> QRectF:
-        """The area that is drawn on."""
-        return QRectF(QPointF(0.0, 0.0), self._size)
-
-    def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
-        """Draw the background and the content."""
-        if self._size.isEmpty():
-            return
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
-        painter.setPen(QColor(0, 0, 0, 0))
-        painter.setBrush(QColor(BACKGROUND))
-        painter.drawRoundedRect(self.boundingRect(), 5.0, 5.0)
-        painter.setFont(self.font())
-        self.draw(painter)
-
-    def draw(self, painter: QPainter) -> None:
-        """Draw the content."""
-        raise NotImplementedError
+    def _place(self, *_: object) -> None:
+        room = self._view.boundingRect().adjusted(self._gap, self._gap, -self._gap, -self._gap)
+        x, y = self._edge
+        self.setPos(round(room.left() + x * room.width()), round(room.top() + y * room.height()))

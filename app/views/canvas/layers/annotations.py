@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import pyqtgraph as pg
-from PySide6.QtCore import QPointF, QRectF, QSizeF, Qt
-from PySide6.QtGui import QColor, QPainter, QPen
 
 from app.model.display.lengths import bar, shown_in
 from app.model.text.language import tr
 from app.model.volume.slices import edges_of
 from app.session.scene import Scene
-from app.views.canvas.items.item import BACKGROUND, INK, MARGIN, Pinned
+from app.views.canvas.items.item import INK, Pinned
 from app.views.canvas.layers.layer import Layer, Requests, Switch
+from cpm_core.image import Bar
 
 LONGEST = 160.0
 """Largest length of the bar [px of the screen]; it is never shorter than 2/5 of it."""
@@ -19,7 +18,12 @@ LONGEST = 160.0
 _LEAST, _BESIDE = 40.0, 70.0
 """The same in a narrow view, and what is left in half its width for the letter in the middle [px of the screen]."""
 
-_PAD, _TICK, _LETTER_GAP = 9.0, 4.0, 4.0
+_LETTER_GAP = 4.0
+
+_BAR = (
+    "<div align='center'>{label}</div><table align='center' cellspacing='0' cellpadding='0'><tr>"
+    f"<td width='{{length}}' bgcolor='{INK}' style='font-size:2px'>&nbsp;</td></tr></table>"
+)
 
 
 class ScaleBarLayer(Layer):
@@ -36,8 +40,10 @@ class ScaleBarLayer(Layer):
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
         super().__init__(view, requests)
-        self.item = BarItem()
-        self.pin(self.item)
+        self.item = Pinned(view, (0.0, 1.0))
+        self.add(self.item)
+        self.bar: Bar | None = None
+        """The bar shown."""
         view.sigRangeChanged.connect(self._fit)
         view.sigResized.connect(self._fit)
 
@@ -61,38 +67,9 @@ class ScaleBarLayer(Layer):
         if shown and image is not None:
             pixel = float(self.view.viewPixelSize()[0])
             size = shown_in(image.spacing, image.unit)
-            room = self.view.boundingRect()
-            longest = min(LONGEST, max(0.5 * room.width() - _BESIDE, _LEAST))
-            scaled = bar(longest * pixel, size.spacing[1], size.unit)
-            self.item.show_bar(scaled.label, scaled.pixels / pixel)
-            self.item.put(room.bottomLeft() + QPointF(MARGIN, -MARGIN - self.item.size.height()))
-
-
-class BarItem(Pinned):
-    """The bar with its label above it."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.label = ""
-        self.length = 0.0
-
-    def show_bar(self, label: str, length: float) -> None:
-        """Show a bar, `length` px of the screen long."""
-        self.label, self.length = label, length
-        metrics = self.metrics()
-        width = max(length, metrics.horizontalAdvance(label)) + 2 * _PAD
-        self.resize(QSizeF(width, metrics.height() + 2 * _TICK + _PAD))
-
-    def draw(self, painter: QPainter) -> None:
-        """Draw bar and label."""
-        room = self.boundingRect()
-        painter.setPen(QPen(QColor(INK), 2.0, c=Qt.PenCapStyle.FlatCap))
-        painter.drawText(room.translated(0.0, 3.0), Qt.AlignmentFlag.AlignHCenter, self.label)
-        left = (room.width() - self.length) / 2
-        right, y = left + self.length, room.bottom() - _TICK - 4.0
-        painter.drawLine(QPointF(left, y), QPointF(right, y))
-        for x in (left + 1.0, right - 1.0):
-            painter.drawLine(QPointF(x, y - _TICK), QPointF(x, y + _TICK))
+            longest = min(LONGEST, max(0.5 * self.view.boundingRect().width() - _BESIDE, _LEAST))
+            self.bar = bar(longest * pixel, size.spacing[1], size.unit)
+            self.item.show_html(_BAR.format(label=self.bar.label, length=round(self.bar.pixels / pixel)))
 
 
 class OrientationLayer(Layer):
@@ -110,26 +87,23 @@ class OrientationLayer(Layer):
         super().__init__(view, requests)
         self.letters: tuple[str, ...] = ("",) * 4
         """What is shown at the top, the bottom, the left and the right."""
-        self._letters = [pg.TextItem(color=INK, fill=QColor(BACKGROUND), anchor=edge) for edge in self._EDGES]
-        self.pin(*self._letters)
-        view.sigResized.connect(self._place)
-        self._place()
+        self._letters = [Pinned(view, edge, _LETTER_GAP) for edge in self._EDGES]
+        self.add(*self._letters)
+        self._draw()
 
     def show_or_hide(self) -> None:
         """Show the letters that there are."""
-        self._place()
+        self._draw()
 
     def follow(self, before: Scene) -> None:
         """Show how another image, or another slice, lies."""
         if self.scene.ground != before.ground:
-            self._place()
+            self._draw()
 
-    def _place(self, *_: object) -> None:
+    def _draw(self) -> None:
         whole = self.scene.whole
         edges = None if whole is None or not self.shown else edges_of(whole, self.scene.slices)
         self.letters = ("",) * 4 if edges is None else (*edges[0], *edges[1])
-        room: QRectF = self.view.boundingRect().adjusted(_LETTER_GAP, _LETTER_GAP, -_LETTER_GAP, -_LETTER_GAP)
-        for item, text, (x, y) in zip(self._letters, self.letters, self._EDGES, strict=True):
+        for item, text in zip(self._letters, self.letters, strict=True):
             item.setVisible(bool(text))
-            item.setText(text)
-            item.setPos(room.left() + x * room.width(), room.top() + y * room.height())
+            item.show_html(text)

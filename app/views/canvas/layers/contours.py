@@ -61,19 +61,18 @@ class ContourLayer(Layer):
         self._hovered = Curves(theme.HOVERED, 3.7, width=7.0, halo=0.0)
         self._chosen = Curves(theme.CHOSEN, 3.8, width=6.5, halo=8.5)
         self._areas = Fills(2.9)
-        self._rejected = Curves(theme.REJECTED, 3.9, width=1.2, halo=0.0, dashed=True)
-        self._short = Curves(theme.OPEN, 3.95, width=1.0, halo=0.0)
+        self.rejected = Curves(theme.REJECTED, 3.9, width=1.2, halo=0.0, dashed=True)
+        self.short = Curves(theme.OPEN, 3.95, width=1.0, halo=0.0)
         self._curves = {True: Curves(theme.CLOSED, 4.1, width=2.2), False: Curves(theme.OPEN, 4.0, width=1.5, halo=2.6)}
-        self._edited = {True: Curves(theme.CLOSED, 4.12), False: Curves(theme.OPEN, 4.11)}
-        self._own: dict[str, Curves] = {}
-        self._bridges = Curves(theme.BRIDGE, 4.2, width=1.3, halo=0.0, dashed=True)
-        self._by_hand = Curves(theme.BY_HAND, 4.25, halo=0.0, dashed=True)
+        self._other = Curves(theme.CLOSED, 4.12)
+        self.bridges = Curves(theme.BRIDGE, 4.2, width=1.3, halo=0.0, dashed=True)
+        self.by_hand = Curves(theme.BY_HAND, 4.25, halo=0.0, dashed=True)
         self._names = Names(5.7)
-        self._junctions = Markers(size=8.0, symbol="d", pen=pg.mkPen(theme.HALO), brush=pg.mkBrush(theme.JUNCTION))
-        self._junctions.setZValue(5.5)
-        self.add(self._areas, self._hovered, self._chosen, self._rejected, self._short)
-        self.add(*self._curves.values(), *self._edited.values(), self._bridges, self._by_hand)
-        self.add(self._names, self._junctions)
+        self.junctions = Markers(size=8.0, symbol="d", pen=pg.mkPen(theme.HALO), brush=pg.mkBrush(theme.JUNCTION))
+        self.junctions.setZValue(5.5)
+        self.add(self._areas, self._hovered, self._chosen, self.rejected, self.short)
+        self.add(*self._curves.values(), self._other, self.bridges, self.by_hand)
+        self.add(self._names, self.junctions)
         self.show_or_hide()
         self.fade()
 
@@ -87,44 +86,19 @@ class ContourLayer(Layer):
         """Kinds of contours."""
         (closed, opened), items = self.counts, self.scene.contours.items
         kept = sum(item.reviewed.verdict == "kept" for item in items)
-        counts = (closed, opened, self.bridged, self.drawn_by_hand, kept, self.rejected)
+        counts = (closed, opened, self.bridges.count, self.by_hand.count, kept, self.rejected.count)
         return [LegendEntry(count, *kind) for count, kind in zip(counts, _KINDS, strict=True)]
-
-    @property
-    def rejected(self) -> int:
-        """Number of rejected contours shown."""
-        return self._rejected.count
-
-    @property
-    def bridged(self) -> int:
-        """Number of bridged gaps shown."""
-        return self._bridges.count
-
-    @property
-    def drawn_by_hand(self) -> int:
-        """Number of stretches drawn by hand that are shown."""
-        return self._by_hand.count
-
-    @property
-    def short(self) -> int:
-        """Number of open contours that are shown as short ones."""
-        return self._short.count
-
-    @property
-    def marks_junctions(self) -> bool:
-        """Whether the points where contours meet are marked."""
-        return bool(self._junctions.isVisible())
 
     def show_or_hide(self) -> None:
         """Show or hide all items."""
         super().show_or_hide()
         self._names.set_shown(self.shown and bool(self.chosen["names"]))
-        self._junctions.setVisible(self.shown and bool(self.chosen["junctions"]))
+        self.junctions.setVisible(self.shown and bool(self.chosen["junctions"]))
 
     def fade(self) -> None:
         """Set the opacity; short open contours are paler."""
         super().fade()
-        self._short.setOpacity(_SHORT_OPACITY * self.opacity)
+        self.short.setOpacity(_SHORT_OPACITY * self.opacity)
 
     def follow_choice(self, name: str) -> None:
         """Show areas in another opacity, or show or hide rejected contours, names or junctions."""
@@ -149,36 +123,31 @@ class ContourLayer(Layer):
     def _show(self) -> None:
         items = self.scene.contours.items
         counting = [item for item in items if not item.reviewed.rejected]
-        for closed, curves in self._curves.items():
-            seen = [item for item in counting if item.contour.closed == closed and not item.contour.color]
-            found = [item for item in seen if not item.contour.by_hand]
-            curves.show(_paths([item for item in found if not self._is_short(item)]))
-            if not closed:
-                self._short.show(_paths([item for item in found if self._is_short(item)]))
-            self._edited[closed].show(_paths([item for item in seen if item.contour.by_hand]))
+        for curves in (self.short, *self._curves.values()):
+            curves.show(_paths([item for item in counting if self._curves_of(item) is curves]))
+        other = [item for item in counting if self._curves_of(item) is self._other]
+        plain = {True: theme.CLOSED, False: theme.OPEN}
+        self._other.show(_paths(other), [item.contour.color or plain[item.contour.closed] for item in other])
         self._show_areas()
-        own = {item.contour.color for item in counting if item.contour.color}
-        self.show_by_color(
-            self._own,
-            4.15,
-            {color: _paths([item for item in counting if item.contour.color == color]) for color in own},
-        )
         self._show_rejected()
         result = self.scene.contours.result
-        self._bridges.show([bridge.points for bridge in result.bridges] if result is not None else [])
-        self._by_hand.show([stretch for item in counting for stretch in item.contour.by_hand])
+        self.bridges.show([bridge.points for bridge in result.bridges] if result is not None else [])
+        self.by_hand.show([stretch for item in counting for stretch in item.contour.by_hand])
         named = [item.contour for item in counting if item.contour.name]
         self._names.show([(middle(c), c.name, c.color or "#ffffff") for c in named])
         ends = [item.contour.points[end] for item in items for end in (0, -1) if item.contour.junctions[end]]
         x, y = to_xy(np.unique(np.array(ends, dtype=float).reshape(-1, 2), axis=0))
-        self._junctions.setData(x=x, y=y)
+        self.junctions.setData(x=x, y=y)
 
-    def _is_short(self, item: Item) -> bool:
-        """Whether a contour is open, short, and nothing that a user has named or kept."""
-        image, reviewed = self.scene.image, item.reviewed
-        if item.contour.closed or image is None or item.contour.name or reviewed.verdict == "kept":
-            return False
-        return item.contour.length < _SHORT * math.hypot(*image.shape)
+    def _curves_of(self, item: Item) -> Curves:
+        """Where a contour is drawn: with a color or edited by hand, short and without a name, or closed or open."""
+        contour, image = item.contour, self.scene.image
+        if contour.color or contour.by_hand:
+            return self._other
+        wanted = contour.closed or contour.name or item.reviewed.verdict == "kept"
+        if wanted or image is None or contour.length >= _SHORT * math.hypot(*image.shape):
+            return self._curves[contour.closed]
+        return self.short
 
     def _show_areas(self) -> None:
         """Tint the areas that closed contours bound; one inside another bounds a hole, as in the masks."""
@@ -193,7 +162,7 @@ class ContourLayer(Layer):
 
     def _show_rejected(self) -> None:
         rejected = [item for item in self.scene.contours.items if item.reviewed.rejected]
-        self._rejected.show(_paths(rejected) if self.chosen["rejected"] else [])
+        self.rejected.show(_paths(rejected) if self.chosen["rejected"] else [])
 
 
 def _paths(items: Sequence[Item]) -> list[np.ndarray]:

@@ -28,7 +28,6 @@ from cpm_core.shapes import (
     Ellipse,
     Everywhere,
     Grid,
-    ImageStart,
     Kind,
     Limit,
     Points,
@@ -64,15 +63,16 @@ _brush, _pen = lru_cache(pg.mkBrush), lru_cache(pg.mkPen)
 class Dim(OverImage):
     """A veil over the image outside the regions of interest."""
 
+    count = 0
+
     def __init__(self) -> None:
         super().__init__(_DIM_Z, 0.0)
         self._veil = QPainterPath()
-        self.setVisible(False)
         cached(self)
 
     def show(self, regions: list[Region]) -> None:
         """Dim everything outside the regions; without regions, nothing."""
-        if not regions and self._veil.isEmpty():
+        if not regions and not self.count:
             return
         self._veil = QPainterPath()
         if regions:
@@ -82,13 +82,7 @@ class Dim(OverImage):
                 # A path that crosses itself has no holes: with this rule, all that it winds around is inside.
                 inside.setFillRule(Qt.FillRule.WindingFill)
                 self._veil = self._veil.subtracted(inside)
-        self.update()
-        self.set_shown(self._shown)
-
-    @property
-    def empty(self) -> bool:
-        """Whether nothing is dimmed."""
-        return self._veil.isEmpty()
+        self.renew(len(regions))
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
         """Draw the veil."""
@@ -150,61 +144,59 @@ class DrawingLayer(Layer):
         self._lines = _shapes(theme.DRAWING, _Z, 1.4)
         self._chosen = _shapes(theme.CHOSEN, _Z + 0.1, 2.2)
         self._areas = _shapes(theme.DRAWING, _Z, 1.2, dashed=True)
-        self._everywhere = {kind: Discs(theme.MOVING, diameter, 0.0) for kind, diameter in _DIAMETERS.items()}
+        self.computed = {kind: Discs(theme.MOVING, diameter, 0.0) for kind, diameter in _DIAMETERS.items()}
         self._seeds = Discs(theme.MOVING, 6.0, 0.0)
-        self._points = Discs(theme.MOVING, 7.0, 0.0)
         self._chosen_points = Discs(theme.CHOSEN, 9.0, 0.0)
         self._handles = Markers(
             size=10.0, symbol="s", pen=pg.mkPen(theme.HALO, width=1.2), brush=pg.mkBrush(theme.CHOSEN)
         )
-        discs = (*self._everywhere.values(), self._seeds, self._points, self._chosen_points)
+        discs = (*self.computed.values(), self._seeds, self._chosen_points)
         marks: tuple[QGraphicsItem, ...] = (*discs, self._handles)
         for z, item in enumerate(marks, start=2):
             item.setZValue(_Z + 0.1 * z)
-        self._starts = (self._lines, self._areas, self._chosen, *discs)
+        self._starts = (self._lines, self._areas, self._seeds, self._chosen_points)
         self._dim = Dim()
         self._regions = _shapes(theme.REGION, _LINE_Z, 1.8)
         self._barriers = _shapes(theme.BARRIER, _LINE_Z + 0.1, 3.6, halo=5.6)
-        self._chosen_limit = _shapes(theme.CHOSEN, _LINE_Z + 0.2, 1.8, halo=0.0)
-        self._rings = {
-            1.0: _shapes(theme.ATTRACTING, _CHARGE_Z - 0.2, 1.8),
-            -1.0: _shapes(theme.REPELLING, _CHARGE_Z - 0.2, 1.8),
-        }
+        self._rings = _shapes(theme.ATTRACTING, _CHARGE_Z - 0.2, 1.8)
         self._reach = _shapes(theme.CHOSEN, _CHARGE_Z - 0.1, 1.2, halo=2.6, dashed=True)
         self._charges = Markers(size=_DISC)
         self._signs = Markers(size=_SIGN, pen=None, brush=pg.mkBrush("w"))
         self._charges.setZValue(_CHARGE_Z)
         self._signs.setZValue(_CHARGE_Z + 0.1)
-        self._acting = (self._regions, self._barriers, self._chosen_limit, *self._rings.values(), self._reach)
-        self.add(*self._starts, self._handles, self._dim, *self._acting, self._charges, self._signs)
+        self._beyond = (self._lines, self._areas, self._chosen, *discs, self._regions, self._barriers, self._rings,
+                        self._reach)  # fmt: skip
+        """What may lie next to the image."""
+        self.add(*self._beyond, self._handles, self._dim, self._charges, self._signs)
         self._draft = Draft(view)
-        self._image_starts: tuple[ImageStart, ...] = ()
-        self._faint = 1.0
-        self._chosen_start: ImageStart | None = None
 
     @property
-    def everywhere(self) -> int:
-        """Number of computed particles shown."""
-        return sum(discs.count for discs in self._everywhere.values())
+    def selected(self) -> Section | None:
+        """The shape that is selected, as it is shown."""
+        shapes, index = self._shapes, self.scene.selected
+        return shapes[index] if index is not None and index < len(shapes) else None
+
+    @property
+    def _shapes(self) -> tuple[Section, ...]:
+        """The shapes: of a volume, their sections."""
+        return self.scene.document.shapes
 
     def use_shape(self, shape: tuple[int, ...]) -> None:
         """Cover an image of this shape; shapes may lie next to it."""
         self._dim.use_shape(shape)
-        for item in (*self._starts, *self._acting):
+        for item in self._beyond:
             item.use_shape(shape, float(max(shape)) + REACH)
 
     def follow(self, before: Scene) -> None:
         """Show other shapes, another selection, or the shapes behind a run."""
         scene = self.scene
-        shapes: tuple[Section, ...] = scene.document.shapes
-        selected, started = scene.selected, scene.has_particles
-        if shapes is not before.document.shapes or (selected, started) != (before.selected, before.has_particles):
-            chosen = shapes[selected] if selected is not None and selected < len(shapes) else None
-            self._show_starts(shapes, chosen, started)
-            self._show_limits([shape for shape in shapes if isinstance(shape, Limit)], chosen)
-            self._show_charges([shape for shape in shapes if isinstance(shape, _AnyCharge)], chosen)
+        others = scene.document.shapes is not before.document.shapes
+        if others or (scene.selected, scene.has_particles) != (before.selected, before.has_particles):
+            self._show_starts()
+            self._show_limits_and_charges()
+            self.fade()
         elif scene.image_seeds is not before.image_seeds:
-            self._draw_everywhere()
+            self._show_computed()
 
     def show_draft(
         self,
@@ -237,73 +229,62 @@ class DrawingLayer(Layer):
         if slices is None or volume is None or len(center) == 2:
             return Circle(center, radius).outline
         cuts = sections(Sphere.round(center, radius, volume.spacing), slices.axis, slices.current.index)
-        return np.concatenate([NO_POSITIONS, *(cut.outline for cut in cuts)])
+        return _joined([cut.outline for cut in cuts])
 
-    def _show_starts(self, shapes: Sequence[Section], chosen: Section | None, started: bool) -> None:
+    def _show_starts(self) -> None:
+        """Show lines, areas and handles; during a run, the particles that it started from would only hide its own."""
+        chosen, shapes = self.selected, self._shapes
         rest = [shape for shape in shapes if shape is not chosen]
         self._lines.show([shape.outline for shape in rest if isinstance(shape, _Line) and not _is_area(shape)])
         self._areas.show([shape.outline for shape in rest if _is_area(shape)])
-        self._chosen.show([chosen.outline] if isinstance(chosen, _Line | Grid | Threshold) else [])
-        # During a run, the points that the particles started from would only hide them.
-        grids = [shape for shape in shapes if isinstance(shape, Grid | StartSection) and _is_area(shape)]
-        points = [shape for shape in rest if isinstance(shape, Points)]
-        self._points.show(_particles([] if started else [*grids, *points]))
-        self._chosen_points.show(_particles([chosen] if isinstance(chosen, Points | Stroke) else []))
+        self._chosen.show(_outlines([chosen] if isinstance(chosen, _Line | Grid | Threshold | Limit) else []))
         # A selected circle shows its handles; a selected stroke is recognized only by its particles.
-        lines = [*rest, *([chosen] if isinstance(chosen, Circle | Ellipse | Polygon | StartSection) else [])]
-        seeds = [line for line in lines if isinstance(line, _Line) and not _is_area(line)]
-        self._seeds.show(_particles([] if started else seeds))
-        self._image_starts = () if started else self.scene.document.image_starts
-        self._draw_everywhere()
-        x, y = to_xy(np.array(chosen.handles() if chosen else (), dtype=float).reshape(-1, 2))
-        self._handles.setData(x=x, y=y)
-        self._faint = _FAINT if started and not isinstance(chosen, Start | StartSection) else 1.0
-        self._chosen_start = chosen if isinstance(chosen, ImageStart) else None
-        self.fade()
+        pointed = [chosen] if isinstance(chosen, Points | Stroke) else []
+        self._chosen_points.show(_particles(pointed))
+        seen = () if self.scene.has_particles else rest if pointed else shapes
+        self._seeds.show(_particles([shape for shape in seen if isinstance(shape, _Line | Points | Grid)]))
+        self._handles.setData(*_to_lists(chosen.handles() if chosen else ()))
+        self._show_computed()
 
-    def _show_limits(self, limits: list[Limit], chosen: Section | None) -> None:
-        regions = [limit for limit in limits if isinstance(limit, Region)]
+    def _show_computed(self) -> None:
+        """Show the particles that are computed from the image."""
+        seeds = {} if self.scene.has_particles else self.scene.image_seeds
+        starts = [start for start in self.scene.document.image_starts if start in seeds]
+        for kind, discs in self.computed.items():
+            discs.show(_joined([seeds[start] for start in starts if getattr(start, "kind", None) == kind]))
+
+    def _show_limits_and_charges(self) -> None:
+        """Show what acts."""
+        chosen, shapes = self.selected, self._shapes
+        regions = [shape for shape in shapes if isinstance(shape, Region)]
         self._dim.show(regions)
         self._regions.show(_outlines(regions))
-        self._barriers.show(_outlines([limit for limit in limits if isinstance(limit, Barrier)]))
-        self._chosen_limit.show(_outlines([chosen] if isinstance(chosen, Limit) else []))
-
-    def _show_charges(self, charges: list[_AnyCharge], chosen: Section | None) -> None:
-        for sign, curves in self._rings.items():
-            curves.show([_ring(charge, RADIUS) for charge in charges if sign * charge.strength > 0.0])
+        self._barriers.show(_outlines([shape for shape in shapes if isinstance(shape, Barrier)]))
+        charges = [shape for shape in shapes if isinstance(shape, _AnyCharge)]
+        self._rings.show([_ring(charge, RADIUS) for charge in charges], [_color(charge) for charge in charges])
         self._reach.show([_ring(chosen, REACH)] if isinstance(chosen, _AnyCharge) else [])
         charges = [charge for charge in charges if not isinstance(charge, ChargeSection) or charge.in_slice]
-        x, y = to_xy(np.array([charge.position for charge in charges], dtype=float).reshape(-1, 2))
-        attracts = [charge.strength > 0.0 for charge in charges]
+        x, y = _to_lists([charge.position for charge in charges])
+        rims = [_pen(theme.CHOSEN, width=2.6) if each is chosen else _pen(theme.HALO, width=1.4) for each in charges]
         self._charges.setData(
-            x=x,
-            y=y,
+            x,
+            y,
             size=[_DISC + _STRONGER * abs(charge.strength) for charge in charges],
-            brush=[_brush(theme.ATTRACTING if each else theme.REPELLING) for each in attracts],
-            pen=[
-                _pen(theme.CHOSEN, width=2.6) if charge is chosen else _pen(theme.HALO, width=1.4) for charge in charges
-            ],
+            brush=[_brush(_color(charge)) for charge in charges],
+            pen=rims,
         )
-        self._signs.setData(x=x, y=y, symbol=["+" if each else "_" for each in attracts])
+        self._signs.setData(x, y, symbol=["+" if charge.strength > 0.0 else "_" for charge in charges])
 
     def fade(self) -> None:
         """Set the opacity; starts are faint behind a run."""
-        for item in self._starts:
-            item.setOpacity(self.opacity * self._faint)
-        self._handles.setOpacity(self.opacity)
-        chosen = self._chosen_start
-        for kind, discs in self._everywhere.items():
+        super().fade()
+        chosen = self.selected
+        if self.scene.has_particles and not isinstance(chosen, Start | StartSection):
+            for item in self._starts:
+                item.setOpacity(self.opacity * _FAINT)
+        for kind, discs in self.computed.items():
             strong = isinstance(chosen, Threshold) if kind is None else chosen == Everywhere(kind)
             discs.setOpacity(self.opacity * (1.0 if strong else _LIGHT))
-
-    def _draw_everywhere(self) -> None:
-        for kind, discs in self._everywhere.items():
-            seen = [
-                self.scene.image_seeds[start]
-                for start in self._image_starts
-                if start in self.scene.image_seeds and (start.kind if isinstance(start, Everywhere) else None) == kind
-            ]
-            discs.show(np.concatenate([NO_POSITIONS, *seen]))
 
 
 def _shapes(color: str, z: float, width: float, halo: float = 3.6, dashed: bool = False) -> Curves:
@@ -316,14 +297,27 @@ def _is_area(shape: Section) -> bool:
     return isinstance(shape.line if isinstance(shape, StartSection) else shape, Grid | Threshold)
 
 
-def _outlines(limits: Sequence[Limit]) -> list[Array]:
-    """The lines of limits; a region that lies in other slices of a volume has none."""
-    return [np.array(limit.outline) for limit in limits if len(limit.outline)]
+def _outlines(shapes: Sequence[_Line | Grid | Threshold | Limit]) -> list[Array]:
+    """The lines of shapes; a region that lies in other slices of a volume has none."""
+    return [np.array(shape.outline) for shape in shapes if len(shape.outline)]
+
+
+def _to_lists(positions: Sequence[Place]) -> tuple[Array, Array]:
+    """Their x and y on the canvas."""
+    return to_xy(np.array(positions, dtype=float).reshape(-1, 2))
 
 
 def _ring(charge: _AnyCharge, radius: float) -> Array:
     return charge.ring(radius) if isinstance(charge, ChargeSection) else Circle(charge.position, radius).outline
 
 
+def _color(charge: _AnyCharge) -> str:
+    return theme.ATTRACTING if charge.strength > 0.0 else theme.REPELLING
+
+
 def _particles(shapes: Sequence[_Line | Points | Grid]) -> Array:
-    return np.concatenate([NO_POSITIONS, *(shape.seeds() for shape in shapes)])
+    return _joined([shape.seeds() for shape in shapes])
+
+
+def _joined(positions: Sequence[Array]) -> Array:
+    return np.concatenate([NO_POSITIONS, *positions])

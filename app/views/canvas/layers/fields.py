@@ -121,17 +121,12 @@ class PotentialLayer(ScalarOverlay):
         super().__init__(view, requests)
         pen = line_pen("#ffffff", 1.0)
         pen.setColor(QColor(_LINE))
-        self._lines = pg.PlotCurveItem(pen=pen, antialias=True, connect="finite")
-        self._lines.setZValue(1.9)
-        self._lines.setVisible(False)
-        cached(self._lines)
-        self.add(self._lines)
+        self.lines = pg.PlotCurveItem(pen=pen, antialias=True, connect="finite")
+        self.lines.setZValue(1.9)
+        self.lines.setVisible(False)
+        cached(self.lines)
+        self.add(self.lines)
         self.fade()
-
-    @property
-    def lined(self) -> bool:
-        """Whether lines of equal potential are shown."""
-        return bool(self._lines.isVisible())
 
     def show_or_hide(self) -> None:
         """Request the lines as well, where they are shown."""
@@ -147,9 +142,9 @@ class PotentialLayer(ScalarOverlay):
 
     def _show_lines(self) -> None:
         lines = self.scene.overlays.get("iso_lines") if self.shown else None
-        self._lines.setVisible(lines is not None)
+        self.lines.setVisible(lines is not None)
         if lines is not None:
-            self._lines.setData(*to_xy(np.asarray(lines, dtype=float)))
+            self.lines.setData(*to_xy(np.asarray(lines, dtype=float)))
 
     def follow_choice(self, name: str) -> None:
         """Change the colors, or request the lines."""
@@ -161,7 +156,7 @@ class PotentialLayer(ScalarOverlay):
     def fade(self) -> None:
         """Set the opacity; the image always remains visible below the colors."""
         self._item.setOpacity(_VEIL * self.opacity)
-        self._lines.setOpacity(self.opacity)
+        self.lines.setOpacity(self.opacity)
 
 
 ARROW_SPACING = 22.0

@@ -6,12 +6,11 @@ import math
 
 import numpy as np
 import pyqtgraph as pg
-from PySide6.QtGui import QColor
 
 from app.model.text.language import tr, written
 from app.session.scene import Scene
 from app.session.worker.requests import Probed, probe
-from app.views.canvas.items.item import BACKGROUND, FAINT, INK, MARGIN, Markers, line_pen, to_xy
+from app.views.canvas.items.item import FAINT, Markers, Pinned, line_pen, to_xy
 from app.views.canvas.layers.fields import arrow_lines
 from app.views.canvas.layers.layer import Amount, Layer, Requests
 from app.views.theme import theme
@@ -60,16 +59,15 @@ class ForceLayer(Layer):
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
         super().__init__(view, requests)
         self._ring = Markers(size=15.0, symbol="o", brush=None, pen=pg.mkPen(theme.CHOSEN, width=1.6))
-        self._halo = pg.PlotCurveItem(pen=line_pen(theme.HALO, 4.6), antialias=True, connect="pairs")
+        halo = line_pen(theme.HALO, 4.6)
         self._arrows = {
-            name: pg.PlotCurveItem(pen=line_pen(color, 2.2), antialias=True, connect="pairs")
+            name: pg.PlotCurveItem(pen=line_pen(color, 2.2), shadowPen=halo, antialias=True, connect="pairs")
             for name, (_, color) in KINDS.items()
         }
-        self.legend = pg.TextItem(anchor=(1.0, 0.0), fill=QColor(BACKGROUND))
-        for index, item in enumerate((self._ring, self._halo, *self._arrows.values(), self.legend)):
+        self.legend = Pinned(view, (1.0, 0.0))
+        for index, item in enumerate((self._ring, *self._arrows.values())):
             item.setZValue(_Z + 0.1 * index)
-        self.add(self._ring, self._halo, *self._arrows.values())
-        self.pin(self.legend)
+        self.add(self._ring, *self._arrows.values(), self.legend)
         self.probed: Probed | None = None
         """The forces shown."""
         self.lines: list[tuple[str, str, str]] = []
@@ -79,7 +77,6 @@ class ForceLayer(Layer):
         self._again = False
         self._draw()
         view.sigRangeChanged.connect(self._draw)
-        view.sigResized.connect(self._draw)
 
     def point_at(self, place: Position | None) -> None:
         """Set the position (row, col) of the pointer, None when it has left."""
@@ -135,24 +132,18 @@ class ForceLayer(Layer):
                 f"<tr><td style='color:{color}'>━ </td><td>{name} </td><td align='right'>&nbsp;{size}</td></tr>"
                 for name, color, size in self.lines
             )
-            self.legend.setHtml(
-                f"<div style='color:{INK}'><div style='color:{FAINT}'>{title}</div><table>{''.join(rows)}</table></div>"
-            )
+            self.legend.show_html(f"<div style='color:{FAINT}'>{title}</div><table>{''.join(rows)}</table>")
         self._draw()
 
     def _draw(self, *_: object) -> None:
         probed = self.probed if self.shown else None
-        for item in (self._ring, self._halo, *self._arrows.values(), self.legend):
+        for item in (self._ring, *self._arrows.values(), self.legend):
             item.setVisible(probed is not None)
         if probed is None:
             return
         longest = max(_WEAK, *map(probed.size, KINDS))
         at, pixel = np.array([probed.position]), np.array(self.view.viewPixelSize()[::-1])
-        drawn = []
         for name, item in self._arrows.items():
             way = probed.forces[name] * (probed.size(name) >= _NOTHING)
-            drawn.append(arrow_lines(at, at + self.number("length") / longest * way * pixel))
-            item.setData(*to_xy(drawn[-1]))
-        self._halo.setData(*to_xy(np.concatenate(drawn)))
+            item.setData(*to_xy(arrow_lines(at, at + self.number("length") / longest * way * pixel)))
         self._ring.setData(*to_xy(at))
-        self.legend.setPos(self.view.boundingRect().width() - MARGIN, MARGIN)

@@ -13,9 +13,7 @@ from PySide6.QtWidgets import QGraphicsItem
 
 from app.session.scene import Scene
 from app.session.worker.commands import Command
-from app.views.canvas.items.curves import Curves
 from app.views.canvas.items.item import OverImage
-from cpm_core.numerics import Array
 
 Value = str | float | bool
 
@@ -179,28 +177,11 @@ class Layer(QObject):
         self._items: list[QGraphicsItem] = []
 
     def add(self, *items: QGraphicsItem) -> None:
-        """Put items on the canvas."""
+        """Put items on the canvas, unless they have their place there."""
         for item in items:
             self._items.append(item)
-            self.view.addItem(item, ignoreBounds=True)
-
-    def show_by_color(self, kept: dict[str, Curves], z: float, paths: Mapping[str, Sequence[Array]]) -> None:
-        """Show curves by their colors, with an item for each color that has been in use."""
-        for color in paths.keys() - kept.keys():
-            curves = kept[color] = Curves(color, z)
-            if self.scene.image is not None:
-                curves.use_shape(self.scene.image.shape)
-            curves.set_shown(self.shown)
-            curves.setOpacity(self.opacity)
-            self.add(curves)
-        for color, curves in kept.items():
-            curves.show(paths.get(color, ()))
-
-    def pin(self, *items: QGraphicsItem) -> None:
-        """Put items on the canvas that do not move with the image; their positions are in px of the screen."""
-        for item in items:
-            self._items.append(item)
-            item.setParentItem(self.view)
+            if item.parentItem() is None:
+                self.view.addItem(item, ignoreBounds=True)
 
     def draw(self, scene: Scene) -> None:
         """Draw what has changed since the last scene."""

@@ -7,7 +7,6 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 import pyqtgraph as pg
 
-from app.model.document.objects import AnySelection
 from app.model.text.language import tr
 from app.session.scene import Scene
 from app.views.canvas.items.curves import Area, Curves, Fills
@@ -41,34 +40,19 @@ class ObjectLayer(Layer):
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
         super().__init__(view, requests)
-        self._fills = Fills(3.0)
-        self._outlines: dict[str, Curves] = {}
+        self.fills = Fills(3.0)
+        self._outlines = Curves(theme.CLOSED, 4.3)
         self._gaps = Curves(theme.HALO, 4.35, halo=0.0, dashed=True)
         self._chosen = Curves(theme.CHOSEN, 4.25, width=5.0, halo=7.0)
         self._hovered = Curves(theme.HOVERED, 4.24, width=5.0, halo=0.0)
-        self._preview_fill, self._preview = Fills(4.4), Curves(theme.CHOSEN, 4.45, width=1.2, halo=2.4)
-        self._offered_fill, self._offered = Fills(4.5), Curves(theme.CHOSEN, 4.55, width=2.2, halo=4.0)
+        self.preview_fill, self._preview = Fills(4.4), Curves(theme.CHOSEN, 4.45, width=1.2, halo=2.4)
+        self.offered_fill, self._offered = Fills(4.5), Curves(theme.CHOSEN, 4.55, width=2.2, halo=4.0)
         self._offered_gaps = Curves(theme.HALO, 4.6, halo=0.0, dashed=True)
         self._inside, self._outside = _marks("o", theme.RESTING), _marks("x", theme.BARRIER)
         self._names = Names(5.8)
-        self.add(self._fills, self._gaps, self._chosen, self._hovered)
-        self.add(self._preview_fill, self._preview, self._offered_fill, self._offered, self._offered_gaps)
+        self.add(self.fills, self._outlines, self._gaps, self._chosen, self._hovered)
+        self.add(self.preview_fill, self._preview, self.offered_fill, self._offered, self._offered_gaps)
         self.add(self._inside, self._outside, self._names)
-
-    @property
-    def count(self) -> int:
-        """Number of objects shown."""
-        return self._fills.count
-
-    @property
-    def offered(self) -> int:
-        """Number of objects that are offered."""
-        return self._offered_fill.count
-
-    @property
-    def previewed(self) -> bool:
-        """Whether is shown what a click would take."""
-        return self._preview_fill.count > 0
 
     def show_or_hide(self) -> None:
         """Show or hide all items."""
@@ -96,7 +80,9 @@ class ObjectLayer(Layer):
         if shown.proposals is not last.proposals or of.category != last_of.category or other:
             self._show_proposals()
         if shown.preview is not last.preview:
-            self._show_preview(shown.preview)
+            found = [shown.preview] if isinstance(shown.preview, Selection) and shown.preview.found else []
+            self.preview_fill.show([_area(each, theme.CHOSEN, _PREVIEW) for each in found])
+            self._preview.show([contour.path for each in found for contour in each.contours])
         if of.clicks != last_of.clicks:
             self._show_clicks()
 
@@ -108,13 +94,9 @@ class ObjectLayer(Layer):
     def _show_objects(self) -> None:
         objects, seen = self.scene.document.objects, self._seen()
         fill = self.number("fill")
-        self._fills.show([(_curves(item.boundary), objects.color(item), fill) for item in seen])
-        colors = {objects.color(item) for item in seen}
-        self.show_by_color(
-            self._outlines,
-            4.3,
-            {color: _paths(item for item in seen if objects.color(item) == color) for color in colors},
-        )
+        self.fills.show([(_curves(item.boundary), objects.color(item), fill) for item in seen])
+        outlines = [(path, objects.color(item)) for item in seen for path in _paths((item,))]
+        self._outlines.show([path for path, _ in outlines], [color for _, color in outlines])
         self._gaps.show([gap for item in seen for gap in _curves(item.gaps)])
         self._names.show([(item.center, item.name, objects.color(item)) for item in seen if item.name])
 
@@ -124,14 +106,9 @@ class ObjectLayer(Layer):
         selections = [
             each.selection for each in offered if isinstance(each.selection, Selection) and each.selection.found
         ]
-        self._offered_fill.show([_area(selection, color, _OFFERED) for selection in selections])
+        self.offered_fill.show([_area(selection, color, _OFFERED) for selection in selections])
         self._offered.show([contour.path for selection in selections for contour in selection.contours])
         self._offered_gaps.show([gap for selection in selections for gap in selection.gaps])
-
-    def _show_preview(self, preview: AnySelection | None) -> None:
-        found = [preview] if isinstance(preview, Selection) and preview.found else []
-        self._preview_fill.show([_area(each, theme.CHOSEN, _PREVIEW) for each in found])
-        self._preview.show([contour.path for each in found for contour in each.contours])
 
     def _show_clicks(self) -> None:
         for marks, inside in ((self._inside, True), (self._outside, False)):

@@ -8,17 +8,17 @@ from typing import ClassVar
 import numpy as np
 import pyqtgraph as pg
 from pyqtgraph.Qt import internals
-from PySide6.QtCore import QLineF, QPointF, QRectF, QSizeF, Qt
-from PySide6.QtGui import QColor, QPainter, QPen
+from PySide6.QtCore import QLineF, QUrl
+from PySide6.QtGui import QColor, QPainter, QPen, QTextDocument
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
-from app.model.display.coloring import QUANTITIES, SHADES, InsertionTimes, colored
+from app.model.display.coloring import QUANTITIES, SHADES, colored
 from app.model.display.lines import Trails
 from app.model.text.language import tr, written
 from app.session.exchange.messages import Snapshot
 from app.session.scene import Scene
 from app.views.canvas.items.discs import NO_POSITIONS, Discs
-from app.views.canvas.items.item import INK, MARGIN, OverImage, Pinned
+from app.views.canvas.items.item import OverImage, Pinned
 from app.views.canvas.layers.layer import Amount, Choice, Layer, LegendEntry, Requests
 from app.views.theme import color_maps, theme
 from cpm_core.numerics import Array
@@ -29,50 +29,14 @@ BEGIN = 0.18
 UNKNOWN = theme.JUNCTION
 """Color of particles whose quantity is not known yet; no map contains it."""
 
-_WIDTH, _STRIP, _PAD = 170.0, 8.0, 8.0
+_WIDTH, _STRIP = 154, 8
 
-
-class ColorLegend(Pinned):
-    """A title, a strip of colors, and the values at its ends, in the corner of a view."""
-
-    def __init__(self, view: pg.ViewBox) -> None:
-        super().__init__()
-        self._view = view
-        self.words = ("", "", "")
-        """Title, least and largest value, as shown."""
-        self._partly = False
-        self._map = color_maps.GRAY
-        view.sigResized.connect(self._place)
-
-    def show_range(self, title: str, low: float, high: float, map_name: str, partly: bool) -> None:
-        """Show the range of a quantity; `partly` means that it is unknown for some particles."""
-        words = (title, written(f"{low:g}"), written(f"{high:g}"))
-        if (words, map_name, partly) != (self.words, self._map, self._partly):
-            self.words, self._map, self._partly = words, map_name, partly
-            self.resize(QSizeF(_WIDTH, 2 * self.metrics().height() + _STRIP + 2 * _PAD))
-            self._place()
-
-    def draw(self, painter: QPainter) -> None:
-        """Draw title, strip and values."""
-        line = self.metrics().height()
-        inner = self.boundingRect().adjusted(_PAD, 0.5 * _PAD, -_PAD, -0.5 * _PAD)
-        title, low, high = self.words
-        painter.setPen(QColor(INK))
-        painter.drawText(QRectF(inner.left(), inner.top(), inner.width(), line), Qt.AlignmentFlag.AlignHCenter, title)
-        strip = QRectF(inner.left(), inner.top() + line + 2.0, inner.width(), _STRIP)
-        pixels = color_maps.strip(self._map, 2 * round(strip.width()), 2 * round(strip.height()), BEGIN)
-        painter.drawPixmap(strip, pixels, QRectF(pixels.rect()))
-        below = QRectF(inner.left(), strip.bottom() + 1.0, inner.width(), line)
-        painter.drawText(below, Qt.AlignmentFlag.AlignLeft, low)
-        painter.drawText(below, Qt.AlignmentFlag.AlignRight, high)
-        if self._partly:
-            painter.setPen(QColor(UNKNOWN))
-            painter.drawText(below, Qt.AlignmentFlag.AlignHCenter, tr("● too new"))
-
-    def _place(self, *_: object) -> None:
-        room = self._view.boundingRect()
-        corner = room.bottomRight() - QPointF(self.size.width() + MARGIN, self.size.height() + MARGIN)
-        self.put(corner)
+_LEGEND = (
+    f"<table width='{_WIDTH}' cellspacing='0' cellpadding='1'><tr><td colspan='3' align='center'>{{title}}</td></tr>"
+    f"<tr><td colspan='3'><img src='{{map}}' width='{_WIDTH}' height='{_STRIP}'></td></tr><tr><td>{{low}}</td>"
+    f"<td align='center' style='color:{UNKNOWN}'>{{unknown}}</td><td align='right'>{{high}}</td></tr></table>"
+)
+"""Title, a strip of colors, and the values at its ends."""
 
 
 _SMALL, _SAME, _HIDDEN = "small", "same", "hidden"
@@ -126,9 +90,11 @@ class ParticleLayer(Layer):
         # Contours lie above the particles at rest and below those that still move.
         self._resting = Discs(theme.RESTING, 7.0, 3.0)
         self._moving = Discs(theme.MOVING, 6.0, _ABOVE)
-        self.legend = ColorLegend(view)
-        self.add(self._resting, self._moving)
-        self.pin(self.legend)
+        self.legend = Pinned(view, (1.0, 1.0))
+        for name in _COLORS:
+            strip = color_maps.strip(name, 2 * _WIDTH, 2 * _STRIP, BEGIN)
+            self.legend.textItem.document().addResource(QTextDocument.ResourceType.ImageResource, QUrl(name), strip)
+        self.add(self._resting, self._moving, self.legend)
 
     @property
     def position(self) -> Array:
@@ -209,12 +175,15 @@ class ParticleLayer(Layer):
                 discs.show(snapshot.position[which], None, None if opacity is None else opacity[which])
         else:
             quantity = QUANTITIES[self.word("colour")]
-            shown = colored(quantity, snapshot.state, InsertionTimes(snapshot.metrics.step, snapshot.metrics.numbered))
+            shown = colored(quantity, snapshot.state, snapshot.metrics)
             marks = shown.marks if near is None else shown.marks[near.index]
             for discs, which in ((self._resting, snapshot.resting), (self._moving, ~snapshot.resting)):
                 discs.show(snapshot.position[which], marks[which], None if opacity is None else opacity[which])
-            partly = bool((shown.marks == SHADES).any())
-            self.legend.show_range(quantity.title, shown.low, shown.high, self.word("map"), partly)
+            low, high = (written(f"{end:g}") for end in (shown.low, shown.high))
+            unknown = tr("● too new") if (shown.marks == SHADES).any() else ""
+            self.legend.show_html(
+                _LEGEND.format(title=quantity.title, map=self.word("map"), low=low, high=high, unknown=unknown)
+            )
         self._show_legend()
 
     def _recede(self) -> None:

@@ -34,32 +34,24 @@ class SkeletonLayer(Layer):
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
         super().__init__(view, requests)
-        self._branches = [Curves(color, 4.6 + 0.01 * n, width=2.6, halo=4.4)
-                          for n, color in enumerate(theme.THICKNESSES)]  # fmt: skip
-        self._disks = Curves(theme.DISK, 4.5, width=1.0, halo=0.0)
-        self.add(self._disks, *self._branches)
-
-    @property
-    def counts(self) -> tuple[int, int]:
-        """Numbers of pieces of branches and of disks shown."""
-        return sum(item.count for item in self._branches), self._disks.count
+        self.branches = Curves(theme.THICKNESSES[0], 4.6, width=2.6, halo=4.4)
+        self.disks = Curves(theme.DISK, 4.5, width=1.0, halo=0.0)
+        self.add(self.disks, self.branches)
 
     def follow(self, before: Scene) -> None:
         """Show another skeleton, or none."""
         found = self.scene.skeleton
         if found is before.skeleton:
             return
-        pieces: list[list[Array]] = [[] for _ in self._branches]
+        pieces: list[tuple[int, Array]] = []
         circles: list[Array] = []
         if found is not None and found.contours:
-            for band, piece in banded(found, len(self._branches)):
-                pieces[band].append(piece)
+            pieces += banded(found, len(theme.THICKNESSES))
             for contour, radii in zip(found.contours, found.radii, strict=True):
                 along = np.append(radii, radii[0]) if contour.closed else radii
                 circles += disks(contour.path, along, _sides(self.scene))
-        for item, paths in zip(self._branches, pieces, strict=True):
-            item.show(paths)
-        self._disks.show(circles)
+        self.branches.show([piece for _, piece in pieces], [theme.THICKNESSES[band] for band, _ in pieces])
+        self.disks.show(circles)
 
 
 def banded(found: Skeleton, bands: int) -> Iterator[tuple[int, Array]]:

@@ -97,7 +97,7 @@ def forget_offer(window, hand) -> None:
 def test_the_bodies_of_the_starts_are_offered_and_taken_by_enter(found, hand) -> None:
     selection = found.workspace.object_selection
     hand.wait(lambda: len(selection.proposals) == 2)
-    assert hand.canvas.layers["objects"].offered > 0
+    assert hand.canvas.layers["objects"].offered_fill.count > 0
     hand.key(KEY.Key_Return)
     assert bodies(found) == pytest.approx([BALL, BALL], rel=0.08)
     assert {item.number for item in items(found)} == {1, 2}
@@ -110,9 +110,9 @@ def test_clicks_in_slices_add_bodies_and_take_them_away(found, hand) -> None:
     (proposal,) = selection.proposals
     assert proposal.selection.volume == pytest.approx(BALL, rel=0.08)
     layer = hand.canvas.layers["objects"]
-    assert layer.offered == 1
+    assert layer.offered_fill.count == 1
     found.workspace.slices.at(1)
-    assert layer.offered == 0
+    assert layer.offered_fill.count == 0
     found.workspace.slices.at(round(ONE[0]))
     click(hand, ONE[1:])
     assert selection.proposals[0].selection.volume == pytest.approx(2 * BALL, rel=0.08)
@@ -144,7 +144,7 @@ def test_a_click_on_the_surface_in_space_selects_the_body_behind_it(found, hand)
     assert len(found.feature(SpaceFeature).panel.contents.objects) == 1
     hand.window.actions_by_name["hide_object"].trigger()
     assert found.feature(SpaceFeature).panel.contents.objects == ()
-    assert hand.canvas.layers["objects"].count == 0
+    assert hand.canvas.layers["objects"].fills.count == 0
 
 
 def test_the_table_measures_objects_in_units_of_the_volume(found, hand) -> None:
@@ -201,7 +201,7 @@ def test_objects_come_back_with_a_session(found, hand, tmp_path) -> None:
         assert isinstance(one.body, Surface)
         np.testing.assert_array_equal(one.body.vertices, other.body.vertices)
     found.workspace.slices.through(OTHER)
-    assert hand.canvas.layers["objects"].count >= 1
+    assert hand.canvas.layers["objects"].fills.count >= 1
 
 
 def open_file_again(window, hand, path) -> None:

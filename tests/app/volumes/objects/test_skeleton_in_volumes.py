@@ -51,9 +51,9 @@ def test_the_center_line_of_a_rod_is_found_and_told(found) -> None:
 def test_slices_show_the_pieces_near_them_and_space_all(found, hand) -> None:
     layer = hand.canvas.layers["skeleton"]
     found.workspace.slices.at(12)
-    assert layer.counts[0] >= 1
+    assert layer.branches.count >= 1
     found.workspace.slices.at(2)
-    assert layer.counts == (0, 0)
+    assert (layer.branches.count, layer.disks.count) == (0, 0)
     found.workspace.slices.turn(2)
     found.workspace.slices.at(20)
     found.workspace.slices.turn(0)

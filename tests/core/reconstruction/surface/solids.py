@@ -92,5 +92,5 @@ def thinned(points, apart):
     return points[free]
 
 
-def surface_of(seen, **options):
-    return find_surface(seen.volume, seen.edge_map, seen.points, seen.spacing, "mm", **options)
+def surface_of(seen):
+    return find_surface(seen.volume, seen.edge_map, seen.points, seen.spacing, "mm")

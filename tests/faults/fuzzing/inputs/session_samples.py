@@ -16,9 +16,9 @@ from cpm_core import Parameters, Surface
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.packed_surface import PackedSurface
 from cpm_core.contours.review import Mark, Outline
+from cpm_core.formats.common.plain import shape_to_plain
 from cpm_core.formats.contours.contour_json import page_to_plain
 from cpm_core.formats.images.reading import Reading
-from cpm_core.formats.sessions.plain import shape_to_plain
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, TruthFile, encode
 from cpm_core.medial_axis.outlines import Outlined
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, SegmentedObjects

@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-import io
-import os
-import zipfile
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import tifffile
 
 from cpm_core.contours.rasterize import Labels, label_type, paint
 from cpm_core.contours.result import Result
-from cpm_core.formats.common.atomic import check_place, draft_of, write_together
+from cpm_core.formats.common.atomic import check_target, drafts_of, suffix_among, write_together
+from cpm_core.formats.common.content import AnyPath
+from cpm_core.formats.common.plain import Entries, encoded_json
 from cpm_core.formats.common.provenance import ENTRY, PROGRAM, facts_of
 from cpm_core.formats.contours import contour_csv, contour_json, geojson, imagej
-from cpm_core.formats.contours.json_text import text
 from cpm_core.formats.masks.labels import entries_for_imagej
 from cpm_core.pages.page import StackResult
 
@@ -35,7 +32,7 @@ def encode_geojson(found: StackResult) -> bytes:
     Each has ``page`` (from 1) and ``track`` among its properties, and its geometry the ``plane`` by which QuPath
     places it: ``z`` or ``t`` counted from 0.
     """
-    features: list[dict[str, Any]] = []
+    features: list[Entries] = []
     for page, result in found.results:
         tracks = [contour.number for contour in result.contours if not contour.hole]
         for track, feature in zip(tracks, geojson.features_of(_named(result)), strict=True):
@@ -43,7 +40,7 @@ def encode_geojson(found: StackResult) -> bytes:
             feature["properties"] |= {"page": page, "track": track}
             features.append(feature)
     made = {ENTRY: facts_of(found.results[0][1])} if found.results else {}
-    return text({"type": "FeatureCollection", **made, "features": features})
+    return encoded_json({"type": "FeatureCollection", **made, "features": features})
 
 
 def encode_set(found: StackResult) -> bytes:
@@ -54,16 +51,18 @@ def encode_set(found: StackResult) -> bytes:
     """
     if not any(result.contours for _, result in found.results):
         raise ValueError(f"{found.source} has no contours, and ImageJ opens no empty set: let it run on.")
-    stream, digits = io.BytesIO(), len(str(found.count))
-    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+
+    def selections() -> Iterator[tuple[str, bytes]]:
+        digits = len(str(found.count))
         for page, result in found.results:
             place = {"position": page} if found.alone else {f"{found.axis}_position": page}
             properties = f"cpm_page: {page}\n{imagej.properties_of(result)}"
             for contour in _named(result).contours:
                 track = f"cpm_track: {contour.number}\n"
                 content = imagej.selection(contour, contour.number, track + properties, **place)
-                imagej.add(archive, f"page {page:0{digits}d} track {contour.number}", content)
-    return stream.getvalue()
+                yield f"page {page:0{digits}d} track {contour.number}", content
+
+    return imagej.set_of(selections())
 
 
 def _named(result: Result) -> Result:
@@ -88,7 +87,7 @@ def write_labels(found: StackResult, target: Path) -> None:
     kind = np.dtype(label_type(max(closed)))
     shape = tuple(int(side) for side in np.max([result.shape for result in results.values()], axis=0))
     size = found.count * int(np.prod(shape)) * kind.itemsize
-    entries: dict[str, Any] = {"metadata": {"axes": f"{found.axis.upper()}YX"}}
+    entries: Entries = {"metadata": {"axes": f"{found.axis.upper()}YX"}}
     if kind == np.uint16 and size < _LARGEST_IMAGEJ:
         entries = {"imagej": True, "metadata": entries_for_imagej(first, f"{found.axis.upper()}YX")}
     if first.unit:
@@ -130,25 +129,14 @@ FOR_STACKS: dict[str, str] = {**_STACKS, **{suffix: text for suffix, (text, _) i
 """Suffixes of files of all pages of a stack -> what is written."""
 
 
-def stack_suffix_of(path: str | os.PathLike[str]) -> str:
+def stack_suffix_of(path: AnyPath) -> str:
     """Suffix of such a file, the longest that fits; empty for others."""
-    name = Path(path).name.lower()
-    suffix = max((suffix for suffix in FOR_STACKS if name.endswith(suffix)), key=len, default="")
-    return suffix if len(suffix) < len(name) else ""
-
-
-def check_stack_export(path: str | os.PathLike[str]) -> None:
-    """Raise ValueError unless `export_stack` could write to a path."""
-    file = Path(path)
-    if not stack_suffix_of(file):
-        known = ", ".join(FOR_STACKS)
-        raise ValueError(f"{file.name} names no format for all pages of a stack: choose one of {known}.")
-    check_place(file)
+    return suffix_among(path, FOR_STACKS)
 
 
 def export_stack(
     found: StackResult,
-    *paths: str | os.PathLike[str],
+    *paths: AnyPath,
     refused: Callable[[Path, str], object] | None = None,
 ) -> None:
     """Write what was found in a stack, in the format that each suffix names; see `FOR_STACKS`.
@@ -169,13 +157,13 @@ def export_stack(
     """
     files = list(map(Path, paths))
     for file in files:
-        check_stack_export(file)
+        check_target(file, FOR_STACKS, "for all pages of a stack")
     for file in files:
         try:
             if (suffix := stack_suffix_of(file)) in _ENCODERS:
                 write_together([(file, _ENCODERS[suffix][1](found))])
             else:
-                with draft_of(file) as draft:
+                with drafts_of(file) as (draft,):
                     write_labels(found, draft)
         except ValueError as error:
             if refused is None:

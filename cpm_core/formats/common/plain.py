@@ -1,38 +1,59 @@
-"""Values of a session as plain JSON and back: shapes, parameters, limits of particles, arrays, and frozen dataclasses.
+"""Values as plain JSON and back: frozen dataclasses by the types of their fields, arrays, shapes, limits, parameters.
 
-Dataclasses may hold numbers, text, truth values, literals, tuples and dataclasses of them: all that shapes consist of.
+Dataclasses may hold numbers, text, truth values, literals, voxels, tuples and dataclasses, or one of several of these.
 Values that are read are checked against the types; one that does not fit raises ValueError with one sentence.
 """
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
+import json
 import math
-from collections.abc import Mapping
+import re
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin, get_type_hints
+from types import UnionType
+from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from cpm_core.contours.packed_surface import MOST_VOXELS, packed, unpacked
 from cpm_core.image.regions import Regions
-from cpm_core.image.volume_regions import AnyRegions, Extrusion, Pair, Place, VolumeRegions, Voxels
+from cpm_core.image.volume_regions import AnyRegions, VolumeRegions, Voxels
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
 from cpm_core.shapes import SHAPES, Shape
 
 T = TypeVar("T")
 
+Entries = dict[str, Any]
+"""Names with plain values: an object of JSON."""
+
 LARGEST = 1e6
 """Largest absolute value of a number: far outside of any image, and sums of such numbers do not overflow."""
 
-_FARTHEST = 10**6
-"""Largest number of a voxel, far outside of any volume."""
+_REGIONS: dict[str, type[AnyRegions]] = {"regions": Regions, "volume_regions": VolumeRegions}
+NAMES = tuple(_REGIONS)
+"""Entries that hold the limits of particles in an image, and in a volume."""
+
+_UNPAIRED = re.compile("[\ud800-\udfff]")
+
+
+@dataclass(frozen=True, slots=True)
+class _Packed:
+    """Voxels of a box, eight in a byte."""
+
+    first: tuple[int, int, int] | None
+    shape: tuple[int, int, int]
+    voxels: str
 
 
 def to_plain(value: object) -> Any:
     """A dataclass, or the value of one of its fields, as plain JSON."""
+    if isinstance(value, Voxels):
+        return {"first": to_plain(value.first), "shape": value.mask.shape, "voxels": packed(np.packbits(value.mask))}
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return {field.name: to_plain(getattr(value, field.name)) for field in dataclasses.fields(value)}
     if isinstance(value, tuple | list):
@@ -54,7 +75,7 @@ def from_plain(kind: type[T], plain: object, where: str) -> T:
     unknown = sorted(str(name) for name in plain if name not in fields)
     if unknown:
         raise ValueError(f"{where} has a value {shown(unknown[0])}, but only {', '.join(fields)} are known.")
-    given: dict[str, Any] = {}
+    given: Entries = {}
     for name, field in fields.items():
         if name in plain:
             given[name] = _value(hints[name], plain[name], f"{name} of {where}")
@@ -66,7 +87,7 @@ def from_plain(kind: type[T], plain: object, where: str) -> T:
         raise ValueError(f"{where} cannot be used: {error}") from error
 
 
-def shape_to_plain(shape: Shape) -> dict[str, Any]:
+def shape_to_plain(shape: Shape) -> Entries:
     """A shape as plain JSON: its kind and the values of its fields."""
     kind = next(name for name, made in SHAPES.items() if type(shape) is made)
     return {"shape": kind, **to_plain(shape)}
@@ -116,43 +137,81 @@ def items(value: object, where: str = "runs") -> list[Any]:
     return value
 
 
+def text(value: object, where: str) -> str:
+    """Text, else ValueError."""
+    if not isinstance(value, str):
+        raise ValueError(f"{where} is {shown(value)} but must be text.")
+    return value
+
+
+def _whole(value: object, where: str) -> int:
+    found = int(number(value, where))
+    if found != value:
+        raise ValueError(f"{where} is {shown(value)} but must be a whole number.")
+    return found
+
+
+def _truth(value: object, where: str) -> bool:
+    if not isinstance(value, bool):
+        raise ValueError(f"{where} is {shown(value)} but must be true or false.")
+    return value
+
+
 def _value(hint: Any, plain: object, where: str) -> Any:
-    origin = get_origin(hint)
+    origin, inner = get_origin(hint), get_args(hint)
+    if origin in (Union, UnionType):
+        return _one_of(inner, plain, where)
     if origin is Annotated:  # a tuple of as many numbers as the annotation allows
-        kind, *counts = get_args(hint)
+        kind, *counts = inner
         found = _value(kind, plain, where)
         if len(found) not in counts:
             raise ValueError(f"{where} is {shown(plain)} but must be a list of {' or '.join(map(str, counts))} values.")
         return found
     if origin is tuple:
-        hints = get_args(hint)
         listed = items(plain, where)
-        if hints[-1] is Ellipsis:
-            hints = hints[:1] * len(listed)
-        if len(listed) != len(hints):
-            raise ValueError(f"{where} is {shown(plain)} but must be a list of {len(hints)} values.")
-        return tuple(_value(each, item, where) for each, item in zip(hints, listed, strict=True))
+        if inner[-1] is Ellipsis:
+            inner = inner[:1] * len(listed)
+        if len(listed) != len(inner):
+            raise ValueError(f"{where} is {shown(plain)} but must be a list of {len(inner)} values.")
+        return tuple(_value(each, item, where) for each, item in zip(inner, listed, strict=True))
     if origin is Literal:
-        if plain not in get_args(hint) or isinstance(plain, bool):
-            allowed = ", ".join(shown(item) for item in get_args(hint))
-            raise ValueError(f"{where} is {shown(plain)} but must be one of {allowed}.")
+        if plain not in inner or isinstance(plain, bool):
+            raise ValueError(f"{where} is {shown(plain)} but must be one of {', '.join(map(shown, inner))}.")
         return plain
-    if hint is float:
-        return number(plain, where)
-    if hint is int:
-        if number(plain, where) != math.floor(number(plain, where)):
-            raise ValueError(f"{where} is {shown(plain)} but must be a whole number.")
-        return int(number(plain, where))
-    if hint in (str, bool):
-        if not isinstance(plain, hint):
-            raise ValueError(f"{where} is {shown(plain)} but must be {'text' if hint is str else 'true or false'}.")
-        return plain
-    if dataclasses.is_dataclass(hint) and isinstance(hint, type):
-        return from_plain(hint, plain, where)
-    raise TypeError(f"{where} is of the type {hint}, which session files cannot store")
+    return _READ[hint](plain, where) if hint in _READ else from_plain(hint, plain, where)
 
 
-def array_to_plain(array: NDArray[Any]) -> dict[str, Any]:
+def _one_of(kinds: tuple[Any, ...], plain: object, where: str) -> Any:
+    """The first of several types that fits."""
+    if plain is None and type(None) in kinds:
+        return None
+    *others, last = (kind for kind in kinds if kind is not type(None))
+    for kind in others:
+        with contextlib.suppress(ValueError):
+            return _value(kind, plain, where)
+    return _value(last, plain, where)
+
+
+def _voxels(plain: object, where: str) -> Voxels:
+    """Voxels of a box, checked before they take memory."""
+    box = from_plain(_Packed, plain, where)
+    count = math.prod(box.shape)
+    if min(box.shape) < 1 or count > MOST_VOXELS:
+        raise ValueError(f"shape of {where} is {shown(box.shape)} but may be {MOST_VOXELS:,} voxels at most.")
+    bits = unpacked(box.voxels, np.uint8, -(-count // 8), where)
+    return Voxels(np.unpackbits(bits, count=count).reshape(box.shape).astype(np.bool_), box.first)
+
+
+_READ: dict[Any, Callable[[object, str], Any]] = {
+    float: number,
+    int: _whole,
+    str: text,
+    bool: _truth,
+    Voxels: _voxels,
+}
+
+
+def array_to_plain(array: NDArray[Any]) -> Entries:
     """An array of numbers as plain JSON, exactly."""
     return {"shape": list(array.shape), "data": packed(array)}
 
@@ -172,76 +231,33 @@ def array_from_plain(plain: object, dtype: DTypeLike, shape: tuple[int | None, .
     return unpacked(given.get("data"), dtype, math.prod(sides), where).reshape(sides)
 
 
-_IMAGE, _VOLUME = "regions", "volume_regions"
-NAMES = (_IMAGE, _VOLUME)
-"""Entries that hold the limits of particles in an image, and in a volume."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Pair:
-    """Two corners of a box, or a point of a plane and a direction across it."""
-
-    places: tuple[Place, Place]
-
-
-@dataclass(frozen=True, slots=True)
-class _Voxel:
-    """Index of a voxel, or the number of voxels along each axis."""
-
-    voxel: tuple[int, int, int]
-
-
-def regions_to_plain(regions: AnyRegions | None) -> dict[str, Any]:
+def regions_to_plain(regions: AnyRegions | None) -> Entries:
     """An entry with the limits; none without any."""
-    if regions is None:
-        return {}
-    if not isinstance(regions, VolumeRegions):
-        return {_IMAGE: to_plain(regions)}
-    kinds = {"interest": regions.interest, "barriers": regions.barriers}
-    return {_VOLUME: {kind: [_limit_to_plain(limit) for limit in limits] for kind, limits in kinds.items()}}
+    return {name: to_plain(regions) for name, kind in _REGIONS.items() if isinstance(regions, kind)}
 
 
 def regions_from_plain(plain: Mapping[str, Any], where: str) -> AnyRegions | None:
     """The limits in an entry, None for no limits; ValueError when they cannot be any."""
-    if _IMAGE in plain:
-        return from_plain(Regions, plain[_IMAGE], where)
-    if _VOLUME not in plain:
-        return None
-    kinds = mapping(plain[_VOLUME], where)
-    interest, barriers = (
-        tuple(_limit(one, where) for one in items(kinds.get(kind, []), where)) for kind in ("interest", "barriers")
-    )
-    return VolumeRegions(interest, barriers)
+    return next((from_plain(kind, plain[name], where) for name, kind in _REGIONS.items() if name in plain), None)
 
 
-def _limit_to_plain(limit: Pair | Extrusion | Voxels) -> Any:
-    if not isinstance(limit, Voxels):
-        return to_plain(limit)
-    first = None if limit.first is None else list(limit.first)
-    return {"first": first, "shape": list(limit.mask.shape), "voxels": packed(np.packbits(limit.mask))}
+def encoded_json(content: Mapping[str, Any]) -> bytes:
+    """Encode an object as UTF-8 with a line for each entry of its lists and objects; ValueError for what is no JSON."""
+    lines = []
+    for key, value in content.items():
+        if isinstance(value, list) and value:
+            entries, ends = [_line(item) for item in value], "[]"
+        elif isinstance(value, Mapping) and value and key != "image":
+            entries, ends = [f"{_line(name)}: {_line(item)}" for name, item in value.items()], "{}"
+        else:
+            lines.append(f"  {_line(key)}: {_line(value)}")
+            continue
+        inner = ",\n".join(f"    {entry}" for entry in entries)
+        lines.append(f"  {_line(key)}: {ends[0]}\n{inner}\n  {ends[1]}")
+    return ("{\n" + ",\n".join(lines) + "\n}\n").encode()
 
 
-def _limit(plain: object, where: str) -> Pair | Extrusion | Voxels:
-    """A box or a plane as two places, a line through slices, or voxels."""
-    if isinstance(plain, Mapping):
-        return _voxels(plain, where) if "voxels" in plain else from_plain(Extrusion, plain, where)
-    return from_plain(_Pair, {"places": plain}, where).places
-
-
-def _voxels(plain: Mapping[str, Any], where: str) -> Voxels:
-    """Voxels of a box, eight in a byte."""
-    shape, first = _whole(plain.get("shape"), 1, where), plain.get("first")
-    count = math.prod(shape)
-    if count > MOST_VOXELS:
-        raise ValueError(f"shape of {where} is {shown(shape)} but may be {MOST_VOXELS:,} voxels at most.")
-    bits = unpacked(plain["voxels"], np.uint8, -(-count // 8), where)
-    mask = np.unpackbits(bits, count=count).reshape(shape).astype(np.bool_)
-    return Voxels(mask, None if first is None else _whole(first, -_FARTHEST, where))
-
-
-def _whole(given: object, low: int, where: str) -> tuple[int, ...]:
-    """Three whole numbers, not lower than `low` and not far beyond any volume; else ValueError."""
-    numbers = from_plain(_Voxel, {"voxel": given}, where).voxel
-    if min(numbers) < low:
-        raise ValueError(f"{where} holds {shown(numbers)} but must be whole numbers from {low}.")
-    return numbers
+def _line(value: object) -> str:
+    text = json.dumps(value, ensure_ascii=False, allow_nan=False, default=dict)
+    # Names of files may hold bytes that are not text, which only escapes preserve.
+    return text if text.isascii() or not _UNPAIRED.search(text) else json.dumps(value, allow_nan=False, default=dict)
