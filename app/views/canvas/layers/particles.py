@@ -12,7 +12,7 @@ from PySide6.QtCore import QLineF, QUrl
 from PySide6.QtGui import QColor, QPainter, QPen, QTextDocument
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
-from app.model.display.coloring import QUANTITIES, SHADES, InsertionTimes, colored
+from app.model.display.coloring import QUANTITIES, SHADES, colored
 from app.model.display.lines import Trails
 from app.model.text.language import tr, written
 from app.session.exchange.messages import Snapshot
@@ -175,7 +175,7 @@ class ParticleLayer(Layer):
                 discs.show(snapshot.position[which], None, None if opacity is None else opacity[which])
         else:
             quantity = QUANTITIES[self.word("colour")]
-            shown = colored(quantity, snapshot.state, InsertionTimes(snapshot.metrics.step, snapshot.metrics.numbered))
+            shown = colored(quantity, snapshot.state, snapshot.metrics)
             marks = shown.marks if near is None else shown.marks[near.index]
             for discs, which in ((self._resting, snapshot.resting), (self._moving, ~snapshot.resting)):
                 discs.show(snapshot.position[which], marks[which], None if opacity is None else opacity[which])
