@@ -64,26 +64,22 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
 
     def draw(self, scene: Scene) -> None:
         """Draw a scene; another image, or slices across another axis, are shown as a whole."""
-        if self._original is not None and scene.whole is not self._scene.whole:
-            # a new image resets the options of its layer
-            self._draw(Scene(scene.image, scene.display, document=scene.document, slices=scene.slices))
-            self._copy_settings()
-        self._draw(scene)
-
-    def _copy_settings(self) -> None:
-        assert self._original is not None
-        for layer in self._original.layers:
-            self.layers[layer.name].use_view_state(layer.view_state())
-
-    def _draw(self, scene: Scene) -> None:
         self._given = scene
         before, self._scene = self._scene, self.sections.of(scene)
         if self._scene.ground != before.ground:
-            self._lie()
+            upside_down, leftward = self._flips
+            self.view.invertY(not upside_down)
+            self.view.invertX(leftward)
             if _aspect(self._scene) != _aspect(before):
                 self.view.setAspectLocked(True, _aspect(self._scene))
             self.use_image()
         self.layers.draw(self._scene)
+        if scene.whole is not before.whole:
+            self._copy_settings()  # a new image resets the options of its layer
+
+    def _copy_settings(self) -> None:
+        for layer in self._original.layers if self._original is not None else ():
+            self.layers[layer.name].use_view_state(layer.view_state())
 
     def draw_again(self) -> None:
         """Draw what has been made of the scene since."""
@@ -121,8 +117,8 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
 
     def zoom_to(self, magnification: float) -> None:
         """Show so many pixels of the screen per pixel of the image, around the center."""
-        if math.isfinite(magnification) and magnification > 0.0:
-            self.zoom(min(max(magnification, LEAST), MOST) / self.magnification)
+        if 0.0 < magnification < math.inf:
+            self.zoom(magnification / self.magnification)
 
     def show_part(self, part: QRectF) -> None:
         """Show a part of the image as large as possible, with a margin."""
@@ -141,7 +137,7 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
 
     def toward(self, down: float, right: float) -> Position:
         """Displacement (row, col) in the image that leads down and to the right on the screen."""
-        upside_down, leftward = flips_of(self._scene.whole, None if self.here is None else self.here.axis)
+        upside_down, leftward = self._flips
         return -down if upside_down else down, -right if leftward else right
 
     def look_at(self, place: Position, span: float) -> None:
@@ -193,11 +189,10 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
         """Distance at which the pointer takes hold of something [px of the image]."""
         return REACH * float(self.view.viewPixelSize()[0])
 
-    def _lie(self) -> None:
-        """Show the slices of a patient the way up in which they are read."""
-        upside_down, leftward = flips_of(self._scene.whole, None if self.here is None else self.here.axis)
-        self.view.invertY(not upside_down)
-        self.view.invertX(leftward)
+    @property
+    def _flips(self) -> tuple[bool, bool]:
+        """Whether it is shown upside down, and mirrored, as slices of a patient are read."""
+        return flips_of(self._scene.whole, None if self.here is None else self.here.axis)
 
     def _place(self) -> dict[str, object]:
         """The visible part, empty while the whole image is visible."""

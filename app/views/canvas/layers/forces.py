@@ -58,14 +58,14 @@ class ForceLayer(Layer):
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
         super().__init__(view, requests)
-        self._ring = Markers(size=15.0, symbol="o", brush=None, pen=pg.mkPen(theme.CHOSEN, width=1.6))
+        self._ring = Markers(_Z, size=15.0, symbol="o", brush=None, pen=pg.mkPen(theme.CHOSEN, width=1.6))
         halo = line_pen(theme.HALO, 4.6)
         self._arrows = {
             name: pg.PlotCurveItem(pen=line_pen(color, 2.2), shadowPen=halo, antialias=True, connect="pairs")
             for name, (_, color) in KINDS.items()
         }
         self.legend = Pinned(view, (1.0, 0.0))
-        for index, item in enumerate((self._ring, *self._arrows.values())):
+        for index, item in enumerate(self._arrows.values()):
             item.setZValue(_Z + 0.1 * index)
         self.add(self._ring, *self._arrows.values(), self.legend)
         self.probed: Probed | None = None
@@ -146,4 +146,4 @@ class ForceLayer(Layer):
         for name, item in self._arrows.items():
             way = probed.forces[name] * (probed.size(name) >= _NOTHING)
             item.setData(*to_xy(arrow_lines(at, at + self.number("length") / longest * way * pixel)))
-        self._ring.setData(*to_xy(at))
+        self._ring.show(at)
