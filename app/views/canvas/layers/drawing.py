@@ -145,15 +145,12 @@ class DrawingLayer(Layer):
         self._lines = _shapes(theme.DRAWING, _Z, 1.4)
         self._chosen = _shapes(theme.CHOSEN, _Z + 0.1, 2.2)
         self._areas = _shapes(theme.DRAWING, _Z, 1.2, dashed=True)
-        self.computed = {kind: Discs(theme.MOVING, diameter, 0.0) for kind, diameter in _DIAMETERS.items()}
-        self._seeds = Discs(theme.MOVING, 6.0, 0.0)
-        self._chosen_points = Discs(theme.CHOSEN, 9.0, 0.0)
+        self.computed = {kind: Discs(theme.MOVING, diameter, _Z + 0.2) for kind, diameter in _DIAMETERS.items()}
+        self._seeds = Discs(theme.MOVING, 6.0, _Z + 0.6)
+        self._chosen_points = Discs(theme.CHOSEN, 9.0, _Z + 0.7)
         self._handles = Markers(
             _Z + 0.8, size=10.0, symbol="s", pen=pg.mkPen(theme.HALO, width=1.2), brush=pg.mkBrush(theme.CHOSEN)
         )
-        discs = (*self.computed.values(), self._seeds, self._chosen_points)
-        for z, item in enumerate(discs, start=2):
-            item.setZValue(_Z + 0.1 * z)
         self._starts = (self._lines, self._areas, self._seeds, self._chosen_points)
         self._dim = Dim()
         self._regions = _shapes(theme.REGION, _LINE_Z, 1.8)
@@ -162,10 +159,9 @@ class DrawingLayer(Layer):
         self._reach = _shapes(theme.CHOSEN, _CHARGE_Z - 0.1, 1.2, halo=2.6, dashed=True)
         self._charges = Markers(_CHARGE_Z, size=_DISC)
         self._signs = Markers(_CHARGE_Z + 0.1, size=_SIGN, pen=None, brush=pg.mkBrush("w"))
-        self._beyond = (self._lines, self._areas, self._chosen, *discs, self._regions, self._barriers, self._rings,
-                        self._reach)  # fmt: skip
-        """What may lie next to the image."""
-        self.add(*self._beyond, self._handles, self._dim, self._charges, self._signs)
+        self.add(self._lines, self._areas, self._chosen, *self.computed.values(), self._seeds, self._chosen_points)
+        self.add(self._handles, self._dim, self._regions, self._barriers, self._rings, self._reach)
+        self.add(self._charges, self._signs)
         self._draft = Draft(view)
 
     @property
@@ -181,9 +177,9 @@ class DrawingLayer(Layer):
 
     def use_shape(self, shape: tuple[int, ...]) -> None:
         """Cover an image of this shape; shapes may lie next to it."""
-        self._dim.use_shape(shape)
-        for item in self._beyond:
-            item.use_shape(shape, float(max(shape)) + REACH)
+        for item, _ in self._items:
+            if isinstance(item, OverImage):
+                item.use_shape(shape, 0.0 if item is self._dim else float(max(shape)) + REACH)
 
     def follow(self, before: Scene) -> None:
         """Show other shapes, another selection, or the shapes behind a run."""
