@@ -27,7 +27,7 @@ from app.session.scene import ReviewedContours, Scene
 from app.session.signals import EDITING, EXPORTING, OPENING, RUNNING, SessionSignals
 from app.session.tasks.opening import Opener, Wanted
 from app.session.tasks.tasks import Tasks
-from app.session.undo_history import Change, ChangeInWords, Erasure, History, Turned
+from app.session.undo_history import Change, Erasure, History, Turned
 from app.session.updates import Progress
 from app.session.worker.commands import Command, Export, RestoreRuns, RunCall, RunsRestored, Start, WarmUp
 from app.session.worker.run import Run
@@ -167,11 +167,6 @@ class Session(QObject):
         """Name of the change that redo repeats, empty if there is none."""
         return self.history.redo_name
 
-    @property
-    def changes(self) -> tuple[tuple[ChangeInWords, ...], int]:
-        """All changes to the document in words, and how many of them are done; the others are undone."""
-        return self.history.changes, self.history.done
-
     def use_history(self, history: History) -> None:
         """Take up the history of the document that is open, as it was left."""
         self.history = history
@@ -209,10 +204,6 @@ class Session(QObject):
     def redo(self) -> None:
         """Repeat the edit that was undone last."""
         self._turn(self.history.redo())
-
-    def go_to(self, done: int) -> None:
-        """Undo or redo until so many of the `changes` are done."""
-        self._turn(self.history.go_to(done))
 
     def select(self, index: int | None) -> None:
         """Select a shape, or none; none, too, in place of one that could not be drawn."""

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import partial
 
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QSignalBlocker, Qt
 from PySide6.QtWidgets import (
     QCheckBox,
     QComboBox,
@@ -36,6 +36,7 @@ from app.model.document.modes import acting_in
 from app.model.parameters.controls import Control, controls
 from app.model.text.language import from_core, tr
 from app.session.session import Session
+from app.views.widgets.containers import arrange, wrapped
 from app.views.widgets.fields import DecimalField
 from cpm_core import CONTOUR_METHODS
 from cpm_core.objects.methods import Compared, Settings
@@ -85,10 +86,7 @@ class AxisRow(QWidget):
         self.choice.setAccessibleName(title)
         self.values.setAccessibleName(tr("Values"))
         self.values.setToolTip(tr("Values of the parameter, separated by commas."))
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        for widget in (QLabel(title), self.choice, self.values):
-            layout.addWidget(widget)
+        arrange(QVBoxLayout(self), QLabel(title), self.choice, self.values)
 
     @property
     def control(self) -> Control | None:
@@ -110,7 +108,7 @@ class MethodChoice(QWidget):
     def __init__(self, session: Session) -> None:
         super().__init__()
         self._session = session
-        self.list, self.about, self.around = QListWidget(), QLabel(), QCheckBox(tr("The start lies around the object"))
+        self.list, self.about, self.around = QListWidget(), wrapped(), QCheckBox(tr("The start lies around the object"))
         self.fields: dict[str, QDoubleSpinBox] = {}
         self._shown: tuple[str, Settings] | None = None
         for name, method in CONTOUR_METHODS.items():
@@ -121,7 +119,6 @@ class MethodChoice(QWidget):
         self.list.setAccessibleName(tr("Compare methods"))
         self.list.setMaximumHeight(self.list.sizeHintForRow(0) * (self.list.count() + 1))
         self.around.setToolTip(tr("Balloons and pressures then drive contours inwards."))
-        self.about.setWordWrap(True)
         self.about.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self._area = QScrollArea()
         self._area.setWidgetResizable(True)
@@ -163,14 +160,11 @@ class MethodChoice(QWidget):
 
     def _follow(self) -> None:
         compared = self._session.document.comparison
-        for widget in (self.list, self.around):
-            widget.blockSignals(True)
-        self.around.setChecked(compared.around)
-        for row, name in enumerate(CONTOUR_METHODS):
-            on = Qt.CheckState.Checked if name in compared.methods else Qt.CheckState.Unchecked
-            self.list.item(row).setCheckState(on)
-        for widget in (self.list, self.around):
-            widget.blockSignals(False)
+        with QSignalBlocker(self.around), QSignalBlocker(self.list):
+            self.around.setChecked(compared.around)
+            for row, name in enumerate(CONTOUR_METHODS):
+                on = Qt.CheckState.Checked if name in compared.methods else Qt.CheckState.Unchecked
+                self.list.item(row).setCheckState(on)
         if self.list.currentItem() is not None:
             self._show_marked()
 
@@ -185,9 +179,7 @@ class MethodChoice(QWidget):
         form = QFormLayout(body)
         form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.WrapAllRows)
         if method.of_particles:
-            ours = QLabel(tr("These are the parameters of the window: change them there and run again."))
-            ours.setWordWrap(True)
-            form.addRow(ours)
+            form.addRow(wrapped(tr("These are the parameters of the window: change them there and run again.")))
         else:
             for field_name, info in settings.table().items():
                 field = self.fields[field_name] = DecimalField()

@@ -13,7 +13,6 @@ from PySide6.QtWidgets import (
     QDialog,
     QGridLayout,
     QHBoxLayout,
-    QLabel,
     QProgressBar,
     QPushButton,
     QScrollArea,
@@ -34,6 +33,7 @@ from app.session.session import Session
 from app.views.comparison.choices import MethodChoice, ParameterChoice
 from app.views.export.picture import Line, Picture
 from app.views.theme import theme
+from app.views.widgets.containers import arrange, wrapped
 from cpm_core import Contour, Truth
 from cpm_core.shapes import outlines_of
 
@@ -140,10 +140,6 @@ class Board(QScrollArea):
         self.tiles[0].setChecked(True)
         self.tiles[0].setFocus()
 
-    def view_of(self, tile: Tile) -> TileView | None:
-        """The view of a tile; None if the tile belongs to a previous comparison."""
-        return next((view for view in self.tiles if view.tile is tile), None)
-
 
 class CompareDialog(QDialog):
     """Runs the image with several values of parameters, or by several methods, and takes over what is selected.
@@ -172,16 +168,10 @@ class CompareDialog(QDialog):
         self.choices.addTab(self.parameters, tr("Parameters"))
         self.choices.addTab(self.methods, tr("Methods"))
         self.choices.setFixedWidth(_SIDE)
-        self.board, self.words, self.bar = Board(), QLabel(), QProgressBar()
+        self.board, self.words, self.bar = Board(), wrapped(), QProgressBar()
         self.bar.setMaximumWidth(160)
         self.bar.setTextVisible(False)
         self.words.setMinimumWidth(120)
-        self.words.setWordWrap(True)
-        upper, self._foot, layout = QHBoxLayout(), QHBoxLayout(), QVBoxLayout(self)
-        upper.addWidget(self.board, 1)
-        upper.addWidget(self.choices)
-        self._foot.addWidget(self.words, 1)
-        self._foot.addWidget(self.bar)
         self.take_button = self._button(tr("Use these values"), self._take)
         self.export_button = self._button(tr("Export…"), self._export)
         self.export_button.setToolTip(
@@ -189,8 +179,10 @@ class CompareDialog(QDialog):
         )
         self.cancel_button = self._button(tr("Cancel"), comparison.cancel)
         self.start_button = self._button(tr("Run"), self._start)
-        layout.addLayout(upper, 1)
-        layout.addLayout(self._foot)
+        buttons = (self.take_button, self.export_button, self.cancel_button, self.start_button)
+        layout = QVBoxLayout(self)
+        layout.addLayout(arrange(QHBoxLayout(), self.board, self.choices, wide=self.board), 1)
+        layout.addLayout(arrange(QHBoxLayout(), self.words, self.bar, *buttons, wide=self.words))
         self.start_button.setDefault(True)
         self.board.selected.connect(self._select)
         comparison.began.connect(self._begin)  # a partial would keep the dialog when it is closed
@@ -221,7 +213,6 @@ class CompareDialog(QDialog):
         button = QPushButton(text)
         button.setAutoDefault(False)
         button.clicked.connect(do)
-        self._foot.addWidget(button)
         return button
 
     def _start(self) -> None:
@@ -243,14 +234,14 @@ class CompareDialog(QDialog):
         return [*(Line(one, theme.TRUTH) for one in true), *(Line(start, theme.MOVING) for start in starts)]
 
     def _begin(self, tile: Tile) -> None:
-        view = self.board.view_of(tile)
-        if view is not None:
-            view.show_state(tr("running…"))
+        for view in self.board.tiles:
+            if view.tile is tile:  # and not one of a previous comparison
+                view.show_state(tr("running…"))
 
     def _finish(self, done: Done) -> None:
-        view = self.board.view_of(done.tile)
-        if view is not None:
-            view.finish(done)
+        for view in self.board.tiles:
+            if view.tile is done.tile:
+                view.finish(done)
         self._refresh()
 
     def _end(self) -> None:
@@ -270,7 +261,7 @@ class CompareDialog(QDialog):
         view = self.board.current
         if view is None:
             return
-        caption, tile, result = view.tile.caption, view.tile, view.done.result if view.done else None
+        tile, caption, result = view.tile, view.tile.caption, view.done.result if view.done else None
         if not tile.method:
             self._session.edit(tr("use {values}").format(values=caption), lambda document: pick(document, tile))
             text = tr("Now using {values}. Undo ({key:undo}) in the window restores the previous values.")

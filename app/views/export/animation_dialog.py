@@ -10,7 +10,6 @@ from PySide6.QtWidgets import (
     QCheckBox,
     QComboBox,
     QDialog,
-    QDialogButtonBox,
     QFormLayout,
     QHBoxLayout,
     QLabel,
@@ -22,6 +21,7 @@ from PySide6.QtWidgets import (
 from app.model.text.language import reason, tr, written
 from app.session.storage.preferences import Preferences
 from app.views.export.frames import NARROWEST, WIDEST, frame_size
+from app.views.widgets.containers import AcceptButtons, arrange, wrapped
 from cpm_core.formats import check_encoder
 
 _FORMATS = (
@@ -87,14 +87,26 @@ class AnimationDialog(QDialog):
             self.format.addItem(text, suffix)
         chosen = self.format.findData(preferences.get(_KEY + "format", ".gif"))
         self.format.setCurrentIndex(max(chosen, 0))
-        self._summary = QLabel()
-        self._summary.setWordWrap(True)
-        self._summary.setObjectName("dim")
-        self._buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Cancel)
-        self.export = self._buttons.addButton(tr("Export…"), QDialogButtonBox.ButtonRole.AcceptRole)
-        self._buttons.accepted.connect(self._keep)
-        self._buttons.rejected.connect(self.reject)
-        self._lay_out()
+        self._summary = wrapped(dim=True)
+        self._summary.setMinimumSize(380, 3 * self.fontMetrics().lineSpacing())
+        buttons = AcceptButtons(self, tr("Export…"))
+        self.export = buttons.accept_button
+        self.first.setAccessibleName(tr("First step"))
+        self.last.setAccessibleName(tr("Last step"))
+        self.stride.setAccessibleName(tr("Steps from frame to frame"))
+        form = QFormLayout()
+        form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.FieldsStayAtSizeHint)
+        form.addRow(tr("Steps"), arrange(QHBoxLayout(), self.first, QLabel(tr("to")), self.last, None))
+        form.addRow(tr("Every"), self.stride)
+        form.addRow(tr("Width"), self.width_field)
+        form.addRow("", self.zoomed)
+        form.addRow(tr("Speed"), self.speed)
+        form.addRow(tr("Format"), self.format)
+        form.addRow("", self._summary)
+        layout = QVBoxLayout(self)
+        layout.addLayout(form)
+        layout.addStretch(1)
+        layout.addWidget(buttons)
         for field in (self.first, self.last, self.stride, self.width_field, self.speed):
             field.valueChanged.connect(self._follow)
         self.zoomed.toggled.connect(self._follow)
@@ -118,31 +130,6 @@ class AnimationDialog(QDialog):
         """The summary of the choice, or what is missing for it."""
         return self._summary.text()
 
-    def _lay_out(self) -> None:
-        span = QHBoxLayout()
-        span.addWidget(self.first)
-        span.addWidget(QLabel(tr("to")))
-        span.addWidget(self.last)
-        span.addStretch(1)
-        self.first.setAccessibleName(tr("First step"))
-        self.last.setAccessibleName(tr("Last step"))
-        form = QFormLayout()
-        form.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.FieldsStayAtSizeHint)
-        form.addRow(tr("Steps"), span)
-        form.addRow(tr("Every"), self.stride)
-        form.addRow(tr("Width"), self.width_field)
-        form.addRow("", self.zoomed)
-        form.addRow(tr("Speed"), self.speed)
-        form.addRow(tr("Format"), self.format)
-        form.addRow("", self._summary)
-        self.stride.setAccessibleName(tr("Steps from frame to frame"))
-        self._summary.setMinimumWidth(380)
-        self._summary.setMinimumHeight(3 * self.fontMetrics().lineSpacing())
-        layout = QVBoxLayout(self)
-        layout.addLayout(form)
-        layout.addStretch(1)
-        layout.addWidget(self._buttons)
-
     def _follow(self) -> None:
         plan = self.plan
         missing = ""
@@ -159,13 +146,14 @@ class AnimationDialog(QDialog):
         self.stride.setSuffix(tr(" steps") if self.stride.value() > 1 else tr(" step"))
         self.export.setEnabled(not missing)
 
-    def _keep(self) -> None:
+    def accept(self) -> None:
+        """Keep the choice for the next time."""
         plan = self.plan
         self._preferences.put(_KEY + "every", self.stride.value())
         self._preferences.put(_KEY + "width", self.width_field.value())
         self._preferences.put(_KEY + "speed", plan.frames_per_second)
         self._preferences.put(_KEY + "format", plan.suffix)
-        self.accept()
+        super().accept()
 
 
 def _number(least: int, most: int, value: int, suffix: str = "") -> QSpinBox:

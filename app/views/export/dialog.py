@@ -6,11 +6,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 from PySide6.QtCore import QSize, Qt, Signal
-from PySide6.QtGui import QPainter, QPaintEvent, QResizeEvent
+from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import (
     QComboBox,
     QDialog,
-    QDialogButtonBox,
     QFormLayout,
     QHBoxLayout,
     QLabel,
@@ -27,6 +26,7 @@ from app.views.canvas.items.item import image_rectangle
 from app.views.export.picture import Line, Picture
 from app.views.theme import theme
 from app.views.theme.theme import look
+from app.views.widgets.containers import AcceptButtons, arrange, wrapped
 from cpm_core import Result, Skeleton
 from cpm_core.formats import FOR_CENTERLINES, FOR_SKELETONS, FOR_VOLUMES, IN_SPACE, OUTLINABLE, WRITABLE, palette
 from cpm_core.image import CONVENTIONS
@@ -80,15 +80,16 @@ class ExportDialog(QDialog):
         self._image = image
         self._volume = scene.slices is not None
         self._whole = scene.skeleton or scene.contours.result or getattr(scene.reconstruction, "result", None)
-        self.setWindowTitle(self._title())
+        skeleton = tr("Export center lines") if self._volume else tr("Export skeleton")
+        result = tr("Export surface") if self._volume else tr("Export contours")
+        self.setWindowTitle(skeleton if isinstance(self._whole, Skeleton) else result)
         self.source, self.format, self.regions, self.closing, self.space = (QComboBox() for _ in range(5))
-        self.summary = QLabel()
-        self.summary.setWordWrap(True)
+        self.summary = wrapped()
         self.summary.setMinimumSize(_WIDTH, 3 * self.summary.fontMetrics().lineSpacing())
         self.summary.setAlignment(Qt.AlignmentFlag.AlignTop)
         self._fill(suffix)
-        self.buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Cancel)
-        self.export_button = self.buttons.addButton(tr("&Export…"), QDialogButtonBox.ButtonRole.AcceptRole)
+        buttons = AcceptButtons(self, tr("&Export…"))
+        self.export_button = buttons.accept_button
         self._form = QFormLayout()
         rows = (tr("What"), tr("Format"), tr("Regions"), tr("Open contours"), tr("Coordinates"))
         for title, field in zip(rows, (self.source, self.format, self.regions, self.closing, self.space), strict=True):
@@ -96,17 +97,12 @@ class ExportDialog(QDialog):
             field.activated.connect(self._follow)
             self._form.addRow(title, field)
         self._form.addRow("", self.summary)
-        left, layout = QVBoxLayout(), QHBoxLayout(self)
-        left.addLayout(self._form)
-        left.addStretch(1)
-        left.addWidget(self.buttons)
-        layout.addLayout(left)
+        layout = QHBoxLayout(self)
+        layout.addLayout(arrange(QVBoxLayout(), self._form, None, buttons))
         self.preview = None if self._volume else Preview(Picture(scene.display, image_rectangle(image.shape)))
         if self.preview is not None:
             layout.addWidget(self.preview, 1)
         self.export_button.setDefault(True)  # once it is in the dialog, else Tab makes another button the default
-        self.buttons.accepted.connect(self.accept)
-        self.buttons.rejected.connect(self.reject)
         self._follow()
 
     @property
@@ -137,11 +133,6 @@ class ExportDialog(QDialog):
             super().accept()
 
     # Internal
-
-    def _title(self) -> str:
-        if isinstance(self._whole, Skeleton):
-            return tr("Export center lines") if self._volume else tr("Export skeleton")
-        return tr("Export surface") if self._volume else tr("Export contours")
 
     def _fill(self, suffix: str) -> None:
         skeleton = isinstance(self._whole, Skeleton)
@@ -248,14 +239,14 @@ class ExportDialog(QDialog):
         return "\n".join(f"{label}: {value}" for label, value, _ in figure_texts(self._session.status.surface))
 
 
-class Preview(QWidget):
+class Preview(QLabel):
     """What the file will hold on the image, and, pale, what it will not."""
 
     def __init__(self, picture: Picture) -> None:
         super().__init__()
         self._picture = picture
-        self._lines: tuple[Line, ...] = ()
-        self._opacity = 1.0
+        self._shown: tuple[list[Line], float] = [], 1.0
+        self.setAlignment(Qt.AlignmentFlag.AlignCenter)
         self.setMinimumSize(300, 260)
         self.setAccessibleName(tr("Preview of the export"))
 
@@ -265,17 +256,9 @@ class Preview(QWidget):
 
     def show_lines(self, lines: list[Line], opacity: float) -> None:
         """Show lines on the image of some opacity."""
-        self._lines, self._opacity = tuple(lines), opacity
-        self._pixels = self._picture.drawn(self.size(), self.devicePixelRatioF(), lines, opacity)
-        self.update()
+        self._shown = lines, opacity
+        self.setPixmap(self._picture.drawn(self.size(), self.devicePixelRatioF(), lines, opacity))
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Draw the picture in its new size."""
-        self.show_lines(list(self._lines), self._opacity)
-
-    def paintEvent(self, event: QPaintEvent) -> None:
-        """Show the picture in the middle."""
-        size = self._pixels.deviceIndependentSize().toSize()
-        QPainter(self).drawPixmap(
-            (self.width() - size.width()) // 2, (self.height() - size.height()) // 2, self._pixels
-        )
+        self.show_lines(*self._shown)

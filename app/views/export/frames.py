@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import queue
+from collections import deque
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -23,6 +25,9 @@ from cpm_core.numerics import Pixels
 
 _INTERVAL = 15
 """Time between two checks whether another frame can be taken [ms]."""
+
+_AHEAD = 4
+"""Maximum number of frames that wait to be written."""
 
 NARROWEST, WIDEST = 64, 3840
 """Smallest and largest width of a frame [px]."""
@@ -72,6 +77,7 @@ class FrameRenderer:
         for layer in canvas.layers:
             self._view.layers[layer.name].use_view_state(layer.view_state())
         self._view.view.setRange(part, padding=0.0)
+        self.shows_contours = canvas.layers["contours"].shown
 
     def draw(self, taken: FrameTaken) -> Pixels:
         """Draw a moment as RGB values, shape (H, W, 3)."""
@@ -98,7 +104,7 @@ def to_array(picture: QImage) -> Pixels:
 
 
 class FrameRecorder(QObject):
-    """Passes the frames of an animation to `take`, one after the other, until its task is over.
+    """Puts the frames of an animation into a queue, one after the other and None at the end, until its task is over.
 
     One frame is requested at a time and drawn in its own turn of the event loop, so that the window stays usable.
 
@@ -112,14 +118,8 @@ class FrameRecorder(QObject):
         The task; canceling it ends the recording.
     places : sequence of tuple of int
         Branches and steps.
-    contours : bool
-        Whether contours are shown.
-    take : callable
-        Called with every frame.
-    end : callable
-        Called after the last frame.
-    has_room : callable
-        Returns whether another frame can be taken.
+    frames : queue.Queue
+        Takes the frames.
     """
 
     def __init__(
@@ -128,27 +128,19 @@ class FrameRecorder(QObject):
         renderer: FrameRenderer,
         task: Task,
         places: Sequence[tuple[int, int]],
-        contours: bool,
-        take: Callable[[Pixels], None],
-        end: Callable[[], None],
-        has_room: Callable[[], bool] = lambda: True,
+        frames: queue.Queue[Pixels | None],
     ) -> None:
         super().__init__(session)
         self._session = session
         self._renderer = renderer
         self._task = task
-        self._places = list(places)
-        self._contours = contours
-        self._take = take
-        self._end = end
-        self._has_room = has_room
+        self._waiting = deque(places)
+        self._frames = frames
         self._generation = session.generation
-        self._next = 0
         self._due = False
         self.over = False
         """Whether no more frames are taken."""
-        self._timer = QTimer(self)
-        self._timer.setInterval(_INTERVAL)
+        self._timer = QTimer(self, interval=_INTERVAL)
         self._timer.timeout.connect(self._advance)
         self._timer.start()
         session.listen(FrameTaken, self._take_frame)
@@ -166,30 +158,30 @@ class FrameRecorder(QObject):
     def _advance(self) -> None:
         if self._task.over:
             self.stop()
-        elif not self._due and self._next < len(self._places) and self._has_room():
+        elif not self._due and self._waiting and self._frames.qsize() < _AHEAD:
             self._due = True
-            branch, step = self._places[self._next]
-            command = TakeFrame(self._task, self._generation, branch, step, self._contours)
-            self._session.post(command)
+            shown = self._renderer.shows_contours
+            self._session.post(TakeFrame(self._task, self._generation, *self._waiting[0], shown))
 
     def _take_frame(self, report: FrameTaken) -> None:
         if report.task is not self._task or self.over or self._task.over:
             return
         self._due = False
+        trouble = ""
         if report.moment is None:
-            self._task.cancel()
             gone = tr("The run of the animation is gone, so nothing has been written.")
-            self._session.say(report.sentence or gone, True, FILMING)
-            self.stop()
-            return
-        try:
-            self._take(self._renderer.draw(report))
-        except Exception as error:  # it would be the same for each further try
+            trouble = report.sentence or gone
+        else:
+            try:
+                self._frames.put(self._renderer.draw(report))
+            except Exception as error:  # it would be the same for each further try
+                trouble = sentence(error, tr("drawing an animation"))
+        if trouble:
             self._task.cancel()
-            self._session.say(sentence(error, tr("drawing an animation")), True, FILMING)
+            self._session.say(trouble, True, FILMING)
             self.stop()
             return
-        self._next += 1
-        if self._next == len(self._places):
+        self._waiting.popleft()
+        if not self._waiting:
             self.stop()
-            self._end()
+            self._frames.put(None)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from app.views.features.animation import AnimationFeature
 from app.views.features.contours import ContoursFeature, HandEditingFeature, SkeletonsFeature, TruthFeature
-from app.views.features.edit import DrawFeature, HistoryFeature, ModesFeature, UndoSelectionFeature
+from app.views.features.edit import DrawFeature, ModesFeature, UndoSelectionFeature
 from app.views.features.exchange import BatchFeature, ClipboardFeature, ExportFeature, ImportFeature
 from app.views.features.files import FolderFeature, OpenSaveFeature, RecoveryFeature, StartFeature
 from app.views.features.help import HelpFeature, PreferencesFeature
@@ -47,7 +47,6 @@ FEATURES: tuple[type[Feature], ...] = (
     ObjectsFeature,
     SkeletonsFeature,
     ComparisonFeature,
-    HistoryFeature,
     LayersFeature,
     LevelsFeature,
     ComparingFeature,

@@ -24,9 +24,6 @@ from cpm_core import write_animation
 from cpm_core.formats import ANIMATED, check_animation
 from cpm_core.numerics import Pixels
 
-_AHEAD = 4
-"""Maximum number of frames that wait to be written."""
-
 _TIMEOUT = 0.05
 """Time between two checks for cancellation [s]."""
 
@@ -67,7 +64,14 @@ class AnimationFeature(Feature):
         branch = navigation.place[0]
         first, last = navigation.first, navigation.last(branch)
         dialog = AnimationDialog(self.window, self.window.preferences, first, last, self._part)
-        dialog.accepted.connect(lambda: self._ask_for_place(branch, dialog.plan))
+
+        def ask_for_place() -> None:
+            ending = f"_run{dialog.plan.suffix}"
+            path = self.window.files.ask_where_to_export(tr("Export animation"), ending, ANIMATED)
+            if path is not None:
+                self.write(branch, dialog.plan, path)
+
+        dialog.accepted.connect(ask_for_place)
         dialog.finished.connect(dialog.deleteLater)
         dialog.open()
         return dialog
@@ -84,23 +88,10 @@ class AnimationFeature(Feature):
         frames: queue.Queue[Pixels | None] = queue.Queue()
         encode = partial(_encode, frames, len(plan.steps), path, plan.frames_per_second, comment_on(session))
         task = begin_writing(session, path, encode)
-        filming = FrameRecorder(
-            session,
-            FrameRenderer(session.scene, canvas, self._part(plan.zoomed), plan.size),
-            task,
-            [(branch, step) for step in plan.steps],
-            contours=canvas.layers["contours"].shown,
-            take=frames.put,
-            end=lambda: frames.put(None),
-            has_room=lambda: frames.qsize() < _AHEAD,
-        )
+        renderer = FrameRenderer(session.scene, canvas, self._part(plan.zoomed), plan.size)
+        filming = FrameRecorder(session, renderer, task, [(branch, step) for step in plan.steps], frames)
         self._filming = [*(other for other in self._filming if not other.over), filming]
         return task
-
-    def _ask_for_place(self, branch: int, plan: AnimationPlan) -> None:
-        path = self.window.files.ask_where_to_export(tr("Export animation"), f"_run{plan.suffix}", ANIMATED)
-        if path is not None:
-            self.write(branch, plan, path)
 
     def _part(self, zoomed: bool) -> QRectF:
         canvas = self.window.canvas_area.canvas

@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QComboBox, QDialog, QDialogButtonBox, QFormLayout, QLabel, QSpinBox, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QComboBox, QDialog, QFormLayout, QLabel, QSpinBox, QVBoxLayout, QWidget
 
 from app.model.text.language import tr
 from app.model.volume.parts import Parts
+from app.views.widgets.containers import AcceptButtons
 from cpm_core.formats import Reading
 from cpm_core.image import COLORS
 
@@ -54,7 +55,7 @@ class PartDialog(QDialog):
         self._reading = reading
         self._parts = parts
         self.series, self.kind, self.color = QComboBox(), QComboBox(), QComboBox()
-        self.page, self.channel, self.time = _number(), _number(), _number()
+        self.page, self.channel, self.time = QSpinBox(), QSpinBox(), QSpinBox()
         self._page_label = QLabel()
         self._form = QFormLayout()
         self._form.setHorizontalSpacing(16)
@@ -76,12 +77,19 @@ class PartDialog(QDialog):
         ):
             self._form.addRow(label, field)
         self._colored = colored
-        self._lay_out(name)
-        for field, number in ((self.page, reading.page), (self.channel, reading.channel), (self.time, reading.time)):
-            field.setMaximum(max(field.maximum(), number or 1))
-            field.setValue(number or 1)
+        buttons = AcceptButtons(self, tr("Open"))
+        self.open_button = buttons.accept_button
+        heading = QLabel(tr("{name} holds several images. Which of them is opened?").format(name=name))
+        layout = QVBoxLayout(self)
+        layout.setSpacing(12)
+        layout.addWidget(heading)
+        layout.addLayout(self._form)
+        layout.addWidget(buttons)
         self.show_parts(parts)
         self.page.setValue(reading.page or parts.usual)
+        self.channel.setValue(reading.channel or 1)
+        self.time.setValue(reading.time or 1)
+        self.accepted.connect(lambda: self.chosen.emit(self.as_volume, self.reading))
         self.series.currentIndexChanged.connect(self._ask)
         self.kind.currentIndexChanged.connect(self._enable)
 
@@ -119,20 +127,6 @@ class PartDialog(QDialog):
             color=self.color.currentData() if as_volume else COLORS[0],
         )
 
-    def _lay_out(self, name: str) -> None:
-        heading = QLabel(tr("{name} holds several images. Which of them is opened?").format(name=name))
-        buttons = QDialogButtonBox()
-        self.open_button = buttons.addButton(tr("Open"), QDialogButtonBox.ButtonRole.AcceptRole)
-        buttons.addButton(tr("Cancel"), QDialogButtonBox.ButtonRole.RejectRole)
-        buttons.accepted.connect(self.accept)
-        buttons.rejected.connect(self.reject)
-        self.accepted.connect(lambda: self.chosen.emit(self.as_volume, self.reading))
-        layout = QVBoxLayout(self)
-        layout.setSpacing(12)
-        layout.addWidget(heading)
-        layout.addLayout(self._form)
-        layout.addWidget(buttons)
-
     def _ask(self, index: int) -> None:
         """Wait for what another series holds."""
         self.open_button.setEnabled(False)
@@ -142,9 +136,3 @@ class PartDialog(QDialog):
         """A volume has all pages, and an image its colors as a parameter."""
         self.page.setEnabled(not self.as_volume)
         self._form.setRowVisible(self.color, self._colored and self.as_volume)
-
-
-def _number() -> QSpinBox:
-    field = QSpinBox()
-    field.setRange(1, 1)
-    return field

@@ -15,6 +15,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.text.language import tr
+from app.views.widgets.containers import AcceptButtons
 from app.views.widgets.fields import DecimalField
 
 UNITS = ("nm", "µm", "mm", "cm", "m")
@@ -55,27 +56,20 @@ class PixelSizeDialog(QDialog):
         for label, field in zip(_SIDES[-len(spacing) :], self.sides, strict=True):
             form.addRow(label, field)
         form.addRow(tr("Unit"), self.unit)
-        buttons = QDialogButtonBox()
-        self.use_button = buttons.addButton(tr("Use"), QDialogButtonBox.ButtonRole.AcceptRole)
+        buttons = AcceptButtons(self, tr("Use"))
+        self.use_button = buttons.accept_button
         self.reset_button = buttons.addButton(tr("As the file tells"), QDialogButtonBox.ButtonRole.ResetRole)
-        buttons.addButton(tr("Cancel"), QDialogButtonBox.ButtonRole.RejectRole)
-        self.reset_button.clicked.connect(self._reset)
-        buttons.accepted.connect(self.accept)
-        buttons.rejected.connect(self.reject)
-        self.accepted.connect(self._choose)
+        self.reset_button.clicked.connect(self.reset)
+        self.reset_button.clicked.connect(self.reject)
+        self.accepted.connect(
+            lambda: self.chosen.emit(tuple(field.value() for field in self.sides), self.unit.currentText())
+        )
         text = tr("The file tells {size}.").format(size=told) if told else tr("The file does not tell the size.")
         layout = QVBoxLayout(self)
         layout.setSpacing(12)
         layout.addWidget(QLabel(text))
         layout.addLayout(form)
         layout.addWidget(buttons)
-
-    def _choose(self) -> None:
-        self.chosen.emit(tuple(field.value() for field in self.sides), self.unit.currentText())
-
-    def _reset(self) -> None:
-        self.reset.emit()
-        self.reject()
 
 
 def _field(size: float) -> QDoubleSpinBox:

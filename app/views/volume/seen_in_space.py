@@ -7,14 +7,12 @@ from dataclasses import replace
 import numpy as np
 from PySide6.QtGui import QColor
 
-from app.model.display.coloring import QUANTITIES, SHADES, InsertionTimes, colored
-from app.model.display.display_image import IntensityWindow
+from app.model.display.coloring import QUANTITIES, SHADES, colored
 from app.model.display.space.picture import Colors
 from app.model.display.space.triangles import Mesh
 from app.model.display.space.view_in_space import ColoredMesh, Particles, ViewInSpace, Wires
 from app.model.display.space.voxels import Shaded
 from app.model.volume.shape_sections import wires
-from app.model.volume.slices import Slices
 from app.session.exchange.messages import Reconstruction, Snapshot
 from app.session.features.background import IdentityCache
 from app.session.scene import Proposal, Scene
@@ -45,36 +43,18 @@ class SeenInSpace:
         inks = look().color(theme.MOVING), look().color(theme.RESTING)
         objects = scene.document.objects if layers["objects"].shown else None
         drawn = scene.document.shapes if layers.drawing.shown else ()
-        parts = (
+        return get(
+            ViewInSpace,
             image,
-            get(_shaded, image, layers.image.shown_window),
+            get(Shaded, image.values, layers.image.shown_window),
             slices,
             get(_particles, snapshot, size, layer.word("colour"), layer.word("map"), inks),
             get(_mesh, found),
             get(_wires, drawn, scene.selected, image, scene.skeleton if layers["skeleton"].shown else None),
-            layers.image.word("map"),
+            color_maps.table(layers.image.word("map")),
             get(_objects, objects, scene.objects.proposals, spacing),
             get(_truth, scene.truth if layers["truth"].shown else None, spacing),
         )
-        return get(_view, *parts)
-
-
-def _view(
-    image: Image,
-    shaded: Shaded,
-    slices: Slices,
-    particles: Particles | None,
-    mesh: Mesh | None,
-    drawn: Wires | None,
-    map_name: str,
-    objects: tuple[ColoredMesh, ...],
-    truth: tuple[ColoredMesh, ...],
-) -> ViewInSpace:
-    return ViewInSpace(image, shaded, slices, particles, mesh, drawn, color_maps.table(map_name), objects, truth)
-
-
-def _shaded(image: Image, window: IntensityWindow) -> Shaded:
-    return Shaded(image.values, window)
 
 
 def _particles(
@@ -84,8 +64,7 @@ def _particles(
         return None
     if quantity not in QUANTITIES:
         return Particles(snapshot.position, np.array(list(map(_rgb, inks)))[snapshot.resting.astype(np.intp)], size)
-    times = InsertionTimes(snapshot.metrics.step, snapshot.metrics.numbered)
-    marks = colored(QUANTITIES[quantity], snapshot.state, times).marks
+    marks = colored(QUANTITIES[quantity], snapshot.state, snapshot.metrics).marks
     palette = np.vstack([color_maps.table(map_name, SHADES, BEGIN), _rgb(UNKNOWN)]).astype(np.uint8)
     return Particles(snapshot.position, palette[marks], size)
 
@@ -123,20 +102,20 @@ def _wires(
 ) -> Wires | None:
     sides = tuple(side / min(image.spacing) for side in image.spacing)
     ends = [wires(shape, sides) for shape in shapes]
-    inks = [_rgb(theme.CHOSEN if index == selected else _ink(shape)) for index, shape in enumerate(shapes)]
-    colors = [np.tile(ink, (len(each), 1)) for ink, each in zip(inks, ends, strict=True)]
+    colors = []
+    for index, (shape, each) in enumerate(zip(shapes, ends, strict=True)):
+        ink: Ink | str = theme.REGION if isinstance(shape, Interest) else theme.MOVING
+        if isinstance(shape, Charge):
+            ink = theme.ATTRACTING if shape.strength > 0.0 else theme.REPELLING
+        elif isinstance(shape, Limit) and not isinstance(shape, Interest):
+            ink = theme.BARRIER
+        colors.append(np.tile(_rgb(theme.CHOSEN if index == selected else ink), (len(each), 1)))
     if skeleton is not None:
         bands = [_rgb(color) for color in theme.THICKNESSES]
         for band, piece in banded(skeleton, len(bands)):
             ends.append(np.stack([piece[:-1], piece[1:]], axis=1))
             colors.append(np.tile(bands[band], (len(piece) - 1, 1)))
     return Wires(np.concatenate(ends), np.concatenate(colors).astype(np.uint8)) if any(map(len, ends)) else None
-
-
-def _ink(shape: Shape) -> Ink | str:
-    if isinstance(shape, Charge):
-        return theme.ATTRACTING if shape.strength > 0.0 else theme.REPELLING
-    return theme.REGION if isinstance(shape, Interest) else theme.BARRIER if isinstance(shape, Limit) else theme.MOVING
 
 
 def _rgb(ink: Ink | str) -> Colors:

@@ -10,13 +10,14 @@ from PySide6.QtCore import QPoint, Signal
 from PySide6.QtWidgets import QApplication, QCheckBox, QComboBox, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from app.model.display.space.view_in_space import ShownParts, ViewInSpace
-from app.model.state.situation import Condition, Situation, has_volume
+from app.model.state.situation import Situation, has_volume
 from app.model.text.language import tr
 from app.model.volume.slices import AXES, ends_of
 from app.session.session import Session
 from app.session.signals import EXPORTING
 from app.views.volume.space_view import SpaceView
 from app.views.widgets.actions import ActionSpec
+from app.views.widgets.containers import arrange
 from app.views.widgets.fields import MarkedSlider
 
 PARTS = {
@@ -51,22 +52,13 @@ class SpaceBar(QWidget):
         for title, axis in _CUTS:
             self.cut.addItem(title, axis)
         self.cut_at = _slider(tr("Place of the cut"), 0.01, self.shown.cut_at)
-        parts, looks = QHBoxLayout(), QHBoxLayout()
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(8, 3, 8, 3)
-        layout.setSpacing(2)
-        layout.addLayout(parts)
-        layout.addLayout(looks)
         for name, check in self.checks.items():
             check.setToolTip(PARTS[name][1])
             check.setChecked(getattr(self.shown, name))
             check.toggled.connect(self._choose)
-            parts.addWidget(check)
-        parts.addStretch(1)
-        looks.addWidget(QLabel(tr("Opacity")))
-        looks.addWidget(self.opacity, 1)
-        looks.addWidget(self.cut)
-        looks.addWidget(self.cut_at, 1)
+        parts = arrange(QHBoxLayout(), *self.checks.values(), None)
+        looks = arrange(QHBoxLayout(), QLabel(tr("Opacity")), self.opacity, self.cut, self.cut_at)
+        arrange(QVBoxLayout(self), parts, looks, margins=(8, 3, 8, 3), spacing=2)
         self.opacity.moved_to.connect(self._choose)
         self.cut.currentIndexChanged.connect(self._choose)
         self.cut_at.moved_to.connect(self._choose)
@@ -109,11 +101,7 @@ class SpacePanel(QWidget):
         self.bar = SpaceBar()
         self.view = SpaceView(session)
         self.bar.changed.connect(lambda: self.show_contents(self.contents))
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.setSpacing(0)
-        layout.addWidget(self.bar)
-        layout.addWidget(self.view, 1)
+        arrange(QVBoxLayout(self), self.bar, self.view, spacing=0, wide=self.view)
 
     def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
         """The menu of the view; see `MenuOwner`."""
@@ -122,8 +110,6 @@ class SpacePanel(QWidget):
     def show_contents(self, contents: ViewInSpace | None) -> None:
         """Show another volume, or what a run has found in it since."""
         self.contents = None if contents is None else replace(contents, shown=self.bar.shown)
-        if contents is not None:
-            self.view.marks.unit, self.view.marks.names = contents.image.unit, ends_of(contents.image)
         self.view.show_view(self.contents)
 
 
@@ -152,14 +138,14 @@ def specs(panel: SpacePanel, session: Session) -> Iterator[ActionSpec]:
     for name, (title, tip) in PARTS.items():
         check = panel.bar.checks[name]
         yield ActionSpec(f"space_{name}", _MENU, title, tip, check.toggle, gap=name == "particles",
-                         when=has_volume, holds=_is_checked(check))  # fmt: skip
+                         when=has_volume, holds=partial(_is_checked, check))  # fmt: skip
     yield ActionSpec("copy_space", _MENU, tr("&Copy picture"),
                      tr("Copy what the view in space shows to the clipboard."), copy, gap=True,
                      when=has_volume)  # fmt: skip
 
 
-def _is_checked(check: QCheckBox) -> Condition:
-    return lambda _: check.isChecked()
+def _is_checked(check: QCheckBox, _: Situation) -> bool:
+    return check.isChecked()
 
 
 def _worded(session: Session, axis: int) -> Callable[[Situation], str]:

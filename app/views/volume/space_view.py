@@ -30,7 +30,7 @@ from app.model.volume.slices import directions_of, first_seen
 from app.session.features.background import LatestOnlyWorker
 from app.session.session import Session
 from app.views.theme import theme
-from app.views.volume.space_marks import SpaceMarks
+from app.views.volume.space_marks import LOOK, draw_marks, write
 from cpm_core.numerics import Place
 
 _STEP, _ZOOM = radians(5.0), 1.2
@@ -91,12 +91,9 @@ class SpaceView(QWidget):
         self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Expanding)
         self.setAttribute(Qt.WidgetAttribute.WA_OpaquePaintEvent)
         self.setAccessibleName(tr("View in space"))
-        self.marks = SpaceMarks()
         self.camera: Camera | None = None
         self._view: ViewInSpace | None = None
         self._frame: _Frame | None = None
-        canvas = QColor(theme.CANVAS)
-        self.look = Look(background=(canvas.red(), canvas.green(), canvas.blue()))
         self._seconds, self._asked = 0.0, 0
         self._pressed: QPointF | None = None
         self._last = QPointF()
@@ -168,9 +165,10 @@ class SpaceView(QWidget):
             colors = frame.picture.colors
             rows, cols = frame.picture.size
             painter.drawImage(self.rect(), QImage(colors.data, cols, rows, 3 * cols, QImage.Format.Format_RGB888))
-            self.marks.draw(painter, self._view, frame.camera.enlarged(self.width() / cols), self.size())
+            draw_marks(painter, self._view, frame.camera.enlarged(self.width() / cols), self.size())
         elif self._view is not None:
-            self.marks.wait(painter, self.size())
+            painter.setPen(QColor(theme.DRAWING))
+            write(painter, QPointF(self.rect().center()), tr("The picture is being prepared."))
         painter.end()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
@@ -261,7 +259,7 @@ class SpaceView(QWidget):
             self._still.stop()
         rows, cols = (max(1, side // coarseness) for side in self.room)
         self._asked += 1
-        look = replace(self.look, radius=max(self.look.radius / coarseness, 0.6))
+        look = replace(LOOK, radius=max(LOOK.radius / coarseness, 0.6))
         camera = self.camera.enlarged(1.0 / coarseness)
         self._painter.ask(partial(_draw, self._view, camera, (rows, cols), coarseness, look, self._asked), self._take)
 

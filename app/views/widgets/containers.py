@@ -9,6 +9,8 @@ from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
 from PySide6.QtGui import QIcon, QKeyEvent, QPainter, QPaintEvent, QPixmap, QResizeEvent
 from PySide6.QtWidgets import (
     QBoxLayout,
+    QDialog,
+    QDialogButtonBox,
     QFrame,
     QHBoxLayout,
     QLabel,
@@ -60,6 +62,16 @@ def wrapped(text: str = "", dim: bool = False) -> QLabel:
     label.setWordWrap(True)
     label.setObjectName("dim" if dim else "")
     return label
+
+
+class AcceptButtons(QDialogButtonBox):
+    """The buttons of a dialog: one that accepts it, and Cancel."""
+
+    def __init__(self, dialog: QDialog, text: str) -> None:
+        super().__init__(QDialogButtonBox.StandardButton.Cancel)
+        self.accept_button = self.addButton(text, QDialogButtonBox.ButtonRole.AcceptRole)
+        self.accepted.connect(dialog.accept)
+        self.rejected.connect(dialog.reject)
 
 
 class Scrolled(QScrollArea):

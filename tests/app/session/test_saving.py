@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import QMimeData, QPoint, Qt, QTimer, QUrl
 from PySide6.QtGui import QDropEvent
-from PySide6.QtWidgets import QApplication, QFileDialog, QListWidget, QMenu, QMessageBox
+from PySide6.QtWidgets import QApplication, QFileDialog, QMenu, QMessageBox
 
 from app.model.document import edits
 from app.session.storage import session_file
@@ -325,44 +325,3 @@ def test_the_view_is_copied_as_it_is_seen(ready, hand) -> None:
     middle = picture.pixelColor(hand.at(32.0, 32.0) * picture.devicePixelRatio())
     corner = picture.pixelColor(hand.at(3.0, 3.0) * picture.devicePixelRatio())
     assert middle.value() > corner.value()
-
-
-# History
-
-
-def test_a_click_in_the_history_goes_there_and_back(ready, hand, qtbot) -> None:
-    draw(ready, 20.0)
-    draw(ready, 40.0)
-    panel = ready.panels["history"]
-    ready.docks["history"].show()
-    ready.docks["history"].raise_()
-    shapes = ready.session.document.shapes
-    assert panel.lines[0] == "Beginning" and len(panel.lines) == 4
-    assert panel.current == 3
-    names = panel.findChild(QListWidget)
-
-    def choose(row: int) -> None:
-        at = names.visualItemRect(names.item(row)).center()
-        qtbot.mouseClick(names.viewport(), Qt.MouseButton.LeftButton, pos=at)
-
-    for row in (1, 0, 2, 3):
-        choose(row)
-        assert ready.session.document.shapes == shapes[:row]
-        assert panel.current == row
-    choose(1)
-    gray = [names.item(row).foreground().color() for row in range(4)]
-    assert gray[3] == gray[2] != gray[1] == gray[0]
-    draw(ready, 50.0)
-    assert len(panel.lines) == 3
-
-
-def test_the_history_is_walked_by_keys(ready, hand, qtbot) -> None:
-    draw(ready)
-    hand.key(KEY.Key_H, CTRL)
-    assert ready.docks["history"].isVisible()
-    names = ready.panels["history"].findChild(QListWidget)
-    names.setFocus()
-    qtbot.keyClick(names, KEY.Key_Up)
-    assert len(ready.session.document.shapes) == 2
-    qtbot.keyClick(names, KEY.Key_Return)
-    assert len(ready.session.document.shapes) == 1

@@ -133,7 +133,7 @@ def test_a_slider_offers_its_default_its_value_and_its_explanation(window, hand,
     assert window.session.document.parameters.beta == default
 
 
-def test_layers_history_and_headings_have_menus(ready, hand, menus) -> None:
+def test_layers_and_headings_have_menus(ready, hand, menus) -> None:
     ready.docks.reveal("layers")
     row = ready.panels["layers"].rows["contours"]
     row.layer.set_opacity(0.5)
@@ -141,12 +141,6 @@ def test_layers_history_and_headings_have_menus(ready, hand, menus) -> None:
     assert names(ready, menus.menu) == ["layer_contours"]
     next(action for action in menus.menu.actions() if "opacity" in action.text()).trigger()
     assert row.layer.opacity == 1.0
-    menus.menu.close()
-    ready.docks.reveal("history")
-    history = ready.panels["history"]._list
-    ask(history.viewport(), history.visualItemRect(history.item(0)).center())
-    menus.menu.actions()[0].trigger()
-    assert ready.session.document.shapes == ()
     menus.menu.close()
     ask(ready.docks["run"], QPoint(20, 5))
     assert "Timeline" in texts(menus.menu)

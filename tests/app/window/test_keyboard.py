@@ -146,16 +146,16 @@ def test_a_table_that_opens_is_walked_at_once(board, hand) -> None:
 
 
 def test_a_panel_behind_a_tab_is_raised_by_its_key_before_it_is_closed(board, hand) -> None:
-    board.docks.reveal("history")
+    board.docks.reveal("layers")
     board.docks.reveal("parameters")
-    hand.wait(lambda: board.docks["history"].visibleRegion().isEmpty())
+    hand.wait(lambda: board.docks["layers"].visibleRegion().isEmpty())
     hand.canvas.setFocus()
-    hand.key(KEY.Key_H, MODIFIER.ControlModifier)
-    hand.wait(lambda: not board.docks["history"].visibleRegion().isEmpty())
-    action = next(action for action in board.docks.actions if action.text() == "History")
+    hand.key(KEY.Key_F8)
+    hand.wait(lambda: not board.docks["layers"].visibleRegion().isEmpty())
+    action = next(action for action in board.docks.actions if action.text() == "Layers")
     assert action.isChecked()
-    hand.key(KEY.Key_H, MODIFIER.ControlModifier)
-    assert board.docks["history"].isHidden()
+    hand.key(KEY.Key_F8)
+    assert board.docks["layers"].isHidden()
     assert not action.isChecked()
     assert hand.canvas.hasFocus()
 

@@ -12,7 +12,7 @@ from PySide6.QtCore import QLineF, QUrl
 from PySide6.QtGui import QColor, QPainter, QPen, QTextDocument
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
-from app.model.display.coloring import QUANTITIES, SHADES, InsertionTimes, colored
+from app.model.display.coloring import QUANTITIES, SHADES, colored
 from app.model.display.lines import Trails
 from app.model.text.language import tr, written
 from app.session.exchange.messages import Snapshot
@@ -159,7 +159,7 @@ class ParticleLayer(Layer):
         opacity = None if near is None else 1.0 - _FADED * near.away
         if snapshot is not None and self.word("colour") != _STATE:
             quantity = QUANTITIES[self.word("colour")]
-            shown = colored(quantity, snapshot.state, InsertionTimes(snapshot.metrics.step, snapshot.metrics.numbered))
+            shown = colored(quantity, snapshot.state, snapshot.metrics)
             marks = shown.marks if near is None else shown.marks[near.index]
             low, high = (written(f"{end:g}") for end in (shown.low, shown.high))
             unknown = tr("● too new") if (shown.marks == SHADES).any() else ""
