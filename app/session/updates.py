@@ -107,7 +107,7 @@ class Progress:
             open=len(result.contours) - closed,
             bridges=len(bridges),
             longest_bridge=max((bridge.length for bridge in bridges), default=0.0),
-            surface=found.figures,
+            surface=None if isinstance(found.result, Skeleton) else found.result.surface,
         )
         if isinstance(result, Skeleton):
             self._known = replace(

@@ -8,15 +8,14 @@ built again, with another smoothing also the gradient. The barriers do not depen
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache, partial
+from functools import lru_cache
 from threading import RLock
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
 from cpm_core.field.edge_map import automatic_smoothing, gradient, prepared
 from cpm_core.field.scale_field import LARGE, ScaleField, build_scale_field
-from cpm_core.image.colors import Colors, channel_of
 from cpm_core.image.denoising import Cleaned
 from cpm_core.image.gray_levels import toned
 from cpm_core.image.image import Image
@@ -30,7 +29,6 @@ _KEPT_SETTINGS = 2
 """Settings whose images and fields are kept, so that a return to the last one costs nothing."""
 
 _Gamma = float | Literal["auto"]
-_Images = tuple[Array, ...]
 Free = Callable[..., ScaleField]
 """Builds a field without barriers from a scale and the values that it depends on."""
 
@@ -54,57 +52,58 @@ class Source(NamedTuple):
 
 
 class SourceImages:
-    """What the edges of an image are taken from at its scales, for any parameters; threads may share it."""
+    """What the edges of an image are taken from at its scales, for any parameters; threads may share it.
+
+    Attributes
+    ----------
+    original : tuple of ndarray
+        The gray levels at all scales.
+    at : callable
+        Gives the `Source` of a scale, from what to take edges and how, and the smoothing.
+    gradient : callable
+        Gives the gradient of a source after its smoothing.
+    """
 
     def __init__(self, image: Image, scales: int) -> None:
-        self.original = pyramid(image.values, scales)
-        self._images = lru_cache(_KEPT_SETTINGS)(partial(_images_of, self.original, image.colors))
-        self._cleaned = lru_cache(_KEPT_SETTINGS)(partial(_cleaned_of, self._images))
-        self._sigma = lru_cache(_KEPT_SETTINGS * scales)(partial(_sigma_of, self._images, self._cleaned))
-        self.gradient = lru_cache(_KEPT_SETTINGS * scales)(self._gradient_of)
-        self._channels = image.colors is not None
-        self._lock = RLock()
+        self.original = original = pyramid(image.values, scales)
+        lock = RLock()
 
-    def at(self, scale: int, channel: str, edges: str, gamma: _Gamma, smoothing: _Gamma) -> Source:
-        """Source of a scale."""
-        of = channel if self._channels else "luminance", edges, gamma
-        with self._lock:
-            if smoothing != "auto":
-                return Source(self._images(*of)[scale], smoothing, 0.0)
-            images, cleaned = self._cleaned(*of)
-            return Source(images[scale], self._sigma(scale, *of), cleaned.floor)
+        @lru_cache(_KEPT_SETTINGS)
+        def images_of(channel: str, edges: str, gamma: _Gamma) -> tuple[Array, ...]:
+            values = image.gray(channel)
+            if values is not original[0] and values.min() == values.max():
+                raise ValueError(
+                    f"The channel {channel} is the same everywhere and has no edges: choose another channel."
+                )
+            values = toned(values, gamma)
+            if edges == "vessels":
+                values = vesselness(values)
+            return original if values is original[0] else pyramid(values, scales)
 
-    def _gradient_of(self, scale: int, channel: str, edges: str, gamma: _Gamma, smoothing: _Gamma) -> Array:
-        found = self.at(scale, channel, edges, gamma, smoothing)
-        return gradient(found.values, found.smoothing, np.float32 if found.values.size > LARGE else np.float64)
+        @lru_cache(_KEPT_SETTINGS)
+        def cleaned_of(channel: str, edges: str, gamma: _Gamma) -> tuple[tuple[Array, ...], Cleaned]:
+            images = images_of(channel, edges, gamma)
+            ready = prepared(images[0])
+            return images if ready.image is images[0] else pyramid(ready.image, scales), ready
 
+        @lru_cache(_KEPT_SETTINGS * scales)
+        def at(scale: int, channel: str, edges: str, gamma: _Gamma, smoothing: _Gamma) -> Source:
+            of = image.channel(channel), edges, gamma
+            with lock:
+                images = images_of(*of)
+                if smoothing != "auto":
+                    return Source(images[scale], smoothing, 0.0)
+                clean, ready = cleaned_of(*of)
+                # a cleaned image needs the same smoothing at all scales
+                same = scale == 0 or clean is not images
+                return Source(clean[scale], ready.sigma if same else automatic_smoothing(clean[scale]), ready.floor)
 
-def _images_of(original: _Images, colors: Colors | None, channel: str, edges: str, gamma: _Gamma) -> _Images:
-    """An image at all scales; ValueError when a channel is the same everywhere."""
-    values = channel_of(original[0], colors, channel)
-    if values is not original[0] and values.min() == values.max():
-        raise ValueError(f"The channel {channel} is the same everywhere and has no edges: choose another channel.")
-    values = toned(values, gamma)
-    if edges == "vessels":
-        values = vesselness(values)
-    return original if values is original[0] else pyramid(values, len(original))
+        @lru_cache(_KEPT_SETTINGS * scales)
+        def slope_of(*key: Any) -> Array:
+            found = at(*key)
+            return gradient(found.values, found.smoothing, np.float32 if found.values.size > LARGE else np.float64)
 
-
-def _cleaned_of(of: Callable[..., _Images], *key: object) -> tuple[_Images, Cleaned]:
-    """An image as the automatic smoothing prepares it, at all scales."""
-    images = of(*key)
-    ready = prepared(images[0])
-    return images if ready.image is images[0] else pyramid(ready.image, len(images)), ready
-
-
-def _sigma_of(
-    of: Callable[..., _Images], cleaned: Callable[..., tuple[_Images, Cleaned]], scale: int, *key: object
-) -> float:
-    """Sigma of the automatic smoothing at a scale [px]."""
-    images, ready = cleaned(*key)
-    if scale == 0 or images is not of(*key):  # a cleaned image needs the same smoothing at all scales
-        return ready.sigma
-    return automatic_smoothing(images[scale])
+        self.at, self.gradient = at, slope_of
 
 
 def plane_fields(
@@ -114,46 +113,28 @@ def plane_fields(
 
     `free` is the first of them where there is one for the same regions of interest.
     """
-    scales = len(sources.original)
+    scales, shape = len(sources.original), sources.original[0].shape
     kept = lru_cache(_KEPT_SETTINGS * scales)
-    barriers = lru_cache(scales)(partial(_barriers_of, sources, regions))
-    known = free or kept(partial(_field_of, sources, regions))
+
+    @kept
+    def build(scale: int, edge_floor: float, max_border: float, exponent: float, *key: Any) -> ScaleField:
+        source = sources.at(scale, *key)
+        interest = regions and Regions(regions.interest).at_scale(scale, shape)
+        floor, slope = max(edge_floor, source.floor), sources.gradient(scale, *key)
+        return build_scale_field(
+            source.values, source.smoothing, floor, interest, max_border, exponent, slope, NO_BARRIERS
+        )
+
+    @lru_cache(scales)
+    def barriers(scale: int) -> BarrierMap:
+        barred = regions and regions.at_scale(scale, shape)
+        return build_barrier_map(barred, sources.original[scale].shape) if barred else NO_BARRIERS
+
+    known = free or build
     fields = kept(lambda scale, *key: known(scale, *key).with_barriers(barriers(scale)))
 
     def at(scale: int, parameters: Parameters) -> ScaleField:
         own = parameters.channel, parameters.edges, parameters.gamma, parameters.smoothing
-        return fields(scale, *own, parameters.edge_floor, parameters.max_border, parameters.exponent_in(2))
+        return fields(scale, parameters.edge_floor, parameters.max_border, parameters.exponent_in(2), *own)
 
     return known, at
-
-
-def _field_of(
-    sources: SourceImages,
-    regions: Regions | None,
-    scale: int,
-    channel: str,
-    edges: str,
-    gamma: _Gamma,
-    smoothing: _Gamma,
-    edge_floor: float,
-    max_border: float,
-    exponent: float,
-) -> ScaleField:
-    """Scale field without barriers."""
-    source = sources.at(scale, channel, edges, gamma, smoothing)
-    return build_scale_field(
-        source.values,
-        source.smoothing,
-        max(edge_floor, source.floor),
-        regions and Regions(regions.interest).at_scale(scale, sources.original[0].shape),
-        max_border,
-        exponent,
-        sources.gradient(scale, channel, edges, gamma, smoothing),
-        NO_BARRIERS,
-    )
-
-
-def _barriers_of(sources: SourceImages, regions: Regions | None, scale: int) -> BarrierMap:
-    if regions is None:
-        return NO_BARRIERS
-    return build_barrier_map(regions.at_scale(scale, sources.original[0].shape), sources.original[scale].shape)

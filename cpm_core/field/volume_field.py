@@ -6,8 +6,8 @@ import math
 from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache, partial
-from typing import Literal, NamedTuple
+from functools import cached_property, lru_cache
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -269,7 +269,13 @@ def volume_fields(
 ) -> tuple[Free, Callable[[int, Parameters], VolumeField]]:
     """The functions of `plane_fields` for a volume with voxels of these sides; they refuse parameters of images."""
     kept, shape = lru_cache(len(sources.original)), sources.original[0].shape
-    known = free or kept(partial(_edges_of, sources, pitch, regions))
+
+    @kept
+    def build(scale: int, gamma: Any, smoothing: Any, edge_floor: float) -> VolumeField:
+        values = sources.at(scale, "luminance", "gradient", gamma, 0.0).values  # not cleaned
+        return build_volume_field(values, pitch, smoothing, edge_floor, _voxels(regions, shape, scale))
+
+    known = free or build
 
     @kept
     def field_of(exponent: float, accuracy: Accuracy, scale: int, *key: object) -> VolumeField:
@@ -284,20 +290,6 @@ def volume_fields(
         return field_of(parameters.exponent_in(3), parameters.accuracy, scale, *edges)
 
     return known, at
-
-
-def _edges_of(
-    sources: SourceImages,
-    pitch: Vector,
-    regions: VolumeRegions | None,
-    scale: int,
-    gamma: float | Literal["auto"],
-    smoothing: float | Literal["auto"],
-    edge_floor: float,
-) -> VolumeField:
-    """Fields of a scale without walls."""
-    values = sources.at(scale, "luminance", "gradient", gamma, 0.0).values  # not cleaned
-    return build_volume_field(values, pitch, smoothing, edge_floor, _voxels(regions, sources.original[0].shape, scale))
 
 
 def _voxels(regions: VolumeRegions | None, shape: tuple[int, ...], scale: int) -> Mask | None:

@@ -20,9 +20,6 @@ WEIGHTS = (0.2125, 0.7154, 0.0721)
 LUMINANCE_NOTE = "Color was turned into luminance."
 LUMINANCE = "luminance"
 
-_BLOCK = 2**18
-"""Pixels whose colors are computed at once; those of the whole image would take many times its memory."""
-
 CONTRAST = "contrast"
 """What is asked for in place of the name of a channel when that shall be taken whose gray levels vary the most."""
 
@@ -132,30 +129,22 @@ def reduced(samples: NDArray[Any], alpha: NDArray[Any] | None = None, white: flo
         said.append(LUMINANCE_NOTE)
     elif count > 1:
         said.append("Its three color channels are the same; one was taken.")
-    flat = (samples[..., :1] if alike else samples).reshape(-1, 1 if alike else count)
-    clear = None
-    if alpha is not None and np.any(alpha != full_scale(alpha)):
+    opaque = alpha is None or bool(np.all(alpha == full_scale(alpha)))
+    if not opaque:
         said.append("Transparent parts were laid on white.")
-        clear = alpha.reshape(-1, 1)
-    if alike and clear is None:
+    if alike and opaque:
         return Reduced(samples[..., 0], None, tuple(said))
-    gray = np.empty(len(flat))
-    colors = None if alike else np.empty(flat.shape, np.uint8)
-    most = 1.0 if clear is None else full_scale(clear)
-    for first in range(0, len(flat), _BLOCK):
-        place = slice(first, first + _BLOCK)
-        part = flat[place]
-        if clear is not None:
-            opacity = clear[place] / most
-            part = part * opacity + white * (1.0 - opacity)
-        gray[place] = part[:, 0] if colors is None else luminance(part)
+    gray = np.empty(shape)
+    colors = None if alike else Colors(np.empty((*shape, count), np.uint8), white)
+    for row, line in enumerate(samples):  # without more images of eight bytes a sample
+        if alpha is not None and not opaque:
+            opacity = alpha[row, :, None] / full_scale(alpha)
+            line = line * opacity + white * (1.0 - opacity)  # noqa: PLW2901
+        gray[row] = line[:, 0] if colors is None else luminance(line)
         if colors is not None:
-            if part.dtype != np.uint8:
-                shares = np.asarray(np.clip(part, 0.0, white), np.float64) / white
-                part = np.rint(np.nan_to_num(255.0 * shares))
-            colors[place] = part
-    kept = None if colors is None else Colors(colors.reshape(*shape, count), white)
-    return Reduced(gray.reshape(shape), kept, tuple(said))
+            shares = np.asarray(np.clip(line, 0.0, white), np.float64) / white
+            colors.samples[row] = line if line.dtype == np.uint8 else np.rint(np.nan_to_num(255.0 * shares))
+    return Reduced(gray, colors, tuple(said))
 
 
 def luminance(channels: NDArray[Any]) -> NDArray[np.float64]:

@@ -49,7 +49,9 @@ def guessed_kind(values: Array) -> Kind | None:
     structured = float((fine > 0.05).mean())  # share of the blocks that hold more than noise
     kept = (mean > 0.03) & (mean < 0.97)
     # whether noise or structure grows with the signal, as speckle does
-    growth = _correlation(np.log(mean[kept]), np.log(fine[kept] + 1e-3))
+    growth, signal, rough = 0.0, np.log(mean[kept]), np.log(fine[kept] + 1e-3)
+    if len(signal) >= _LEAST_BLOCKS and signal.std() > 0.0 and rough.std() > 0.0:
+        growth = float(np.corrcoef(signal, rough)[0, 1])
     band = smooth(levels, 2.0) - smooth(levels, 8.0)
     # skewness of structure of some pixels: positive for dark lines or spots, negative for bright ones
     thinness = -float((band**3).mean() / max((band**2).mean() ** 1.5, 1e-300))
@@ -81,9 +83,3 @@ def _blocks(levels: Array) -> Array:
     rows, cols = (side // _BLOCK for side in levels.shape)
     cut = levels[: rows * _BLOCK, : cols * _BLOCK].reshape(rows, _BLOCK, cols, _BLOCK)
     return cut.swapaxes(1, 2).reshape(rows * cols, _BLOCK * _BLOCK)
-
-
-def _correlation(first: Array, second: Array) -> float:
-    if len(first) < _LEAST_BLOCKS or first.std() == 0.0 or second.std() == 0.0:
-        return 0.0
-    return float(np.corrcoef(first, second)[0, 1])

@@ -19,14 +19,12 @@ ridge and 0.7 % deeper, and while 150 particles settle there their energy rises 
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.model.state import State
-from cpm_core.numerics.types import Array, Index
+from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import counted, described
 
 PAIR = 0.5
@@ -101,27 +99,3 @@ class Forces:
 
     def __repr__(self) -> str:
         return described("Forces", f"on {counted(len(self.coulomb), 'particle')}")
-
-
-def forces_asked(state: State, changed: State, asked: Index, of: Callable[[Index], Forces]) -> Forces:
-    """Forces on some particles of a state, of which `changed` is the one with which a step begins.
-
-    `of` gives those on particles of `changed`; they are NaN for particles that it has no more.
-    """
-    row = _places(state.particles.identity, changed.particles.identity)[asked]
-    there = row >= 0
-    found = of(row[there])
-    return found if there.all() else Forces(*(_spread(getattr(found, f.name), there) for f in fields(Forces)))
-
-
-def _places(before: Index, after: Index) -> Index:
-    """For each earlier identity its index among the later ones, which keep their order; -1 where it is gone."""
-    stays = np.isin(before, after)
-    return np.where(stays, np.cumsum(stays) - 1, -1)
-
-
-def _spread(rows: Array, there: NDArray[np.bool_]) -> Array:
-    """Rows, shape (K, D), at the positions where `there`, shape (M,), is true; NaN elsewhere."""
-    spread = np.full((len(there), rows.shape[1]), np.nan)
-    spread[there] = rows
-    return spread

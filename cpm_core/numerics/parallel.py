@@ -41,10 +41,8 @@ def at_most(count: int) -> Iterator[None]:
         _limits.pop()
 
 
-@lru_cache(maxsize=1)
-def _helpers() -> ThreadPoolExecutor:
-    """The other threads."""
-    return ThreadPoolExecutor(max(1, cores() - 1), "cpm-share")
+_helpers = lru_cache(maxsize=1)(lambda: ThreadPoolExecutor(max(1, cores() - 1), "cpm-share"))
+"""The other threads."""
 
 
 def share(work: Callable[[int, int], object], count: int, least: int) -> None:

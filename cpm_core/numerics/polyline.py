@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import operator
 from collections.abc import Iterable, Sequence
 
@@ -79,9 +78,10 @@ def distances(path: Array | Sequence[Position], positions: Array) -> Array:
     if len(corners) == 1:
         corners = corners[[0, 0]]
     if corners.shape[1] != 2:
-        places = np.asarray(positions, dtype=float)
-        away = [_distances_to(places, begin, end - begin) for begin, end in itertools.pairwise(corners)]
-        return np.asarray(np.min(away, axis=0))
+        away = distances_to_segments(
+            np.asarray(positions, dtype=float)[:, None], corners[:-1], np.diff(corners, axis=0)
+        )
+        return np.asarray(away.min(axis=1))
     sides = np.concatenate([corners[:-1], corners[1:]], axis=1)
     return nearest_distances(np.ascontiguousarray(positions, dtype=float), sides)
 
@@ -118,21 +118,12 @@ def thinned(path: Sequence[Position]) -> tuple[Position, ...]:
     stretches = [(0, len(corners) - 1)]
     while stretches:
         first, last = stretches.pop()
-        off = _distances_to(corners[first + 1 : last], corners[first], corners[last] - corners[first])
+        off = distances_to_segments(corners[first + 1 : last], corners[first], corners[last] - corners[first])
         if len(off) and off.max() > _TOLERANCE:
             farthest = first + 1 + int(off.argmax())
             kept.add(farthest)
             stretches += [(first, farthest), (farthest, last)]
     return tuple(map(tuple, corners[sorted(kept)].tolist()))
-
-
-def _distances_to(points: Array, begin: Array, along: Array) -> Array:
-    """Distances of points, shape (N, D), from one segment, shape (N,)."""
-    if points.shape[1] == 2:
-        return distances_to_segments(points, begin, along)
-    offset, square = points - begin, float(along @ along)
-    share = np.clip(offset @ along / square, 0.0, 1.0) if square > 0.0 else np.zeros(len(points))
-    return np.asarray(np.linalg.norm(offset - share[:, None] * along, axis=1))
 
 
 def coarser(paths: Sequence[Array], off: float) -> list[Array]:

@@ -29,14 +29,14 @@ def segments_of(path: Array) -> Array:
 def distances_to_segments(points: Array, begin: Array, along: Array) -> Array:
     """Distance of each point from the segment that belongs to it, shape (...) [px].
 
-    `points`, `begin` and `along` have shapes (..., 2) that broadcast: the points, one end of each segment, and the
+    `points`, `begin` and `along` have shapes (..., D) that broadcast: the points, one end of each segment, and the
     vector from it to the other end, which may be zero.
     """
     offset = points - begin
     square = np.einsum("...i,...i->...", along, along)
     share = np.einsum("...i,...i->...", offset, along) / np.where(square > 0.0, square, 1.0)
     away = offset - np.clip(share, 0.0, 1.0)[..., None] * along
-    return np.asarray(np.hypot(away[..., 0], away[..., 1]))
+    return np.asarray(np.linalg.norm(away, axis=-1))
 
 
 @compiled

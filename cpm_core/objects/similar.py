@@ -6,7 +6,7 @@ import numpy as np
 import scipy
 import skimage
 
-from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.numerics.types import Index, Mask
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.selection import Selection
 
@@ -73,7 +73,9 @@ def similar(partition: Partition, selection: Selection) -> tuple[Selection, ...]
             continue
         mask = np.zeros(partition.shape, np.bool_)
         mask[box] = _largest(body)
-        other = partition.selection_of(mask, _deepest(mask)[None])
+        depth = scipy.ndimage.distance_transform_edt(mask)
+        deepest = np.argwhere(depth == depth.max())[:1]  # as a place inside
+        other = partition.selection_of(mask, deepest.astype(float))
         if _boundary_strength(other) >= _EDGE * strength:
             found.append(other)
     return tuple(found)
@@ -110,12 +112,6 @@ def _largest(mask: Mask) -> Mask:
     sizes = np.bincount(parts.ravel())
     sizes[0] = 0
     return np.asarray(parts == sizes.argmax())
-
-
-def _deepest(mask: Mask) -> Array:
-    """The pixel farthest from the outside of a mask, as a place, shape (2,)."""
-    depth = scipy.ndimage.distance_transform_edt(mask)
-    return np.array(np.unravel_index(depth.argmax(), mask.shape), dtype=float)
 
 
 def _boundary_strength(selection: Selection) -> float:

@@ -14,35 +14,7 @@ import numpy as np
 
 from cpm_core.parameters.choices import CHOICES, Accuracy, Channel, Edges, check_choice
 from cpm_core.parameters.quotation import call, shown
-from cpm_core.parameters.table import (
-    AUTOMATIC,
-    OF_CHARGES,
-    OF_PLANES,
-    OF_SKELETONS,
-    OF_STARTS,
-    OF_VOLUMES,
-    PARAMETERS,
-    UNLIMITED_REACH,
-    ParameterInfo,
-    invalidating,
-)
-
-__all__ = [
-    "AUTOMATIC",
-    "DEFAULTS",
-    "OF_CHARGES",
-    "OF_PLANES",
-    "OF_SKELETONS",
-    "OF_STARTS",
-    "OF_VOLUMES",
-    "PARAMETERS",
-    "PLANE_PRESETS",
-    "PRESETS",
-    "UNLIMITED_REACH",
-    "ParameterInfo",
-    "Parameters",
-    "invalidating",
-]
+from cpm_core.parameters.table import AUTOMATIC, PARAMETERS, UNLIMITED_REACH, ParameterInfo, invalidating
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,7 +23,7 @@ from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model import interventions
 from cpm_core.model.coverage import no_coverage, no_surface
 from cpm_core.model.image_fields import ImageFields
-from cpm_core.model.measures import Energies, Forces, forces_asked, kinetic_energy
+from cpm_core.model.measures import Energies, Forces, kinetic_energy
 from cpm_core.model.plane import step as plane
 from cpm_core.model.starts import starting_points
 from cpm_core.model.state import Particles, SpaceState, State
@@ -153,7 +153,8 @@ class Engine(ImageFields):
             return state
         state = interventions.applied(state, self.regions, parameters, charges)
         field = self.charged(self._field_of(state, parameters), state.scale, state.charges)
-        return self._stepped(state, field, parameters)
+        after: State = self._laws.stepped(state, field, self.regions, parameters)
+        return after
 
     def forces(
         self,
@@ -178,18 +179,17 @@ class Engine(ImageFields):
         Returns
         -------
         Forces
-            In the order of `index`; NaN for particles that the step removes because they lie outside new regions. As
-            exact as in a step: near pairs in single precision (2e-4 of a unit force), distant particles by a mesh that
-            is used for four steps (see `mesh_force`). A step also extrapolates the force, eq. (15), integrates the
-            damping exactly and applies friction along the edge at once; these are not forces.
+            In the order of `index`. As exact as in a step: near pairs in single precision (2e-4 of a unit force),
+            distant particles by a mesh that is used for four steps (see `mesh_force`). A step also extrapolates the
+            force, eq. (15), integrates the damping exactly and applies friction along the edge at once; these are not
+            forces.
         """
         asked = np.arange(state.count) if index is None else np.atleast_1d(np.asarray(index, dtype=np.int64))
-        changed = interventions.applied(state, self.regions, parameters, charges)
+        changed = interventions.applied(state, state.regions, parameters, charges)
         field = self._field_of(state, parameters)
         charged = self.charged(field, state.scale, changed.charges)
-        return forces_asked(
-            state, changed, asked, lambda which: self._laws.forces(changed, field, charged, parameters, which)
-        )
+        found: Forces = self._laws.forces(changed, field, charged, parameters, asked)
+        return found
 
     def energies(self, state: State, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> Energies:
         """Kinetic and potential energy of the particles of a state, as `cpm_core.model.measures` defines them.
@@ -279,11 +279,6 @@ class Engine(ImageFields):
     def positions(self, state: State) -> Array:
         """Positions of the particles, shape (N, 2) [px of the image]."""
         return state.position
-
-    def _stepped(self, state: State, field: ScaleField, parameters: Parameters) -> State:
-        """The state after a step; a method of its own so that experiments can replace it."""
-        after: State = self._laws.stepped(state, field, self.regions, parameters)
-        return after
 
     def _field_of(self, state: State, parameters: Parameters) -> ScaleField:
         """Fields of the scale of a state, limited to the edges that its start reaches."""

@@ -174,6 +174,7 @@ class Evolution(Iterator[Evolved]):
         self._max_steps = max_steps
         self.parameters = parameters
         self.charges = charges
+        """Placed charges of the next step."""
 
     @property
     def parameters(self) -> Parameters:
@@ -187,15 +188,6 @@ class Evolution(Iterator[Evolved]):
         if not self._engine.suits(given):
             raise ValueError(f"scales is {given.scales} but must stay {self._engine.scales} in a run: begin another.")
         self._parameters = given
-
-    @property
-    def charges(self) -> Sequence[PlacedCharge]:
-        """Placed charges of the next step."""
-        return self._charges
-
-    @charges.setter
-    def charges(self, given: Sequence[PlacedCharge]) -> None:
-        self._charges = tuple(given)
 
     @property
     def moment(self) -> Evolved:
@@ -219,7 +211,7 @@ class Evolution(Iterator[Evolved]):
         before = self._moment.state
         if before.stop_reason:
             raise StopIteration
-        state = self._engine.step(before, self._parameters, self._charges)
+        state = self._engine.step(before, self._parameters, self.charges)
         if state.step == self._max_steps and not state.stop_reason:
             state = state.stopped(f"stopped after {self._max_steps} steps, as asked")
         self._moment = Evolved(self._engine, state, self._parameters)

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
 from cpm_core.contours.agreement import agreement, recovered
-from cpm_core.field.scale_field import ScaleField
 from cpm_core.model.plane import step as plane
 from cpm_core.model.plane.step import populated
 from cpm_core.model.state import State
@@ -60,8 +61,9 @@ def population() -> Page:
 class _Constant(Engine):
     """The model without insertion and deletion."""
 
-    def _stepped(self, state: State, field: ScaleField, parameters: Parameters) -> State:
-        return plane.stepped(state, field, self.regions, parameters, _unchanged)
+    def __init__(self, *given: Any) -> None:
+        super().__init__(*given)
+        self._laws = SimpleNamespace(stepped=partial(plane.stepped, populate=_unchanged))
 
 
 def _unchanged(state: State, *rest: Any) -> State:

@@ -9,8 +9,8 @@ from types import MappingProxyType
 from typing import Literal
 
 from app.model.document.document import Document
-from app.model.state.surface_figures import SurfaceFigures
 from app.model.text.language import tr
+from cpm_core import Surface
 
 Phase = Literal["empty", "ready", "running", "paused", "finished"]
 
@@ -54,8 +54,8 @@ class RunStatus:
         [px].
     polarity : int
         Of a skeleton: -1 if it is of what is dark, 1 of what is light, 0 of both.
-    surface : SurfaceFigures or None
-        Of a volume: figures of the surface that has been reconstructed last.
+    surface : Surface or None
+        Of a volume: the surface that has been reconstructed last, measured.
     """
 
     phase: Phase = "empty"
@@ -79,7 +79,7 @@ class RunStatus:
     thickness: float = 0.0
     width: float = 0.0
     polarity: int = 0
-    surface: SurfaceFigures | None = None
+    surface: Surface | None = None
 
     @property
     def started(self) -> bool:

@@ -11,10 +11,9 @@ import numpy as np
 
 from app.model.display.display_image import (
     DisplayImage,
+    DisplayVolume,
     display_of_edge_map,
     display_of_potential,
-    volume_of_edge_map,
-    volume_of_potential,
 )
 from app.model.display.lines import iso_lines
 from app.model.document.document import Document
@@ -101,12 +100,14 @@ Overlay = Callable[[Method[Any], Parameters, Sequence[PlacedCharge]], Drawn]
 
 def _edge_map(method: Method[Any], parameters: Parameters, charges: Sequence[PlacedCharge]) -> Drawn:
     found = method.edge_map(parameters)
-    return volume_of_edge_map(found) if found.ndim == 3 else DisplayImage.of(display_of_edge_map(found))
+    shades = display_of_edge_map(found)
+    return DisplayVolume(shades) if found.ndim == 3 else DisplayImage.of(shades)
 
 
 def _potential(method: Method[Any], parameters: Parameters, charges: Sequence[PlacedCharge]) -> Drawn:
     found = method.potential(parameters, charges)
-    return volume_of_potential(found) if found.ndim == 3 else DisplayImage.of(display_of_potential(found))
+    shades = display_of_potential(found)
+    return DisplayVolume(shades) if found.ndim == 3 else DisplayImage.of(shades)
 
 
 def _iso_lines(method: Method[Any], parameters: Parameters, charges: Sequence[PlacedCharge]) -> Drawn:

@@ -64,7 +64,14 @@ class AnimationFeature(Feature):
         branch = navigation.place[0]
         first, last = navigation.first, navigation.last(branch)
         dialog = AnimationDialog(self.window, self.window.preferences, first, last, self._part)
-        dialog.accepted.connect(lambda: self._ask_for_place(branch, dialog.plan))
+
+        def ask_for_place() -> None:
+            ending = f"_run{dialog.plan.suffix}"
+            path = self.window.files.ask_where_to_export(tr("Export animation"), ending, ANIMATED)
+            if path is not None:
+                self.write(branch, dialog.plan, path)
+
+        dialog.accepted.connect(ask_for_place)
         dialog.finished.connect(dialog.deleteLater)
         dialog.open()
         return dialog
@@ -85,11 +92,6 @@ class AnimationFeature(Feature):
         filming = FrameRecorder(session, renderer, task, [(branch, step) for step in plan.steps], frames)
         self._filming = [*(other for other in self._filming if not other.over), filming]
         return task
-
-    def _ask_for_place(self, branch: int, plan: AnimationPlan) -> None:
-        path = self.window.files.ask_where_to_export(tr("Export animation"), f"_run{plan.suffix}", ANIMATED)
-        if path is not None:
-            self.write(branch, plan, path)
 
     def _part(self, zoomed: bool) -> QRectF:
         canvas = self.window.canvas_area.canvas

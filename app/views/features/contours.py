@@ -240,16 +240,16 @@ class SkeletonsFeature(Feature):
                        icon="mode_skeleton", gap=True, when=lambda _: bool(objects.chosen)),
             ActionSpec("contour_skeleton", "Contours", "S&keleton of closed contours",
                        "Find the center lines inside the selected closed contours, or inside all of them.",
-                       self._find_of_contours, icon="mode_skeleton", gap=True, when=lambda _: bool(self._closed())),
+                       lambda: self._find(
+                           tr("skeleton of contours"),
+                           Outlined(contours=tuple(tuple(map(tuple, one.points.tolist())) for one in self._closed())),
+                       ),
+                       icon="mode_skeleton", gap=True, when=lambda _: bool(self._closed())),
             ActionSpec("image_skeleton", "Run", "Skeleton of the &whole image",
                        "Find center lines in the image again, not only in objects or closed contours.",
                        lambda: self._find(tr("skeleton of the image"), Outlined()),
                        when=lambda now: bool(now.document.outlines or now.document.outlined_surfaces)),
         )  # fmt: skip
-
-    def _find_of_contours(self) -> None:
-        lines = tuple(tuple((float(row), float(col)) for row, col in contour.points) for contour in self._closed())
-        self._find(tr("skeleton of contours"), Outlined(contours=lines))
 
     def _find(self, name: str, outlined: Outlined) -> None:
         session = self.window.session

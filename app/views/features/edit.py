@@ -8,7 +8,7 @@ from app.model.document import edits
 from app.model.document.document import Mode
 from app.model.document.modes import MODES, use_mode
 from app.model.state.resolve import resolve
-from app.model.state.situation import Situation, can_redo, can_undo, has_image, has_selection, has_shapes
+from app.model.state.situation import can_redo, can_undo, has_image, has_selection, has_shapes
 from app.model.text.language import from_core, tr
 from app.views.canvas.canvas_area import FIRST_TOOL
 from app.views.canvas.tools import TOOLS
@@ -69,24 +69,21 @@ class ModesFeature(Feature):
 
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
-        self.actions = [
-            ActionSpec(f"mode_{name}", "Run", info.title, info.about, partial(self._use, name), _KEYS[name],
-                       icon=f"mode_{name}", holds=partial(_has_mode, name),
-                       gap=name == "shape", short=info.short)
-            for name, info in MODES.items()
-        ]  # fmt: skip
+        self.actions = [self._choice(mode) for mode in MODES]
 
-    def _use(self, mode: Mode) -> None:
-        session = self.window.session
-        if session.document.mode != mode:
-            name = tr("mode “{mode}”").format(mode=MODES[mode].title.replace("&", ""))
-            session.edit(name, lambda document: use_mode(document, mode))
-        # The action must show the state of the document even if it has not changed.
-        self.window.refresh()
+    def _choice(self, mode: Mode) -> ActionSpec:
+        info, session = MODES[mode], self.window.session
 
+        def use() -> None:
+            if session.document.mode != mode:
+                name = tr("mode “{mode}”").format(mode=info.title.replace("&", ""))
+                session.edit(name, lambda document: use_mode(document, mode))
+            # The action must show the state of the document even if it has not changed.
+            self.window.refresh()
 
-def _has_mode(mode: Mode, situation: Situation) -> bool:
-    return situation.document.mode == mode
+        return ActionSpec(f"mode_{mode}", "Run", info.title, info.about, use, _KEYS[mode], icon=f"mode_{mode}",
+                          holds=lambda now: now.document.mode == mode, gap=mode == "shape",
+                          short=info.short)  # fmt: skip
 
 
 class UndoSelectionFeature(Feature):

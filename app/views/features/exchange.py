@@ -48,21 +48,19 @@ class ExportFeature(Feature):
         self.dialog: ExportDialog | None = None
         window.session.listen(Opened, self._forget)
         window.session.listen(Exported, self._remember)
+        again = tr("Export a&gain to {name}")
         self.actions = (
             ActionSpec("export", "File", "&Export contours…", "Export the contours, or the skeleton, to a file.",
                        self._export, "Ctrl+E Ctrl+Shift+K", short=tr("Export"), icon="export", gap=True,
-                       when=_can_export, worded=_export_text),
+                       when=_can_export,
+                       worded=lambda now: tr("&Export skeleton…") if not needs_start(now.document.mode)
+                       else tr("&Export surface…") if has_volume(now) else tr("&Export contours…")),
             ActionSpec("export_again", "File", "Export a&gain", "Export the contours to the last file again.",
-                       self._export_again, "Ctrl+Shift+E",
+                       self.export_again, "Ctrl+Shift+E",
                        when=lambda situation: _can_export(situation) and self._exported is not None,
-                       worded=lambda _: self._again_text),
+                       worded=lambda _: again.format(name=self._exported.name.replace("&", "&&")) if self._exported
+                       else tr("Export a&gain")),
         )  # fmt: skip
-
-    @property
-    def _again_text(self) -> str:
-        if self._exported is None:
-            return tr("Export a&gain")
-        return tr("Export a&gain to {name}").format(name=self._exported.name.replace("&", "&&"))
 
     def _export(self) -> None:
         session, preferences = self.window.session, self.window.preferences
@@ -89,7 +87,7 @@ class ExportFeature(Feature):
         self._order = order
         self.window.session.export(path, order)
 
-    def _export_again(self) -> None:
+    def export_again(self) -> None:
         """Write the last file again; nothing where there is none, as the action is not offered then."""
         if self._exported is not None:
             self._write(self._exported, self._order)
@@ -115,12 +113,6 @@ def _can_export(situation: Situation) -> bool:
     return has_contours(situation) or situation.status.surface is not None or has_objects(situation.document)
 
 
-def _export_text(situation: Situation) -> str:
-    if has_volume(situation) and situation.document.mode != "skeleton":
-        return tr("&Export surface…")
-    return tr("&Export contours…") if needs_start(situation.document.mode) else tr("&Export skeleton…")
-
-
 _MIME = {".svg": "image/svg+xml", ".csv": "text/csv", ".geojson": "application/geo+json"}
 """Kinds of contours on the clipboard, by the suffixes of their files."""
 
@@ -139,12 +131,13 @@ class ClipboardFeature(Feature):
             ActionSpec("copy_geojson", "Edit", "Copy contours as &GeoJSON", "Copy the contours to the clipboard.",
                        partial(copy, ".geojson"), when=has_contours),
             ActionSpec("copy_view", "Edit", "Copy &view as image",
-                       "Copy the visible part of the image with its overlays to the clipboard.", self._copy_view,
+                       "Copy the visible part of the image with its overlays to the clipboard.", self.copy_view,
                        "Ctrl+Shift+P", when=has_image),
         )  # fmt: skip
         window.session.listen(Copied, self._put_contours)
 
-    def _copy_view(self) -> None:
+    def copy_view(self) -> None:
+        """Copy what the canvas shows."""
         QApplication.clipboard().setImage(self.window.canvas_area.canvas.grab().toImage())
         self.window.session.say(tr("The view is on the clipboard."), topic=EXPORTING)
 

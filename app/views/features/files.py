@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from PySide6.QtCore import QDateTime, QLocale, QTimer, QUrl
 from PySide6.QtGui import QImage
@@ -21,7 +20,6 @@ from app.session.signals import JOURNAL, OF_THE_PROGRAM, OPENING, RECOVERY
 from app.session.storage.pictures import SIZE, Pictures, folder_of_pictures, middle
 from app.session.storage.recovery import Journal, Leftover, folder_of_journals, left_behind
 from app.session.storage.session_file import Written
-from app.session.tasks.opening import Wanted
 from app.views.features.exchange import ImportFeature
 from app.views.files.folder_bar import FolderBar
 from app.views.files.recent_files import RecentFiles
@@ -50,7 +48,8 @@ class OpenSaveFeature(Feature):
         window.files_wanted.connect(self.take)
         window.dropped.connect(self.take_dropped)
         self.document_file.changed.connect(self._name_window)
-        self.document_file.restored.connect(self._use_view_state)
+        self.document_file.restored.connect(window.workspace.slices.use_view_state)
+        self.document_file.restored.connect(window.canvas_area.canvas.use_view_state)  # in the slice chosen before
         session.document_changed.connect(lambda _: self._name_window())
         session.listen(Opened, self._take_opened)
         session.listen(Written, lambda written: self._remember(written.path))
@@ -59,7 +58,7 @@ class OpenSaveFeature(Feature):
             ActionSpec("open", "File", "&Open…", "Open an image or a session.", self.ask_for_file, "Ctrl+O",
                        short=tr("Open"), icon="open"),
             Submenu("recent", "File", "Open &recent", self.recent.fill),
-            Submenu("samples", "File", "Open sa&mple", self._fill_samples),
+            Submenu("samples", "File", "Open sa&mple", self.fill_samples),
             ActionSpec("save", "File", "&Save session", "Save what you see: drawing, runs, contours, objects, view.",
                        self.save, "Ctrl+S", short=tr("Save"), icon="save", gap=True, when=has_image),
             ActionSpec("save_as", "File", "Save session &as…",
@@ -137,10 +136,6 @@ class OpenSaveFeature(Feature):
 
     # Internal
 
-    def _use_view_state(self, state: Mapping[str, Any]) -> None:
-        self.window.workspace.slices.use_view_state(state)  # the place on the canvas lies in the slice
-        self.window.canvas_area.canvas.use_view_state(state)
-
     @property
     def _work(self) -> tuple[Document, int]:
         """What would be lost."""
@@ -172,7 +167,8 @@ class OpenSaveFeature(Feature):
             kept = tr("{name} was not opened, and your work stays open.")
             self.window.session.say(kept.format(name=opened.path.name))
 
-    def _fill_samples(self, menu: QMenu) -> None:
+    def fill_samples(self, menu: QMenu) -> None:
+        """Fill a menu with the samples."""
         for sample in samples():
             action = menu.addAction(sample.title)
             action.triggered.connect(lambda _=False, path=sample.path: self.take([path]))
@@ -238,7 +234,11 @@ class StartFeature(Feature):
             Entry(sample.path, middle(QImage(str(sample.picture)), SIZE), sample.title, "", sample.about)
             for sample in samples()
         ]
-        recent = [self._entry(path) for path in self._paths]
+        recent = []
+        for path in self._paths:
+            changed = QDateTime.fromSecsSinceEpoch(int(path.stat().st_mtime)).date()
+            below = f"{path.parent.name} · {QLocale().toString(changed, QLocale.FormatType.ShortFormat)}"
+            recent.append(Entry(path, self.pictures.get(path), path.name, below, str(path)))
         self.screen.show_entries(recent, shown, leaves=self.window.session.document.image is not None)
 
     def leave(self) -> None:
@@ -279,11 +279,6 @@ class StartFeature(Feature):
         """With nothing open and nothing else to open, show what could be opened."""
         if refused.otherwise is None and self.window.session.document.image is None:
             self.show()
-
-    def _entry(self, path: Path) -> Entry:
-        changed = QDateTime.fromSecsSinceEpoch(int(path.stat().st_mtime)).date()
-        when = QLocale().toString(changed, QLocale.FormatType.ShortFormat)
-        return Entry(path, self.pictures.get(path), path.name, f"{path.parent.name} · {when}", str(path))
 
     def _keep_picture(self) -> None:
         """Keep what the canvas shows as the picture of the image, and of its session if there is one."""
@@ -362,7 +357,6 @@ class RecoveryFeature(Feature):
         self.box: Question | None = None
         self._waiting: list[Leftover] = []
         self._restoring: Leftover | None = None
-        self._wanted: Wanted | None = None
         self._restored = False
         window.session.listen(Opened, self._use_opened)
         window.session.listen(Written, self._use_written)
@@ -407,15 +401,15 @@ class RecoveryFeature(Feature):
             if self._restoring is not None:  # its image was not found, and it waits for another time
                 self._restoring.keep()
             self._restoring = self._waiting.pop(0)
-            self._wanted = self._restoring.wanted
-            self.window.session.begin(self._wanted)
+            self.window.session.begin(self._restoring.wanted)
         elif answer == "discard":
             self._waiting.pop(0).discard()
             self._ask()
 
     def _use_opened(self, opened: Opened) -> None:
         """Write a restored document to the new journal, and delete the old one only when that is on the disk."""
-        self._restored = self._wanted is not None and opened.saved is self._wanted.saved
+        saved, restoring = opened.saved, self._restoring
+        self._restored = saved is not None and restoring is not None and saved.file is restoring.file
         if self._restored:
             self.journal.write()
             if self.journal.flush() and self.journal.path.exists():
@@ -429,7 +423,7 @@ class RecoveryFeature(Feature):
     def _end_restoring(self) -> None:
         if self._restoring is not None:
             self._restoring.discard()
-        self._restoring, self._wanted, self._restored = None, None, False
+        self._restoring, self._restored = None, False
 
 
 def _details(leftover: Leftover) -> Sequence[str]:

@@ -44,7 +44,8 @@ class ObjectsFeature(Feature):
         self.panel.table.zoom_wanted.connect(area.zoom_to_selection)
         objects.selection_changed.connect(window.refresh)
         selection.changed.connect(window.refresh)
-        selection.taken.connect(self._ask_name_of_taken)
+        selection.taken.connect(objects.choose)
+        selection.taken.connect(lambda numbers: self.ask_name() if len(numbers) == 1 else None)
 
         def some(_: Situation) -> bool:
             return bool(objects.chosen)
@@ -121,30 +122,22 @@ class ObjectsFeature(Feature):
         tool, crosshair = self.window.canvas_area.canvas.hold.tool, self.window.canvas_area.crosshair
         if tool is None or event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier:
             return False
-        key, digit = event.key(), event.key() - Qt.Key.Key_0
+        key, chosen = event.key(), self._list
+        digit, entered = key - Qt.Key.Key_0, key in _ENTER and crosshair.at is None and not tool.drafting
         if tool.name != "objects":
-            offered = bool(self._selection.proposals) and not (self._selection.selecting or tool.drafting)
-            if key in _ENTER and offered and crosshair.at is None:
+            taken = entered and bool(self._selection.proposals) and not self._selection.selecting
+            if taken:
                 self._selection.take()
-                return True
-            return False
-        if 1 <= digit <= len(self._list.objects.classes):
-            self._list.classify(digit)
-            return True
-        if not self._list.chosen:
-            return False
-        if key == Qt.Key.Key_Delete:
-            self._list.delete()
-            return True
-        if key in _ENTER and not tool.drafting and crosshair.at is None:
+            return taken
+        if 1 <= digit <= len(chosen.objects.classes):
+            chosen.classify(digit)
+        elif chosen.chosen and key == Qt.Key.Key_Delete:
+            chosen.delete()
+        elif chosen.chosen and entered:
             self.ask_name()
-            return True
-        return False
-
-    def _ask_name_of_taken(self, numbers: tuple[int, ...]) -> None:
-        self._list.choose(numbers)
-        if len(numbers) == 1:
-            self.ask_name()
+        else:
+            return False
+        return True
 
     def _change(self) -> None:
         self.window.canvas_area.use_tool("objects")

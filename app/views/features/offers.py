@@ -34,10 +34,15 @@ class BeginningFeature(Feature):
         super().__init__(window)
         window.session.listen(Opened, self._offer)
         window.preferences.follow(KEEP_PARAMETERS, self._use)
+
+        def differ(situation: Situation) -> bool:
+            former, document = window.session.former_parameters, situation.document
+            return former is not None and document.fitting(former) != document.parameters
+
         self.actions = (
             ActionSpec("former_parameters", "Run", "Use parameters of the &last image",
                        "Set all parameters as they were for the image that was open before this one.",
-                       window.session.use_former_parameters, when=self._differ),
+                       window.session.use_former_parameters, when=differ),
         )  # fmt: skip
 
     def _offer(self, opened: Opened) -> None:
@@ -64,10 +69,6 @@ class BeginningFeature(Feature):
             ).format(scales=settings.scales, smoothing=written(f"{settings.smoothing:g}"))
             enlarge = partial(_with_settings, settings=settings)
             offers.offer(sentence, (tr("Use them"), partial(session.edit, tr("settings for a large image"), enlarge)))
-
-    def _differ(self, situation: Situation) -> bool:
-        former, document = self.window.session.former_parameters, situation.document
-        return former is not None and document.fitting(former) != document.parameters
 
     def _use(self) -> None:
         self.window.session.keeps_parameters = self.window.preferences.value(KEEP_PARAMETERS)

@@ -114,12 +114,20 @@ class TimelineFeature(Feature):
         self.panels = (
             Panel("timeline", "Timeline", self.panel, "below", height=40, shortcut="F9"),
         )  # fmt: skip
-        Keys(window.canvas_area.canvas, self._go_to_end)
+
+        def go_to_end(event: QKeyEvent) -> bool:
+            """Home and End on the canvas; in sliders and fields they keep their meaning."""
+            ends = {Qt.Key.Key_Home: to.to_first, Qt.Key.Key_End: to.to_last}
+            if event.key() in ends:
+                ends[Qt.Key(event.key())]()
+            return event.key() in ends
+
+        Keys(window.canvas_area.canvas, go_to_end)
         window.session.document_changed.connect(lambda _: self.panel.show_parameters())
         window.shortcuts.changed.connect(lambda: self.panel.use_actions(window.actions_by_name))
         self._shown = False, False
         to.changed.connect(self._follow)
-        window.preferences.follow(TIMELINE_MEMORY, self._use_budget)
+        window.preferences.follow(TIMELINE_MEMORY, self.use_memory)
 
         def recorded(_: Situation) -> bool:
             return bool(to.branches)
@@ -159,14 +167,8 @@ class TimelineFeature(Feature):
             self._shown = shown
             self.window.refresh()
 
-    def _go_to_end(self, event: QKeyEvent) -> bool:
-        """Go to the first or last step by Home and End on the canvas; in sliders and fields they keep their meaning."""
-        if event.key() not in (Qt.Key.Key_Home, Qt.Key.Key_End):
-            return False
-        (self.navigation.to_first if event.key() == Qt.Key.Key_Home else self.navigation.to_last)()
-        return True
-
-    def _use_budget(self) -> None:
+    def use_memory(self) -> None:
+        """Give the timeline the memory that the preferences allow."""
         megabytes = int(self.window.preferences.value(TIMELINE_MEMORY))
         self.window.session.post(RunCall(None, Run.set_timeline_budget, megabytes * MEGABYTE))
 

@@ -98,8 +98,8 @@ class LayersFeature(Feature):
 
     def _show_keys(self) -> None:
         """Name the keys of layers in their tooltips."""
-        specs = self.window.actions_by_name.specs
-        self._panel.show_keys({spec.name.removeprefix(LAYER): spec.shortcuts for spec in specs})
+        keys = self.window.shortcuts.keys
+        self._panel.show_keys({name: keys(f"{LAYER}{name}") for name in self._panel.rows})
 
 
 def _kept(preferences: Preferences, layer: Layer) -> dict[str, object]:
@@ -155,6 +155,13 @@ class ComparingFeature(Feature):
         self.wipe.ended.connect(lambda: other.choose(None))
         other.changed.connect(self._show_wipe)
         window.session.scene_changed.connect(self._draw)
+
+        def has_result(situation: Situation) -> bool:
+            scene = window.session.scene
+            found = None if scene.reconstruction is None else scene.reconstruction.result
+            surface = isinstance(found, Result) and found.surface is not None
+            return bool(scene.contours.items or scene.skeleton or surface or situation.document.objects.items)
+
         self.actions = (
             ActionSpec("wipe", "View", "Compare &two results",
                        "Show another result on the right of a divider that can be dragged.", other.toggle, "Ctrl+D",
@@ -162,14 +169,8 @@ class ComparingFeature(Feature):
             Submenu("wipe_with", "View", "Compare wit&h", self._fill),
             ActionSpec("keep_result", "View", "&Keep this result to compare",
                        "Keep what is found now, to compare later results with it.", other.keep, "Ctrl+Shift+D",
-                       when=self._has_result),
+                       when=has_result),
         )  # fmt: skip
-
-    def _has_result(self, situation: Situation) -> bool:
-        scene = self.window.session.scene
-        found = None if scene.reconstruction is None else scene.reconstruction.result
-        surface = isinstance(found, Result) and found.surface is not None
-        return bool(scene.contours.items or scene.skeleton or surface or situation.document.objects.items)
 
     def _fill(self, menu: QMenu) -> None:
         for other in self._other.choices:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 
@@ -62,7 +62,7 @@ class SlicesFeature(Feature):
         self._draw_later(area.canvas)
         area.canvas.slice_wanted.connect(slices.go)
         window.session.scene_changed.connect(self._show)
-        window.preferences.follow(UNIT, self._show_again)
+        window.preferences.follow(UNIT, self.show_again)
         window.shortcuts.changed.connect(self.bar.show_keys)
 
         def several(situation: Situation) -> bool:
@@ -71,13 +71,17 @@ class SlicesFeature(Feature):
         def go(by: int) -> Callable[[], None]:
             return lambda: (pages if pages.count else slices).go(by)
 
-        axes = [
-            ActionSpec(f"slices_across_{axis}", _MENU, tr("Across the &{axis}").format(axis=name),
-                       tr("Show slices across this axis: {axis}.").format(axis=name), partial(self._turn, axis),
-                       f"Ctrl+Shift+{axis + 1}", gap=axis == 0, when=has_volume,
-                       holds=partial(self._is_across, axis))
-            for axis, name in enumerate(AXES)
-        ]  # fmt: skip
+        def turn_to(axis: int) -> None:
+            slices.turn(axis)
+            window.refresh()
+
+        def across(axis: int) -> ActionSpec:
+            name = AXES[axis]
+            return ActionSpec(f"slices_across_{axis}", _MENU, tr("Across the &{axis}").format(axis=name),
+                              tr("Show slices across this axis: {axis}.").format(axis=name), partial(turn_to, axis),
+                              f"Ctrl+Shift+{axis + 1}", gap=axis == 0, when=has_volume,
+                              holds=lambda _: slices.now is not None and slices.now.axis == axis)  # fmt: skip
+
         self.actions = (
             ActionSpec("previous_slice", _MENU, "&Previous slice or page", "Show the slice or page before this one.",
                        go(-1), "PgUp", when=several),
@@ -87,9 +91,9 @@ class SlicesFeature(Feature):
                        "Shift+PgUp", when=several),
             ActionSpec("slices_on", _MENU, "Ten &on", "Show the slice or page ten after this one.", go(_JUMP),
                        "Shift+PgDown", when=several),
-            *axes,
+            *map(across, range(3)),
             ActionSpec("three_slices", _MENU, "&Three slices side by side",
-                       "Show the slices across the other axes beside the canvas, linked by a cross.", self._toggle,
+                       "Show the slices across the other axes beside the canvas, linked by a cross.", self.toggle_sides,
                        "Shift+Q", gap=True, when=has_volume, holds=lambda _: self._wanted),
         )  # fmt: skip
 
@@ -112,17 +116,11 @@ class SlicesFeature(Feature):
         if thing != "image":
             area.canvas.pointer.menu_wanted.emit(point)
 
-    def _toggle(self) -> None:
+    def toggle_sides(self) -> None:
+        """Show or hide the slices across the other axes."""
         self._wanted = not self._wanted
         self.window.preferences.put(_SIDES, self._wanted)
         self._show()
-        self.window.refresh()
-
-    def _is_across(self, axis: int, _: Situation) -> bool:
-        return self._slices.now is not None and self._slices.now.axis == axis
-
-    def _turn(self, axis: int) -> None:
-        self._slices.turn(axis)
         self.window.refresh()
 
     def _show(self) -> None:
@@ -165,7 +163,7 @@ class SlicesFeature(Feature):
         self.sides += (view,)
         self.window.turns.ask(self._show)
 
-    def _show_again(self) -> None:
+    def show_again(self) -> None:
         """Show the size of a voxel in another unit."""
         self._shown = (None, None)
         self._show()
@@ -251,18 +249,22 @@ class SpaceFeature(Feature):
         self._seen = SeenInSpace()
         self._layers = layers = window.canvas_area.canvas.layers
         window.session.scene_changed.connect(self._show)
-        window.session.image_changed.connect(lambda: window.turns.ask(self._reveal))
+        window.session.image_changed.connect(lambda: window.turns.ask(self.reveal))
         self.panel.view.picked.connect(self._pick)
         self.panel.bar.changed.connect(window.refresh)
         window.canvas_area.level_drag.watch(self.panel.view)
         for layer in (layers.particles, layers.image, layers.drawing, layers["objects"], layers["truth"]):
             layer.changed.connect(self._show)
+        png = {".png": tr("PNG image")}
         self.actions = (
             *specs(self.panel, window.session),
             ActionSpec("export_space", "File", "Export picture in s&pace…",
-                       "Export what the view in space shows as a picture.", self._ask_for_picture, when=has_volume),
+                       "Export what the view in space shows as a picture.",
+                       lambda: self._ask(tr("Export picture in space"), "_space.png", png, self.write_picture),
+                       when=has_volume),
             ActionSpec("export_turntable", "File", "Export &turntable…",
-                       "Export a full turn of the view in space as GIF, APNG or MP4.", self._ask_for_turntable,
+                       "Export a full turn of the view in space as GIF, APNG or MP4.",
+                       lambda: self._ask(tr("Export turntable"), "_turntable.gif", ANIMATED, self.write_turntable),
                        when=has_volume),
         )  # fmt: skip
 
@@ -305,16 +307,10 @@ class SpaceFeature(Feature):
 
     # Internal
 
-    def _ask_for_picture(self) -> None:
-        kinds = {".png": tr("PNG image")}
-        path = self.window.files.ask_where_to_export(tr("Export picture in space"), "_space.png", kinds)
+    def _ask(self, title: str, ending: str, kinds: Mapping[str, str], write: Callable[[Path], object]) -> None:
+        path = self.window.files.ask_where_to_export(title, ending, kinds)
         if path is not None:
-            self.write_picture(path)
-
-    def _ask_for_turntable(self) -> None:
-        path = self.window.files.ask_where_to_export(tr("Export turntable"), "_turntable.gif", ANIMATED)
-        if path is not None:
-            self.write_turntable(path)
+            write(path)
 
     def _pick(self, place: Place) -> None:
         """Move the slices there, and draw there what the tool in use draws without a slice."""
@@ -326,7 +322,7 @@ class SpaceFeature(Feature):
         elif tool is not None:
             draw_at(self.window.session, tool.name, place)
 
-    def _reveal(self) -> None:
+    def reveal(self) -> None:
         """A volume is seen in space from the start; an image has no space."""
         if self.window.session.scene.slices is not None:
             self.window.docks.reveal("space")

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 from PySide6.QtCore import QPoint
@@ -25,19 +25,9 @@ from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
 
 
-def portable(key: str) -> str:
-    """A key in the notation that is the same on all systems."""
-    return QKeySequence(key).toString(QKeySequence.SequenceFormat.PortableText)
-
-
 def native(key: str) -> str:
     """A key as people call it here."""
     return QKeySequence(key).toString(QKeySequence.SequenceFormat.NativeText)
-
-
-def natives(keys: Sequence[str]) -> str:
-    """Keys, separated by commas."""
-    return ", ".join(native(key) for key in keys)
 
 
 LAYER = "layer_"
@@ -111,11 +101,6 @@ class ActionSpec:
     def title(self) -> str:
         """Its text without the marks of menus."""
         return self.text.replace("&", "").rstrip("…")
-
-    @property
-    def said(self) -> str:
-        """Its tip with the keys of actions as they are now."""
-        return with_keys(self.tip)
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,12 +183,6 @@ class Actions:
         for name in {*OTHERWISE_IN_VOLUMES, *NOT_IN_VOLUMES} & self._actions.keys() if changed else ():
             self._tell(name)
 
-    def use_keys(self, name: str, keys: tuple[str, ...]) -> None:
-        """Give an action other keys; menus and all that shows `specs` follow, and tooltips by `show_keys`."""
-        self._specs[name] = replace(self._specs[name], keys=" ".join(keys))
-        self._actions[name].setShortcuts([QKeySequence(key) for key in keys])
-        self._changing = [self._specs[known.name] for known in self._changing]
-
     def show_keys(self) -> None:
         """Say the keys as they are now in all tips, which may name those of other actions."""
         for name in self._specs:
@@ -234,12 +213,12 @@ class Actions:
 
     def _tell(self, name: str) -> None:
         """Set the tips of an action, in a volume those that hold there."""
-        spec, action = self._specs[name], self._actions[name]
+        action, tip = self._actions[name], self._specs[name].tip
         if self._limited:
-            _, otherwise = OTHERWISE_IN_VOLUMES.get(name, ("", spec.tip))
-            spec = replace(spec, tip=NOT_IN_VOLUMES.get(name, otherwise))
-        action.setStatusTip(spec.said)
-        action.setToolTip(tooltip(action.text(), spec))
+            tip = NOT_IN_VOLUMES.get(name, OTHERWISE_IN_VOLUMES.get(name, ("", tip))[1])
+        said, key = with_keys(tip), action.shortcut().toString(QKeySequence.SequenceFormat.NativeText)
+        action.setStatusTip(said)
+        action.setToolTip(f"{_plain(action.text()).rstrip('…')}{f' ({key})' if key else ''}: {said}")
 
     def _tint(self, name: str) -> None:
         if self._theme is not None:
@@ -250,12 +229,6 @@ class Actions:
 def _plain(text: str) -> str:
     """A text without its mnemonic, which a menu may have moved."""
     return text.replace("&", "")
-
-
-def tooltip(text: str, spec: ActionSpec) -> str:
-    """Name, key and tip of an action in one line."""
-    keys = f" ({native(spec.shortcuts[0])})" if spec.shortcuts else ""
-    return f"{_plain(text).rstrip('…')}{keys}: {spec.said}"
 
 
 @runtime_checkable

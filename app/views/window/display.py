@@ -19,11 +19,7 @@ def why_no_window() -> str:
         return ""
     if not os.environ.get("DISPLAY"):
         return "There is no display to open a window on; use “cpm run IMAGE …” to work without one."
-    return _missing_library()
-
-
-def _missing_library() -> str:
-    """Load the plugin of Qt, because only the loader reports which library is missing."""
+    # The plugin of Qt is loaded here, because only the loader reports which library is missing.
     from PySide6.QtCore import QLibraryInfo
 
     plugins = Path(QLibraryInfo.path(QLibraryInfo.LibraryPath.PluginsPath))

@@ -69,13 +69,8 @@ class PanelAction(QAction):
         self.setChecked(not dock.isHidden())
         self.triggered.connect(self._do)
 
-    @property
-    def behind(self) -> bool:
-        """Whether the panel is open behind the tab of another one."""
-        return not self._dock.isHidden() and self._dock.visibleRegion().isEmpty()
-
     def _do(self) -> None:
-        if self._dock.isHidden() or self.behind:
+        if self._dock.visibleRegion().isEmpty():  # hidden, or behind the tab of another one
             self._docks.enter(self._dock.objectName())
         else:
             focused = self._dock.focusWidget()

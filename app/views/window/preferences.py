@@ -33,11 +33,11 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.preferences.shortcuts import refusal
-from app.model.preferences.table import PAGES, PREFERENCES, Choice, Color, Flag, Number, Preference
+from app.model.preferences.table import BY_PAGE, PAGES, Choice, Color, Flag, Number, Preference
 from app.model.text.language import tr
 from app.session.storage.preferences import Preferences
 from app.views.theme.icons import swatch
-from app.views.widgets.actions import native, natives
+from app.views.widgets.actions import native
 from app.views.widgets.fields import DecimalField
 from app.views.window.shortcuts import Shortcuts
 
@@ -102,9 +102,8 @@ class PreferencesDialog(QDialog):
     def reset(self) -> None:
         """Set everything on the shown page to its default."""
         page = list(PAGES)[self.contents.currentRow()]
-        for preference in PREFERENCES:
-            if preference.page == page:
-                self._preferences.choose(preference, preference.default)
+        for preference in BY_PAGE.get(page, ()):
+            self._preferences.choose(preference, preference.default)
         if page == "shortcuts":
             self._keys.reset()
 
@@ -120,9 +119,8 @@ class PreferencesDialog(QDialog):
         page.setWidget(content)
         page.setWidgetResizable(True)
         page.setFrameShape(QFrame.Shape.NoFrame)
-        for preference in PREFERENCES:
-            if preference.page == name:
-                self._add_row(rows, preference)
+        for preference in BY_PAGE.get(name, ()):
+            self._add_row(rows, preference)
         return page
 
     def _add_row(self, rows: QFormLayout, preference: Preference[Any]) -> None:
@@ -271,7 +269,7 @@ class ShortcutsPage(QWidget):
         """Show the keys as they are now, of the actions that are searched for."""
         wanted = self.search.text().casefold()
         for name, item in self._items.items():
-            item.setText(1, natives(self._shortcuts.keys(name)))
+            item.setText(1, ", ".join(map(native, self._shortcuts.keys(name))))
             item.setHidden(wanted not in f"{item.text(0)} {item.text(1)}".casefold())
         for group in self._groups.values():
             group.setHidden(all(item.isHidden() for item in self._items.values() if item.parent() is group))

@@ -28,9 +28,8 @@ class GarbageCollector(QObject):
 
     def __init__(self, parent: QObject) -> None:
         super().__init__(parent)
-        self._automatic = gc.isenabled()
-        self._timer = QTimer(self)
-        self._timer.setInterval(_EVERY)
+        self._automatic = True
+        self._timer = QTimer(self, interval=_EVERY)
         self._timer.timeout.connect(self.collect)
 
     def start(self) -> None:

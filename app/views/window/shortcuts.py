@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from PySide6.QtCore import QObject, Signal
 from PySide6.QtGui import QAction, QKeySequence
@@ -11,10 +11,7 @@ from app.model.preferences import shortcuts
 from app.model.preferences.shortcuts import Keyed
 from app.model.text.keys import Named
 from app.session.storage.preferences import Preferences
-from app.views.widgets.actions import native, portable
-
-Apply = Callable[[tuple[str, ...]], None]
-"""Gives an action its keys."""
+from app.views.widgets.actions import native
 
 
 class Shortcuts(QObject):
@@ -25,7 +22,7 @@ class Shortcuts(QObject):
     def __init__(self, preferences: Preferences, parent: QObject) -> None:
         super().__init__(parent)
         self._preferences = preferences
-        self._actions: dict[str, tuple[Keyed, Apply]] = {}
+        self._actions: dict[str, tuple[Keyed, QAction]] = {}
         self._chosen = self._read()
         preferences.changed.connect(self._follow)
 
@@ -34,12 +31,10 @@ class Shortcuts(QObject):
         """All actions that can have keys."""
         return [action for action, _ in self._actions.values()]
 
-    def add(self, name: str, title: str, group: str, keys: Sequence[str], apply: Apply) -> None:
-        """Add an action with its default keys."""
-        action = Keyed(name, title, group, tuple(portable(key) for key in keys))
-        self._actions[name] = action, apply
-        if name in self._chosen:
-            apply(self._chosen[name])
+    def add(self, action: QAction, name: str, title: str, group: str) -> None:
+        """Add an action, which has its default keys."""
+        self._actions[name] = Keyed(name, title, group, tuple(key.toString() for key in action.shortcuts())), action
+        action.setShortcuts([QKeySequence(key) for key in self.keys(name)])
 
     def keys(self, name: str) -> tuple[str, ...]:
         """Keys of an action."""
@@ -86,10 +81,5 @@ class Shortcuts(QObject):
             before, self._chosen = self._chosen, self._read()
             for name in before.keys() | self._chosen.keys():
                 if name in self._actions:
-                    self._actions[name][1](self.keys(name))
+                    self._actions[name][1].setShortcuts([QKeySequence(key) for key in self.keys(name)])
             self.changed.emit()
-
-
-def use_keys(action: QAction, keys: Sequence[str]) -> None:
-    """Give an action of Qt its keys."""
-    action.setShortcuts([QKeySequence(key) for key in keys])

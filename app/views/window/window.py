@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Generic, Protocol, TypeVar, runtime_checkable
+from typing import Generic, Protocol, TypeVar, cast, runtime_checkable
 
 from PySide6.QtCore import QByteArray, QSize, Qt, Signal
 from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QGuiApplication
@@ -35,7 +35,7 @@ from app.views.window.docks import Docks, Panel
 from app.views.window.keyboard import Keyboard
 from app.views.window.menus import MENUS, ContextMenus, Menus
 from app.views.window.python_hooks import GarbageCollector
-from app.views.window.shortcuts import Shortcuts, use_keys
+from app.views.window.shortcuts import Shortcuts
 
 _SIZE, _FRAME = QSize(1400, 880), QSize(16, 40)
 """Preferred size of the window, and space on the screen for its frame."""
@@ -119,13 +119,13 @@ class MainWindow(QMainWindow):
         self._use_look()
         self.canvas_area = CanvasArea(workspace)
         self.setCentralWidget(self.canvas_area)
-        canvas, slices, truth = self.canvas_area.canvas, workspace.slices, workspace.truth
+        canvas, slices = self.canvas_area.canvas, workspace.slices
         self._keyboard = Keyboard(self, canvas)
         self.offers = self.canvas_area.offers
         session.listen(Opened, lambda _: self.offers.clear())  # before any feature offers something
         self.files = FileDialogs(self, session, self.preferences)
         self.document_file = DocumentFile(session, lambda: {**canvas.view_state(), **slices.view_state()})
-        self.document_file.truth = lambda: truth.file
+        self.document_file.truth = lambda: workspace.truth.file
         self.shortcuts = Shortcuts(self.preferences, self)
         self.shortcuts.changed.connect(self._use_keys)
         self.speed = SpeedControl(session)
@@ -144,22 +144,23 @@ class MainWindow(QMainWindow):
         self.addToolBar(Qt.ToolBarArea.LeftToolBarArea, ToolPalette(self.actions_by_name))
         self.pointer_readout = PointerReadout(session, canvas)
         self.zoom_field = ZoomField(canvas)
-        self.statusBar().addPermanentWidget(self.pointer_readout)
-        self.statusBar().addPermanentWidget(self.zoom_field)
+        for field in (self.pointer_readout, self.zoom_field):
+            self.statusBar().addPermanentWidget(field)
         session.status_changed.connect(self._show)
         session.image_changed.connect(self._keep_tool)
         self.preferences.changed.connect(self._follow)
         QGuiApplication.styleHints().colorSchemeChanged.connect(self._use_chosen_theme)
         self._use_chosen_theme()
         self._show()
-        self._restore_geometry()
+        geometry = self.preferences.get(_GEOMETRY, QByteArray())
+        if not geometry.isEmpty():
+            self.restoreGeometry(geometry)
+            self.docks.restore_layout(self.preferences.get(_LAYOUT, QByteArray()))
         canvas.setFocus()
 
     def feature(self, kind: type[P]) -> P:
         """A feature by its class."""
-        feature = self.features[kind]
-        assert isinstance(feature, kind)
-        return feature
+        return cast("P", self.features[kind])
 
     def do(self, name: str) -> None:
         """Trigger an action by its name."""
@@ -226,15 +227,12 @@ class MainWindow(QMainWindow):
         return menus
 
     def _add_shortcuts(self) -> None:
-        add = self.shortcuts.add
         for spec in self.actions_by_name.specs:
-            menu = spec.menu.partition(">")[0]
-            group = tr("Tools") if spec.group == "tool" else MENUS[menu].replace("&", "")
+            group = tr("Tools") if spec.group == "tool" else MENUS[spec.menu.partition(">")[0]].replace("&", "")
             group = tr("Layers") if spec.name.startswith(LAYER) else group
-            add(spec.name, spec.title, group, spec.shortcuts, partial(self.actions_by_name.use_keys, spec.name))
+            self.shortcuts.add(self.actions_by_name[spec.name], spec.name, spec.title, group)
         for action in self.docks.actions:
-            keys = [key.toString() for key in action.shortcuts()]
-            add(action.objectName(), action.text(), tr("Panels"), keys, partial(use_keys, action))
+            self.shortcuts.add(action, action.objectName(), action.text(), tr("Panels"))
         self.shortcuts.changed.emit()
 
     def _use_keys(self) -> None:
@@ -273,12 +271,6 @@ class MainWindow(QMainWindow):
                 colors={name: value(color) for name, color in INKS.items() if value(color) != color.default},
             )
         )
-
-    def _restore_geometry(self) -> None:
-        geometry = self.preferences.get(_GEOMETRY, QByteArray())
-        if not geometry.isEmpty():
-            self.restoreGeometry(geometry)
-            self.docks.restore_layout(self.preferences.get(_LAYOUT, QByteArray()))
 
 
 D = TypeVar("D", bound=QDialog)

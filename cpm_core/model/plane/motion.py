@@ -7,7 +7,6 @@ a barrier slides along it, or stays where it is.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache, partial
 from typing import NamedTuple
@@ -125,97 +124,40 @@ _PAIRS_A_NODE = 28
 _WORTH_A_THREAD = 400
 """Particles from which a second thread makes the step faster."""
 
-_FEW = 8
-"""Particles up to which it is faster to compute the force on each of them than on all."""
-
-
-def mesh_force_for(particles: Particles, idle: Index, scale_field: ScaleField, parameters: Parameters) -> MeshForce:
-    """Mesh of a step, or none where summing all pairs is faster or the repulsion has faded for all particles.
-
-    `idle`, shape (N,), are the steps since cells around each particle were newly covered.
-    """
-    reach = REACH * (parameters.d_min + parameters.d_max)
-    repelled = np.count_nonzero(idle < FADED)
-    if repelled * len(particles) < _PAIRS_A_NODE * nodes(scale_field.shape, reach):
-        return NO_MESH
-    return mesh_force(particles.position, scale_field.shape, reach)
-
 
 def mesh_force_of(state: State, idle: Index, scale_field: ScaleField, parameters: Parameters) -> MeshForce:
-    """Mesh of the step after a state: the present one, or a new one every `MESH_EVERY` steps."""
-    if state.step_of_scale % MESH_EVERY == 0 or state.mesh is None:
-        return mesh_force_for(state.particles, idle, scale_field, parameters)
-    return state.mesh
+    """Mesh of the step after a state: the present one, or a new one every `MESH_EVERY` steps.
+
+    There is none where summing all pairs is faster, or the repulsion has faded for all particles. `idle`, shape (N,),
+    are the steps since cells around each particle were newly covered.
+    """
+    if state.step_of_scale % MESH_EVERY and state.mesh is not None:
+        return state.mesh
+    reach = REACH * (parameters.d_min + parameters.d_max)
+    repelled = np.count_nonzero(idle < FADED)
+    if repelled * state.count < _PAIRS_A_NODE * nodes(scale_field.shape, reach):
+        return NO_MESH
+    return mesh_force(state.particles.position, scale_field.shape, reach)
 
 
 def move(particles: Particles, idle: Index, mesh: MeshForce, scale_field: ScaleField, parameters: Parameters) -> Moved:
     """One time step of all particles.
 
     `idle`, shape (N,), are the steps since cells around each were newly covered, `mesh` is the smooth part of the
-    Coulomb force. The parameters act at once.
+    Coulomb force. The parameters act at once. The force on a particle at rest is that of its last step.
     """
-    cells = _cells(particles, mesh, scale_field.shape)
-    moved, work = _prepared(particles, cells, idle, mesh, scale_field.packed, scale_field.floor, parameters)
-    share(work, len(particles), _WORTH_A_THREAD)
-    return moved
-
-
-def undamped_force(
-    particles: Particles,
-    index: Index,
-    idle: Index,
-    mesh: MeshForce,
-    packed: Single,
-    shape: tuple[int, ...],
-    parameters: Parameters,
-) -> Array:
-    """Force of eq. (12) on some particles without the damping, reduced by friction, shape (M, 2).
-
-    `index`, shape (M,), selects from the particles; `idle`, shape (N,), are the steps since cells around each were
-    newly covered; `packed`, shape (H, W, 5), is the packed force field of an image of this shape. The result for a
-    particle at rest is the force of its last step.
-    """
-    cells = _cells(particles, mesh, shape)
-    moved, work = _prepared(particles, cells, idle, mesh, packed, np.inf, parameters)
-    if len(index) > _FEW:
-        share(work, len(particles), _WORTH_A_THREAD)
-    else:
-        rank = np.empty(len(particles), np.int64)
-        rank[cells.order] = np.arange(len(particles))
-        for k in rank[index].tolist():
-            work(k, k + 1)
-    return moved.particles.force.take(index, axis=0)[:, 0]
-
-
-def _cells(particles: Particles, mesh: MeshForce, shape: tuple[int, ...]) -> Cells:
-    """Particles on an image of this shape, sorted by the reach of their pairs."""
-    size = mesh.reach if np.isfinite(mesh.reach) else float(max(shape) + 1)
-    return build_cells(particles.position, shape, size)
-
-
-def _prepared(
-    particles: Particles,
-    cells: Cells,
-    idle: Index,
-    mesh: MeshForce,
-    packed: Single,
-    floor: float,
-    parameters: Parameters,
-) -> tuple[Moved, Callable[[int, int], object]]:
-    """Arrays for the result of a step, and the function that computes it for some of the sorted particles."""
-    law = Law(
-        w1=parameters.w1,
-        w2=parameters.w2,
-        d_min=parameters.d_min,
-        dt=parameters.time_step,
-        neighbor_range=NEIGHBOR_RANGE * (parameters.d_min + parameters.d_max),
-    )
+    size = mesh.reach if np.isfinite(mesh.reach) else float(max(scale_field.shape) + 1)
+    cells = build_cells(particles.position, scale_field.shape, size)
+    near = NEIGHBOR_RANGE * (parameters.d_min + parameters.d_max)
+    law = Law(parameters.w1, parameters.w2, parameters.d_min, parameters.time_step, near)
     damped = damped_motion(parameters.beta, parameters.time_step)
     moved = Moved.unset(particles)
     before, after = (particles.velocity, particles.force, particles.distance), moved.particles
     motion = (after.position, after.velocity, after.force, after.distance, moved.motion)
-    contact = (moved.strength, moved.on_edge)
-    return moved, partial(_move, cells, packed, idle, mesh, damped, law, before, motion, contact, floor)
+    contact, packed = (moved.strength, moved.on_edge), scale_field.packed
+    work = partial(_move, cells, packed, idle, mesh, damped, law, before, motion, contact, scale_field.floor)
+    share(work, len(particles), _WORTH_A_THREAD)
+    return moved
 
 
 @compiled

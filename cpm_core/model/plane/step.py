@@ -29,7 +29,7 @@ from cpm_core.model.interventions import start_scale
 from cpm_core.model.measures import PAIR, Energies, Forces, kinetic_energy
 from cpm_core.model.plane.births import EdgeContact, Search, insertion, search_range, thinned
 from cpm_core.model.plane.enclosed_regions import RESEEDINGS, reseeding_places
-from cpm_core.model.plane.motion import contact_at, held_back, is_at_rest, mesh_force_of, move, undamped_force
+from cpm_core.model.plane.motion import contact_at, held_back, is_at_rest, mesh_force_of, move
 from cpm_core.model.plane.repulsion import build_cells, pair_energy
 from cpm_core.model.starts import inside_image
 from cpm_core.model.state import State
@@ -312,18 +312,16 @@ def forces(state: State, scale_field: ScaleField, charged: ScaleField, parameter
     mesh = mesh_force_of(state, idle, scale_field, parameters)
     lorentz = parameters.w2 * interpolate(scale_field.lorentz, chosen.position)
     placed = parameters.w2 * interpolate(charged.lorentz, chosen.position) - lorentz
-    coulomb = np.zeros_like(lorentz)
-    repelled = np.flatnonzero(idle[which] < FADED)
-    if len(repelled):
-        coulomb[repelled] = undamped_force(
-            particles, which[repelled], idle, mesh, _NO_EDGES, scale_field.shape, parameters
-        )
-        coulomb[repelled, 0] -= parameters.w2
-    applied = undamped_force(particles, which, idle, mesh, charged.packed, scale_field.shape, parameters)
-    late, kinds = np.unique(np.minimum(idle[which], LATEST), return_inverse=True)
+    idle_there = idle[which]
+    apart, applied = (
+        move(particles, idle, mesh, field, parameters).particles.force[which, 0]
+        for field in (replace(charged, force=lambda: _NO_EDGES), charged)
+    )
+    coulomb = np.where((idle_there < FADED)[:, None], apart - (parameters.w2, 0.0), 0.0)
+    late, kinds = np.unique(np.minimum(idle_there, LATEST), return_inverse=True)
     beta = np.array([damping(parameters.beta, int(steps)) for steps in late])[kinds]
     damped = -beta[:, None] * chosen.velocity
-    at_rest = is_at_rest(chosen, idle[which])
+    at_rest = is_at_rest(chosen, idle_there)
     applied[at_rest], damped[at_rest] = 0.0, 0.0
     return Forces(coulomb, lorentz, placed, applied - (coulomb + lorentz + placed), damped)
 

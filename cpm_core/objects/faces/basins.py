@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Index, Mask, Single
+from cpm_core.numerics.types import Array, Index, Single
 from cpm_core.objects.faces.crossings import Crossings
 
 Labels = NDArray[np.int32]
@@ -45,31 +45,21 @@ def basins(height: Array, lines: Crossings, depth: float, area: int) -> Labels:
         Basin of every pixel, numbered from 0 in the order of their first pixels.
     """
     flat = np.clip(height, 0.0, 1.0).astype(np.float32).ravel()
-    closed = np.empty(flat.size, np.int8)
-    _close(lines.right >= 0.0, lines.down >= 0.0, closed)
-    cols = height.shape[1]
-    down = _descent(flat, closed, cols)
-    _follow(down)
-    passes = _passes(flat, closed, cols, down)
-    _merge(down, flat, cols, passes, depth, area)
-    return _numbered(down).reshape(height.shape)
-
-
-@compiled
-def _close(right: Mask, down: Mask, closed: NDArray[np.int8]) -> None:
-    """Mark the links of each pixel that lines cross or that lead out of the image: right 1, left 2, down 4, up 8."""
-    rows, cols = right.shape
-    for r in range(rows):
-        for c in range(cols):
-            east, west = c + 1 == cols or right[r, c], c == 0 or right[r, c - 1]
-            south, north = r + 1 == rows or down[r, c], r == 0 or down[r - 1, c]
-            closed[r * cols + c] = east | west << 1 | south << 2 | north << 3
+    right, down, cols = lines.right >= 0.0, lines.down >= 0.0, height.shape[1]
+    right[:, -1], down[-1] = True, True  # nothing leads out of the image
+    ways = (right, np.roll(right, 1, axis=1), down, np.roll(down, 1, axis=0))
+    closed = np.sum([way << np.int8(k) for k, way in enumerate(ways)], axis=0, dtype=np.int8).ravel()
+    basin = _descent(flat, closed, cols)
+    _follow(basin)
+    _merge(basin, flat, cols, _passes(flat, closed, cols, basin), depth, area)
+    return _numbered(basin).reshape(height.shape)
 
 
 @compiled
 def _descent(height: Single, closed: NDArray[np.int8], cols: int) -> Labels:
     """The next pixel on the way down from each; itself where the way ends, one pixel of each basin.
 
+    `closed` has a bit for each link that is closed: 1 to the right, 2 left, 4 down, 8 up.
     On level ground the way leads to the nearest place from which it continues down.
     """
     count = len(height)
@@ -118,28 +108,15 @@ def _follow(down: Labels) -> None:
             q, down[q] = down[q], end
 
 
-@compiled
 def _passes(height: Single, closed: NDArray[np.int8], cols: int, basin: Labels) -> Index:
     """Links between different basins from the lowest to the highest, as twice the first pixel, plus 1 for one down."""
-    start = np.zeros(_LEVELS + 1, np.int64)
-    for p in range(len(height)):
-        for k in (0, 2):
-            if not closed[p] & (1 << k):
-                q = p + (1 if k == 0 else cols)
-                if basin[q] != basin[p]:
-                    start[np.int64(max(height[p], height[q]) * (_LEVELS - 1)) + 1] += 1
-    for k in range(_LEVELS):
-        start[k + 1] += start[k]
-    found = np.empty(start[_LEVELS], np.int64)
-    for p in range(len(height)):
-        for k in (0, 2):
-            if not closed[p] & (1 << k):
-                q = p + (1 if k == 0 else cols)
-                if basin[q] != basin[p]:
-                    level = np.int64(max(height[p], height[q]) * (_LEVELS - 1))
-                    found[start[level]] = 2 * p + (k == 2)
-                    start[level] += 1
-    return found
+    codes, levels = [], []
+    for down, step in enumerate((1, cols)):
+        first = np.flatnonzero((closed[:-step] & 4**down == 0) & (basin[:-step] != basin[step:]))
+        codes.append(2 * first + down)
+        levels.append(np.maximum(height[first], height[first + step]).astype(float) * (_LEVELS - 1))
+    order = np.lexsort((np.concatenate(codes), np.concatenate(levels).astype(np.int16)))
+    return np.concatenate(codes)[order]
 
 
 @compiled

@@ -216,7 +216,8 @@ def stopping(image: Image, settings: GeodesicSettings) -> Array:
     return np.asarray((1.0 + strength) ** -settings.exponent)
 
 
-def _geodesic(image: Image, start: Start, settings: GeodesicSettings) -> Iterator[ContourState]:
+def geodesic(image: Image, start: Start, settings: GeodesicSettings) -> Iterator[ContourState]:
+    """States of the geodesic active contour."""
     factor = stopping(image, settings)
     pressure, velocity = start.onward * settings.balloon * factor, -settings.pull * gradient(factor, 0.0)
     return evolution(start.mask(image.shape), settings.curvature * factor, pressure, velocity)
@@ -228,7 +229,7 @@ GEODESIC = ContourMethod(
     "A level set that edges slow down and pull back, with a balloon that drives it on.",
     "Caselles, Kimmel and Sapiro (1997), doi:10.1023/A:1007979827043",
     GeodesicSettings,
-    _geodesic,
+    geodesic,
     MOST_STEPS,
 )
 
@@ -257,7 +258,8 @@ class GeometricGvfSettings(Settings):
     smoothing: float = smoothing_before_edges(2.0)
 
 
-def _geometric_gvf(image: Image, start: Start, settings: GeometricGvfSettings) -> Iterator[ContourState]:
+def geometric_gvf(image: Image, start: Start, settings: GeometricGvfSettings) -> Iterator[ContourState]:
+    """States of the geometric GVF contour."""
     field = evened(gradient_vector_flow(unit_edges(image, settings.smoothing), settings.mu), settings.evenness)
     curvature, pressure = (
         np.full(image.shape, weight, float) for weight in (settings.curvature, start.onward * settings.pressure)
@@ -271,6 +273,6 @@ GEOMETRIC_GVF = ContourMethod(
     "A level set that the field of gradient vector flow carries to edges; its contours can divide and merge.",
     "Xu, Yezzi and Prince (2000), doi:10.1109/ACSSC.2000.911003",
     GeometricGvfSettings,
-    _geometric_gvf,
+    geometric_gvf,
     MOST_STEPS,
 )

@@ -20,7 +20,10 @@ MOST_STEPS = 4000
 
 
 def _states(
-    image: Image, start: Start, parameters: Parameters, find: Callable[[Evolved], Found]
+    image: Image,
+    start: Start,
+    parameters: Parameters,
+    find: Callable[[Evolved], Found] = lambda moment: (moment.contours, moment.surface),
 ) -> Iterator[ContourState]:
     """States of a run, which ends after `MOST_STEPS` at the latest."""
     chosen = replace(parameters, scales=min(parameters.scales, most_scales(image.shape)))
@@ -32,10 +35,6 @@ def _states(
         yield ContourState(
             newest.step, partial(find, newest), newest.stop_reason, newest.converged, newest.points
         )  # fmt: skip
-
-
-def _evolve(image: Image, start: Start, parameters: Parameters) -> Iterator[ContourState]:
-    return _states(image, start, parameters, lambda moment: (moment.contours, moment.surface))
 
 
 def _evolve_to_object(image: Image, start: Start, parameters: Parameters) -> Iterator[ContourState]:
@@ -55,7 +54,7 @@ PARTICLES = ContourMethod(
     "Particles that the electric field of the edges attracts, and that repel each other along them.",
     "Jalba, Wilkinson and Roerdink (2004)",
     Parameters,
-    _evolve,
+    _states,
     MOST_STEPS,
     in_volumes=True,
 )

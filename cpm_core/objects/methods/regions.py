@@ -63,7 +63,8 @@ def first_level_set(inside: Mask) -> Array:
     return np.clip(distance / max(float(distance.max()), 1.0), -1.0, 1.0)
 
 
-def _chan_vese(image: Image, start: Start, settings: ChanVeseSettings) -> Iterator[ContourState]:
+def chan_vese(image: Image, start: Start, settings: ChanVeseSettings) -> Iterator[ContourState]:
+    """States of Chan-Vese."""
     gray = unit_gray(image)
 
     def functions() -> Iterator[Array]:
@@ -83,7 +84,7 @@ CHAN_VESE = ContourMethod(
     "A level set that divides the image into two regions, each of gray levels near its mean; it needs no edges.",
     "Chan and Vese (2001), doi:10.1109/83.902291; scikit-image's chan_vese",
     ChanVeseSettings,
-    _chan_vese,
+    chan_vese,
     _CHAN_VESE_STEPS,
 )
 
@@ -156,7 +157,8 @@ def _morphological(image: Image, start: Start, advance: Callable[[Bits, Any], ob
     return until_at_rest(masks(), 0.5, _EVERY, _REST, _MORPHOLOGICAL_STEPS)
 
 
-def _morph_gac(image: Image, start: Start, settings: MorphologicalGacSettings) -> Iterator[ContourState]:
+def morph_gac(image: Image, start: Start, settings: MorphologicalGacSettings) -> Iterator[ContourState]:
+    """States of the morphological geodesic active contour."""
     factor = skimage.segmentation.inverse_gaussian_gradient(  # type: ignore[no-untyped-call]
         unit_gray(image), settings.steepness, settings.sigma
     )
@@ -169,7 +171,8 @@ def _morph_gac(image: Image, start: Start, settings: MorphologicalGacSettings) -
     )
 
 
-def _morph_chan_vese(image: Image, start: Start, settings: MorphologicalChanVeseSettings) -> Iterator[ContourState]:
+def morph_chan_vese(image: Image, start: Start, settings: MorphologicalChanVeseSettings) -> Iterator[ContourState]:
+    """States of morphological Chan-Vese."""
     gray, snake = unit_gray(image), skimage.segmentation.morphological_chan_vese
     return _morphological(
         image,
@@ -188,7 +191,7 @@ MORPHOLOGICAL_GAC = ContourMethod(
     "The geodesic active contour with masks in place of a level set: a balloon, edges that stop it, and smoothing.",
     _REFERENCE + "morphological_geodesic_active_contour",
     MorphologicalGacSettings,
-    _morph_gac,
+    morph_gac,
     _MORPHOLOGICAL_STEPS,
     in_volumes=True,
 )
@@ -199,7 +202,7 @@ MORPHOLOGICAL_CHAN_VESE = ContourMethod(
     "Chan-Vese with masks in place of a level set: pixels at the boundary go to the region whose mean is nearer.",
     _REFERENCE + "morphological_chan_vese",
     MorphologicalChanVeseSettings,
-    _morph_chan_vese,
+    morph_chan_vese,
     _MORPHOLOGICAL_STEPS,
     in_volumes=True,
 )
@@ -250,7 +253,8 @@ def seeds(start: Start, shape: tuple[int, ...], settings: RandomWalkerSettings) 
     return np.where(inside, _OBJECT_SEED, np.where(outer, _BACKGROUND_SEED, 0)).astype(np.int32)
 
 
-def _random_walk(image: Image, start: Start, settings: RandomWalkerSettings) -> Iterator[ContourState]:
+def random_walk(image: Image, start: Start, settings: RandomWalkerSettings) -> Iterator[ContourState]:
+    """The start, and what the random walker makes of it."""
     inside = start.mask(image.shape)
     yield region_state(inside, 0.5, 0)
     labels = seeds(start, image.shape, settings)
@@ -269,7 +273,7 @@ RANDOM_WALKER = ContourMethod(
     "Each pixel goes to the seeds, inside the start or at the border, that a random walk from it reaches first.",
     "Grady (2006), doi:10.1109/TPAMI.2006.233; scikit-image's random_walker",
     RandomWalkerSettings,
-    _random_walk,
+    random_walk,
     1,
     in_volumes=True,
 )

@@ -234,7 +234,8 @@ def sobel_edges(image: Image, smoothing: float) -> Array:
     return found
 
 
-def _snake(image: Image, start: Start, settings: SnakeSettings) -> Iterator[ContourState]:
+def snake(image: Image, start: Start, settings: SnakeSettings) -> Iterator[ContourState]:
+    """States of the classical snake."""
     force = edge_force(sobel_edges(image, settings.smoothing), settings.attraction)
     elasticity = Elasticity(settings.alpha, settings.beta, _RESISTANCE)
     return evolution(start.curves(SPACING), force, elasticity, image.shape)
@@ -246,7 +247,7 @@ SNAKE = ContourMethod(
     "A closed curve that is pulled up the slope of the edge map, and that tension and rigidity keep short and smooth.",
     "Kass, Witkin and Terzopoulos (1988), doi:10.1007/BF00133570; the forces of scikit-image's active_contour",
     SnakeSettings,
-    _snake,
+    snake,
     _STEPS,
 )
 
@@ -287,7 +288,8 @@ def field_force(field: Array, attraction: float) -> Force:
     return lambda at: attraction * np.stack([sampled(part, at.T, order=1, mode="nearest") for part in field], axis=1)
 
 
-def _gvf_snake(image: Image, start: Start, settings: GvfSnakeSettings) -> Iterator[ContourState]:
+def gvf_snake(image: Image, start: Start, settings: GvfSnakeSettings) -> Iterator[ContourState]:
+    """States of the GVF snake."""
     field = evened(gradient_vector_flow(unit_edges(image, settings.smoothing), settings.mu))
     elasticity = Elasticity(settings.alpha, settings.beta, 1.0)
     force = field_force(field, settings.attraction)
@@ -300,6 +302,6 @@ GVF_SNAKE = ContourMethod(
     "A closed curve in the field of gradient vector flow, which carries the edges far into flat regions.",
     "Xu and Prince (1998), doi:10.1109/83.661186",
     GvfSnakeSettings,
-    _gvf_snake,
+    gvf_snake,
     _STEPS,
 )
