@@ -45,7 +45,7 @@ def check_pages(arguments: argparse.Namespace, image: Path) -> None:
             given = f"--{name.replace('_', '-')}"
             raise ValueError(f"{given} is for one image, but --pages runs several: leave one of them out.")
     for path in arguments.export:
-        check_target(path, FOR_STACKS)
+        check_target(path, FOR_STACKS, "for all pages of a stack")
     check_targets(arguments.export, arguments, image)
 
 

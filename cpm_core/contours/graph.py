@@ -130,10 +130,18 @@ class Graph:
         count = follow(self._near, self.degrees, np.zeros(self._near.shape, np.bool_), end, near[0], path)
         return path[:count]
 
-    def way_from(self, end: int) -> dict[int, float]:
-        """Arc length from a loose end to each vertex of its branch [px]."""
-        path = self.branch(end)
-        return dict(zip(path.tolist(), lengths_along(self.points[path]).tolist(), strict=True))
+    def way_between(self, end: Index, other: Index) -> Array:
+        """Arc length from loose ends to other vertices, shapes (N,), along the ends' branches; else infinite [px]."""
+        ways = self.ways()
+        along = lengths_along(self.points[ways.vertices])
+        way = np.repeat(np.arange(len(ways)), np.diff(ways.start))
+        place = np.empty(len(self.points), np.int64)
+        place[ways.vertices] = np.arange(len(way))  # a junction has several places; they are not used
+        own = way[place[end]]
+        within = (self.degrees[other] <= 2) & (way[place[other]] == own)
+        behind = (self.degrees[other] > 2) & ((ways.first[own] == other) | (ways.last[own] == other))
+        length = np.where(within, np.abs(along[place[other]] - along[place[end]]), np.inf)
+        return np.where(behind, ways.lengths[own], length)
 
     def drop_spurs(self, longest: float) -> None:
         """Remove branches with a loose end, up to a length of `longest` [px], shortest first."""

@@ -8,16 +8,15 @@ edit again by the places where they pass.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Literal, NamedTuple
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour, bridges_on
-from cpm_core.contours.polygonal_line import PolygonalLine, joined, lines_of, ring
-from cpm_core.contours.result import Result
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.polygonal_line import PolygonalLine, joined, ring
 from cpm_core.contours.review import REACH
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Position
@@ -100,24 +99,7 @@ class HandEdit:
         return path[len(path) // 2]
 
 
-class Edited(NamedTuple):
-    """Contours after edits by hand.
-
-    Attributes
-    ----------
-    contours : tuple of Contour
-        Longest first. Those that no edit has changed are the same objects as before.
-    missed : tuple of int
-        Indices of the edits that did not find all their contours; the pieces that they add are there nevertheless.
-    """
-
-    contours: tuple[Contour, ...]
-    missed: tuple[int, ...]
-
-
-def apply(
-    contours: Sequence[Contour], edits: Sequence[HandEdit], measured: Callable[[Contour], Contour] | None = None
-) -> Edited:
+def apply(contours: Sequence[Contour], edits: Sequence[HandEdit]) -> tuple[tuple[Contour, ...], tuple[int, ...]]:
     """Contours with edits by hand, in the order in which they were made.
 
     Parameters
@@ -126,17 +108,17 @@ def apply(
         Contours of a reconstruction.
     edits : sequence of HandEdit
         Edits, which may have been made on an earlier reconstruction.
-    measured : callable, optional
-        Gives a contour that has changed its strength and contrast.
 
     Returns
     -------
-    Edited
-        The contours, and the edits that were missed.
+    contours : tuple of Contour
+        Longest first. Those that no edit has changed are the same objects as before.
+    missed : tuple of int
+        Indices of the edits that did not find all their contours; the pieces that they add are there nevertheless.
     """
     if not edits:
-        return Edited(tuple(contours), ())
-    lines, missed = lines_of(contours), []
+        return tuple(contours), ()
+    lines, missed = [PolygonalLine.of(contour) for contour in contours], []
     for number, edit in enumerate(edits):
         lines, done = _removed(lines, edit.removed) if edit.removed else (lines, True)
         if edit.added:
@@ -145,19 +127,7 @@ def apply(
         if not done:
             missed.append(number)
     found = [line.contour() for line in lines]
-    if measured is not None:
-        found = [c if line.source is not None else measured(c) for line, c in zip(lines, found, strict=True)]
-    return Edited(tuple(sorted(found, key=lambda contour: -contour.length)), tuple(missed))
-
-
-def apply_to_result(
-    result: Result, edits: Sequence[HandEdit], measured: Callable[[Contour], Contour] | None = None
-) -> tuple[Result, tuple[int, ...]]:
-    """A result with edits by hand, without the bridges that they have removed; and the edits that were missed."""
-    if not edits:
-        return result, ()
-    contours, missed = apply(result.contours, edits, measured)
-    return replace(result, contours=contours, bridges=bridges_on(result.bridges, contours)), missed
+    return tuple(sorted(found, key=lambda contour: -contour.length)), tuple(missed)
 
 
 # Removing

@@ -129,7 +129,7 @@ def check_animation(path: AnyPath) -> None:
         When the suffix is not known, the encoder that it needs is not installed, or no file can be written there.
     """
     file = Path(path)
-    check_target(file, ANIMATED)
+    check_target(file, ANIMATED, "of an animation")
     check_encoder(file.suffix.lower())
 
 

@@ -37,7 +37,7 @@ from cpm_core.formats.meshes import obj, ply, stl, swc, vtk
 from cpm_core.image.geometry import Convention
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import counted, shown
 
 _LOG = logging.getLogger(__name__)
 
@@ -255,10 +255,9 @@ def omission(result: Found, suffix: str, *, outlines: bool = False) -> str:
     hidden = 0
     if suffix in OUTLINABLE and not outlines and isinstance(result, Result) and result.surface is None:
         hidden = len(set(contour_labels(result.contours)) - {0, *np.unique(result.labels).tolist()})
-    if hidden == 1:
-        sentences.append("1 closed contour has no pixel of its own and is not in a mask.")
-    elif hidden:
-        sentences.append(f"{hidden} closed contours have no pixel of their own and are not in a mask.")
+    if hidden:
+        one, several = "has no pixel of its own and is", "contours have no pixel of their own and are"
+        sentences.append(f"{counted(hidden, f'closed contour {one}', f'closed {several}')} not in a mask.")
     return " ".join(sentences)
 
 

@@ -17,7 +17,7 @@ from app.session.exchange.contour_tracking import ContourTracker
 from app.session.exchange.mailbox import Mailbox
 from app.session.exchange.messages import Reconstruction, ReconstructionFailed, sentence
 from cpm_core import Image, Method, Parameters, Result, Skeleton
-from cpm_core.contours import HandEdit, apply_to_result
+from cpm_core.contours import HandEdit
 from cpm_core.model import ImageFields
 from cpm_core.numerics import Position
 from cpm_core.reconstruction import carried_out
@@ -63,9 +63,7 @@ def edited(
     """Contours with edits by hand, and the edits that did not find their contours; a skeleton is not edited."""
     if not edits or isinstance(found, Skeleton):
         return found, ()
-    if isinstance(method, ImageFields):
-        return carried_out(found, edits, method.scale_field(parameters))
-    return apply_to_result(found, edits)
+    return carried_out(found, edits, method.scale_field(parameters) if isinstance(method, ImageFields) else None)
 
 
 class Reconstructor:

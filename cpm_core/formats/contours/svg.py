@@ -19,6 +19,7 @@ from cpm_core.formats.common.plain import Entries
 from cpm_core.formats.common.provenance import Outcome, facts_of, text_of
 from cpm_core.formats.contours.contents import DEFAULT, Contents, Plane
 from cpm_core.formats.contours.curves import bezier
+from cpm_core.formats.images import resolution
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array
 
@@ -35,7 +36,6 @@ _SAME_ASPECT = 0.01
 
 _DEEPEST = 100
 
-_MILLIMETERS = {"nm": 1e-6, "µm": 1e-3, "mm": 1.0, "cm": 10.0, "m": 1000.0}
 _SMALLEST_PAGE = 10.0  # [mm]; a page of the true size of a cell would be invisible
 
 
@@ -93,7 +93,7 @@ def _path(contour: Contour, label: int, radii: NDArray[np.float64] | None = None
 def _page(result: Outcome) -> tuple[str, str]:
     """Width and height of the drawing as SVG lengths."""
     size = np.array(result.shape) * result.spacing
-    millimeters = size * _MILLIMETERS.get(result.unit or "", 0.0)
+    millimeters = size * resolution.factor(result.unit, "mm")
     if millimeters.min() >= _SMALLEST_PAGE:
         return f"{millimeters[1]:.6g}mm", f"{millimeters[0]:.6g}mm"
     pixels = size / min(result.spacing)
@@ -151,7 +151,8 @@ def _elements(
         raise ValueError("groups are nested too deeply")
     for element in parent:
         tag = _tag(element)
-        style = _style(element)
+        parts = (part.partition(":") for part in element.get("style", "").split(";"))
+        style = element.attrib | {name.strip(): value.strip() for name, _, value in parts if value}
         if tag in _NOT_DRAWN or style.get("display") == "none":
             continue
         if tag in _LEFT_OUT:
@@ -169,12 +170,6 @@ def _elements(
 def _tag(element: ET.Element) -> str:
     tag: Any = element.tag
     return tag.rpartition("}")[2] if isinstance(tag, str) else ""  # a comment has a function for a tag
-
-
-def _style(element: ET.Element) -> dict[str, str]:
-    """Attributes of an element with those of its style, which win."""
-    parts = (part.partition(":") for part in element.get("style", "").split(";"))
-    return {**element.attrib, **{name.strip(): value.strip() for name, _, value in parts if value}}
 
 
 def _known(element: ET.Element, look: dict[str, str], own: bool) -> Entries:

@@ -125,5 +125,5 @@ def _position(entries: dict[str, str], axes: int) -> Position:
     affine[:3, :3] *= spacing
     if origin is not None:
         affine[:count, 3] = origin[:count]
-    spacing, _, geometry, notes = position_of(affine, "LPS", (plane, row, col), "mm")
-    return spacing, unit, geometry, notes
+    found, _, geometry, notes = position_of(affine, "LPS", (plane, row, col), "mm")
+    return found, unit, geometry, notes

@@ -39,9 +39,9 @@ def from_sizes(row: float, col: float, unit: str) -> Spacing:
     return (row, col), name
 
 
-def factor(unit: str, other: str) -> float:
-    """How many of another known unit one unit is."""
-    return _METERS[unit] / _METERS[other]
+def factor(unit: str | None, other: str) -> float:
+    """How many of another known unit one unit is; 0 where it is not known."""
+    return _METERS.get(unit or "", 0.0) / _METERS[other]
 
 
 def known_unit(name: str) -> str | None:
