@@ -30,7 +30,6 @@ from app.session.signals import CONTOURS, EDITING, EXPORTING, RUNNING, SessionSi
 from app.session.worker.commands import RunsRestored
 from app.session.worker.requests import Compared, Probed, Shaded
 from app.session.worker.worker_thread import WorkerThread
-from cpm_core import Result, Skeleton
 
 _COMPILING = tr("Preparing for the first run on this computer: {percent} %")
 
@@ -98,25 +97,7 @@ class Progress:
             self._session.trouble(trouble, CONTOURS)
             return
         self._session.trouble("", CONTOURS)
-        result = found.result
-        closed = sum(contour.closed for contour in result.contours)
-        bridges = result.bridges if isinstance(result, Result) else ()
-        self._known = replace(
-            self._known,
-            closed=closed,
-            open=len(result.contours) - closed,
-            bridges=len(bridges),
-            longest_bridge=max((bridge.length for bridge in bridges), default=0.0),
-            surface=None if isinstance(found.result, Skeleton) else found.result.surface,
-        )
-        if isinstance(result, Skeleton):
-            self._known = replace(
-                self._known,
-                length=result.length,
-                thickness=result.thickness,
-                width=result.width,
-                polarity=result.polarity,
-            )
+        self._known = replace(self._known, found=found.result)
         reviewed = ReviewedContours.of(found.tracked, self._session.scene.document.marks)
         self._show(reconstruction=found, contours=reviewed)
         self._session.show_status()

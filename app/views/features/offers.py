@@ -231,4 +231,6 @@ class PixelSizeFeature(Feature):
         if self._told is not None:
             spacing, unit = self._told
             name = tr("size as the file tells")
-            self.window.session.edit(name, lambda document: edits.use_told_size(document, spacing, unit))
+            self.window.session.edit(
+                name, lambda document: edits.set_pixel_size(document, spacing, unit, by_hand=False)
+            )
