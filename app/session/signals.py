@@ -33,7 +33,6 @@ from app.session.scene import NO_CONTOURS, ReviewedContours, Scene
 from app.session.worker.commands import RunsRestored
 from app.session.worker.requests import Compared, Probed, Shaded
 from app.session.worker.worker_thread import WorkerThread
-from cpm_core import Result, Skeleton
 
 R = TypeVar("R", bound=Report)
 
@@ -200,17 +199,7 @@ class Board(QObject):
             self.trouble(trouble, CONTOURS)
             return
         self.trouble("", CONTOURS)
-        result = found.result
-        closed = sum(contour.closed for contour in result.contours)
-        bridges = result.bridges if isinstance(result, Result) else ()
-        figures: dict[str, Any] = {
-            "closed": closed, "open": len(result.contours) - closed, "bridges": len(bridges),
-            "longest_bridge": max((bridge.length for bridge in bridges), default=0.0),
-            "surface": getattr(result, "surface", None),
-        }  # fmt: skip
-        if isinstance(result, Skeleton):
-            figures |= {name: getattr(result, name) for name in ("length", "thickness", "width", "polarity")}
-        self._known = replace(self._known, **figures)
+        self._known = replace(self._known, found=found.result)
         reviewed = ReviewedContours.of(found.tracked, self.scene.document.marks)
         self._show(reconstruction=found, contours=reviewed)
         self.show_status()

@@ -192,7 +192,9 @@ class ImportFeature(Feature):
         """Open the picture or the files on the clipboard, or read the contours on it."""
         data, session = QApplication.clipboard().mimeData(), self.window.session
         session.attempt(OPENING)
-        content = _contours_on(data)
+        kind = next(filter(data.hasFormat, _ON_CLIPBOARD), "")
+        text = data.text() if data.hasText() and not data.hasImage() else ""
+        content = bytes(data.data(kind).data()) if kind else text.encode()
         picture = data.imageData() if data.hasImage() else None
         if data.hasUrls():
             self.window.dropped.emit(data.urls())
@@ -238,14 +240,6 @@ class ImportFeature(Feature):
         elif answer == "truth" and path is not None:
             self.window.docks.reveal("truth")
             self.window.workspace.truth.load(path)
-
-
-def _contours_on(data: QMimeData) -> bytes:
-    """What is on the clipboard that may be contours."""
-    for kind in _ON_CLIPBOARD:
-        if data.hasFormat(kind):
-            return bytes(data.data(kind).data())
-    return data.text().encode() if data.hasText() and not data.hasImage() else b""
 
 
 def _explained(found: Imported) -> str:

@@ -48,7 +48,6 @@ class RunControlFeature(Feature):
         session, speed = window.session, window.speed
         self.panel = RunPanel()
         self.panels = (Panel("run", "Run", self.panel, height=140, shortcut="F5"),)
-        self._watched = False
         chosen = window.preferences.get(_PLOTS, list(self.panel.plot.shown))
         self.panel.plot.show_plots(chosen)
         self.panel.unfold(window.preferences.get(_UNFOLDED, []))
@@ -80,10 +79,7 @@ class RunControlFeature(Feature):
         shown, unfolded = self.panel.plot.shown, self.panel.unfolded
         self.window.preferences.put(_PLOTS, list(shown))
         self.window.preferences.put(_UNFOLDED, unfolded)
-        watched = "potential" in shown and "plots" in unfolded
-        if watched != self._watched:
-            self._watched = watched
-            self.window.session.post(run_call(None, Run.watch_energy, watched))
+        self.window.session.post(run_call(None, Run.watch_energy, "potential" in shown and "plots" in unfolded))
 
     def _show(self) -> None:
         running = is_running(self.window.session.situation)

@@ -61,7 +61,7 @@ class SlicesFeature(Feature):
         self._draw_later(area.canvas)
         area.canvas.slice_wanted.connect(slices.go)
         window.session.scene_changed.connect(self._show)
-        window.preferences.follow(UNIT, self.show_again)
+        window.preferences.follow(UNIT, self.show_place)
         window.shortcuts.changed.connect(self.bar.show_keys)
 
         def several(situation: Situation) -> bool:
@@ -127,8 +127,12 @@ class SlicesFeature(Feature):
         self._show_sides(scene)
         if (scene.slices, scene.whole) != self._shown:
             self._shown = scene.slices, scene.whole
-            self.bar.show_slices(scene.slices, scene.whole)
+            self.show_place()
             self.window.canvas_area.canvas.point_again()
+
+    def show_place(self) -> None:
+        """Show where the slice is, in the unit that is preferred."""
+        self.bar.show_slices(*self._shown)
 
     def _show_sides(self, scene: Scene) -> None:
         """Draw the other two slices, and where all three meet."""
@@ -161,11 +165,6 @@ class SlicesFeature(Feature):
         view.passed.connect(self._slices.pass_on)
         self.sides += (view,)
         self.window.turns.ask(self._show)
-
-    def show_again(self) -> None:
-        """Show the size of a voxel in another unit."""
-        self._shown = (None, None)
-        self._show()
 
 
 _PAGES_MENU = "Run>" + tr("Pages of a &stack")

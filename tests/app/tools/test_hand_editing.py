@@ -187,7 +187,7 @@ def test_an_outline_along_the_edge_is_a_contour_before_any_run(window, hand, tmp
     hand.canvas.setFocus()
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
     settle(window, hand)
-    assert contours(window) == [] and window.session.status.closed == 0
+    assert contours(window) == [] and len(window.session.status.contours) == 0
 
 
 def test_an_outline_between_two_places_of_a_contour_redraws_the_stretch(outlined, hand) -> None:
