@@ -297,7 +297,7 @@ class FolderFeature(Feature):
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
         self.bar = FolderBar()
-        self.bar.asked.connect(self.go)
+        window.shortcuts.changed.connect(lambda: self.bar.use_actions(window.actions_by_name))
         window.statusBar().addPermanentWidget(self.bar)
         self._images: tuple[Path, ...] = ()
         self._here = self._ahead = 0
@@ -306,10 +306,10 @@ class FolderFeature(Feature):
         self.actions = (
             ActionSpec("previous_image", "File", "Pre&vious image of the folder",
                        "Open the previous image of the folder, with the session beside it.", partial(self.go, -1),
-                       "Alt+Left", gap=True, when=lambda _: self._here > 0),
+                       "Alt+Left", "back", gap=True, when=lambda _: self._here > 0),
             ActionSpec("next_image", "File", "Ne&xt image of the folder",
                        "Open the next image of the folder, with the session beside it.", partial(self.go, 1),
-                       "Alt+Right", when=lambda _: self._here + 1 < len(self._images)),
+                       "Alt+Right", "forward", when=lambda _: self._here + 1 < len(self._images)),
         )  # fmt: skip
 
     def go(self, by: int) -> None:
@@ -363,10 +363,9 @@ class RecoveryFeature(Feature):
 
     def offer(self) -> None:
         """Offer to restore the unsaved work of earlier windows, and say what of it cannot be read."""
-        found = left_behind(self._folder)
-        if found.troubles:
-            self.window.session.say(" ".join(found.troubles), True, RECOVERY)
-        self._waiting = list(found.leftovers)
+        self._waiting, troubles = left_behind(self._folder)
+        if troubles:
+            self.window.session.say(" ".join(troubles), True, RECOVERY)
         self._ask()
 
     def close(self) -> bool:

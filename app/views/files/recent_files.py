@@ -83,7 +83,7 @@ class RecentFiles:
         menu.addSeparator()
         clear = menu.addAction(tr("&Clear this list"))
         clear.setEnabled(bool(paths))
-        clear.triggered.connect(self._clear)
+        clear.triggered.connect(self.clear)
 
     @property
     def _kept(self) -> list[dict[str, Any]]:
@@ -96,7 +96,8 @@ class RecentFiles:
                     found.append(entry)
         return found
 
-    def _clear(self) -> None:
+    def clear(self) -> None:
+        """Forget all files."""
         self._preferences.put(_KEY, [""])
         self._preferences.put(_PARTS, [""])
         for follow in self.cleared:
