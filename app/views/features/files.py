@@ -361,10 +361,9 @@ class RecoveryFeature(Feature):
 
     def offer(self) -> None:
         """Offer to restore the unsaved work of earlier windows, and say what of it cannot be read."""
-        found = left_behind(self._folder)
-        if found.troubles:
-            self.window.session.say(" ".join(found.troubles), True, RECOVERY)
-        self._waiting = list(found.leftovers)
+        self._waiting, troubles = left_behind(self._folder)
+        if troubles:
+            self.window.session.say(" ".join(troubles), True, RECOVERY)
         self._ask()
 
     def close(self) -> bool:
