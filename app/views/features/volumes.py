@@ -14,7 +14,6 @@ from app.model.text.language import tr
 from app.model.volume.slices import AXES, Slices
 from app.session.exchange.messages import Exported, Report
 from app.session.features.background import AsyncCache
-from app.session.features.stack_pages import WantedContour
 from app.session.scene import Scene
 from app.session.tasks.tasks import Task
 from app.views.canvas.image_view import ImageView
@@ -178,7 +177,7 @@ class PagesFeature(Feature):
         super().__init__(window)
         self._pages = pages = window.workspace.pages
         self.bar = PageBar()
-        self.panel = PagePanel(pages, WantedContour(pages, window.workspace.review).show)
+        self.panel = PagePanel(pages, pages.show)
         self.panels = (Panel("pages", "Pages", self.panel, "below", False, 160, "Shift+F11"),)
         self.bar.moved.connect(pages.open)
         self.bar.asked.connect(lambda: pages.cancel() if pages.running else pages.run())
