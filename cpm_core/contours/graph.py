@@ -171,8 +171,11 @@ class Graph:
             edges, way = self.ways().edges()
             self.unlink(edges[gone[way]])
 
-    def merge_junctions(self, longest: float) -> None:
-        """Merge junctions that are joined by a path up to a length of `longest` [px]."""
+    def merge_junctions(self, longest: float, weights: Array | None = None) -> None:
+        """Merge junctions that are joined by a path up to a length of `longest` [px].
+
+        They meet halfway, or with `weights`, shape (N,), at the one with the larger weight.
+        """
         ways = self.ways()
         self.points = self.points.copy()
         moved: set[int] = set()
@@ -185,8 +188,11 @@ class Graph:
             if not intact or min(map(self.degree, (kept, gone))) < 3 or self.length(path) > longest:
                 continue
             self.drop(path)
-            self.points[kept] = 0.5 * (self.points[kept] + self.points[gone])
-            moved.add(kept)
+            if weights is None:
+                self.points[kept] = 0.5 * (self.points[kept] + self.points[gone])
+                moved.add(kept)
+            elif weights[gone] > weights[kept]:
+                kept, gone = gone, kept
             for other in self.neighbors(gone):
                 self.unlink((gone, other))
                 if other != kept:
