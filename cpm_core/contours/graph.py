@@ -31,7 +31,10 @@ class Graph:
 
     def __init__(self, points: Array, edges: Index) -> None:
         self.points = points
-        one, other = _distinct(edges, len(points)).T
+        one, other = edges.astype(np.int64).reshape(-1, 2).T
+        count = max(len(points), 1)
+        key = np.unique(np.concatenate([one * count + other, other * count + one]))
+        one, other = np.divmod(key, count)  # every edge once in both directions, sorted
         first = np.searchsorted(one, np.arange(len(points)))
         slot = np.arange(len(one)) - first[one]
         self._near = np.full((len(points), int(slot.max(initial=2)) + 1), -1, np.int64)
@@ -228,14 +231,6 @@ class Graph:
             before, behind = forks[way].tolist()
             found.append(Contour(self.points[ways.path(way)], bool(ways.closed[way]), junctions=(before, behind)))
         return tuple(sorted(found, key=lambda contour: -contour.length))
-
-
-def _distinct(edges: Index, count: int) -> Index:
-    """Every edge of a graph of `count` vertices once in both directions, sorted."""
-    one, other = edges.astype(np.int64).reshape(-1, 2).T
-    key = np.sort(np.concatenate([one * count + other, other * count + one]))
-    key = key[np.diff(key, prepend=-1) > 0]
-    return np.stack([key // max(count, 1), key % max(count, 1)], axis=1)
 
 
 @dataclass(frozen=True, eq=False)
