@@ -26,7 +26,7 @@ from app.views.panels.parameters import ParametersPanel
 from app.views.panels.presets import Presets
 from app.views.panels.run import RunPanel
 from app.views.panels.timeline import TimelinePanel
-from app.views.widgets.actions import ActionSpec, Submenu
+from app.views.widgets.actions import ActionSpec, Submenu, add_choice
 from app.views.window.bars import TaskBar
 from app.views.window.docks import Panel
 from app.views.window.keyboard import Keys
@@ -205,12 +205,9 @@ class ParametersFeature(Feature):
         session = self.window.session
         colored = session.image is not None and session.image.colors is not None
         for value, title, about in self.panel.choices[CHANNEL].control.choices:
-            action = menu.addAction(title)
-            action.setCheckable(True)
-            action.setChecked(value == session.document.parameters.channel)
+            take = partial(self.panel.change, CHANNEL, value)
+            action = add_choice(menu, title, take, about, value == session.document.parameters.channel)
             action.setEnabled(colored)
-            action.setStatusTip(about)
-            action.triggered.connect(lambda _=False, value=value: self.panel.change(CHANNEL, value))
 
 
 _LEAST_SEEN = 0.02

@@ -17,7 +17,7 @@ from app.views.canvas.layers.layer import Layer
 from app.views.canvas.pointed import selected_places
 from app.views.canvas.wipe import Wipe
 from app.views.panels.layer_list import LayersPanel
-from app.views.widgets.actions import LAYER, ActionSpec, Submenu
+from app.views.widgets.actions import LAYER, ActionSpec, Submenu, add_choice
 from app.views.window.docks import Panel
 from app.views.window.window import Feature, MainWindow
 from cpm_core import Result
@@ -163,10 +163,8 @@ class ComparingFeature(Feature):
 
     def _fill(self, menu: QMenu) -> None:
         for other in self._other.choices:
-            action = menu.addAction(other.title)
-            action.setCheckable(True)
-            action.setChecked(other == self._other.chosen)
-            action.triggered.connect(partial(self._other.choose, None if other == self._other.chosen else other))
+            chosen = other == self._other.chosen
+            add_choice(menu, other.title, partial(self._other.choose, None if chosen else other), checked=chosen)
 
     def _show_wipe(self) -> None:
         if self._other.chosen is None:

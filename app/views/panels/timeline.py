@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 
 from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, QSignalBlocker, QSize, Qt, QTimer
 from PySide6.QtGui import (
@@ -38,7 +39,7 @@ from app.session.timeline.stored_runs import Branch
 from app.views.theme import theme
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
-from app.views.widgets.actions import Actions
+from app.views.widgets.actions import Actions, add_choice
 from app.views.widgets.containers import arrange, wrapped
 from app.views.window.dialogs import ask_for_text
 
@@ -391,10 +392,8 @@ class TimelinePanel(QWidget):
         others = [known for known in self._navigation.branches if known.identity != self._navigation.place[0]]
         self.compare.clear()
         for name, identity in ((tr("none"), None), *((known.name, known.identity) for known in others)):
-            action = self.compare.addAction(name.replace("&", "&&"))
-            action.setCheckable(True)
-            action.setChecked(identity == comparison.branch)
-            action.triggered.connect(lambda _=False, identity=identity: comparison.compare(identity))
+            compare, text = partial(comparison.compare, identity), name.replace("&", "&&")
+            add_choice(self.compare, text, compare, checked=identity == comparison.branch)
 
     def _show_difference(self) -> None:
         compared = self._navigation.comparison.found
