@@ -188,7 +188,7 @@ def first_of(position: Array, distance: float, apart: Callable[[Index, Index], M
 
     `apart` says of pairs of places, by their indices, which are not in each other's way although they are near.
     """
-    kept = np.ones(len(position), np.bool_)
+    kept = [True] * len(position)
     if len(position):
         pairs = scipy.spatial.cKDTree(position).query_pairs(distance, output_type="ndarray")
         pairs = pairs[np.lexsort(pairs.T)]
@@ -196,16 +196,9 @@ def first_of(position: Array, distance: float, apart: Callable[[Index, Index], M
         near = np.sqrt(((position[one] - position[other]) ** 2).sum(axis=1)) < distance
         if apart is not None:
             near &= ~apart(one, other)
-        _drop_second(pairs[near], kept)
-    return kept
-
-
-@compiled
-def _drop_second(pairs: Index, kept: Mask) -> None:
-    """Drop the second place of each pair whose first one stays, in the order of the second ones."""
-    for n in range(len(pairs)):
-        if kept[pairs[n, 0]]:
-            kept[pairs[n, 1]] = False
+        for first, second in pairs[near].tolist():  # in the order of the second ones
+            kept[second] = kept[second] and not kept[first]
+    return np.array(kept, np.bool_)
 
 
 STRIDE, STRIDE_ROOM = 0.9, 0.8

@@ -144,7 +144,7 @@ def _traced(voxels: Index, neighbors: list[list[int]], junction: Index, centers:
 def _chain(way: list[int], voxels: Index, neighbors: list[list[int]], junction: Index, centers: Array) -> Chain:
     """A chain with the junctions at its ends."""
     own = voxels[way]
-    at = [_junction_at(way[k], neighbors, junction) for k in (0, -1)]
+    at = [next((int(junction[n]) for n in neighbors[end] if junction[n] >= 0), -1) for end in (way[0], way[-1])]
     if len(way) == 1:  # between two junctions, or at one
         touched = sorted({int(junction[n]) for n in neighbors[way[0]] if junction[n] >= 0})
         at = [*touched[:2], *[-1] * (2 - len(touched[:2]))]
@@ -160,10 +160,6 @@ def _chain(way: list[int], voxels: Index, neighbors: list[list[int]], junction: 
     )
     free = (at[0] < 0) != (at[1] < 0)
     return Chain(np.concatenate(pieces), own, (first, last), (0 if at[0] < 0 else 1) if free else -1)
-
-
-def _junction_at(voxel: int, neighbors: list[list[int]], junction: Index) -> int:
-    return next((int(junction[n]) for n in neighbors[voxel] if junction[n] >= 0), -1)
 
 
 _OFF_GRID = np.array([0.0317, 0.0271, 0.0193])
