@@ -15,6 +15,7 @@ import scipy
 from cpm_core.model.state import MEMORY, Particles
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.parameters import Parameters
 
 _SOFTNESS = 0.5
 """Slope of the normalized Coulomb force near equilibrium; with it the integrator keeps the stiffest mode of a chain of
@@ -113,6 +114,17 @@ def advance(
         place + dt * one * velocity + dt**2 * two * force + dt**3 * three * slope,
         keep * velocity + dt * one * force + dt**2 * two * slope,
     )
+
+
+_UNDER_WAY, _LEAST_BETA = 0.3, 0.1
+"""Fraction of the speed that the field alone gives a particle above which it is under way, and the least damping with
+which that speed is estimated."""
+
+
+def is_fast(velocity: Array, parameters: Parameters) -> Mask:
+    """Which particles of these velocities, shape (N, D), move so fast that the field alone must drive them."""
+    driven = parameters.w2 / max(parameters.beta, _LEAST_BETA)
+    return np.asarray(np.einsum("ni,ni->n", velocity, velocity) > (_UNDER_WAY * driven) ** 2)
 
 
 @compiled

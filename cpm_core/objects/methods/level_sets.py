@@ -224,7 +224,7 @@ def geodesic(image: Image, start: Start, settings: GeodesicSettings) -> Iterator
 
 
 GEODESIC = ContourMethod(
-    "gac",
+    "geodesic",
     "Geodesic active contour",
     "A level set that edges slow down and pull back, with a balloon that drives it on.",
     "Caselles, Kimmel and Sapiro (1997), doi:10.1023/A:1007979827043",
