@@ -97,7 +97,10 @@ class History:
         """
         for changes in (self._done, self._undone):
             if any(change.after.image != image or change.erasure is not None for change in changes):
-                changes[:] = [_on(change, image) for change in changes if change.before != change.after]
+                changes[:] = [
+                    Change(change.name, replace(change.before, image=image), replace(change.after, image=image))
+                    for change in changes if change.before != change.after
+                ]  # fmt: skip
         return self
 
     def _turn(self, source: list[Change], target: list[Change], *, back: bool) -> Turned | None:
@@ -107,8 +110,3 @@ class History:
         change = source.pop()
         target.append(change)
         return Turned(change.before if back else change.after, (change,), back)
-
-
-def _on(change: Change, image: ImageReference | None) -> Change:
-    before, after = replace(change.before, image=image), replace(change.after, image=image)
-    return replace(change, before=before, after=after, erasure=None)

@@ -28,13 +28,9 @@ class Command(NamedTuple):
 
     help: str
     description: str
-    add_arguments: Callable[[argparse.ArgumentParser], None]
+    add_arguments: Callable[[argparse.ArgumentParser], object]
     run: Callable[[argparse.Namespace], int | None]
     examples: tuple[str, ...]
-
-
-def _add_shell(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("shell", choices=("bash", "zsh", "fish", "powershell"), help="which shell")
 
 
 COMMANDS = {
@@ -113,7 +109,7 @@ COMMANDS = {
     "completion": Command(
         "complete commands in your shell",
         "Print a script for a shell, with which the tab key completes commands, options and files.",
-        _add_shell,
+        lambda parser: parser.add_argument("shell", choices=("bash", "zsh", "fish", "powershell"), help="which shell"),
         lambda arguments: print(shellcode(["cpm"], shell=arguments.shell)),
         ('eval "$(cpm completion bash)"', "cpm completion fish > ~/.config/fish/completions/cpm.fish"),
     ),

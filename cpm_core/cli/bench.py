@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable, Iterator
 from importlib.metadata import version
 from statistics import median
+from timeit import repeat
 from typing import Any
 
 import numpy as np
@@ -43,7 +44,7 @@ def run(arguments: argparse.Namespace) -> None:
     rows: list[dict[str, Any]] = []
     for what, work in _tasks(values):
         work()  # compiles
-        rows.append({"what": what, "value": 1e3 * median(_seconds(work) for _ in range(repeats)), "unit": "ms"})
+        rows.append({"what": what, "value": 1e3 * median(repeat(work, number=1, repeat=repeats)), "unit": "ms"})
         if not arguments.json:
             print(f"{what:44}{rows[-1]['value']:10.1f} ms", flush=True)
     if arguments.json:
@@ -72,9 +73,3 @@ def _tasks(values: Array) -> Iterator[tuple[str, Callable[[], object]]]:
     for _ in range(50):
         state = engine.step(state, automatic)
     yield f"{size} px, one step of {state.count} particles", lambda: engine.step(state, automatic)
-
-
-def _seconds(work: Callable[[], object]) -> float:
-    began = time.perf_counter()
-    work()
-    return time.perf_counter() - began

@@ -180,11 +180,6 @@ def _image(arguments: argparse.Namespace, session: SessionFile, targets: Sequenc
     fitted(image, replace(session.parameters, channel=channel), scales=False)
     if image.colors is not None and channel != LUMINANCE:
         image = replace(image, values=image.gray(channel), colors=None)
-    if image.ndim != 2:
-        raise ValueError(
-            f"{image.source} is a volume, but this start is for images: take a plane, --page N, or add --sphere "
-            "PLANE,ROW,COL,RADIUS."
-        )
     check_axes(session.shapes, image.shape, image.source)
     return image
 

@@ -11,7 +11,15 @@ import numpy as np
 
 from cpm_core.cli.arguments import add, check_exports, check_targets, whole_number
 from cpm_core.cli.inputs import fitted, image_of, in_volume, reviewed, segmented
-from cpm_core.cli.output import Files, StatusLine, announce_compilation, report, say, say_notes
+from cpm_core.cli.output import (
+    Files,
+    StatusLine,
+    announce_compilation,
+    contours_of,
+    report,
+    say,
+    say_notes,
+)
 from cpm_core.contours.result import Result
 from cpm_core.formats import (
     CONTOURS_READABLE,
@@ -85,14 +93,13 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _on_result(result: Result | Centerlines, source: Path) -> tuple[dict[str, Any], str]:
     """What is said of a result, as plain JSON and as a line."""
-    closed, count = sum(contour.closed for contour in result.contours), len(result.contours)
-    facts: dict[str, Any] = {"contours": count, "closed": closed}
+    facts: dict[str, Any] = {"contours": len(result.contours), "closed": sum(one.closed for one in result.contours)}
     if isinstance(result, Centerlines):
         facts[ENTRY] = facts_on(result.source, result.provenance)
-        return facts, f"{source.name}: {counted(count, 'center line')} ({closed} closed)"
+        return facts, f"{source.name}: {contours_of(result, 'center line')}"
     facts[ENTRY] = facts_of(result)
     if result.surface is None:
-        return facts, f"{source.name}: {counted(count, 'contour')} ({closed} closed)"
+        return facts, f"{source.name}: {contours_of(result)}"
     vertices, faces = len(result.surface.vertices), len(result.surface.faces)
     facts |= {"vertices": vertices, "faces": faces}
     return facts, f"{source.name}: a surface of {counted(faces, 'triangle')}, with {vertices} corners"

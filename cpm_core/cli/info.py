@@ -32,15 +32,14 @@ def run(arguments: argparse.Namespace) -> int:
             say(str(error))
             facts.append({"source": Path(path).name, "path": path, "trouble": str(error)})
             continue
-        low, high = float(image.values.min()), float(image.values.max())
+        low, high = map(float, image.gray_range)
         values = {"shape": list(image.shape), "minimum": low, "maximum": high, **facts_on_place(image)}
         facts.append({"source": image.source, "path": path, **values, "notes": list(image.notes)})
         if not arguments.json:
             axes = ("planes", "rows", "columns")[-image.ndim :]
             size = " x ".join(f"{count} {axis}" for count, axis in zip(image.shape, axes, strict=True))
-            notes = [f"Note: {note}" for note in image.notes]
-            first = f"{image.source}: {size}, gray levels {low:g} to {high:g}"
-            print("\n".join([first, *lines_on_place(image), *notes]))
+            print(f"{image.source}: {size}, gray levels {low:g} to {high:g}")
+            print(*lines_on_place(image), *(f"Note: {note}" for note in image.notes), sep="\n")
     if arguments.json:
         print_json("info", {**(facts[0] if single else {}), "images": facts})
     return IN_PART if any("trouble" in one for one in facts) else 0

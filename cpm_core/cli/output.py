@@ -20,6 +20,7 @@ from cpm_core.formats.common.printable import printable
 from cpm_core.formats.common.provenance import VERSION
 from cpm_core.image.image import Image
 from cpm_core.model.state import State
+from cpm_core.parameters.quotation import counted
 from cpm_core.warm_up import FIRST, is_compiled, warm_up
 
 SCHEMA = 1
@@ -151,6 +152,12 @@ def facts_of_run(result: Result, seconds: float) -> dict[str, object]:
         "stop_reason": result.stop_reason,
         "seconds": round(seconds, 3),
     }
+
+
+def contours_of(found: Any, kind: str = "contour") -> str:
+    """Number of the contours of a result, in words."""
+    closed = sum(contour.closed for contour in found.contours)
+    return f"{counted(len(found.contours), kind)} ({closed} closed)"
 
 
 def longest(items: Sequence[Any], line: Callable[[Any], str]) -> Iterator[str]:

@@ -12,7 +12,16 @@ from typing import Any
 
 from cpm_core.cli.arguments import check_targets
 from cpm_core.cli.inputs import notes_on
-from cpm_core.cli.output import IN_PART, Files, StatusLine, announce_compilation, facts_of_run, report, say_notes
+from cpm_core.cli.output import (
+    IN_PART,
+    Files,
+    StatusLine,
+    announce_compilation,
+    contours_of,
+    facts_of_run,
+    report,
+    say_notes,
+)
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats import load_pages
 from cpm_core.formats.common.atomic import check_target
@@ -36,7 +45,7 @@ def check_pages(arguments: argparse.Namespace, image: Path) -> None:
             given = f"--{name.replace('_', '-')}"
             raise ValueError(f"{given} is for one image, but --pages runs several: leave one of them out.")
     for path in arguments.export:
-        check_target(path, FOR_STACKS)
+        check_target(path, FOR_STACKS, "for all pages of a stack")
     check_targets(arguments.export, arguments, image)
 
 
@@ -130,19 +139,17 @@ def numbers_of_pages(given: str, count: int, name: str) -> list[int]:
 def _report(found: StackResult, files: Files, seconds: float, *, as_json: bool) -> None:
     plain: list[dict[str, Any]] = []
     lines: list[str] = []
+    events = [event.sentence for page in found.pages for event in page.events]
     for page in found.pages:
-        facts = {} if page.result is None else facts_of_run(page.result, 0.0)
-        facts.pop("seconds", None)  # that of one page is not known
-        events = [event.sentence for event in page.events]
-        plain.append({"page": page.number, **facts, "events": events, "trouble": page.trouble})
+        facts: dict[str, Any] = {}
         if page.result is not None:
-            closed = sum(contour.closed for contour in page.contours)
-            lines.append(f"page {page.number}: {counted(len(page.contours), 'contour')} ({closed} closed)")
+            facts = facts_of_run(page.result, 0.0)
+            del facts["seconds"]  # that of one page is not known
+            lines.append(f"page {page.number}: {contours_of(page.result)}")
+        told = [event.sentence for event in page.events]
+        plain.append({"page": page.number, **facts, "events": told, "trouble": page.trouble})
     tracks, failed = len(found.tracks), len(found.pages) - len(found.results)
-    failures = f", {failed} failed" if failed else ""
-    lines += [event.sentence for page in found.pages for event in page.events]
-    lines.append(
-        f"{found.source}: {counted(len(found.pages), 'page')}, {counted(tracks, 'track')} in {seconds:.2f} s{failures}"
-    )
-    counts = {"tracks": tracks, "done": len(found.results), "failed": failed, "seconds": round(seconds, 3)}
-    report("run", {"pages": plain, **counts}, lines, files, as_json=as_json)
+    counts = f"{counted(len(found.pages), 'page')}, {counted(tracks, 'track')} in {seconds:.2f} s"
+    last = f"{found.source}: {counts}" + (f", {failed} failed" if failed else "")
+    whole = {"tracks": tracks, "done": len(found.results), "failed": failed, "seconds": round(seconds, 3)}
+    report("run", {"pages": plain, **whole}, [*lines, *events, last], files, as_json=as_json)

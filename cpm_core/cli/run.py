@@ -38,6 +38,7 @@ from cpm_core.cli.output import (
     Files,
     StatusLine,
     announce_compilation,
+    contours_of,
     facts_of_run,
     facts_on_place,
     lines_on_place,
@@ -367,7 +368,7 @@ def _chosen(result: Result, image: Image, drawn: Drawn) -> Selection:
 def _on_contours(result: Result, chosen: Selection | None, seconds: float) -> tuple[dict[str, Any], list[str]]:
     """What is said of contours, as values by name and as sentences."""
     facts: dict[str, Any] = {**facts_of_run(result, seconds), "bridges": len(result.bridges), ENTRY: facts_of(result)}
-    lines = [f"{result.source}: {counted(len(result.contours), 'contour')} ({facts['closed']} closed)"]
+    lines = [f"{result.source}: {contours_of(result)}"]
     lines += longest(
         result.contours,
         lambda contour: (

@@ -16,14 +16,13 @@ from cpm_core.cli.arguments import (
     part_of,
 )
 from cpm_core.cli.inputs import fitted
-from cpm_core.cli.output import Files, announce_compilation, longest, report
+from cpm_core.cli.output import Files, announce_compilation, contours_of, longest, report
 from cpm_core.formats import FOR_CENTERLINES, load_image, load_volume, suffix_of
 from cpm_core.formats.common.provenance import ENTRY, facts_of, facts_on
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.skeleton_method import skeleton
 from cpm_core.parameters import PRESETS
-from cpm_core.parameters.quotation import counted
 
 _PARAMETERS = (
     "pruning",
@@ -90,11 +89,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _outcome(found: Skeleton | Centerlines, seconds: float) -> tuple[dict[str, Any], list[str]]:
     """What is said of a skeleton, or of center lines in a volume, as values by name and as sentences."""
-    closed, count = sum(contour.closed for contour in found.contours), len(found.contours)
     if isinstance(found, Centerlines):
         lengths, unit = found.lengths.tolist(), found.unit or "voxels"
         facts: dict[str, Any] = {"unit": found.unit, ENTRY: facts_on(found.source, found.provenance)}
-        first = f"{counted(count, 'center line')} ({closed} closed)"
+        first = contours_of(found, "center line")
     else:
         lengths, unit = [contour.length for contour in found.contours], "px"
         of = {-1: "dark", 0: "all", 1: "light"}[found.polarity]
@@ -103,10 +101,10 @@ def _outcome(found: Skeleton | Centerlines, seconds: float) -> tuple[dict[str, A
         wide = f" and up to {found.width:.0f} px wide" if found.width else ""
         what = "" if of == "all" else f" of what is {of}{wide}"
         thick = f"thickness up to {found.thickness:.1f} px,"
-        first = f"skeleton{what} of {counted(count, 'line')} ({closed} closed), {thick}"
+        first = f"skeleton{what} of {contours_of(found, 'line')}, {thick}"
     facts |= {
-        "contours": count,
-        "closed": closed,
+        "contours": len(found.contours),
+        "closed": sum(contour.closed for contour in found.contours),
         "length": round(float(sum(lengths)), 3),
         "largest_radius": round(max((float(radii.max()) for radii in found.radii), default=0.0), 3),
         "seconds": round(seconds, 3),

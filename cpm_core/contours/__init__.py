@@ -12,7 +12,6 @@ from cpm_core.contours.graph import Graph as Graph
 from cpm_core.contours.hand_edits import HandEdit as HandEdit
 from cpm_core.contours.hand_edits import Kind as Kind
 from cpm_core.contours.hand_edits import Path as Path
-from cpm_core.contours.hand_edits import apply_to_result as apply_to_result
 from cpm_core.contours.measurements import Measures as Measures
 from cpm_core.contours.measurements import centroid as centroid
 from cpm_core.contours.packed_surface import PackedSurface as PackedSurface

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -141,13 +141,10 @@ class PolygonalLine:
         """The line as a contour: the one that it is, or a new one without strength and contrast."""
         if self.source is not None:
             return self.source
-        return Contour(self.points, self.closed, junctions=self.junctions, by_hand=self._stretches())
-
-    def _stretches(self) -> tuple[Array, ...]:
-        """The stretches that were drawn by hand, each of shape (K, 2) with both its ends."""
         change = np.flatnonzero(np.diff(self.drawn)) + 1
         bounds = [0, *change.tolist(), len(self.drawn)]
-        return tuple(self.path[a : b + 1] for a, b in pairwise(bounds) if b > a and self.drawn[a])
+        drawn = tuple(self.path[a : b + 1] for a, b in pairwise(bounds) if b > a and self.drawn[a])
+        return Contour(self.points, self.closed, junctions=self.junctions, by_hand=drawn)
 
 
 def joined(first: PolygonalLine, second: PolygonalLine) -> PolygonalLine:
@@ -163,11 +160,6 @@ def ring(line: PolygonalLine) -> PolygonalLine:
     if _touch(line.points[-1], line.points[0]):
         return PolygonalLine(line.points[:-1], True, line.drawn)
     return PolygonalLine(line.points, True, np.append(line.drawn, True))
-
-
-def lines_of(contours: Sequence[Contour]) -> list[PolygonalLine]:
-    """Contours as lines."""
-    return [PolygonalLine.of(contour) for contour in contours]
 
 
 def _touch(a: Array, b: Array) -> bool:

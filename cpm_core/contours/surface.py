@@ -213,7 +213,7 @@ class Surface:
         flat = len(self.faces) - len(np.unique(np.sort(self.faces, axis=1), axis=0))  # two triangles on each other
         return self.euler, self.free_edges, self.nonmanifold_edges, self.components, flat
 
-    @property
+    @cached_property
     def components(self) -> int:
         """Number of parts that do not hang together."""
         return len(np.unique(self.component_of_vertex[self.faces[:, 0]]))
@@ -291,9 +291,12 @@ def _contracted(surface: Surface, wanted: int) -> Surface:
 
 def inside_of(surface: Surface, shape: tuple[int, ...]) -> Mask:
     """Voxels of a volume of that shape whose center lies inside a closed surface; hollows are outside."""
-    found = np.zeros(shape, np.bool_)
-    _fill(surface.vertices, surface.faces, np.array(_BESIDE), found)
-    return found
+    corners = surface.vertices[surface.faces] - (*_BESIDE, 0.0)
+    low = np.clip(np.ceil(corners.min(axis=1)), 0, shape).astype(np.int64)
+    high = np.clip(np.floor(corners.max(axis=1)) + 1, 0, shape).astype(np.int64)
+    crossed = np.zeros(shape, np.bool_)
+    _mark_crossings(corners, low, high, crossed)
+    return np.logical_xor.accumulate(crossed, axis=2)  # an even number of crossings changes nothing
 
 
 def numbered(surface: Surface, shape: tuple[int, ...]) -> Index:
@@ -315,27 +318,21 @@ def numbered(surface: Surface, shape: tuple[int, ...]) -> Index:
 
 
 @compiled
-def _fill(vertices: Array, faces: Index, beside: Array, found: Mask) -> None:
-    """Turn all voxels beyond each crossing of a line with the surface over, so that an even number changes nothing."""
-    planes, rows, cols = found.shape
-    for k in range(len(faces)):
-        a, b, c = vertices[faces[k, 0]], vertices[faces[k, 1]], vertices[faces[k, 2]]
+def _mark_crossings(corners: Array, low: Index, high: Index, crossed: Mask) -> None:
+    """Turn the first voxel over beyond each crossing of triangles, shape (F, 3, 3), with lines along the last axis."""
+    for k in range(len(corners)):
+        a, b, c = corners[k]
         twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
         if twice == 0.0:
             continue
-        first = max(int(np.ceil(min(a[0], b[0], c[0]) - beside[0])), 0)
-        last = min(int(np.floor(max(a[0], b[0], c[0]) - beside[0])), planes - 1)
-        top = max(int(np.ceil(min(a[1], b[1], c[1]) - beside[1])), 0)
-        bottom = min(int(np.floor(max(a[1], b[1], c[1]) - beside[1])), rows - 1)
-        for p in range(first, last + 1):
-            for r in range(top, bottom + 1):
-                x, y = p + beside[0], r + beside[1]
-                u = ((b[0] - x) * (c[1] - y) - (b[1] - y) * (c[0] - x)) / twice
-                v = ((c[0] - x) * (a[1] - y) - (c[1] - y) * (a[0] - x)) / twice
+        for p in range(low[k, 0], high[k, 0]):
+            for r in range(low[k, 1], high[k, 1]):
+                u = ((b[0] - p) * (c[1] - r) - (b[1] - r) * (c[0] - p)) / twice
+                v = ((c[0] - p) * (a[1] - r) - (c[1] - r) * (a[0] - p)) / twice
                 if u >= 0.0 and v >= 0.0 and u + v <= 1.0:
-                    crossing = u * a[2] + v * b[2] + (1.0 - u - v) * c[2]
-                    for col in range(max(int(np.ceil(crossing)), 0), cols):
-                        found[p, r, col] = not found[p, r, col]
+                    col = max(int(np.ceil(u * a[2] + v * b[2] + (1.0 - u - v) * c[2])), 0)
+                    if col < crossed.shape[2]:
+                        crossed[p, r, col] = not crossed[p, r, col]
 
 
 _ROOM = 1

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import logging
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, fields, replace
@@ -17,6 +15,7 @@ from cpm_core.contours.surface import Surface
 from cpm_core.formats.common.atomic import check_place, write_together
 from cpm_core.formats.common.content import AnyPath
 from cpm_core.formats.common.printable import cell
+from cpm_core.formats.contours import contour_csv
 from cpm_core.formats.writers import FOR_VOLUMES, WRITABLE, check_export, encoded, omission, suffix_of
 from cpm_core.image.drawing import encoded_figure, require_matplotlib, show_curves, show_image
 from cpm_core.image.image import Image
@@ -53,12 +52,9 @@ class Tile:
 
 def table(rows: Sequence[Facts]) -> bytes:
     """A table with a row for each method, as CSV: times in seconds, distances in px, empty where nothing is known."""
-    text = io.StringIO(newline="")
-    writer = csv.writer(text)
-    writer.writerow([field.name for field in fields(Facts)])
-    for row in rows:
-        writer.writerow([cell(value) if isinstance(value, str) else value for value in asdict(row).values()])
-    return text.getvalue().encode()
+    known = [asdict(row) for row in rows]
+    cells = [{name: cell(one) if isinstance(one, str) else one for name, one in row.items()} for row in known]
+    return contour_csv.table(cells, [field.name for field in fields(Facts)])
 
 
 def picture(image: Image, start: Start, tiles: Sequence[Tile], truth: Truth | None = None) -> bytes:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import io
-import zipfile
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -53,16 +51,18 @@ def encode_set(found: StackResult) -> bytes:
     """
     if not any(result.contours for _, result in found.results):
         raise ValueError(f"{found.source} has no contours, and ImageJ opens no empty set: let it run on.")
-    stream, digits = io.BytesIO(), len(str(found.count))
-    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
+
+    def selections() -> Iterator[tuple[str, bytes]]:
+        digits = len(str(found.count))
         for page, result in found.results:
             place = {"position": page} if found.alone else {f"{found.axis}_position": page}
             properties = f"cpm_page: {page}\n{imagej.properties_of(result)}"
             for contour in _named(result).contours:
                 track = f"cpm_track: {contour.number}\n"
                 content = imagej.selection(contour, contour.number, track + properties, **place)
-                imagej.add(archive, f"page {page:0{digits}d} track {contour.number}", content)
-    return stream.getvalue()
+                yield f"page {page:0{digits}d} track {contour.number}", content
+
+    return imagej.set_of(selections())
 
 
 def _named(result: Result) -> Result:
@@ -157,7 +157,7 @@ def export_stack(
     """
     files = list(map(Path, paths))
     for file in files:
-        check_target(file, FOR_STACKS)
+        check_target(file, FOR_STACKS, "for all pages of a stack")
     for file in files:
         try:
             if (suffix := stack_suffix_of(file)) in _ENCODERS:

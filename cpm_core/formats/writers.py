@@ -37,7 +37,7 @@ from cpm_core.formats.meshes import obj, ply, stl, swc, vtk
 from cpm_core.image.geometry import Convention
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.parameters.quotation import shown
+from cpm_core.parameters.quotation import counted, shown
 
 _LOG = logging.getLogger(__name__)
 
@@ -78,14 +78,9 @@ _FIGURES = {
 }
 _LABELS = "insides of closed contours as a label mask"
 _LINES = "branches as lines of a label mask"
-_TIFF = partial(
-    Format,
-    encode=labels.encode_tiff,
-    contours=f"{_LABELS} of 16 or 32 bits, with the size of a pixel",
-    branches=f"{_LINES} of 16 or 32 bits, with the size of a pixel",
-    volume="the objects inside a surface as a label volume",
-    options=("outlines",),
-)
+_SIZED = "of 16 or 32 bits, with the size of a pixel"
+_MASK = partial(Format, volume="the objects inside a surface as a label volume", options=("outlines",))
+_MESH = partial(Format, options=("space",))
 
 FORMATS: tuple[Format, ...] = (
     Format(".svg", svg.encode, "contours as a vector drawing", "branches as a vector drawing, with their thickness"),
@@ -117,34 +112,22 @@ FORMATS: tuple[Format, ...] = (
     Format(".roi", imagej.encode, "the only contour as a selection of ImageJ and Fiji"),
     Format(".labelme.json", labelme.encode, "contours as shapes for labelme", "branches as shapes for labelme"),
     Format(".coco.json", coco.encode, "closed contours as COCO instances"),
-    _TIFF(".tif"),
-    _TIFF(".tiff", branches=""),
-    Format(
-        ".nii",
-        nifti.encode,
-        f"{_LABELS} of one slice",
-        volume="the objects inside a surface as a label volume",
-        options=("outlines",),
-    ),
-    Format(
-        ".nii.gz",
-        nifti.encode_packed,
-        "the same, compressed",
-        volume="the objects inside a surface as a label volume",
-        options=("outlines",),
-    ),
+    _MASK(".tif", labels.encode_tiff, f"{_LABELS} {_SIZED}", f"{_LINES} {_SIZED}"),
+    _MASK(".tiff", labels.encode_tiff, f"{_LABELS} {_SIZED}"),
+    _MASK(".nii", nifti.encode, f"{_LABELS} of one slice"),
+    _MASK(".nii.gz", nifti.encode_packed, "the same, compressed"),
     Format(".dxf", dxf.encode, "contours as polylines for CAD", "branches as polylines for CAD"),
     Format(".png", labels.encode_png, _LABELS, _LINES, options=("outlines",)),
     *(
         Format(f".figure{suffix}", partial(figure.encoded, suffix), text.format("contours"), text.format("branches"))
         for suffix, text in _FIGURES.items()
     ),
-    Format(".ply", ply.encode, volume="the surface of a volume with its normals", options=("space",)),
-    Format(".stl", stl.encode, volume="the triangles of the surface of a volume, for printing", options=("space",)),
-    Format(".obj", obj.encode, volume="the surface of a volume as text", options=("space",)),
-    Format(".vtk", vtk.encode, volume="the surface of a volume as poly data", options=("space",)),
+    _MESH(".ply", ply.encode, volume="the surface of a volume with its normals"),
+    _MESH(".stl", stl.encode, volume="the triangles of the surface of a volume, for printing"),
+    _MESH(".obj", obj.encode, volume="the surface of a volume as text"),
+    _MESH(".vtk", vtk.encode, volume="the surface of a volume as poly data"),
     Format(".points.csv", points_csv.encode, volume="the particles of a run in a volume, as a table"),
-    Format(".swc", swc.encode, lines="center lines in a volume as a tree of points with radii", options=("space",)),
+    _MESH(".swc", swc.encode, lines="center lines in a volume as a tree of points with radii"),
 )
 
 _SUFFIXES = tuple(one.suffix for one in FORMATS)
@@ -255,10 +238,9 @@ def omission(result: Found, suffix: str, *, outlines: bool = False) -> str:
     hidden = 0
     if suffix in OUTLINABLE and not outlines and isinstance(result, Result) and result.surface is None:
         hidden = len(set(contour_labels(result.contours)) - {0, *np.unique(result.labels).tolist()})
-    if hidden == 1:
-        sentences.append("1 closed contour has no pixel of its own and is not in a mask.")
-    elif hidden:
-        sentences.append(f"{hidden} closed contours have no pixel of their own and are not in a mask.")
+    if hidden:
+        one, several = "has no pixel of its own and is", "contours have no pixel of their own and are"
+        sentences.append(f"{counted(hidden, f'closed contour {one}', f'closed {several}')} not in a mask.")
     return " ".join(sentences)
 
 

@@ -77,38 +77,25 @@ class Axis:
 
     def within(self, low: Array, high: Array) -> Axis:
         """The part of the axis in a rectangle; edges are clipped."""
-        start = self.points[self.edges[:, 0]]
-        along = self.points[self.edges[:, 1]] - start
-        with np.errstate(divide="ignore", invalid="ignore"):
-            to_low, to_high = (low - start) / along, (high - start) / along
-        aside = np.where(
-            (start < low) | (start > high), np.inf, -np.inf
-        )  # edges along a side are inside or outside as a whole
-        still = along == 0.0
-        enter = np.where(still, aside, np.minimum(to_low, to_high)).max(axis=1).clip(min=0.0)
-        leave = np.where(still, -aside, np.maximum(to_low, to_high)).min(axis=1).clip(max=1.0)
-        kept = enter < leave
-        edges = self.edges[kept].copy()
-        points, radius, nearest = [self.points], [self.radius], [self.nearest]
-        size = len(self.points)
-        for end, at in enumerate((enter[kept], leave[kept])):
-            cut = (at > 0.0) if end == 0 else (at < 1.0)
-            a, b = self.edges[kept][cut].T
-            share = at[cut]
-            points.append(self.points[a] + share[:, None] * (self.points[b] - self.points[a]))
-            radius.append(self.radius[a] + share * (self.radius[b] - self.radius[a]))
-            nearest.append(self.nearest[np.where(share < 0.5, a, b)])
-            edges[cut, end] = size + np.arange(len(share))
-            size += len(share)
+        places = np.column_stack([self.points, self.radius])
+        nearest, edges, kept = self.nearest, self.edges.copy(), np.ones(len(self.edges), np.bool_)
+        for axis, bound, inward in [(k, end[k], sign) for end, sign in ((low, 1.0), (high, -1.0)) for k in range(2)]:
+            height = inward * (places[:, axis] - bound)
+            one, other = height[edges].T
+            kept &= (np.maximum(one, other) > 0.0) | ((one == 0.0) & (other == 0.0))  # edges along a side are inside
+            cut = np.flatnonzero(kept & (np.minimum(one, other) < 0.0))
+            a, b = edges[cut].T
+            share = one[cut] / (one[cut] - other[cut])
+            between = places[a] + share[:, None] * (places[b] - places[a])
+            between[:, axis] = bound
+            edges[cut, np.where(one[cut] < 0.0, 0, 1)] = len(places) + np.arange(len(cut))
+            places = np.concatenate([places, between])
+            nearest = np.concatenate([nearest, nearest[np.where(share < 0.5, a, b)]])
         joined = np.zeros(len(self.points), np.bool_)
         joined[self.edges] = True
-        cutting = Axis(np.concatenate(points), edges, np.concatenate(radius), np.concatenate(nearest))
         alone = np.flatnonzero(self.inside(low, high) & ~joined)
-        return cutting.only(edges, alone, self.sides[kept] if len(self.sides) else None)
-
-
-def _empty() -> Axis:
-    return Axis(np.zeros((0, 2)), np.zeros((0, 2), np.int64), np.zeros(0), np.zeros(0, np.int64))
+        clipped = Axis(places[:, :2], edges, places[:, 2], nearest)
+        return clipped.only(edges[kept], alone, self.sides[kept] if len(self.sides) else None)
 
 
 def medial_axis(boundary: Boundary, shape: tuple[int, ...]) -> Axis:
@@ -121,11 +108,8 @@ def medial_axis(boundary: Boundary, shape: tuple[int, ...]) -> Axis:
     middle, widest = 0.5 * (size - 1.0), float(size.max())
     corners = middle + _FAR * widest * np.array([(-1, -1), (-1, 1), (1, -1), (1, 1)])
     if len(boundary.points) < 2:
-        return _empty()
-    try:
-        diagram = scipy.spatial.Voronoi(np.concatenate([boundary.points, corners]))
-    except scipy.spatial.QhullError:  # all points on one line
-        return _empty()
+        return Axis(np.zeros((0, 2)), np.zeros((0, 2), np.int64), np.zeros(0), np.zeros(0, np.int64))
+    diagram = scipy.spatial.Voronoi(np.concatenate([boundary.points, corners]))
     count = len(boundary.points)
     sites = np.sort(diagram.ridge_points.astype(np.int64), axis=1)
     edges = np.asarray(diagram.ridge_vertices, dtype=np.int64)
@@ -192,7 +176,7 @@ def prune(axis: Axis, pruning: float) -> Axis:
 
     graph = Graph(axis.points, without_tips(axis, is_covered, frozenset(roots.tolist())))
     graph.drop_spurs(_SHORTEST)
-    _merge_junctions(graph, axis.radius)
+    graph.merge_junctions(_SHORTEST, axis.radius)
     edges = graph.edges()
     return axis.only(edges, roots[~np.isin(np.arange(count), part[edges[:, 0]])])
 
@@ -236,22 +220,3 @@ def without_tips(axis: Axis, leaves: Callable[[int, int], bool], kept: frozenset
             if len(links[following]) == 1 and following not in kept:
                 tips.append(following)
     return np.array([(v, w) for v, near in enumerate(links) for w in near if v < w], np.int64).reshape(-1, 2)
-
-
-def _merge_junctions(graph: Graph, radius: Array) -> None:
-    """Merge junctions less than a pixel apart into the one with the larger disk."""
-    walks = graph.ways()
-    short = np.flatnonzero(~walks.closed & (walks.lengths < _SHORTEST))
-    moved: dict[int, int] = {}
-    for n in short[np.argsort(walks.lengths[short], kind="stable")].tolist():
-        way = walks.path(n)
-        ends = [moved.get(v, v) for v in way[[0, -1]].tolist()]
-        path = np.array([ends[0], *way[1:-1], ends[1]])
-        if ends[0] == ends[1] or min(map(graph.degree, ends)) < 3 or graph.length(path) >= _SHORTEST:
-            continue
-        kept, lost = sorted(ends, key=lambda v: -radius[v])
-        graph.drop(path)
-        for v in graph.neighbors(lost):
-            graph.unlink((lost, v))
-            graph.link(kept, v)
-        moved = {a: kept if b == lost else b for a, b in moved.items()} | {lost: kept}

@@ -217,7 +217,11 @@ class SkeletonMethod(ImageFields):
                 structure = self._inside(parameters)
                 points = _shown(structure)
             else:
-                structure = self._structure(parameters)
+                if self._within:
+                    boundary = outlined_boundary(self._outlines, self.scale_field(parameters))
+                    structure = Structure(boundary, 0.0, 0, parameters.max_width)
+                else:
+                    structure = find_structure(self.scale_field, parameters)
                 points = self._in_image(structure.boundary.points)
             return replace(state, made_of=made_of, structure=structure, axis=None, points=points, first=0)
         if isinstance(state.structure, Structure):
@@ -288,13 +292,6 @@ class SkeletonMethod(ImageFields):
     @property
     def _outlines(self) -> list[Contour]:
         return [one for one in self._within if isinstance(one, Contour)]
-
-    def _structure(self, parameters: Parameters) -> Structure:
-        """The edges that count in an image."""
-        if not self._within:
-            return find_structure(self.scale_field, parameters)
-        boundary = outlined_boundary(self._outlines, self.scale_field(parameters))
-        return Structure(boundary, 0.0, 0, parameters.max_width)
 
     def _with_axis(self, found: Structure, parameters: Parameters) -> tuple[Structure, Axis]:
         """What the skeleton in an image is of, and its medial axis."""

@@ -66,21 +66,6 @@ def follow(
     1 [1]
     2 [1]
     """
-    wanted = _checked(pages, numbers)
-
-    def found_on(number: int, follower: Follower) -> Result:
-        image = as_plane(pages[number - 1])
-        start = seeds(image) if callable(seeds) else seeds
-        if follower.starts and not fresh:
-            start = seeds_along(follower.starts)
-        chosen = fitting(parameters or Parameters(), image)
-        return segment(image, start, chosen, max_steps=max_steps, regions=regions, charges=charges)
-
-    return _followed(wanted, found_on, Follower())
-
-
-def _checked(pages: object, numbers: Sequence[int] | None) -> Sequence[int]:
-    """The pages that are wanted, all by default; ValueError for one that there is not, and for what are no pages."""
     if not _is_row(pages):
         raise ValueError(f"pages is {shown(pages)} but must be a sequence of images, such as load_pages(path).")
     count = len(pages)
@@ -90,24 +75,28 @@ def _checked(pages: object, numbers: Sequence[int] | None) -> Sequence[int]:
     for number in wanted:
         if not isinstance(number, int | np.integer) or not 1 <= number <= count:
             raise ValueError(f"page is {shown(number)}, but there are {count} pages: choose 1 to {count}.")
-    return wanted
+
+    def followed() -> Iterator[Page]:
+        follower = Follower()
+        for number in wanted:
+            try:
+                image = as_plane(pages[number - 1])
+                start = seeds(image) if callable(seeds) else seeds
+                if follower.starts and not fresh:
+                    start = seeds_along(follower.starts)
+                chosen = fitting(parameters or Parameters(), image)
+                found = segment(image, start, chosen, max_steps=max_steps, regions=regions, charges=charges)
+            except (ValueError, MemoryError) as error:
+                yield Page(number, None, trouble=trouble_of(error))
+            else:
+                yield follower.take(number, found)
+
+    return followed()
 
 
 def _is_row(given: object) -> TypeGuard[Sequence[Any]]:
     """Whether something has a first, a second, and so on; an array without axes has not."""
     return isinstance(given, Sequence) or (isinstance(given, np.ndarray) and given.ndim > 0)
-
-
-def _followed(
-    numbers: Sequence[int], found_on: Callable[[int, Follower], Result], follower: Follower
-) -> Iterator[Page]:
-    for number in numbers:
-        try:
-            found = found_on(number, follower)
-        except (ValueError, MemoryError) as error:
-            yield Page(number, None, trouble=trouble_of(error))
-        else:
-            yield follower.take(number, found)
 
 
 class Follower:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -88,8 +88,7 @@ class TrackEvent:
         return described("TrackEvent", self.sentence)
 
 
-@dataclass(frozen=True, eq=False)
-class Overlaps:
+class Overlaps(NamedTuple):
     """How much each contour of one page overlaps with each of another, shape (N, M).
 
     `dice` is the measure by which contours belong to one track, `part` the share of the smaller area that lies in the
@@ -139,16 +138,16 @@ def overlaps_of(before: Sequence[Contour], now: Sequence[Contour], shape: tuple[
     if not (before and now):
         nothing = np.zeros((len(before), len(now)))
         return Overlaps(nothing, nothing)
-    dice, part = _of_areas(before, now, shape)
+    overlaps = _of_areas(before, now, shape)
     lines = np.array([not one.closed for one in before])[:, None] | np.array([not one.closed for one in now])[None]
-    if lines.any():
-        part[lines] = 0.0
-        joined, _ = _of_areas([_joined(one) for one in before], [_joined(one) for one in now], shape)
-        dice[lines] = np.maximum(joined, _beside(before, now))[lines]
-    return Overlaps(dice, part)
+    if lines.any():  # the ends of an open one are joined, as those of an object that the border of the image cuts
+        then, later = ([replace(one, closed=len(one.points) > 2) for one in contours] for contours in (before, now))
+        overlaps.part[lines] = 0.0
+        overlaps.dice[lines] = np.maximum(_of_areas(then, later, shape).dice, _beside(before, now))[lines]
+    return overlaps
 
 
-def _of_areas(before: Sequence[Contour], now: Sequence[Contour], shape: tuple[int, ...]) -> tuple[Array, Array]:
+def _of_areas(before: Sequence[Contour], now: Sequence[Contour], shape: tuple[int, ...]) -> Overlaps:
     """Overlap of the areas of closed contours, as the measure of Dice and as a share of the smaller one."""
     one, other = (_regions(contours, shape) for contours in (before, now))
     shared = np.zeros((len(before) + 1, len(now) + 1))
@@ -157,7 +156,7 @@ def _of_areas(before: Sequence[Contour], now: Sequence[Contour], shape: tuple[in
     common = shared[1:, 1:]
     first, second = shared.sum(axis=1)[1:, None], shared.sum(axis=0)[1:][None]
     least = np.minimum(first, second)
-    return 2.0 * common / np.maximum(first + second, 1.0), common / np.maximum(least, 1.0)
+    return Overlaps(2.0 * common / np.maximum(first + second, 1.0), common / np.maximum(least, 1.0))
 
 
 def _regions(contours: Sequence[Contour], shape: tuple[int, ...]) -> Index:
@@ -165,11 +164,6 @@ def _regions(contours: Sequence[Contour], shape: tuple[int, ...]) -> Index:
     alone = [replace(contour, group=0, hole=False) for contour in contours]
     places = np.array([0, *(index for index, one in enumerate(contours, 1) if one.closed)])
     return np.asarray(places[paint(alone, shape)].ravel())
-
-
-def _joined(contour: Contour) -> Contour:
-    """A contour whose ends are joined, as those of an object that the border of the image cuts."""
-    return replace(contour, closed=len(contour.points) > 2)
 
 
 def _beside(before: Sequence[Contour], now: Sequence[Contour]) -> Array:

@@ -96,5 +96,5 @@ def test_figures_are_read_as_what_their_suffix_says(result, ball, tmp_path):
     assert files[2].read_bytes().startswith(b"%PDF-")
     cpm.write_figure(cpm.skeleton(result.image), tmp_path / "bones.svg")
     cpm.write_figure(ball, tmp_path / "ball.png")
-    with pytest.raises(ValueError, match="names no figure"):
+    with pytest.raises(ValueError, match="names no format of a figure"):
         cpm.write_figure(result, tmp_path / "figure.gif")

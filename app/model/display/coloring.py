@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.model.display.lengths import round_up
+from app.model.display.plots import RunMetrics
 from app.model.text.language import tr
 from cpm_core.model import EPSILON
 from cpm_core.numerics import Array
@@ -25,42 +26,26 @@ _IN_RANGE = 99.0
 """Percentage of the particles inside the range: a single fast one must not make all others look alike."""
 
 
-@dataclass(frozen=True, slots=True)
-class InsertionTimes:
-    """Steps at which the particles of a run were inserted.
-
-    Attributes
-    ----------
-    step : ndarray, shape (K,)
-        Steps.
-    numbered : ndarray, shape (K,)
-        Identity of the next particle after each step.
-    """
-
-    step: Array
-    numbered: Array
-
-
-def speed(state: MethodState, _: InsertionTimes) -> Array:
+def speed(state: MethodState, _: RunMetrics) -> Array:
     """Speed [px of the image / unit of time]."""
     return np.asarray(np.linalg.norm(state.particles.velocity, axis=1) * 2.0**state.scale)
 
 
-def force(state: MethodState, _: InsertionTimes) -> Array:
+def force(state: MethodState, _: RunMetrics) -> Array:
     """Force without damping at the last step, in the unit of its scale: the Lorentz force is at most 1."""
     return np.asarray(np.linalg.norm(state.particles.force[:, 0], axis=1))
 
 
-def age(state: MethodState, inserted: InsertionTimes) -> Array:
+def age(state: MethodState, metrics: RunMetrics) -> Array:
     """Steps since insertion, or since the start of the scale for its first particles; NaN where it is not recorded."""
-    first = np.searchsorted(inserted.numbered, state.particles.identity, side="right")
-    known = first < len(inserted.step)
+    first = np.searchsorted(metrics.numbered, state.particles.identity, side="right")
+    known = first < len(metrics.step)
     steps = np.full(state.count, np.nan)
-    steps[known] = state.step - inserted.step[first[known]]
+    steps[known] = state.step - metrics.step[first[known]]
     return steps
 
 
-def convergence(state: MethodState, _: InsertionTimes) -> Array:
+def convergence(state: MethodState, _: RunMetrics) -> Array:
     """Share of each particle in ε of eq. (23): ``|sum_i (-1)^i |r(t_k-i)||`` [px]; NaN before it has a history."""
     distance = state.particles.distance
     signs = np.where(np.arange(distance.shape[1]) % 2, 1.0, -1.0)
@@ -83,7 +68,7 @@ class Quantity:
 
     title: str
     tip: str
-    of: Callable[[MethodState, InsertionTimes], Array]
+    of: Callable[[MethodState, RunMetrics], Array]
     range: tuple[float, float] | None = None
 
 
@@ -119,9 +104,9 @@ class Colored:
     high: float
 
 
-def colored(quantity: Quantity, state: MethodState, inserted: InsertionTimes) -> Colored:
+def colored(quantity: Quantity, state: MethodState, metrics: RunMetrics) -> Colored:
     """Colors of all particles of a state; a larger quantity never has a lower color."""
-    values = quantity.of(state, inserted)
+    values = quantity.of(state, metrics)
     unknown = np.isnan(values)
     if quantity.range is not None:
         low, high = quantity.range

@@ -15,8 +15,8 @@ from cpm_core.numerics import Array
 Shades = NDArray[np.uint8]
 """One byte a pixel, shape (H, W), or one for red, green and blue each, shape (H, W, 3)."""
 
-_ROWS = 64
-"""Rows that are processed at once: few enough for the processor's cache, which is several times faster."""
+_AT_ONCE = 1 << 16
+"""Gray values that are processed at once: few enough for the processor's cache, which is several times faster."""
 
 _OVERVIEW = 256
 """Longest side of the smallest level [px]."""
@@ -110,16 +110,17 @@ def display_of(image: Image) -> DisplayImage:
 def apply_window(values: Array, window: IntensityWindow) -> Shades:
     """Shades of an intensity window, ``255 ((v - low) / (high - low))^gamma``, rounded and clipped.
 
-    It has the shape of the gray values, (H, W), and is made from them directly, so that the narrowest window has 256
-    gray values.
+    It has the shape of the gray values, (H, W) or (P, H, W), and is made from them directly, so that the narrowest
+    window has 256 gray values.
     """
     shown = np.empty(values.shape, np.uint8)
     top = 255.0 if window.gamma == 1.0 else _CODES - 1.0
     factor = top / max(window.high - window.low, 1e-300)
     curve = np.rint(255.0 * np.linspace(0.0, 1.0, _CODES) ** window.gamma).astype(np.uint8)
-    for begin in range(0, len(values), _ROWS):
-        codes = np.rint(np.clip((values[begin : begin + _ROWS] - window.low) * factor, 0.0, top))
-        shown[begin : begin + _ROWS] = codes if window.gamma == 1.0 else curve[codes.astype(np.intp)]
+    rows = max(1, _AT_ONCE // max(1, values[:1].size))
+    for begin in range(0, len(values), rows):
+        codes = np.rint(np.clip((values[begin : begin + rows] - window.low) * factor, 0.0, top))
+        shown[begin : begin + rows] = codes if window.gamma == 1.0 else curve[codes.astype(np.intp)]
     return shown
 
 
@@ -151,16 +152,9 @@ def percentile_window(values: Array, percent: float) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def display_of_edge_map(edge_map: Array, strongest: float | None = None) -> Shades:
+def display_of_edge_map(edge_map: Array) -> Shades:
     """Edge strengths from zero, 0, to the largest, 255; the square root makes weak edges visible."""
-    top = float(edge_map.max()) if strongest is None else strongest
-    return np.rint(255.0 * np.sqrt(np.clip(edge_map / max(top, 1e-300), 0.0, 1.0))).astype(np.uint8)
-
-
-def volume_of_edge_map(edge_map: Array) -> DisplayVolume:
-    """`display_of_edge_map` of a volume, plane by plane."""
-    strongest = float(edge_map.max())
-    return DisplayVolume(np.stack([display_of_edge_map(plane, strongest) for plane in edge_map]))
+    return apply_window(edge_map, IntensityWindow(0.0, float(edge_map.max()), 0.5))
 
 
 _OUTLIERS = 0.5
@@ -170,9 +164,3 @@ _OUTLIERS = 0.5
 def display_of_potential(potential: Array) -> Shades:
     """Potentials from the lowest, 0, to the highest, 255, without a few pixels at either end."""
     return apply_window(potential, IntensityWindow(*percentile_window(potential, _OUTLIERS)))
-
-
-def volume_of_potential(potential: Array) -> DisplayVolume:
-    """`display_of_potential` of a volume, plane by plane."""
-    window = IntensityWindow(*percentile_window(potential, _OUTLIERS))
-    return DisplayVolume(np.stack([apply_window(plane, window) for plane in potential]))

@@ -51,19 +51,12 @@ class Trails:
             return
         if self._step is None or step < self._step:
             self._segments.clear()
-        order = np.argsort(identity, kind="stable")
-        identity, position = identity[order], position[order]
         if self._step is not None and step > self._step:
-            self._segments.append(self._segment(identity, position))
+            _, before, now = np.intersect1d(self._identity, identity, return_indices=True)
+            pairs = np.stack([self._position[before], position[now]], axis=1)
+            moves = np.abs(pairs[:, 1] - pairs[:, 0]).max(axis=1, initial=0.0) > _STILL
+            self._segments.append(pairs[moves])
         self._step, self._identity, self._position = step, identity, position
-
-    def _segment(self, identity: Index, position: Array) -> Array:
-        before = np.searchsorted(self._identity, identity)
-        before[before == len(self._identity)] = 0
-        known = self._identity[before] == identity if len(self._identity) else np.zeros(len(identity), bool)
-        pairs = np.stack([self._position[before[known]], position[known]], axis=1)
-        moved = np.abs(pairs[:, 1] - pairs[:, 0]).max(axis=1, initial=0.0) > _STILL
-        return np.asarray(pairs[moved])
 
 
 LINES = 12

@@ -10,20 +10,19 @@ import numpy as np
 import scipy
 
 from app.model.document.document import Document
+from app.model.document.objects import line_of
 from app.model.text.language import tr
 from cpm_core import Centerlines, Contour, Image, Surface, VolumePartition
 from cpm_core.contours import PackedSurface, inside_of
 from cpm_core.formats import ContourFile
-from cpm_core.numerics import Array, Place
-from cpm_core.objects.segmented import Click, Line, SegmentedObject
+from cpm_core.numerics import Place
+from cpm_core.objects.segmented import Click, SegmentedObject
 from cpm_core.shapes import Points, Polygon, Stroke, start_on_surface, starts_along, starts_in
 
 MOST = 1000
 """Most contours that are taken over: each is a shape or an object that can be moved and named by itself."""
 
 Kind = Literal["contours", "surface", "center lines"]
-
-_DECIMALS = 3
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -91,7 +90,7 @@ def objects_of(contours: Sequence[Contour]) -> tuple[SegmentedObject, ...]:
         groups.setdefault((contour.group, 0 if contour.group else index), []).append(contour)
     made: list[SegmentedObject] = []
     for parts in groups.values():
-        lines = [line for line in (_line(part.points) for part in parts) if len(set(line)) > 2]
+        lines = [line for line in (line_of(part.points) for part in parts) if len(set(line)) > 2]
         first = next((part for part in parts if not part.hole), parts[0])
         if lines:
             number = len(made) + 1
@@ -139,7 +138,3 @@ def add_objects(document: Document, imported: Imported) -> Document:
     first = objects.next_number - 1
     added = (replace(item, number=first + item.number, category=objects.category) for item in imported.objects)
     return replace(document, objects=replace(objects, items=(*objects.items, *added)))
-
-
-def _line(points: Array) -> Line:
-    return tuple((row, col) for row, col in np.round(points, _DECIMALS).tolist())

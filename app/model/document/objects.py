@@ -67,35 +67,32 @@ def begin_change(document: Document, number: int) -> Document:
     return _with(document, clicks=clicks, edited=number, category=item.category)
 
 
-def take(document: Document, taken: Iterable[tuple[AnySelection, tuple[Click, ...], int]]) -> Document:
-    """The document with objects of selections, and no selection in progress.
+Found = tuple[AnySelection, tuple[Click, ...], int]
+"""A selection with its clicks and the number of the object that it replaces, 0 for a new one."""
 
-    Each selection comes with its clicks and the number of the object that it replaces, 0 for a new one. Empty
-    selections are left out.
-    """
-    objects = document.objects
-    items = list(objects.items)
-    for selection, clicks, number in taken:
-        if not selection.found:
-            continue
-        at = next((index for index, item in enumerate(items) if item.number == number), None)
-        if at is not None:
-            item, found = items[at], made(selection, clicks, number, items[at].category)
-            items[at] = replace(found, name=item.name, color=item.color, frozen=item.frozen, hidden=item.hidden)
-        else:
-            fresh = max((item.number for item in items), default=0) + 1
-            items.append(made(selection, clicks, fresh, objects.category))
-    return _with(document, items=tuple(items), clicks=(), edited=0)
+
+def take(document: Document, taken: Iterable[Found]) -> Document:
+    """The document with objects of selections, and no selection in progress; empty selections are left out."""
+    return _with(_with_found(document, taken, document.objects.category), clicks=(), edited=0)
 
 
 def add(document: Document, selections: Iterable[Selection], category: int) -> Document:
     """The document with one more object of a class for each selection; the selection in progress stays."""
-    items = list(document.objects.items)
-    number = document.objects.next_number
-    for count, selection in enumerate(selections):
-        places = tuple((row, col) for row, col in selection.inside.tolist())
-        items.append(made(selection, (Click(places),), number + count, category))
-    return _with(document, items=tuple(items))
+    places = ((each, tuple((row, col) for row, col in each.inside.tolist())) for each in selections)
+    return _with_found(document, ((each, (Click(inside),), 0) for each, inside in places), category)
+
+
+def _with_found(document: Document, found: Iterable[Found], category: int) -> Document:
+    items = {item.number: item for item in document.objects.items}
+    for selection, clicks, number in found:
+        if selection.found and number in items:
+            item = items[number]
+            new = made(selection, clicks, number, item.category)
+            items[number] = replace(new, name=item.name, color=item.color, frozen=item.frozen, hidden=item.hidden)
+        elif selection.found:
+            fresh = max(items, default=0) + 1
+            items[fresh] = made(selection, clicks, fresh, category)
+    return _with(document, items=tuple(items.values()))
 
 
 def add_region(document: Document, contours: Iterable[Contour], name: str) -> Document:
@@ -104,25 +101,23 @@ def add_region(document: Document, contours: Iterable[Contour], name: str) -> Do
     if not closed:
         raise ValueError(tr("There is no closed contour to keep: wait until the method has found one."))
     objects = document.objects
-    boundary = tuple(_line(contour.points) for contour in closed)
+    boundary = tuple(line_of(contour.points) for contour in closed)
     item = SegmentedObject(objects.next_number, (), boundary, name=name, category=objects.category)
     return _with(document, items=(*objects.items, item))
 
 
-def replace_boundaries(document: Document, found: Iterable[tuple[AnySelection, tuple[Click, ...], int]]) -> Document:
-    """The document in which objects have the boundaries of selections, given as in `take`."""
-    selecting = document.objects
-    known = {item.number for item in selecting.items}
-    changed = take(document, [each for each in found if each[2] in known])
-    return _with(changed, clicks=selecting.clicks, edited=selecting.edited)
+def replace_boundaries(document: Document, found: Iterable[Found]) -> Document:
+    """The document in which objects that there are have the boundaries of selections."""
+    known = {item.number for item in document.objects.items}
+    return _with_found(document, [each for each in found if each[2] in known], 0)
 
 
 def made(selection: AnySelection, clicks: tuple[Click, ...], number: int, category: int) -> SegmentedObject:
     """The object of a selection that is not empty."""
     if isinstance(selection, VolumeSelection):
         return SegmentedObject(number, clicks, category=category, surface=(selection.packed,))
-    boundary = tuple(_line(contour.points) for contour in selection.contours)
-    gaps = tuple(_line(gap) for gap in selection.gaps)
+    boundary = tuple(line_of(contour.points) for contour in selection.contours)
+    gaps = tuple(line_of(gap) for gap in selection.gaps)
     confidence = round(min(max(float(selection.confidence), 0.0), 1.0), _DECIMALS)
     lengths = [contour.length for contour in selection.contours]
     strength = float(np.average([contour.strength for contour in selection.contours], weights=lengths))
@@ -242,7 +237,11 @@ def objects_result(document: Document) -> Result | None:
     if image is None or not shown:
         return None
     surface = surface_of(shown, image.spacing, image.unit)
-    contours = [contour for item in shown for contour in _contours(objects, item)]
+    contours = [
+        replace(contour, name=title(objects, item), color=objects.color(item), group=item.number)
+        for item in shown
+        for contour in contours_of(item)
+    ]
     bridges = [Bridge(np.array(gap), length(gap), 0.0) for item in shown for gap in item.gaps]
     found = boundaries_result(contours, bridges, image.shape, image.spacing, image.unit, image.name)
     return replace(found, surface=surface, provenance=Provenance("objects", sha256=image.sha256))
@@ -261,12 +260,6 @@ def surface_of(items: Iterable[SegmentedObject], spacing: tuple[float, ...], uni
         faces=np.concatenate([body.faces + first for (_, body), first in zip(bodies, firsts, strict=False)]),
         numbers=np.concatenate([np.full(len(body.faces), number) for number, body in bodies]),
     )
-
-
-def _contours(objects: SegmentedObjects, item: SegmentedObject) -> list[Contour]:
-    """The boundary of an object as contours with its name and color."""
-    name, color = title(objects, item), objects.color(item)
-    return [replace(contour, name=name, color=color, group=item.number) for contour in contours_of(item)]
 
 
 # Texts
@@ -297,7 +290,8 @@ def _with(document: Document, **parts: object) -> Document:
     return replace(document, objects=replace(document.objects, **parts))  # type: ignore[arg-type]
 
 
-def _line(points: Array) -> Line:
+def line_of(points: Array) -> Line:
+    """A line as objects keep it, rounded."""
     return tuple((row, col) for row, col in np.round(points, _DECIMALS).tolist())
 
 
@@ -340,18 +334,14 @@ def brushed(
     if boundary:
         made = before or SegmentedObject(number, (), boundary, category=objects.category)
         kept = tuple(gap for gap in made.gaps if lies_on(gap, boundary))
-        painted = tuple(line for curve in boundary for line in _painted(curve, path, radius))
+        painted = []
+        for points in map(np.array, boundary):
+            on = np.abs(polyline.distances(path, points) - radius) <= _ON_BRUSH
+            runs = (points[run].tolist() for run in polyline.stretches(on, closed=True) if len(run) > 1)
+            painted += [tuple((row, col) for row, col in run) for run in runs]
         items[number] = replace(made, clicks=(), boundary=boundary, gaps=(*kept, *painted))
     else:
         items.pop(number, None)
     edited = objects.edited if objects.edited != number else 0
     clicks = objects.clicks if edited == objects.edited else ()
     return replace(document, objects=replace(objects, items=tuple(items.values()), edited=edited, clicks=clicks))
-
-
-def _painted(curve: Line, path: Sequence[Position], radius: float) -> list[Line]:
-    """The stretches of a closed curve that run along the edge of a brush."""
-    points = np.array(curve)
-    on = np.abs(polyline.distances(path, points) - radius) <= _ON_BRUSH
-    runs = polyline.stretches(on, closed=True)
-    return [tuple((row, col) for row, col in points[run].tolist()) for run in runs if len(run) > 1]

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 from app.model.document.document import Mode
 from app.model.text.assets import asset
 from app.model.text.language import from_core
 from cpm_core import PRESETS, Parameters
-from cpm_core.shapes import SHAPES, Shape
+from cpm_core.formats import shape_from_plain
+from cpm_core.shapes import Shape
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +41,7 @@ def samples() -> tuple[Sample, ...]:
             title=from_core(entry["title"]),
             about=from_core(entry["about"]),
             path=asset(f"samples/{entry['file']}"),
-            shapes=tuple(_shape(drawn) for drawn in entry["shapes"]),
+            shapes=tuple(shape_from_plain(drawn, entry["title"]) for drawn in entry["shapes"]),
             parameters=replace(PRESETS[entry["preset"]], **entry.get("parameters", {})),
             mode=entry.get("mode", "shape"),
         )
@@ -58,16 +57,3 @@ def sample_at(path: Path) -> Sample | None:
 def sample_called(file: str) -> Sample | None:
     """The sample whose file has this name, or None."""
     return next((sample for sample in samples() if sample.path.name == file), None)
-
-
-def _shape(drawn: Mapping[str, Any]) -> Shape:
-    """The shape of an entry, given by the name of its kind and its fields."""
-    fields: dict[str, Any] = {name: _frozen(value) for name, value in drawn.items() if name != "shape"}
-    return SHAPES[drawn["shape"]](**fields)
-
-
-def _frozen(value: object) -> object:
-    """A value with tuples for lists and floats for whole numbers."""
-    if isinstance(value, list):
-        return tuple(_frozen(inner) for inner in value)
-    return float(value) if isinstance(value, int) else value

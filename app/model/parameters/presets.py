@@ -92,11 +92,11 @@ def read(content: bytes, source: str) -> Preset:
     """
     try:
         kept = json.loads(content.decode("utf-8")) if len(content) <= _LARGEST else {}
-        known = kept["format"] == _FORMAT
+        known = kept["format"] == _FORMAT and isinstance(kept["parameters"], dict)
     except (ValueError, TypeError, KeyError, RecursionError):
         known = False
     if not known:
-        message = tr("{file} is not a preset of CPM: save it again.")
+        message = tr("{file} is not a preset of CPM: choose a file that was exported as one.")
         raise ValueError(message.format(file=source))
     if kept.get("version") != _VERSION:
         message = tr("{file} has version {version} but this program reads version {most}.")

@@ -7,6 +7,7 @@ import re
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any, Generic, TypeVar
 
 from app.model.display.lengths import UNITS
@@ -27,8 +28,6 @@ class Preference(ABC, Generic[V]):
     ----------
     name : str
         Its key in the file of the preferences.
-    page : str
-        Name of the page of the dialog that it is on.
     label : str
         Words before its field.
     default
@@ -38,7 +37,6 @@ class Preference(ABC, Generic[V]):
     """
 
     name: str
-    page: str
     label: str
     default: V
     note: str = ""
@@ -115,85 +113,82 @@ PAGES = {
 """Titles of the pages by their names, in their order."""
 
 LANGUAGE = Choice(
-    name=language.KEY, page="general", label=tr("Language"), default=language.OF_THE_DESKTOP,
+    name=language.KEY, label=tr("Language"), default=language.OF_THE_DESKTOP,
     ways={language.OF_THE_DESKTOP: tr("As on the desktop"), **language.languages()},
     note=tr("The window changes its language when the program is started again."),
 )  # fmt: skip
 THEME = Choice(
-    name="theme", page="general", label=tr("Colors of the window"), default="system",
+    name="theme", label=tr("Colors of the window"), default="system",
     ways={"system": tr("As on the desktop"), "light": tr("Light"), "dark": tr("Dark")},
 )  # fmt: skip
 UNIT = Choice(
-    name="units", page="general", label=tr("Lengths and areas"), default="image", ways=UNITS,
+    name="units", label=tr("Lengths and areas"), default="image", ways=UNITS,
     note=tr("In tables, in the panel Run, in the status bar and on the scale bar. An image that does not say how large "
             "a pixel is has lengths in px."),
 )  # fmt: skip
 WORDING = Choice(
-    name="parameters/wording", page="general", label=tr("Labels"), default=FIRST_WORDING,
+    name="parameters/wording", label=tr("Labels"), default=FIRST_WORDING,
     ways={"name": tr("Names of parameters first"), "symbol": tr("Symbols of parameters first")},
 )  # fmt: skip
 
 CONTOUR_WIDTH = Number(
-    name="canvas/contour_width", page="appearance", label=tr("Width of contours"), default=2.0, low=0.5, high=5.0,
+    name="canvas/contour_width", label=tr("Width of contours"), default=2.0, low=0.5, high=5.0,
     step=0.25, decimals=2, suffix=" px",
 )  # fmt: skip
 SHAPE_WIDTH = Number(
-    name="canvas/shape_width", page="appearance", label=tr("Width of drawn shapes"), default=1.4, low=0.5, high=5.0,
+    name="canvas/shape_width", label=tr("Width of drawn shapes"), default=1.4, low=0.5, high=5.0,
     step=0.1, decimals=1, suffix=" px",
 )  # fmt: skip
 POINT_SIZE = Number(
-    name="canvas/point_size", page="appearance", label=tr("Size of particles"), default=7.0, low=3.0, high=20.0,
+    name="canvas/point_size", label=tr("Size of particles"), default=7.0, low=3.0, high=20.0,
     step=0.5, decimals=1, suffix=" px", note=tr("Particles are smaller where the image is shown small."),
 )  # fmt: skip
 
 INKS = {
-    "closed": Color(name="colors/closed", page="appearance", label=tr("Closed contours"), default="#56b4e9"),
-    "open": Color(name="colors/open", page="appearance", label=tr("Open contours"), default="#ff9d1e"),
-    "by_hand": Color(name="colors/by_hand", page="appearance", label=tr("Drawn by hand"), default="#c4f042"),
-    "bridge": Color(name="colors/bridge", page="appearance", label=tr("Bridged gaps"), default="#ffffff"),
-    "rejected": Color(name="colors/rejected", page="appearance", label=tr("Rejected contours"), default="#c3c9d1"),
-    "moving": Color(name="colors/moving", page="appearance", label=tr("Moving particles"), default="#f0e442"),
-    "resting": Color(name="colors/resting", page="appearance", label=tr("Particles at rest"), default="#2bd4a4"),
+    name: Color(name=f"colors/{name}", label=label, default=color)
+    for name, label, color in (
+        ("closed", tr("Closed contours"), "#56b4e9"),
+        ("open", tr("Open contours"), "#ff9d1e"),
+        ("by_hand", tr("Drawn by hand"), "#c4f042"),
+        ("bridge", tr("Bridged gaps"), "#ffffff"),
+        ("rejected", tr("Rejected contours"), "#c3c9d1"),
+        ("moving", tr("Moving particles"), "#f0e442"),
+        ("resting", tr("Particles at rest"), "#2bd4a4"),
+    )
 }
 """Colors on the canvas; people who cannot distinguish red and green can distinguish the defaults."""
 
 AUTOSAVE = Flag(
-    name="autosave/on", page="files", label=tr("Autosave"), default=True, text=tr("Keep unsaved work for recovery"),
+    name="autosave/on", label=tr("Autosave"), default=True, text=tr("Keep unsaved work for recovery"),
     note=tr("After a crash, the next start offers to restore it."),
 )  # fmt: skip
 SAVE_IN_FOLDER = Flag(
-    name="files/save_in_folder", page="files", label=tr("Next image of the folder"), default=False,
+    name="files/save_in_folder", label=tr("Next image of the folder"), default=False,
     text=tr("Save without asking"), note=tr("The session is written beside the image, under its name."),
 )  # fmt: skip
 KEEP_PARAMETERS = Flag(
-    name="parameters/keep", page="run", label=tr("Next image"), default=False,
+    name="parameters/keep", label=tr("Next image"), default=False,
     text=tr("Keep parameters for the next image"),
 )  # fmt: skip
 OFFER_SETTINGS = Flag(
-    name="parameters/offer", page="run", label=tr("Kind of image"), default=True,
+    name="parameters/offer", label=tr("Kind of image"), default=True,
     text=tr("Offer settings for kinds of images"),
     note=tr("Fluorescence, angiograms and ultrasound are recognized by their gray levels."),
 )  # fmt: skip
 TIMELINE_MEMORY = Number(
-    name="timeline/megabytes", page="run", label=tr("Memory for steps"), default=256.0, low=16, high=16384, step=64,
+    name="timeline/megabytes", label=tr("Memory for steps"), default=256.0, low=16, high=16384, step=64,
     suffix=tr(" MB"),
     note=tr("Maximum memory for the steps of a run. When it is full, fewer steps are stored, evenly spaced; the steps "
             "between them are recomputed exactly."),
 )  # fmt: skip
 
-PREFERENCES: tuple[Preference[Any], ...] = (
-    LANGUAGE,
-    THEME,
-    UNIT,
-    WORDING,
-    CONTOUR_WIDTH,
-    SHAPE_WIDTH,
-    POINT_SIZE,
-    *INKS.values(),
-    AUTOSAVE,
-    SAVE_IN_FOLDER,
-    KEEP_PARAMETERS,
-    OFFER_SETTINGS,
-    TIMELINE_MEMORY,
-)
-"""All of them, in the order of the dialog."""
+BY_PAGE: Mapping[str, tuple[Preference[Any], ...]] = {
+    "general": (LANGUAGE, THEME, UNIT, WORDING),
+    "appearance": (CONTOUR_WIDTH, SHAPE_WIDTH, POINT_SIZE, *INKS.values()),
+    "files": (AUTOSAVE, SAVE_IN_FOLDER),
+    "run": (KEEP_PARAMETERS, OFFER_SETTINGS, TIMELINE_MEMORY),
+}
+"""Those on each page of the dialog, in its order."""
+
+PREFERENCES = tuple(chain(*BY_PAGE.values()))
+"""All of them."""

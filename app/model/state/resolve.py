@@ -12,6 +12,7 @@ from app.model.state.situation import RunStatus, Situation, has_volume
 from app.model.state.surface_figures import SURFACE, VOLUME, figure_texts
 from app.model.text.keys import with_keys
 from app.model.text.language import from_core, tr, written
+from cpm_core import Result, Skeleton
 from cpm_core.shapes import (
     Barrier,
     BoxGrid,
@@ -118,7 +119,8 @@ def _state(situation: Situation) -> str:
             return tr("Paused")
         case "finished":
             message = tr("Done – {reason}") if status.converged else tr("Stopped – {reason}")
-            return _sentence(message.format(reason=from_core(status.stop_reason)))
+            text = message.format(reason=from_core(status.stop_reason))
+            return text if text.endswith((".", "!", "?")) else f"{text}."
     if document.starts or not needs_start(document.mode):
         return tr("Ready")
     return tr("Nothing to start from yet") if document.shapes else tr("Nothing drawn yet")
@@ -126,53 +128,44 @@ def _state(situation: Situation) -> str:
 
 def _hint(situation: Situation) -> str:
     document, status, selected = situation.document, situation.status, situation.selected
-    if status.phase == "empty":
-        return with_keys(tr("Open an image ({key:open}) or drop one here."))
     shape = document.shapes[selected] if selected is not None and selected < len(document.shapes) else None
-    if status.started:
-        return _hint_on_run(status) or (_what_a_charge_does(shape) if isinstance(shape, Charge) else "")
-    if isinstance(shape, Charge):
-        return _what_a_charge_does(shape)
-    if not needs_start(document.mode):
-        return with_keys(MODES[document.mode].hint)
-    if not document.shapes:
-        return _first_hint(situation)
-    if not document.starts:
-        return _hint_on_starts(situation)
-    if shape is not None:
-        return _what_can_be_done_to(shape)
-    return with_keys(MODES[document.mode].hint or tr("Press {key:run} to run."))
-
-
-def _first_hint(situation: Situation) -> str:
-    if has_volume(situation):
-        return with_keys(
-            tr(
-                "Drag to draw a sphere in or around an object; {key:previous_slice} and {key:next_slice} go through "
-                "the slices."
-            )
+    in_volume, usual = has_volume(situation), MODES[document.mode].hint
+    if status.phase == "empty":
+        message = tr("Open an image ({key:open}) or drop one here.")
+    elif status.started and status.stale and status.phase == "running":
+        message = tr("A start or the scales have changed: Reset ({key:reset}) to begin from them.")
+    elif status.started and status.stale:
+        message = tr("A start or the scales have changed: Run starts again from them.")
+    elif status.started and status.steered:
+        message = tr(
+            "The parameters have changed: Resume ({key:run}) goes on with them, Reset ({key:reset}) starts over."
         )
-    return tr("Drag on the image to draw a circle in or around an object.")
-
-
-def _hint_on_starts(situation: Situation) -> str:
-    if has_volume(situation):
-        return tr("Now draw where particles start: a sphere, a box, a stroke or points.")
-    return with_keys(
-        tr("Now draw where particles start: a circle, a stroke or points; or start everywhere ({key:start_grid}).")
-    )
-
-
-def _hint_on_run(status: RunStatus) -> str:
-    if status.stale:
-        if status.phase == "running":
-            return with_keys(tr("A start or the scales have changed: Reset ({key:reset}) to begin from them."))
-        return tr("A start or the scales have changed: Run starts again from them.")
-    if status.steered:
-        return with_keys(
-            tr("The parameters have changed: Resume ({key:run}) goes on with them, Reset ({key:reset}) starts over.")
+    elif isinstance(shape, Charge):
+        message = tr(
+            "Drag the {shape} of strength {strength} or move it with arrow keys; < and > make it weaker and stronger; "
+            "{key:delete} removes it."
         )
-    return ""
+        return with_keys(message, shape=from_core(shape.title), strength=written(f"{abs(shape.strength):g}"))
+    elif status.started:
+        message = ""
+    elif not needs_start(document.mode):
+        message = usual
+    elif not document.shapes and in_volume:
+        message = tr(
+            "Drag to draw a sphere in or around an object; {key:previous_slice} and {key:next_slice} go through "
+            "the slices."
+        )
+    elif not document.shapes:
+        message = tr("Drag on the image to draw a circle in or around an object.")
+    elif not document.starts and in_volume:
+        message = tr("Now draw where particles start: a sphere, a box, a stroke or points.")
+    elif not document.starts:
+        message = tr(
+            "Now draw where particles start: a circle, a stroke or points; or start everywhere ({key:start_grid})."
+        )
+    else:
+        return with_keys(usual or tr("Press {key:run} to run.")) if shape is None else _what_can_be_done_to(shape)
+    return with_keys(message)
 
 
 def _what_can_be_done_to(shape: Shape) -> str:
@@ -200,77 +193,58 @@ def _what_can_be_done_to(shape: Shape) -> str:
     return with_keys(message, shape=name)
 
 
-def _what_a_charge_does(charge: Charge) -> str:
-    message = tr(
-        "Drag the {shape} of strength {strength} or move it with arrow keys; < and > make it weaker and stronger; "
-        "{key:delete} removes it."
-    )
-    return with_keys(message, shape=from_core(charge.title), strength=written(f"{abs(charge.strength):g}"))
+_Numbers = tuple[tuple[str, str, str], ...]
+"""Label, value and explanation of each number."""
 
 
-def _sentence(text: str) -> str:
-    return text if text.endswith((".", "!", "?")) else f"{text}."
+def _known(known: bool, numbers: _Numbers) -> _Numbers:
+    """Numbers, with dashes for their values where they are not known."""
+    return numbers if known else tuple((label, "–", tip) for label, _, tip in numbers)
 
 
-def _numbers(status: RunStatus, image: ImageReference | None) -> tuple[tuple[str, str, str], ...]:
-    def shown(value: str) -> str:
-        return value if status.has_particles else "–"
-
-    epsilon = (
-        "–"
-        if math.isnan(status.epsilon)
-        else scientific_text(status.epsilon)
-        if status.epsilon < 1e-3
-        else written(f"{status.epsilon:.4f}")
-    )
+def _numbers(status: RunStatus, image: ImageReference | None) -> _Numbers:
+    small = status.epsilon < 1e-3
+    epsilon = scientific_text(status.epsilon) if small else written(f"{status.epsilon:.4f}")
     scale = tr("0 (full size)") if status.scale == 0 else f"{status.scale} (1:{2**status.scale})"
     speed = written(f"{status.steps_per_second:.0f}") if status.phase == "running" else "–"
-    return (
-        (tr("Step"), shown(written(f"{status.step:,}")), tr("Steps taken over all scales.")),
-        (tr("Particles"), shown(written(f"{status.count:,}")), tr("Free particles there are now.")),
-        (
-            tr("Scale"),
-            shown(scale),
-            tr("Level of the image pyramid; at 1:4 a pixel stands for 4 by 4."),
-        ),
-        (
-            "ε",
-            shown(epsilon),
-            tr("How much the particles still move, eq. (23); small at rest."),
-        ),
+    numbers = (
+        (tr("Step"), written(f"{status.step:,}"), tr("Steps taken over all scales.")),
+        (tr("Particles"), written(f"{status.count:,}"), tr("Free particles there are now.")),
+        (tr("Scale"), scale, tr("Level of the image pyramid; at 1:4 a pixel stands for 4 by 4.")),
+        ("ε", "–" if math.isnan(status.epsilon) else epsilon,
+         tr("How much the particles still move, eq. (23); small at rest.")),
         (tr("Steps/s"), speed, tr("Speed of the run.")),
-        *(figure_texts(status.surface) if image is not None and image.is_volume else _of_contours(status, image)),
-    )
-
-
-def _of_contours(status: RunStatus, image: ImageReference | None) -> tuple[tuple[str, str, str], ...]:
-    found, bridged = "–", "–"
-    if status.has_particles:
-        found = tr("{closed} closed, {open} open").format(closed=status.closed, open=status.open)
-        bridged = _bridged(status, image)
-    return (
+    )  # fmt: skip
+    if image is not None and image.is_volume:
+        return (*_known(status.has_particles, numbers), *figure_texts(status.surface))
+    closed = sum(contour.closed for contour in status.contours)
+    found = tr("{closed} closed, {open} open").format(closed=closed, open=len(status.contours) - closed)
+    bridges = status.found.bridges if isinstance(status.found, Result) else ()
+    bridged = tr("no gap")
+    if bridges:
+        words = tr("1 gap of {length}") if len(bridges) == 1 else tr("{gaps} gaps, longest {length}")
+        longest = _length(max(bridge.length for bridge in bridges), image)
+        bridged = words.format(gaps=len(bridges), length=longest)
+    contours = (
         (tr("Contours"), found, tr("Contours reconstructed so far.")),
         (tr("Bridged"), bridged, tr("Gaps that were closed along a faint edge; see the parameter Maximum gap.")),
     )
+    return _known(status.has_particles, (*numbers, *contours))
 
 
-def _numbers_of_skeleton(status: RunStatus, image: ImageReference | None) -> tuple[tuple[str, str, str], ...]:
-    found = status.method == "skeleton" and status.closed + status.open > 0
+_NOTHING_FOUND = Skeleton((), (), (1, 1), (1.0, 1.0), None, "")
 
-    def shown(value: str) -> str:
-        return value if found else "–"
 
-    branches, length = written(f"{status.closed + status.open:,}"), _length(status.length, image, 0)
-    return (
-        (tr("Branches"), shown(branches), tr("Center lines between tips and forks.")),
-        (tr("Length"), shown(length), tr("Length of all branches together.")),
-        (
-            tr("Thickness"),
-            shown(_length(status.thickness, image)),
-            tr("Thickness that 95 % of the length stays below."),
-        ),
-        (tr("Skeleton of"), shown(skeleton_of(status.polarity, status.width)), tr("What has a skeleton in the image.")),
+def _numbers_of_skeleton(status: RunStatus, image: ImageReference | None) -> _Numbers:
+    found = status.found if isinstance(status.found, Skeleton) else _NOTHING_FOUND
+    thickness = _length(found.thickness, image)
+    numbers = (
+        (tr("Branches"), written(f"{len(found.contours):,}"), tr("Center lines between tips and forks.")),
+        (tr("Length"), _length(found.length, image, 0), tr("Length of all branches together.")),
+        (tr("Thickness"), thickness, tr("Thickness that 95 % of the length stays below.")),
+        (tr("Skeleton of"), skeleton_of(found.polarity, found.width), tr("What has a skeleton in the image.")),
     )
+    return _known(bool(found.contours), numbers)
 
 
 def skeleton_of(polarity: int, width: float) -> str:
@@ -284,12 +258,3 @@ def _length(pixels: float, image: ImageReference | None, decimals: int = 1) -> s
         return measured(pixels, (1.0,), None, decimals)
     sides = (min(image.spacing),) if image.is_volume else image.spacing  # lengths are in smallest sides there
     return measured(pixels, sides, image.unit, decimals)
-
-
-def _bridged(status: RunStatus, image: ImageReference | None) -> str:
-    if not status.bridges:
-        return tr("no gap")
-    if status.bridges == 1:
-        return tr("1 gap of {length}").format(length=_length(status.longest_bridge, image))
-    message = tr("{gaps} gaps, longest {length}")
-    return message.format(gaps=status.bridges, length=_length(status.longest_bridge, image))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from app.model.display.lengths import shown_in
 from app.model.text.language import tr, written
@@ -13,58 +12,11 @@ SURFACE, CLOSED, EULER = tr("Surface"), tr("Closed"), tr("Euler char.")
 AREA, VOLUME, SUPPORT = tr("Area"), tr("Volume"), tr("Support")
 
 
-@dataclass(frozen=True, slots=True)
-class SurfaceFigures:
-    """Figures of a surface, measured on another thread.
+def figure_texts(found: Surface | None) -> tuple[tuple[str, str, str], ...]:
+    """Label, value and explanation of each figure; dashes while there is no surface.
 
-    Attributes
-    ----------
-    components, left_out : int
-        Parts that do not hang together, and those that were left out for want of particles.
-    euler : int
-        Euler characteristic.
-    free, nonmanifold : int
-        Edges with one triangle, and with more than two; a closed surface has none of either.
-    area, volume : float
-        In the unit of the image.
-    unsupported : float
-        Share of the vertices without a particle near; NaN where it is not known.
-    spacing : tuple of float
-        Size of a voxel along each axis, in `unit`.
-    unit : str or None
-        Unit of length; None where it is not known.
+    The first time it takes long for a surface of many triangles, which keeps what was measured.
     """
-
-    components: int
-    left_out: int
-    euler: int
-    free: int
-    nonmanifold: int
-    area: float
-    volume: float
-    unsupported: float
-    spacing: tuple[float, ...]
-    unit: str | None
-
-    @classmethod
-    def of(cls, surface: Surface) -> SurfaceFigures:
-        """Measure a surface, which takes long for one of many triangles."""
-        return cls(
-            surface.components,
-            surface.left_out,
-            surface.euler,
-            surface.free_edges,
-            surface.nonmanifold_edges,
-            surface.area,
-            surface.volume,
-            surface.unsupported,
-            surface.spacing,
-            surface.unit,
-        )
-
-
-def figure_texts(found: SurfaceFigures | None) -> tuple[tuple[str, str, str], ...]:
-    """Label, value and explanation of each figure; dashes while there is no surface."""
     texts = ("–",) * 6 if found is None else _texts(found)
     tips = (
         tr("Parts of the surface that do not hang together."),
@@ -77,7 +29,7 @@ def figure_texts(found: SurfaceFigures | None) -> tuple[tuple[str, str, str], ..
     return tuple(zip((SURFACE, CLOSED, EULER, AREA, VOLUME, SUPPORT), texts, tips, strict=True))
 
 
-def _texts(found: SurfaceFigures) -> tuple[str, ...]:
+def _texts(found: Surface) -> tuple[str, ...]:
     size = shown_in(found.spacing, found.unit)
     unit = size.unit or tr("voxels")
     parts = (
@@ -85,7 +37,7 @@ def _texts(found: SurfaceFigures) -> tuple[str, ...]:
     )
     if found.left_out:
         parts = tr("{parts}, {count} left out").format(parts=parts, count=written(f"{found.left_out:,}"))
-    edges = found.free + found.nonmanifold
+    edges = found.free_edges + found.nonmanifold_edges
     closed = tr("yes") if not edges else tr("no, at {count} edges").format(count=written(f"{edges:,}"))
     area, volume = found.area * size.factor**2, found.volume * size.factor**3
     support = "–" if math.isnan(found.unsupported) else written(f"{100.0 * (1.0 - found.unsupported):.1f} %")

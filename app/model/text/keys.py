@@ -73,19 +73,14 @@ def distinct(texts: Sequence[str]) -> list[str]:
     texts : sequence of str
         Texts of the entries, in their order. An entry without a mark gets none.
     """
-    taken: set[str] = set()
-    made: list[str | None] = []
+    own, taken, made = set(map(letter_of, texts)), {""}, []
     for text in texts:
-        letter = letter_of(text)
-        kept = letter not in taken
-        taken |= {letter} if kept and letter else set()
-        made.append(text if kept else None)
-    for index, text in enumerate(texts):
-        if made[index] is None:
-            other = next((other for other in _others(text) if letter_of(other) not in taken), _without(text))
-            taken.add(letter_of(other))
-            made[index] = other
-    return [text for text in made if text is not None]
+        kept = text
+        if "" != letter_of(text) in taken:
+            kept = next((other for other in _others(text) if letter_of(other) not in own | taken), _without(text))
+        taken.add(letter_of(kept))
+        made.append(kept)
+    return made
 
 
 def letter_of(text: str) -> str:

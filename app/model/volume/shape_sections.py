@@ -136,7 +136,11 @@ class ChargeSection(WithoutOutline):
 
     def ring(self, radius: float) -> Array:
         """Where the slice cuts a sphere around the charge, shape (K, 2); empty where it does not."""
-        return _ring(self.position, math.sqrt(max(radius**2 - self.away**2, 0.0)), self.sides)
+        cut = math.sqrt(max(radius**2 - self.away**2, 0.0))
+        if cut < SMALLEST:
+            return np.empty((0, 2))
+        down, right = self.sides
+        return Ellipse(self.position, (max(cut / right, SMALLEST), max(cut / down, SMALLEST))).outline
 
     def distance(self, position: Position) -> float:
         """Distance of a position from the charge [px]; infinite where it is only its effect that the slice shows."""
@@ -164,24 +168,24 @@ def _sections(shape: Shape, axis: int, index: float, sides: Sequence[float]) -> 
     elif isinstance(shape, Box | BoxRegion | BoxGrid | BoxThreshold):
         yield from _of_box(shape, axis, index)
     elif isinstance(shape, PrismRegion | Wall):
-        if shape.first - _IN <= index <= shape.last + _IN or axis != shape.axis:
-            yield from _across(shape) if axis == shape.axis else _along(shape, axis, index)
+        yield from _of_extruded(shape, axis, index)
     elif isinstance(shape, EnclosedRegion | EnclosingWall):
-        yield from _of_surface(shape, Slice(axis, round(index)))
+        for line in section(shape.surface.surface, Slice(axis, round(index))):
+            corners = tuple((row, col) for row, col in line.points.tolist())
+            if line.closed and len(set(corners)) > 2:
+                yield RegionSection(corners) if isinstance(shape, EnclosedRegion) else Barrier((*corners, corners[0]))
     elif isinstance(shape, Charge) and len(shape.position) == 3:
-        yield from _of_charge(shape, axis, index, sides)
+        away = abs(shape.position[axis] - index) * sides[axis]
+        if away <= RADIUS:
+            down, right = _flat(sides, axis)
+            yield ChargeSection(_flat(shape.position, axis), shape.strength, away, (down, right))
     elif isinstance(shape, Stroke | Polygon) and len(shape.points[0]) == 3:
-        yield from _of_line(shape, axis, index)
+        if all(abs(place[axis] - index) <= _IN for place in shape.points):
+            yield replace(shape, points=tuple(_flat(place, axis) for place in shape.points))
+        else:  # its particles near the slice
+            yield from _of_points(shape.seeds().tolist(), axis, index)
     elif isinstance(shape, Points) and len(shape.positions[0]) == 3:
         yield from _of_points(shape.positions, axis, index)
-
-
-def _of_surface(shape: EnclosedRegion | EnclosingWall, here: Slice) -> Iterator[Shape]:
-    """The closed lines in which a slice cuts a surface."""
-    for line in section(shape.surface.surface, here):
-        corners = tuple((row, col) for row, col in line.points.tolist())
-        if line.closed and len(set(corners)) > 2:
-            yield RegionSection(corners) if isinstance(shape, EnclosedRegion) else Barrier((*corners, corners[0]))
 
 
 def _flat(place: Sequence[float], axis: int) -> Position:
@@ -235,55 +239,34 @@ def _spread(places: Array) -> Array:
     return places[np.sort(first)]
 
 
-def _of_line(line: Stroke | Polygon, axis: int, index: float) -> Iterator[Shape]:
-    """The line itself where it lies in the slice, otherwise its particles near the slice."""
-    if all(abs(place[axis] - index) <= _IN for place in line.points):
-        yield replace(line, points=tuple(_flat(place, axis) for place in line.points))
-    else:
-        yield from _of_points(line.seeds().tolist(), axis, index)
+def _of_extruded(shape: Extruded, axis: int, index: float) -> Iterator[Shape]:
+    """The line itself in the slices that it was drawn in.
 
-
-def _of_charge(charge: Charge, axis: int, index: float, sides: Sequence[float]) -> Iterator[ChargeSection]:
-    away = abs(charge.position[axis] - index) * sides[axis]
-    if away <= RADIUS:
-        down, right = _flat(sides, axis)
-        yield ChargeSection(_flat(charge.position, axis), charge.strength, away, (down, right))
-
-
-def _ring(center: Position, radius: float, sides: tuple[float, float]) -> Array:
-    """A circle in space around a place of a slice."""
-    if radius < SMALLEST:
-        return np.empty((0, 2))
-    (row, col), (down, right) = center, sides
-    return Ellipse((row, col), (max(radius / right, SMALLEST), max(radius / down, SMALLEST))).outline
-
-
-def _across(shape: Extruded) -> Iterator[Shape]:
-    """In the slices that it was drawn in: the line itself."""
-    flat = shape.flat(shape.points)
-    yield RegionSection(flat.points, held=flat.handles()) if isinstance(flat, Region) else flat
-
-
-def _along(shape: Extruded, axis: int, index: float) -> Iterator[Shape]:
-    """In other slices: a strip for each stretch inside what is closed, a line for each place where a line is cut."""
+    In others a strip for each stretch inside what is closed, a line for each place where a line is cut.
+    """
+    if axis == shape.axis:
+        if shape.first - _IN <= index <= shape.last + _IN:
+            flat = shape.flat(shape.points)
+            yield RegionSection(flat.points, held=flat.handles()) if isinstance(flat, Region) else flat
+        return
+    if shape.last <= shape.first:
+        return
     other = next(one for one in range(3) if one not in (axis, shape.axis))
     cuts = _crossings(shape, axis, index, other)
-    upright = shape.axis < other  # the range runs down, and the other axis to the right
+
+    def turned(*places: Position) -> tuple[Position, ...]:
+        """Places along the range and the other axis, of which the first one runs down."""
+        return places if shape.axis < other else tuple((right, down) for down, right in places)
+
     if isinstance(shape, PrismRegion):
         for begin, end in zip(cuts[::2], cuts[1::2], strict=False):
-            if end - begin > 1e-6 and shape.last > shape.first:
-                ends = [(shape.first, begin), (shape.first, end), (shape.last, end), (shape.last, begin)]
+            if end - begin > 1e-6:
+                ends = ((shape.first, begin), (shape.first, end), (shape.last, end), (shape.last, begin))
                 middle = 0.5 * (begin + end)
-                held = [(shape.first, middle), (shape.last, middle)]
-                yield RegionSection(_turned(ends, upright), held=_turned(held, upright))
+                yield RegionSection(turned(*ends), held=turned((shape.first, middle), (shape.last, middle)))
     else:
         for at in cuts:
-            if shape.last > shape.first:
-                yield Barrier(_turned([(shape.first, at), (shape.last, at)], upright))
-
-
-def _turned(places: Sequence[Position], upright: bool) -> tuple[Position, ...]:
-    return tuple((one, other) if upright else (other, one) for one, other in places)
+            yield Barrier(turned((shape.first, at), (shape.last, at)))
 
 
 def _crossings(shape: Extruded, axis: int, index: float, other: int) -> list[float]:

@@ -167,7 +167,10 @@ def planes_of(volume: Image) -> tuple[str, str, str]:
 
 def directions_of(volume: Image) -> tuple[Array, ...]:
     """Directions to the right, down and away, one a row, along (plane, row, col), as slices across each axis lie."""
-    handed = _MIRRORED if volume.geometry is None else _handed([end for _, end in volume.geometry.ends])
+    handed = _MIRRORED
+    if volume.geometry is not None:
+        along = [[(end == pair[0]) - (end == pair[1]) for pair in _PATIENT] for _, end in volume.geometry.ends]
+        handed = float(np.linalg.det(np.array(along, float)))
     found = []
     for axis in range(3):
         down, right = (other for other in range(3) if other != axis)
@@ -184,9 +187,3 @@ def first_seen(volume: Image) -> int:
     if volume.geometry is None:
         return 0
     return next(axis for axis, (_, end) in enumerate(volume.geometry.ends) if end in "AP")
-
-
-def _handed(letters: list[str]) -> float:
-    """1 where axes that end at these letters are right-handed, else -1."""
-    along = np.array([[(letter == pair[0]) - float(letter == pair[1]) for pair in _PATIENT] for letter in letters])
-    return float(np.linalg.det(along))

@@ -15,7 +15,7 @@ from app.model.display.display_image import DisplayImage, DisplayVolume
 from app.model.display.plots import RunMetrics
 from app.model.document.document import Document
 from app.model.export import ExportSummary
-from app.model.state.surface_figures import SurfaceFigures
+from app.model.state.surface_figures import figure_texts
 from app.model.text.language import reason, tr
 from app.model.volume.parts import Parts
 from app.model.volume.sampled_volumes import SampledForce, SampledValues
@@ -98,14 +98,12 @@ class Reconstruction:
     """The contours of a recent snapshot, with edits by hand; `tracked` is None for a skeleton.
 
     `missed` are the indices of the edits that have not found their contours, as soon as no other snapshot follows.
-    `figures` are those of the surface of a volume.
     """
 
     generation: int
     result: Result | Skeleton
     tracked: TrackedContours | None
     missed: tuple[int, ...] = ()
-    figures: SurfaceFigures | None = None
 
     @classmethod
     def of(cls, generation: int, result: Result | Skeleton, tracker: ContourTracker, thorough: bool) -> Reconstruction:
@@ -113,8 +111,8 @@ class Reconstruction:
         if isinstance(result, Skeleton):
             return cls(generation, result, None)
         tracked = tracker.track(result, thorough)
-        figures = SurfaceFigures.of(result.surface) if result.surface is not None else None
-        return cls(generation, tracked.result, tracked, figures=figures)
+        figure_texts(result.surface)  # measures it on this thread
+        return cls(generation, tracked.result, tracked)
 
 
 @dataclass(frozen=True, slots=True)

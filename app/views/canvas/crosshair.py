@@ -33,13 +33,12 @@ class Crosshair:
         self._canvas = canvas
         self._changed = changed
         self._at: Position | None = None
-        self._items = [
-            Markers(size=_SIZE, symbol="crosshair", brush=None, pen=pg.mkPen(color, width=width))
+        self._marks = [
+            Markers(_Z, size=_SIZE, symbol="crosshair", brush=None, pen=pg.mkPen(color, width=width))
             for color, width in ((theme.HALO, 4.0), (theme.CHOSEN, 1.6))
         ]
-        for index, item in enumerate(self._items):
-            item.setZValue(_Z + 0.1 * index)
-            canvas.view.addItem(item, ignoreBounds=True)
+        for marks in self._marks:
+            canvas.view.addItem(marks, ignoreBounds=True)
         canvas.taken.connect(self.hide)
 
     @property
@@ -119,9 +118,8 @@ class Crosshair:
         self._changed()
 
     def _draw(self) -> None:
-        x, y = ([], []) if self._at is None else ([self._at[1]], [self._at[0]])
-        for item in self._items:
-            item.setData(x=x, y=y)
+        for marks in self._marks:
+            marks.show([] if self._at is None else [self._at])
 
 
 def _beyond(place: float, first: float, last: float) -> float:

@@ -47,7 +47,8 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
         self.setCentralItem(self.view)
         self.layers = Layers(self.view, requests or NoRequests())
         self.sections = Sections()
-        self._given = self._scene = Scene()
+        self._given = self.drawn = Scene()
+        """The scene that is given, and the one that is drawn: of a volume, that of a slice."""
         self._fitted = True
         self._original = original
         if original is not None:
@@ -60,39 +61,30 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
     @property
     def shape(self) -> tuple[int, ...] | None:
         """Shape of the image; None while there is none."""
-        return self._scene.image.shape if self._scene.image is not None else None
+        return self.drawn.image.shape if self.drawn.image is not None else None
 
     def draw(self, scene: Scene) -> None:
         """Draw a scene; another image, or slices across another axis, are shown as a whole."""
-        if self._original is not None and scene.whole is not self._scene.whole:
-            # a new image resets the options of its layer
-            self._draw(Scene(scene.image, scene.display, document=scene.document, slices=scene.slices))
-            self._copy_settings()
-        self._draw(scene)
+        self._given = scene
+        before, self.drawn = self.drawn, self.sections.of(scene)
+        if self.drawn.ground != before.ground:
+            upside_down, leftward = self._flips
+            self.view.invertY(not upside_down)
+            self.view.invertX(leftward)
+            if _aspect(self.drawn) != _aspect(before):
+                self.view.setAspectLocked(True, _aspect(self.drawn))
+            self.use_image()
+        self.layers.draw(self.drawn)
+        if scene.whole is not before.whole:
+            self._copy_settings()  # a new image resets the options of its layer
 
     def _copy_settings(self) -> None:
-        assert self._original is not None
-        for layer in self._original.layers:
+        for layer in self._original.layers if self._original is not None else ():
             self.layers[layer.name].use_view_state(layer.view_state())
-
-    def _draw(self, scene: Scene) -> None:
-        self._given = scene
-        before, self._scene = self._scene, self.sections.of(scene)
-        if self._scene.ground != before.ground:
-            self._lie()
-            if _aspect(self._scene) != _aspect(before):
-                self.view.setAspectLocked(True, _aspect(self._scene))
-            self.use_image()
-        self.layers.draw(self._scene)
 
     def draw_again(self) -> None:
         """Draw what has been made of the scene since."""
         self.draw(self._given)
-
-    @property
-    def drawn(self) -> Scene:
-        """The scene that is drawn: of a volume, that of a slice."""
-        return self._scene
 
     def use_image(self) -> None:
         """Begin with another image."""
@@ -113,22 +105,23 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
         """Enlarge by `factor` around a point of the widget, by default its center."""
         now = self.magnification
         factor = min(max(factor, min(LEAST / now, 1.0)), max(MOST / now, 1.0))
-        point = around if around is not None else QPointF(self.rect().center())
-        self.view.scaleBy(
-            (1.0 / factor, 1.0 / factor), center=self.view.mapSceneToView(self.mapToScene(point.toPoint()))
-        )
+        point = self.rect().center() if around is None else around.toPoint()
+        self.view.scaleBy((1.0 / factor, 1.0 / factor), center=self.view.mapSceneToView(self.mapToScene(point)))
         self._fitted = False
 
     def zoom_to(self, magnification: float) -> None:
         """Show so many pixels of the screen per pixel of the image, around the center."""
-        if math.isfinite(magnification) and magnification > 0.0:
-            self.zoom(min(max(magnification, LEAST), MOST) / self.magnification)
+        if 0.0 < magnification < math.inf:
+            self.zoom(magnification / self.magnification)
 
     def show_part(self, part: QRectF) -> None:
         """Show a part of the image as large as possible, with a margin."""
         wide = max(_SMALLEST - part.width(), 0.0) / 2 + _AROUND * part.width()
         high = max(_SMALLEST - part.height(), 0.0) / 2 + _AROUND * part.height()
-        self.view.setRange(part.adjusted(-wide, -high, wide, high), padding=0.0)
+        self._show(part.adjusted(-wide, -high, wide, high))
+
+    def _show(self, part: QRectF) -> None:
+        self.view.setRange(part, padding=0.0)
         self._fitted = False
 
     def pan(self, right: float, down: float) -> None:
@@ -141,13 +134,12 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
 
     def toward(self, down: float, right: float) -> Position:
         """Displacement (row, col) in the image that leads down and to the right on the screen."""
-        upside_down, leftward = flips_of(self._scene.whole, None if self.here is None else self.here.axis)
+        upside_down, leftward = self._flips
         return -down if upside_down else down, -right if leftward else right
 
     def look_at(self, place: Position, span: float) -> None:
         """Show a square of `span` px of the image around a place (row, col)."""
-        self.view.setRange(QRectF(place[1] - span / 2, place[0] - span / 2, span, span), padding=0.0)
-        self._fitted = False
+        self._show(QRectF(place[1] - span / 2, place[0] - span / 2, span, span))
 
     def position(self, point: QPointF) -> Position:
         """Position (row, col) under a point of the widget."""
@@ -158,17 +150,26 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
         return QPointF(self.mapFromScene(self.view.mapViewToScene(QPointF(position[1], position[0]))))
 
     def view_state(self) -> dict[str, Any]:
-        """Visible part and state of each layer, as plain JSON for a session file."""
-        return {"place": self._place(), "layers": {layer.name: layer.view_state() for layer in self.layers}}
+        """Visible part, unless it is the whole image, and state of each layer, as plain JSON for a session file."""
+        seen = self.view.viewRect()
+        place = {} if self._fitted else {"center": [seen.center().y(), seen.center().x()], "rows": seen.height()}
+        return {"place": place, "layers": {layer.name: layer.view_state() for layer in self.layers}}
 
     def use_view_state(self, state: Mapping[str, Any]) -> None:
         """Restore the state from a session file; missing or invalid entries change nothing."""
-        place, layers = state.get("place"), state.get("layers")
-        self._use_place(place if isinstance(place, dict) else {})
+        place, layers = (found if isinstance(found := state.get(name), dict) else {} for name in ("place", "layers"))
         for layer in self.layers:
-            kept = layers.get(layer.name) if isinstance(layers, dict) else None
+            kept = layers.get(layer.name)
             if isinstance(kept, dict):
                 layer.use_view_state(kept)
+        self.fit()
+        center, seen = place.get("center"), self.view.viewRect()
+        numbers = [*center, place.get("rows")] if isinstance(center, list) else []
+        if len(numbers) == 3 and all(isinstance(number, int | float) and abs(number) <= 1e6 for number in numbers):
+            row, col, high = numbers
+            wide = high * seen.width() / seen.height()
+            if high >= 0.01:
+                self._show(QRectF(col - 0.5 * wide, row - 0.5 * high, wide, high))
 
     def resizeEvent(self, event: QResizeEvent | None) -> None:
         """Keep the whole image visible until the user zooms."""
@@ -183,7 +184,7 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
     @property
     def here(self) -> Slice | None:
         """The slice that is shown; None for an image."""
-        return None if self._scene.slices is None else self._scene.slices.current
+        return None if self.drawn.slices is None else self.drawn.slices.current
 
     def placed(self, position: Position) -> Place:
         """Place in the image, or in the volume, of a position in what is shown."""
@@ -193,30 +194,10 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
         """Distance at which the pointer takes hold of something [px of the image]."""
         return REACH * float(self.view.viewPixelSize()[0])
 
-    def _lie(self) -> None:
-        """Show the slices of a patient the way up in which they are read."""
-        upside_down, leftward = flips_of(self._scene.whole, None if self.here is None else self.here.axis)
-        self.view.invertY(not upside_down)
-        self.view.invertX(leftward)
-
-    def _place(self) -> dict[str, object]:
-        """The visible part, empty while the whole image is visible."""
-        if self._fitted:
-            return {}
-        seen = self.view.viewRect()
-        return {"center": [seen.center().y(), seen.center().x()], "rows": seen.height()}
-
-    def _use_place(self, state: dict[str, object]) -> None:
-        """Restore the visible part from a session file; without a valid one, show the whole image."""
-        self.fit()
-        center, rows = state.get("center"), state.get("rows")
-        if not isinstance(center, list) or not isinstance(rows, int | float) or not 0.01 <= rows <= 1e6:
-            return
-        if len(center) == 2 and all(isinstance(place, int | float) and abs(place) <= 1e6 for place in center):
-            seen = self.view.viewRect()
-            cols = rows * seen.width() / seen.height()
-            self.view.setRange(QRectF(center[1] - 0.5 * cols, center[0] - 0.5 * rows, cols, rows), padding=0.0)
-            self._fitted = False
+    @property
+    def _flips(self) -> tuple[bool, bool]:
+        """Whether it is shown upside down, and mirrored, as slices of a patient are read."""
+        return flips_of(self.drawn.whole, None if self.here is None else self.here.axis)
 
 
 def _aspect(scene: Scene) -> float:

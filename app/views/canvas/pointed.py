@@ -47,7 +47,10 @@ class Pointed:
         shape = found.index if found is not None else None
         near = found is not None and (found.part == "handle" or shapes[found.index].distance(at) <= reach)
         contour = None if near or len(at) == 3 else self._review.under(at, reach)  # a volume has a surface
-        particles = not near and contour is None and self._has_particles(at, reach)
+        snapshot = self._session.scene.snapshot
+        particles = False
+        if not near and contour is None and snapshot is not None and len(snapshot.position):
+            particles = bool((np.linalg.norm(snapshot.position - np.array(at), axis=1) <= reach).any())
         number = 0 if near or contour is not None or particles else self._list.under(at)
         if near or not (contour is not None or particles or number):
             self._session.select(shape)
@@ -60,12 +63,6 @@ class Pointed:
         if number and number not in self._list.chosen:
             self._list.choose((number,))
         return "object" if number else "particles"
-
-    def _has_particles(self, at: Place, reach: float) -> bool:
-        snapshot = self._session.scene.snapshot
-        if snapshot is None or not len(snapshot.position):
-            return False
-        return bool((np.linalg.norm(snapshot.position - np.array(at), axis=1) <= reach).any())
 
 
 def selected_places(workspace: Workspace) -> list[Array]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import QEvent, QObject, Qt
-from PySide6.QtGui import QKeyEvent
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QFocusEvent
 from PySide6.QtWidgets import QComboBox, QLabel, QLineEdit
 
 from app.model.display.lengths import length_text, shown_in
@@ -11,7 +11,6 @@ from app.model.text.language import tr
 from app.session.session import Session
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.image_view import ImageView
-from app.views.widgets.containers import keep_escape
 from cpm_core import Image
 from cpm_core.numerics import Place
 
@@ -64,7 +63,9 @@ class ZoomField(QComboBox):
         super().__init__()
         self._canvas = canvas
         self.setObjectName("zoom")
+        self._line = QLineEdit()
         self.setEditable(True)
+        self.setLineEdit(self._line)
         self.setInsertPolicy(QComboBox.InsertPolicy.NoInsert)
         self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
         self.setAccessibleName(tr("Zoom"))
@@ -72,12 +73,9 @@ class ZoomField(QComboBox):
         self.addItem(tr("Fit to window"))
         self.addItems([f"{step} %" for step in _STEPS])
         self.setFixedWidth(self.fontMetrics().horizontalAdvance("Fit to window") + 36)
-        self._line = QLineEdit()
-        self.setLineEdit(self._line)
         self.setCompleter(None)  # type: ignore[arg-type]  # Qt takes none for no completer
         self.activated.connect(self._choose)
-        self._line.installEventFilter(self)
-        keep_escape(self)
+        self._line.returnPressed.connect(self._take)
         canvas.view.sigRangeChanged.connect(self.refresh)
         self.refresh()
 
@@ -85,37 +83,30 @@ class ZoomField(QComboBox):
         """Show the present zoom, unless another one is being typed."""
         shown = self._canvas.shape is not None
         self.setEnabled(shown)
-        if not self._line.hasFocus() or not self._line.isModified():
+        if not self._line.isModified():
             self.setEditText(f"{_rounded(100.0 * self._canvas.magnification)} %" if shown else "")
 
-    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Take Enter and Esc in the field, before they are shortcuts of the window."""
-        if isinstance(event, QKeyEvent) and event.key() in (Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Escape):
-            if event.type() == QEvent.Type.ShortcutOverride:
-                event.accept()
-                return True
-            if event.type() == QEvent.Type.KeyPress:
-                self._end(use=event.key() != Qt.Key.Key_Escape)
-                return True
-        return super().eventFilter(watched, event)
+    def focusOutEvent(self, event: QFocusEvent) -> None:
+        """Show the present zoom instead of what has been typed."""
+        super().focusOutEvent(event)
+        self._line.setModified(False)
+        self.refresh()
 
     def _choose(self, index: int) -> None:
         if index == 0:
             self._canvas.fit()
         else:
             self._canvas.zoom_to(_STEPS[index - 1] / 100.0)
-        self._end(use=False)
-
-    def _end(self, *, use: bool) -> None:
-        typed = self._line.text().replace("%", "").replace(",", ".").strip()
-        self._line.setModified(False)
-        if use:
-            try:
-                self._canvas.zoom_to(float(typed) / 100.0)
-            except ValueError:
-                self._canvas.fit()
         self._canvas.setFocus()
-        self.refresh()
+
+    def _take(self) -> None:
+        """Use what has been typed; what is no number fits the image to the window."""
+        typed = self._line.text().replace("%", "").replace(",", ".").strip()
+        try:
+            self._canvas.zoom_to(float(typed) / 100.0)
+        except ValueError:
+            self._canvas.fit()
+        self._canvas.setFocus()
 
 
 def _rounded(percent: float) -> str:

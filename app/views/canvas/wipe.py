@@ -33,32 +33,28 @@ class Wipe(QObject):
         self._canvas = canvas
         self._far = QWidget(canvas)
         self._far.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
-        self._mirror: ImageView | None = None
+        self.mirror: ImageView | None = None
+        """The view on the right; None while there is none."""
         self.divider = Divider(canvas)
         self.names = (_name(canvas), _name(canvas))
         self.share = 0.5
         """Place of the divider, from 0 on the left to 1 on the right."""
         self.divider.moved_to.connect(self.move_to)
-        self.divider.left.connect(self.ended)
+        self.divider.ended.connect(self.ended)
         canvas.installEventFilter(self)
         canvas.view.sigRangeChanged.connect(self._follow_place)
         self._show(False)
-
-    @property
-    def mirror(self) -> ImageView | None:
-        """The view on the right; None while there is none."""
-        return self._mirror
 
     def begin(self, near: str, far: str) -> None:
         """Show the divider, with the names of both sides."""
         for label, name in zip(self.names, (near, far), strict=True):
             label.setText(name)
             label.adjustSize()
-        if self._mirror is None:
-            self._mirror = ImageView(original=self._canvas)
-            self._mirror.setParent(self._far)
-            self._mirror.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-            self._mirror.show()
+        if self.mirror is None:
+            self.mirror = ImageView(original=self._canvas)
+            self.mirror.setParent(self._far)
+            self.mirror.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+            self.mirror.show()
             if self._canvas.hasFocus():
                 self.divider.setFocus()
         self._place()
@@ -66,18 +62,18 @@ class Wipe(QObject):
 
     def end(self) -> None:
         """Show the canvas alone."""
-        if self._mirror is not None:
+        if self.mirror is not None:
             had = self.divider.hasFocus()
             self._show(False)
-            self._mirror.deleteLater()
-            self._mirror = None
+            self.mirror.deleteLater()
+            self.mirror = None
             if had:
                 self._canvas.setFocus()
 
     def draw(self, scene: Scene) -> None:
         """Draw the scene on the right."""
-        if self._mirror is not None:
-            self._mirror.draw(scene)
+        if self.mirror is not None:
+            self.mirror.draw(scene)
             self._follow_place()
 
     def move_to(self, share: float) -> None:
@@ -87,7 +83,7 @@ class Wipe(QObject):
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Follow the size of the canvas."""
-        if event.type() == QEvent.Type.Resize and self._mirror is not None:
+        if event.type() == QEvent.Type.Resize and self.mirror is not None:
             self._place()
         return False
 
@@ -100,8 +96,8 @@ class Wipe(QObject):
         width, height = self._canvas.width(), self._canvas.height()
         at = round(self.share * width)
         self._far.setGeometry(at, 0, width - at, height)
-        if self._mirror is not None:
-            self._mirror.setGeometry(-at, 0, width, height)
+        if self.mirror is not None:
+            self.mirror.setGeometry(-at, 0, width, height)
         self.divider.setGeometry(at - _REACH, 0, 2 * _REACH, height)
         near, far = self.names
         near.move(at - _BESIDE - near.width(), _TOP)
@@ -109,8 +105,8 @@ class Wipe(QObject):
         self._follow_place()
 
     def _follow_place(self, *_: object) -> None:
-        if self._mirror is not None:
-            self._mirror.view.setRange(self._canvas.view.viewRect(), padding=0.0)
+        if self.mirror is not None:
+            self.mirror.view.setRange(self._canvas.view.viewRect(), padding=0.0)
 
 
 class Divider(QWidget):
@@ -118,7 +114,7 @@ class Divider(QWidget):
 
     moved_to = Signal(float)
     """It is wanted at a part of the width of its parent."""
-    left = Signal()
+    ended = Signal()
     """Esc has been pressed."""
 
     def __init__(self, parent: QWidget) -> None:
@@ -153,7 +149,7 @@ class Divider(QWidget):
         """Move it, or end the comparison."""
         key = Qt.Key(event.key())
         if key == Qt.Key.Key_Escape:
-            self.left.emit()
+            self.ended.emit()
         elif key in _KEYS:
             width = max(self._above.width(), 1)
             now = self.geometry().center().x() / width

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from PySide6.QtGui import QColor
 
-from app.model.display.coloring import QUANTITIES, SHADES, InsertionTimes, colored
+from app.model.display.coloring import QUANTITIES, SHADES, colored
 from app.model.display.space.picture import Colors
 from app.model.display.space.triangles import Mesh
 from app.model.display.space.view_in_space import ColoredMesh, Particles, ViewInSpace, Wires
@@ -64,8 +64,7 @@ def _particles(
         return None
     if quantity not in QUANTITIES:
         return Particles(snapshot.position, np.array(list(map(_rgb, inks)))[snapshot.resting.astype(np.intp)], size)
-    times = InsertionTimes(snapshot.metrics.step, snapshot.metrics.numbered)
-    marks = colored(QUANTITIES[quantity], snapshot.state, times).marks
+    marks = colored(QUANTITIES[quantity], snapshot.state, snapshot.metrics).marks
     palette = np.vstack([color_maps.table(map_name, SHADES, BEGIN), _rgb(UNKNOWN)]).astype(np.uint8)
     return Particles(snapshot.position, palette[marks], size)
 

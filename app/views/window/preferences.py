@@ -33,7 +33,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.preferences.shortcuts import refusal
-from app.model.preferences.table import PAGES, PREFERENCES, Choice, Color, Flag, Number, Preference
+from app.model.preferences.table import BY_PAGE, PAGES, Choice, Color, Flag, Number, Preference
 from app.model.text.language import tr
 from app.session.storage.preferences import Preferences
 from app.views.theme.icons import swatch
@@ -102,9 +102,8 @@ class PreferencesDialog(QDialog):
     def reset(self) -> None:
         """Set everything on the shown page to its default."""
         page = list(PAGES)[self.contents.currentRow()]
-        for preference in PREFERENCES:
-            if preference.page == page:
-                self._preferences.choose(preference, preference.default)
+        for preference in BY_PAGE.get(page, ()):
+            self._preferences.choose(preference, preference.default)
         if page == "shortcuts":
             self._keys.reset()
 
@@ -120,9 +119,8 @@ class PreferencesDialog(QDialog):
         page.setWidget(content)
         page.setWidgetResizable(True)
         page.setFrameShape(QFrame.Shape.NoFrame)
-        for preference in PREFERENCES:
-            if preference.page == name:
-                self._add_row(rows, preference)
+        for preference in BY_PAGE.get(name, ()):
+            self._add_row(rows, preference)
         return page
 
     def _add_row(self, rows: QFormLayout, preference: Preference[Any]) -> None:

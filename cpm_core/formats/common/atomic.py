@@ -63,7 +63,11 @@ def drafts_of(*paths: Path) -> Iterator[list[Path]]:
     try:
         for path in paths:
             with _failures_told(path):
-                moves.append((_draft_beside(path.resolve()), path.resolve()))
+                target = path.resolve()
+                _check_target(target)
+                stem = f"{_DRAFT}{hashlib.sha256(os.fsencode(target.name)).hexdigest()[:12]}"
+                remove_abandoned(target.parent, stem)  # left behind by writers of this target
+                moves.append((target.with_name(f"{stem}-{secrets.token_hex(6)}.part"), target))
         with _failures_told(paths[-1] if paths else Path()):
             yield [draft for draft, _ in moves]
         for draft, target in moves:
@@ -95,8 +99,8 @@ def suffix_among(path: AnyPath, known: Iterable[str]) -> str:
     return suffix if len(suffix) < len(name) else ""
 
 
-def check_target(path: AnyPath, known: Iterable[str]) -> None:
-    """Check in advance whether a file could be written to a path, in one of the formats with these suffixes.
+def check_target(path: AnyPath, known: Iterable[str], what: str = "that can be written") -> None:
+    """Check in advance whether a file could be written to a path, in a format `what` with one of these suffixes.
 
     Raises
     ------
@@ -106,9 +110,7 @@ def check_target(path: AnyPath, known: Iterable[str]) -> None:
     file = Path(path)
     if not suffix_among(file, known) and not file.is_dir():
         named = f"ends in {shown(file.suffix)}" if file.suffix and file.suffix not in known else "has no suffix"
-        raise ValueError(
-            f"{file.name} {named}, which names no format that can be written: choose one of {', '.join(known)}."
-        )
+        raise ValueError(f"{file.name} {named}, which names no format {what}: choose one of {', '.join(known)}.")
     check_place(file)
 
 
@@ -163,14 +165,6 @@ def _check_target(target: Path) -> os.stat_result | None:
     if not known.st_mode & (stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH) or not os.access(target, os.W_OK):
         raise ValueError(f"{target} is read-only and is not replaced: make it writable, or name another one.")
     return known
-
-
-def _draft_beside(target: Path) -> Path:
-    """A new name of fixed length for a draft of a target; drafts of it that have been left behind are removed."""
-    _check_target(target)
-    stem = f"{_DRAFT}{hashlib.sha256(os.fsencode(target.name)).hexdigest()[:12]}"
-    remove_abandoned(target.parent, stem)
-    return target.with_name(f"{stem}-{secrets.token_hex(6)}.part")
 
 
 @contextlib.contextmanager

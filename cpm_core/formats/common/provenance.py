@@ -58,7 +58,13 @@ def facts_on(source: str, made: Provenance, shapes: Iterable[Mapping[str, Any]] 
         facts["seeds"] = made.seeds
     drawn = [*made.shapes, *(shape for shape in shapes if shape not in made.shapes)]
     if drawn:
-        facts["shapes"] = [_shortened(shape) for shape in drawn]
+        facts["shapes"] = [
+            {
+                name: len(value) if isinstance(value, list | tuple) and len(value) > _MOST_PLACES else value
+                for name, value in shape.items()
+            }
+            for shape in drawn
+        ]
     if made.scale is not None:
         facts["scale"] = made.scale
     if made.steered:
@@ -141,9 +147,3 @@ def _limit(limit: Any) -> Entries:
     if isinstance(limit, Extrusion):
         return {"points": limit.line, "axis": limit.axis, "first": limit.first, "last": limit.last}
     return {"voxels": int(limit.mask.sum())} if isinstance(limit, Voxels) else {"points": limit}
-
-
-def _shortened(shape: Mapping[str, Any]) -> Entries:
-    """A shape with the number of its positions in place of long lists of them."""
-    long = {name for name, value in shape.items() if isinstance(value, (list, tuple)) and len(value) > _MOST_PLACES}
-    return {name: len(value) if name in long else value for name, value in shape.items()}

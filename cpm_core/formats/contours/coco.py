@@ -112,7 +112,7 @@ def read(content: Entries) -> Contents:
 
 
 def _add(found: Contents, entry: Entries, name: str) -> None:
-    known = {"name": name, "color": entry.get("color")}
+    known: Entries = {"name": name, "color": entry.get("color")}
     shapes = entry.get("segmentation")
     if entry.get(_OUTLINES):
         found.add_object(zip(map(_corners, entry[_OUTLINES]), entry[_HOLES], strict=True), **known)

@@ -149,8 +149,6 @@ def color_of(value: object) -> str:
     if isinstance(value, int) and not isinstance(value, bool):
         return f"#{value & 0xFFFFFF:06x}"
     if isinstance(value, str) and value:
-        if re.fullmatch("#[0-9A-Fa-f]{6}", value):
-            return value
         try:
             return "#{:02x}{:02x}{:02x}".format(*ImageColor.getrgb(value)[:3])
         except ValueError:

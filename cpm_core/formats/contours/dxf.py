@@ -98,14 +98,14 @@ def read(content: bytes, plane: Plane) -> Contents:
     drawing, _ = ezdxf.recover.read(io.BytesIO(content))
     own = dict(re.findall(rf"^999\s+({_SHAPE}|{_SPACING}): ([^\r\n]*)", content.decode("latin-1"), re.MULTILINE))
     found = Contents()
-    shape, spacing, scale = plane.shape, (1.0, 1.0), 1.0
+    shape, spacing, scale = plane.shape, np.ones(2), 1.0
     if own:
-        (rows, cols), (row, col) = map(int, own[_SHAPE].split()), map(float, own[_SPACING].split())
+        rows, cols = map(int, own[_SHAPE].split())
         found.shape = shape = rows, cols
-        spacing = row, col
+        spacing = np.array(own[_SPACING].split(), dtype=float)
     elif drawing.units and plane.unit is not None:
         units = InsertUnits(drawing.units), InsertUnits(_UNITS[plane.unit])
-        spacing, scale = plane.spacing, ezdxf.units.conversion_factor(*units)
+        spacing, scale = np.array(plane.spacing), ezdxf.units.conversion_factor(*units)
     elif drawing.units:
         found.notes.append("The drawing has a unit, but the image has no size of a pixel: one unit is taken for 1 px.")
     lines: list[tuple[DXFGraphic, Array, bool]] = []

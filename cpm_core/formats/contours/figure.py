@@ -47,7 +47,7 @@ def write_figure(
     """
     files = list(map(Path, paths))
     for file in files:
-        check_target(file, FIGURES)
+        check_target(file, FIGURES, "of a figure")
     drawn = {"image": image, "contours": contours, "particles": particles, "labels": labels, "scale_bar": scale_bar}
     contents = [(file, encoded(file.suffix.lower(), result, **drawn)) for file in files]
     write_together(contents)

@@ -6,7 +6,7 @@ import io
 import re
 import struct
 import zipfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import PurePosixPath
 
 import numpy as np
@@ -59,24 +59,26 @@ def encode_set(result: Outcome) -> bytes:
     """
     if not result.contours:
         raise ValueError(f"{result.source} has no contours, and ImageJ opens no empty set: let it run on.")
-    stream, properties = io.BytesIO(), properties_of(result)
-    names = {""}  # in lower case, because some file systems ignore case
-    with zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive:
-        for number, contour in zip(numbers_of(result.contours), result.contours, strict=True):
-            name = plain = re.sub(r"[^\w .()+-]", "_", title(contour, number))[:_LONGEST]
-            while name.lower() in names:
-                name = f"{plain}-{number}" if name == plain else f"{name}-"
-            names.add(name.lower())
-            add(archive, name, selection(contour, number, properties))
+    properties, taken = properties_of(result), {""}
+    found = {}
+    for number, contour in zip(numbers_of(result.contours), result.contours, strict=True):
+        name = plain = re.sub(r"[^\w .()+-]", "_", title(contour, number))[:_LONGEST]
+        while name.lower() in taken:  # some file systems ignore case
+            name = f"{plain}-{number}" if name == plain else f"{name}-"
+        taken.add(name.lower())
+        found[name] = selection(contour, number, properties)
+    return set_of(found.items())
+
+
+def set_of(selections: Iterable[tuple[str, bytes]]) -> bytes:
+    """An archive of selections by their names, without a date, because the result has none."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as archive:
+        for name, content in selections:
+            entry = zipfile.ZipInfo(f"{name}.roi")
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, content, zipfile.ZIP_DEFLATED)
     return stream.getvalue()
-
-
-def add(archive: zipfile.ZipFile, name: str, content: bytes) -> None:
-    """Add a selection to a set, without a date, because the result has none."""
-    entry = zipfile.ZipInfo(f"{name}.roi")
-    entry.compress_type = zipfile.ZIP_DEFLATED
-    entry.external_attr = 0o644 << 16
-    archive.writestr(entry, content)
 
 
 def selection(contour: Contour, number: int, properties: str, **place: int) -> bytes:
@@ -177,22 +179,22 @@ def _area(roi: ImagejRoi, selection: bytes) -> Array:
     """The line around an area, (row, col) from the corner of the image."""
     if roi.subtype in (ROI_SUBTYPE.ELLIPSE, ROI_SUBTYPE.ROTATED_RECT) and roi.roitype == ROI_TYPE.FREEHAND:
         (share,) = struct.unpack_from(">f", selection, _SHARE)
-        one, other = np.array([roi.y1, roi.x1], dtype=float), np.array([roi.y2, roi.x2], dtype=float)
+        one, other = np.array([(roi.y1, roi.x1), (roi.y2, roi.x2)], dtype=float)
         half = 0.5 * (other - one)
         across = np.array([half[1], -half[0]])
         if roi.subtype == ROI_SUBTYPE.ELLIPSE:
             return ellipse(0.5 * (one + other), half, share * across)
         side = 0.5 * share * across / max(float(np.hypot(*across)), 1e-12)
         return np.array([one - side, one + side, other + side, other - side])
-    if roi.roitype in (ROI_TYPE.RECT, ROI_TYPE.OVAL):
-        top, left, bottom, right = float(roi.top), float(roi.left), float(roi.bottom), float(roi.right)
-        if roi.subpixelrect:
-            top, left, bottom, right = roi.yd, roi.xd, roi.yd + roi.heightd, roi.xd + roi.widthd
-        if roi.roitype == ROI_TYPE.RECT:
-            return rectangle((top, left), (bottom, right))
-        center = np.array([0.5 * (top + bottom), 0.5 * (left + right)])
-        return ellipse(center, (0.0, 0.5 * (right - left)), (0.5 * (bottom - top), 0.0))
-    return _rows(roi.coordinates())
+    if roi.roitype not in (ROI_TYPE.RECT, ROI_TYPE.OVAL):
+        return _rows(roi.coordinates())
+    corners = np.array([(roi.top, roi.left), (roi.bottom, roi.right)], dtype=float)
+    if roi.subpixelrect:
+        corners = np.array([(roi.yd, roi.xd), (roi.yd + roi.heightd, roi.xd + roi.widthd)])
+    if roi.roitype == ROI_TYPE.RECT:
+        return rectangle(*corners)
+    down, right = np.diag(0.5 * (corners[1] - corners[0]))
+    return ellipse(corners.mean(axis=0), right, down)
 
 
 def _composite(numbers: Array) -> list[Array]:

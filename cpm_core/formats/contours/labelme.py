@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import io
-import math
 import os
 from collections.abc import Callable
 from dataclasses import replace
@@ -112,12 +111,6 @@ def read(content: Entries) -> Contents:
     return found
 
 
-def _round(corners: Array) -> Array:
-    """Circle through the second point about the first."""
-    radius = math.hypot(*(corners[1] - corners[0]))
-    return ellipse(corners[0], (0.0, radius), (radius, 0.0))
-
-
 def _mask(shape: Entries, corners: Array) -> list[tuple[Array, bool]]:
     """The outlines of a mask, which is a picture in text, from its box on."""
     with opened(io.BytesIO(base64.b64decode(shape["mask"], validate=True))) as picture:
@@ -126,11 +119,13 @@ def _mask(shape: Entries, corners: Array) -> list[tuple[Array, bool]]:
     return outlines(mask, row, col)
 
 
+_QUARTER = np.array([[0.0, 1.0], [-1.0, 0.0]])
+
 _CLOSED: dict[str, Callable[[Array], Array]] = {
-    "polygon": lambda corners: corners,
+    # variants of the program call an oriented rectangle a rotation
+    **dict.fromkeys(("polygon", "oriented_rectangle", "rotation"), lambda corners: corners),
     "rectangle": lambda corners: rectangle(corners[0], corners[-1]) if len(corners) == 2 else corners,
-    "oriented_rectangle": lambda corners: corners,
-    "rotation": lambda corners: corners,  # what variants of the program call the same
-    "circle": _round,
+    # through the second point about the first
+    "circle": lambda corners: ellipse(corners[0], corners[1] - corners[0], (corners[1] - corners[0]) @ _QUARTER),
 }
 _OPEN = ("line", "linestrip")

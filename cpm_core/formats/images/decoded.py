@@ -19,17 +19,6 @@ MAXIMUM_PIXELS = 2**26
 ORIENTATION_TAG = 274
 """Number of the orientation tag of EXIF and TIFF, which cameras and scanners write."""
 
-# For each value of the tag whether to swap rows and columns, then to flip rows, then to flip columns.
-_TURNS = {
-    2: (False, False, True),
-    3: (False, True, True),
-    4: (False, True, False),
-    5: (True, False, False),
-    6: (True, False, True),
-    7: (True, True, True),
-    8: (True, True, False),
-}
-
 
 @dataclass(frozen=True, eq=False)
 class Decoded:
@@ -88,9 +77,10 @@ def from_bands(samples: NDArray[Any]) -> Decoded:
 
 def upright(decoded: Decoded, orientation: int) -> Decoded:
     """Rotate and mirror `decoded` by its orientation tag (1 to 8); unknown values leave it unchanged."""
-    if orientation not in _TURNS:
+    if orientation not in range(2, 9):
         return decoded
-    swap, flip_rows, flip_columns = _TURNS[orientation]
+    swap, turn = orientation > 4, (orientation - 1) % 4  # rows and columns are swapped first
+    flip_rows, flip_columns = turn in (2, 3), turn in (1, 2)
     spacing = decoded.spacing[::-1] if swap else decoded.spacing
 
     def turned(pixels: NDArray[Any]) -> NDArray[Any]:

@@ -98,8 +98,12 @@ def _frame(picture: PIL.Image.Image, path: Path) -> Decoded:
 
 def _pixels(picture: PIL.Image.Image, path: Path) -> Decoded:
     """Gray levels of an opened picture, in full depth where Pillow does not shorten them."""
-    kind, mode, alpha = str((*_decoder_arguments(picture), "")[0]), picture.mode, picture.has_transparency_data
-    declared = _declared_maximum(picture)  # before the pixels are read
+    tiles: Any = getattr(picture, "tile", None) or [("", None, 0, ("",))]
+    arguments = tiles[0][3] if isinstance(tiles[0][3], tuple) else (tiles[0][3],)  # of the decoder: how it is stored
+    kind, mode, alpha = str((*arguments, "")[0]), picture.mode, picture.has_transparency_data
+    declared = None  # the maximum that the header of a portable map declares; Pillow scales the values to another one
+    if picture.format == "PPM" and len(arguments) == 2 and isinstance(arguments[1], int) and arguments[1] > 0:
+        declared = arguments[1]
     whole = getattr(picture, "n_frames", 1) == 1 and not picture.info.get("interlace")
     deep = whole and kind in ("RGB;16B", "RGBA;16B", "LA;16B")
     if picture.format == "JPEG2000" or deep:
@@ -130,18 +134,3 @@ def _in_full_depth(path: Path, png: bool) -> Decoded:
     if samples.shape[-1] == 2:
         return from_samples(samples[..., :1], samples[..., 1])
     return from_bands(samples)
-
-
-def _decoder_arguments(picture: PIL.Image.Image) -> tuple[Any, ...]:
-    """What Pillow passes to its decoder: first how the pixels are stored."""
-    tiles = getattr(picture, "tile", None) or [("", None, 0, ("",))]
-    arguments = tiles[0][3]
-    return arguments if isinstance(arguments, tuple) else (arguments,)
-
-
-def _declared_maximum(picture: PIL.Image.Image) -> int | None:
-    """Maximum value that the header of a portable map declares; Pillow scales the values to another one."""
-    arguments = _decoder_arguments(picture)
-    if picture.format == "PPM" and len(arguments) == 2 and isinstance(arguments[1], int) and arguments[1] > 0:
-        return arguments[1]
-    return None

@@ -19,9 +19,9 @@ from cpm_core.contours.rasterize import MOST_LABELS, label_type
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.plain import Entries
 from cpm_core.formats.common.provenance import PROGRAM, Outcome, entries_of, facts_of, text_of
+from cpm_core.formats.images import resolution
 from cpm_core.medial_axis.skeleton import Skeleton
 
-_PER_CENTIMETER = {"nm": 1e7, "µm": 1e4, "mm": 10.0, "cm": 1.0, "m": 0.01}
 _GOLDEN, _PLASTIC, _SILVER = 0.6180339887, 0.7548776662, 0.4142135624
 """Steps of hue, saturation and brightness from one label to the next; multiples of them are spread evenly."""
 
@@ -40,7 +40,7 @@ def labels_of(result: Outcome, *, outlines: bool = False) -> NDArray[np.unsigned
     -------
     ndarray of uint16 or uint32, shape `result.shape`
         Labels, 0 outside; 32 bits where there are more than 65535. Of a volume the objects inside the surface, the
-        largest first.
+        largest first. Branches are lines one pixel wide, the longest first, and on top where they meet.
 
     Raises
     ------
@@ -53,25 +53,12 @@ def labels_of(result: Outcome, *, outlines: bool = False) -> NDArray[np.unsigned
                 f"{result.source} has no closed surface, so that nothing is inside: write the surface itself."
             )
         return result.labels.astype(label_type(int(result.labels.max())))
-    _count(result, outlines)
+    count = _count(result, outlines)
     if isinstance(result, Skeleton):
-        return paint_branches(result)
+        return paint_lines(result.contours, range(1, count + 1), result.shape)
     if outlines:
         return paint_lines(result.contours, numbers_of(result.contours), result.shape)
     return result.labels.astype(label_type(len(result.contours)))
-
-
-def paint_branches(skeleton: Skeleton) -> NDArray[np.unsignedinteger]:
-    """Draw each branch of a skeleton as a line one pixel wide, connected along sides or corners of pixels.
-
-    The longest branch has label 1, the next 2, and so on; where branches meet, the longer one is on top.
-
-    Returns
-    -------
-    ndarray of uint16 or uint32, shape `skeleton.shape`
-        Labels, 0 off the skeleton; 32 bits where there are more than 65535.
-    """
-    return paint_lines(skeleton.contours, range(1, len(skeleton.contours) + 1), skeleton.shape)
 
 
 def paint_lines(
@@ -133,9 +120,8 @@ def encode_tiff(result: Outcome, *, outlines: bool = False) -> bytes:
             entries["metadata"]["spacing"] = result.spacing[0]
     else:
         entries |= {"metadata": None, "description": text_of(facts)}
-        if result.unit in _PER_CENTIMETER:
-            factor = _PER_CENTIMETER[result.unit]
-            entries["resolution"] = (factor / width, factor / height)
+        if factor := resolution.factor(result.unit, "cm"):
+            entries["resolution"] = (1.0 / (factor * width), 1.0 / (factor * height))
             entries["resolutionunit"] = "CENTIMETER"
     stream = io.BytesIO()
     tifffile.imwrite(stream, mask, photometric="minisblack", software=PROGRAM, **entries)
@@ -144,9 +130,8 @@ def encode_tiff(result: Outcome, *, outlines: bool = False) -> bytes:
 
 def entries_for_imagej(result: Outcome, axes: str) -> Entries:
     """What ImageJ reads of a TIFF: its axes, the unit of its resolution, and how the labels were found."""
-    unit = {"µm": "um"}.get(result.unit or "pixel", result.unit or "pixel")
     info = "".join(f"{name}: {value}\n" for name, value in entries_of(facts_of(result)).items())
-    return {"axes": axes, "unit": unit, "Info": info}
+    return {"axes": axes, "unit": resolution.in_ascii(result.unit, "pixel"), "Info": info}
 
 
 def palette(count: int) -> NDArray[np.uint8]:

@@ -101,18 +101,17 @@ def _element(body: bytes, count: int, properties: list[_Property]) -> tuple[Entr
             columns = {one.name: table[one.name] for one in properties}
             lists = {name: (lengths, columns[name].ravel()) for name, lengths in counts.items()}
             return columns | lists, body[table.nbytes :]
-    found: Entries = {one.name: ([], []) if one.counts else [] for one in properties}
+    found: Entries = {one.name: ([], []) for one in properties}
     at = 0
     for _ in range(count):
         for one in properties:
-            length, entries = 1, found[one.name]
+            length, (lengths, entries) = 1, found[one.name]
             if one.counts:
                 length = int(np.frombuffer(body, one.counts, 1, at)[0])
                 at += np.dtype(one.counts).itemsize
-                entries[0].append(length)
-                entries = entries[1]
             if length < 0:
                 raise ValueError("a list has a negative number of entries")
+            lengths.append(length)
             entries.extend(np.frombuffer(body, one.kind, length, at).tolist())
             at += length * np.dtype(one.kind).itemsize
-    return found, body[at:]
+    return {one.name: found[one.name] if one.counts else found[one.name][1] for one in properties}, body[at:]

@@ -11,7 +11,7 @@ import math
 import os
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import partial
 from pathlib import Path, PurePath
 from typing import Annotated, Any, NoReturn, TypeVar
@@ -52,10 +52,6 @@ Plain = Mapping[str, Any]
 SUFFIX = ".cpm"
 """Ending of the name of a session file."""
 
-_KNOWN = (
-    *(MARK, "program", "image", "shapes", "parameters", "marks", "mode"),
-    *("objects", "outlined", "view", "hand_edits", "runs", "truth", "pages", "comparison"),
-)
 _LARGEST = 64 * 2**20
 _DEEPEST = 64
 
@@ -174,6 +170,9 @@ class SessionFile:
     comparison: Compared = field(default_factory=Compared)
 
 
+_KNOWN = {MARK, "program", *(one.name for one in fields(SessionFile))} - {"extra", "notes"}
+
+
 def save_session(session: SessionFile, path: Path) -> None:
     """Write a session file atomically.
 
@@ -209,10 +208,9 @@ def encode(session: SessionFile, folder: Path) -> bytes:
         read = {name: to_plain(given) for name, given in session.image.reading.arguments.items()}
         plain["image"] = {**to_plain(session.image), **_place_to_plain(session.image.path, folder), "reading": read}
     plain["shapes"] = [shape_to_plain(shape) for shape in session.shapes]
-    plain["parameters"] = to_plain(session.parameters)
-    plain["marks"] = [to_plain(mark) for mark in session.marks]
+    plain |= {"parameters": to_plain(session.parameters), "marks": to_plain(session.marks)}
     if session.hand_edits:
-        plain["hand_edits"] = [to_plain(edit) for edit in session.hand_edits]
+        plain["hand_edits"] = to_plain(session.hand_edits)
     if session.comparison != Compared():
         plain["comparison"] = {
             "methods": list(session.comparison.methods),
@@ -286,9 +284,9 @@ def decode(content: bytes, name: str) -> SessionFile:
             outlined=from_plain(Outlined, plain.get("outlined", {}), "outlined"),
             view=mapping(plain.get("view", {}), "view"),
             extra={key: value for key, value in plain.items() if key not in _KNOWN},
-            runs=optional("runs", "recorded runs were", lambda given: mapping(given, "runs"), {}),
-            truth=optional("truth", "ground truth was", lambda given: from_plain(TruthFile, given, "truth"), None),
-            pages=optional("pages", "other pages of the stack were", lambda given: mapping(given, "pages"), {}),
+            runs=optional("runs", "recorded runs were", partial(mapping, where="runs"), {}),
+            truth=optional("truth", "ground truth was", partial(from_plain, TruthFile, where="truth"), None),
+            pages=optional("pages", "other pages of the stack were", partial(mapping, where="pages"), {}),
             comparison=optional("comparison", "comparison of methods was", _compared, Compared()),
             hand_edits=listed("hand_edits", "edit by hand", partial(from_plain, HandEdit)),
             notes=tuple(notes),

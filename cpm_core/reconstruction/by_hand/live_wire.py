@@ -15,7 +15,7 @@ import skimage
 
 from cpm_core.field.scale_field import FAINTEST, ScaleField
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Index, Mask, Position
+from cpm_core.numerics.types import Array, Index, Position
 from cpm_core.reconstruction.curve.gap_bridging import smoothed
 from cpm_core.reconstruction.curve.subpixel import ridge_points
 
@@ -69,27 +69,25 @@ class LiveWire:
         avoided: Sequence[Array] = (),
         spared: Sequence[Position] = (),
     ) -> None:
-        self._field = scale_field
-        self.start = start
-        self._avoided, self._spared = avoided, (start, *spared)
-        self._low, self._high = self._around(np.array(_pixel(start, scale_field.shape)), _MARGIN)
+        self._field, self._start = scale_field, start
+        self._avoided, self._spared = avoided, np.array([start, *spared], dtype=float)
+        self._low, self._high = self._around(self._pixel(start), _MARGIN)
         self._search: skimage.graph.MCP_Geometric | None = None
 
     def to(self, place: Position) -> Array:
         """The path from the start to another place, both included, shape (K, 2) [px]."""
-        ends = np.array([self.start, place], dtype=float)
+        ends = np.array([self._start, place], dtype=float)
         if np.linalg.norm(ends[1] - ends[0]) < _SPACING:
             return ends
-        goal = np.array(_pixel(place, self._field.shape))
-        if self._search is None or not self._covers(goal):
+        goal = self._pixel(place)
+        low, high = self._around(goal, _MARGIN)
+        if self._search is None or (low < self._low).any() or (high > self._high).any():
             self._search = self._look_around(goal)
         pixels = (np.array(self._search.traceback(tuple(goal - self._low))) + self._low).astype(np.float64)
         return on_ridge(smoothed(pixels, ends[0], ends[1]), self._field)
 
-    def _covers(self, goal: Index) -> bool:
-        """Whether enough has been searched around a pixel, as far as the image goes."""
-        low, high = self._around(goal, _MARGIN)
-        return bool((low >= self._low).all() and (high <= self._high).all())
+    def _pixel(self, place: Position) -> Index:
+        return np.clip(np.rint(place).astype(np.int64), 0, np.array(self._field.shape) - 1)
 
     def _around(self, pixel: Index, margin: int) -> tuple[Index, Index]:
         last = np.array(self._field.shape) - 1
@@ -100,23 +98,18 @@ class LiveWire:
         low, high = self._around(goal, _AHEAD)
         self._low, self._high = np.minimum(self._low, low), np.maximum(self._high, high)
         window = tuple(slice(a, b + 1) for a, b in zip(self._low.tolist(), self._high.tolist(), strict=True))
-        costs = 1.0 / (1.0 + _EASE * np.minimum(self._field.edge_map[window] / _strong(self._field, window), 1.0))
-        costs[self._blocked(self._low, self._high)] += _BLOCKED
+        strength = self._field.edge_map[window]
+        above = strength[strength >= self._field.floor]
+        strong = float(np.percentile(above, _STRONG)) if above.size else max(self._field.strongest, 1e-300)
+        costs = 1.0 / (1.0 + _EASE * np.minimum(strength / strong, 1.0))
+        avoided = np.concatenate([np.empty((0, 2)), *(polyline.sampled(line, 0.25) for line in self._avoided)])
+        away = np.linalg.norm(avoided[:, None] - self._spared, axis=2).min(axis=1)
+        pixels = np.rint(avoided[away > _SPARED]).astype(np.int64) - self._low
+        pixels = pixels[((pixels >= 0) & (pixels < costs.shape)).all(axis=1)]
+        costs[tuple(np.unique(pixels, axis=0).T)] += _BLOCKED
         search = skimage.graph.MCP_Geometric(costs)
-        search.find_costs([tuple(np.array(_pixel(self.start, self._field.shape)) - self._low)])
+        search.find_costs([tuple(self._pixel(self._start) - self._low)])
         return search
-
-    def _blocked(self, low: Index, high: Index) -> Mask:
-        """Pixels of the search on lines that are to be avoided."""
-        blocked = np.zeros(tuple(high - low + 1), np.bool_)
-        for line in self._avoided:
-            samples = polyline.sampled(line, 0.25)
-            for place in self._spared:
-                samples = samples[np.linalg.norm(samples - place, axis=1) > _SPARED]
-            pixels = np.rint(samples).astype(np.int64)
-            pixels = pixels[((pixels >= low) & (pixels <= high)).all(axis=1)] - low
-            blocked[tuple(pixels.T)] = True
-        return blocked
 
 
 def on_ridge(path: Array, scale_field: ScaleField) -> Array:
@@ -135,7 +128,13 @@ def on_ridge(path: Array, scale_field: ScaleField) -> Array:
     calm = scipy.ndimage.gaussian_filter1d(move, _CALM, axis=0, mode="nearest")
     alone = scipy.ndimage.minimum_filter1d(found, 5, mode="nearest") == 0
     place = np.where(alone[:, None], inner + calm, ridge)
-    return _forward(np.concatenate([path[:1], place, path[-1:]]))
+    moved = np.concatenate([path[:1], place, path[-1:]])
+    kept = [0]  # the vertices at which it does not turn back
+    for n in range(1, len(moved) - 1):
+        along = moved[n] - moved[kept[-1]]
+        if along @ (moved[n + 1] - moved[n - 1]) > 0.0 and np.linalg.norm(along) > 0.1 * _SPACING:
+            kept.append(n)
+    return moved[[*kept, len(moved) - 1]]
 
 
 def nearest_ridge(place: Position, scale_field: ScaleField, reach: float) -> Position:
@@ -145,24 +144,3 @@ def nearest_ridge(place: Position, scale_field: ScaleField, reach: float) -> Pos
     if found[0] and strong and np.linalg.norm(ridge[0] - place) <= reach:
         return float(ridge[0, 0]), float(ridge[0, 1])
     return place
-
-
-def _forward(path: Array) -> Array:
-    """A path without vertices at which it turns back."""
-    kept = [0]
-    for n in range(1, len(path) - 1):
-        along = path[n] - path[kept[-1]]
-        if along @ (path[n + 1] - path[n - 1]) > 0.0 and np.linalg.norm(along) > 0.1 * _SPACING:
-            kept.append(n)
-    return path[[*kept, len(path) - 1]]
-
-
-def _strong(scale_field: ScaleField, window: tuple[slice, ...]) -> float:
-    """Strength of a strong edge in a part of the image [gray levels / px]."""
-    strength = scale_field.edge_map[window]
-    above = strength[strength >= scale_field.floor]
-    return float(np.percentile(above, _STRONG)) if above.size else max(scale_field.strongest, 1e-300)
-
-
-def _pixel(place: Position, shape: tuple[int, ...]) -> tuple[int, ...]:
-    return tuple(min(max(round(at), 0), size - 1) for at, size in zip(place, shape, strict=True))

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations, groupby
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour
-from cpm_core.contours.hand_edits import HandEdit, Path, apply_to_result
+from cpm_core.contours.contour import Contour, bridges_on
+from cpm_core.contours.hand_edits import HandEdit, Path, apply
 from cpm_core.contours.polygonal_line import PolygonalLine
 from cpm_core.contours.result import Result
 from cpm_core.field.scale_field import ScaleField
@@ -92,9 +92,20 @@ class Contact:
         return self.line.source is other.line.source
 
 
-def carried_out(result: Result, edits: Sequence[HandEdit], scale_field: ScaleField) -> tuple[Result, tuple[int, ...]]:
-    """A result with edits by hand, its changed contours measured in the fields of the image; and the edits missed."""
-    return apply_to_result(result, edits, lambda contour: measured([contour], scale_field)[0])
+def carried_out(
+    result: Result, edits: Sequence[HandEdit], scale_field: ScaleField | None
+) -> tuple[Result, tuple[int, ...]]:
+    """A result with edits by hand, without the bridges that they have removed; and the edits that were missed.
+
+    Contours that have changed are measured in the fields of the image, where these are given.
+    """
+    if not edits:
+        return result, ()
+    contours, missed = apply(result.contours, edits)
+    if scale_field is not None:
+        same = set(map(id, result.contours))
+        contours = tuple(one if id(one) in same else measured([one], scale_field)[0] for one in contours)
+    return replace(result, contours=contours, bridges=bridges_on(result.bridges, contours)), missed
 
 
 def connect(path: Array, begin: Contact | None = None, end: Contact | None = None) -> tuple[HandEdit, ...]:

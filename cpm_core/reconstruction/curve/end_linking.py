@@ -7,8 +7,6 @@ import scipy
 
 from cpm_core.contours.graph import Graph
 from cpm_core.field.scale_field import FAINTEST, ScaleField
-from cpm_core.numerics.polyline import lengths_along
-from cpm_core.numerics.types import Array, Index
 
 _DETOUR = 3.0
 """Least length of the path along a curve, in lengths of the gap, for an end to be joined to its own curve."""
@@ -35,7 +33,7 @@ def close_gaps(graph: Graph, scale_field: ScaleField, reach: float) -> None:
     end = np.repeat(ends, [len(some) for some in near])
     other = used[np.concatenate([np.array(some, np.int64) for some in near])]
     gap = np.linalg.norm(graph.points[end] - graph.points[other], axis=1)
-    open_ = (_way_between(graph, end, other) > _DETOUR * gap) & (end != other)
+    open_ = (graph.way_between(end, other) > _DETOUR * gap) & (end != other)
     end, other, gap = end[open_], other[open_], gap[open_]
     a, b = graph.points[end], graph.points[other]
     along = a[:, None] + (b - a)[:, None] * np.linspace(0.0, 1.0, _SAMPLES)[:, None]
@@ -48,17 +46,3 @@ def close_gaps(graph: Graph, scale_field: ScaleField, reach: float) -> None:
     for one, another in zip(end[order].tolist(), other[order].tolist(), strict=True):
         if graph.degree(one) == 1:
             graph.link(one, another)
-
-
-def _way_between(graph: Graph, end: Index, other: Index) -> Array:
-    """Arc length from loose ends to other vertices, shapes (N,), along the ends' own branches; else infinite [px]."""
-    ways = graph.ways()
-    along = lengths_along(graph.points[ways.vertices])
-    way = np.repeat(np.arange(len(ways)), np.diff(ways.start))
-    place = np.empty(len(graph.points), np.int64)
-    place[ways.vertices] = np.arange(len(way))  # a junction has several places; they are not used
-    own = way[place[end]]
-    within = (graph.degrees[other] <= 2) & (way[place[other]] == own)
-    behind = (graph.degrees[other] > 2) & ((ways.first[own] == other) | (ways.last[own] == other))
-    length = np.where(within, np.abs(along[place[other]] - along[place[end]]), np.inf)
-    return np.where(behind, ways.lengths[own], length)

@@ -144,14 +144,15 @@ class _Site:
 
 def _between_ends(graph: Graph, site: _Site, ends: dict[int, Array], longest: float) -> Iterator[_Way]:
     """Bridges from end to end."""
-    number = list(ends)
-    for i, j in sorted(scipy.spatial.cKDTree(graph.points[number]).query_pairs(longest)):
-        a, b = number[i], number[j]
+    number = np.array(list(ends))
+    pairs = number[sorted(scipy.spatial.cKDTree(graph.points[number]).query_pairs(longest))].reshape(-1, 2)
+    around = graph.way_between(*pairs.T)
+    for (a, b), apart in zip(pairs.tolist(), around.tolist(), strict=True):
         gap = graph.distance(a, b)
+        if apart <= _ROUND * gap:
+            continue
         across = (graph.points[b] - graph.points[a]) / max(gap, 1e-300)
         if min(ends[a] @ across, -(ends[b] @ across)) < _TURN:
-            continue
-        if graph.way_from(a).get(b, np.inf) <= _ROUND * gap:
             continue
         strength = min(site.strength(a), site.strength(b))
         way = way_across(
@@ -169,12 +170,11 @@ def _to_sides(graph: Graph, site: _Site, ends: dict[int, Array], longest: float)
     tree = scipy.spatial.cKDTree(graph.points[sides])
     for end, direction in ends.items():
         place = graph.points[end]
-        own = graph.way_from(end)
         near = sides[tree.query_ball_point(place, longest)]
         away = graph.points[near] - place
         distance = np.linalg.norm(away, axis=1)
         ahead = away @ direction >= _SIDE_TURN * distance
-        apart = np.array([own.get(v, np.inf) for v in near.tolist()]) > _ROUND * distance
+        apart = graph.way_between(np.full(len(near), end), near) > _ROUND * distance
         near = near[ahead & apart]
         if not len(near):
             continue

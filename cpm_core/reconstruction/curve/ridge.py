@@ -13,9 +13,6 @@ from cpm_core.numerics.types import Array
 PROBE = 0.3
 """Distance on both sides of a position at which the edge map is sampled for its slope [px]."""
 
-_ONE = np.uintp(1)
-"""One as an unsigned index, so that the compiled loop need not check for negative indices."""
-
 
 class Ridge(NamedTuple):
     """Arrays that define the ridges of a scale; a plain tuple for the compiled loops.
@@ -59,15 +56,7 @@ def height(values: Array, row: float, col: float) -> float:
 @compiled
 def uphill(ridge: Ridge, row: float, col: float) -> tuple[float, float]:
     """Unit vector along the image gradient, which on an edge leads across it; zero where there is no gradient."""
-    rows, cols = ridge.down.shape
-    row, col = min(max(row, 0.0), rows - 1.0), min(max(col, 0.0), cols - 1.0)
-    above, before = int(row), int(col)
-    s, t = row - above, col - before
-    i, j = np.uintp(above), np.uintp(before)
-    k, m = np.uintp(min(above + 1, rows - 1)), np.uintp(min(before + 1, cols - 1))
-    a, b, c, d = (1.0 - s) * (1.0 - t), (1.0 - s) * t, s * (1.0 - t), s * t
-    down = a * ridge.down[i, j] + b * ridge.down[i, m] + c * ridge.down[k, j] + d * ridge.down[k, m]
-    right = a * ridge.right[i, j] + b * ridge.right[i, m] + c * ridge.right[k, j] + d * ridge.right[k, m]
+    down, right = height(ridge.down, row, col), height(ridge.right, row, col)
     size = max(np.sqrt(down * down + right * right), 1e-300)
     return down / size, right / size
 
@@ -79,17 +68,13 @@ def spline_height(spline: Array, row: float, col: float) -> float:
     row = min(max(row, -1.0), rows - 2.0 * SPLINE_MARGIN)
     col = min(max(col, -1.0), cols - 2.0 * SPLINE_MARGIN)
     above, before = int(row + 2.0), int(col + 2.0)
-    e, f, g, h = _weights(row + 2.0 - above)
-    a, b, c, d = _weights(col + 2.0 - before)
-    i, j = np.uintp(above), np.uintp(before)
-    k, m = i + _ONE, j + _ONE
-    n, o = k + _ONE, m + _ONE
-    p, q = n + _ONE, o + _ONE
-    first = a * spline[i, j] + b * spline[i, m] + c * spline[i, o] + d * spline[i, q]
-    second = a * spline[k, j] + b * spline[k, m] + c * spline[k, o] + d * spline[k, q]
-    third = a * spline[n, j] + b * spline[n, m] + c * spline[n, o] + d * spline[n, q]
-    fourth = a * spline[p, j] + b * spline[p, m] + c * spline[p, o] + d * spline[p, q]
-    total: float = e * first + f * second + g * third + h * fourth
+    down, right = _weights(row + 2.0 - above), _weights(col + 2.0 - before)
+    total = 0.0
+    for k in range(4):
+        line = 0.0
+        for m in range(4):
+            line += right[m] * spline[np.uintp(above + k), np.uintp(before + m)]
+        total += down[k] * line
     return total
 
 

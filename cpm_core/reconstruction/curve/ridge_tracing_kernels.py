@@ -13,7 +13,7 @@ from cpm_core.field.scale_field import FAINTEST
 from cpm_core.image.regions import BarrierMap, crosses
 from cpm_core.numerics.jit import compiled, inlined
 from cpm_core.numerics.types import Array, Index
-from cpm_core.reconstruction.curve.ridge import Ridge, height, slope
+from cpm_core.reconstruction.curve.ridge import Ridge, height, slope, uphill
 
 _HALVINGS = 4
 """How often a step may be halved where the ridge bends."""
@@ -73,9 +73,8 @@ def place_on_ridge(ridge: Ridge, place: Array, ahead: Array, step: float, first:
     """Move some seeds onto the ridge, and write its direction there."""
     farthest = _SIDEWAYS * step
     for i in range(first, last):
-        down, right = height(ridge.down, place[i, 0], place[i, 1]), height(ridge.right, place[i, 0], place[i, 1])
-        size = max(np.sqrt(down * down + right * right), 1e-300)
-        found, place[i, 0], place[i, 1] = _correct(ridge, place[i, 0], place[i, 1], down / size, right / size, farthest)
+        down, right = uphill(ridge, place[i, 0], place[i, 1])
+        found, place[i, 0], place[i, 1] = _correct(ridge, place[i, 0], place[i, 1], down, right, farthest)
         if found:
             found, ahead[i, 0], ahead[i, 1] = _direction(ridge, place[i, 0], place[i, 1])
 
@@ -233,14 +232,12 @@ def _advance(
 def _part_inside(image: Array, row: float, col: float, to_row: float, to_col: float) -> float:
     """Fraction of a straight line from a position in the image that lies inside."""
     part = 1.0
-    if to_row < 0.0:
-        part = row / (row - to_row)
-    elif to_row > image.shape[0] - 1.0:
-        part = (image.shape[0] - 1.0 - row) / (to_row - row)
-    if to_col < 0.0:
-        part = min(part, col / (col - to_col))
-    elif to_col > image.shape[1] - 1.0:
-        part = min(part, (image.shape[1] - 1.0 - col) / (to_col - col))
+    rows, cols = image.shape
+    for at, to, last in ((row, to_row, rows - 1.0), (col, to_col, cols - 1.0)):
+        if to < 0.0:
+            part = min(part, at / (at - to))
+        elif to > last:
+            part = min(part, (last - at) / (to - at))
     return part
 
 

@@ -36,7 +36,7 @@ def test_pieces_that_are_not_painted_are_not_visible(ready, hand, monkeypatch) -
         drawn.append(len(visible(curves, painter, zoom)))
         return visible(curves, painter, zoom)
 
-    lines = [item for item in hand.canvas.layers.contours._items if isinstance(item, Curves)]
+    lines = [item for item, _ in hand.canvas.layers.contours._items if isinstance(item, Curves)]
     for factor in (0.4, 1.0, 1.3, 3.0, 14.0):
         drawn.clear()
         hand.canvas.fit()

@@ -90,12 +90,12 @@ def test_the_legend_drops_its_words_where_there_is_no_room_and_can_be_folded(res
 
 def test_particles_lead_during_a_run_and_recede_after_it(rested) -> None:
     particles = rested.canvas_area.canvas.layers.particles
-    assert particles.receding
+    assert particles.size_of(rested.session.scene.snapshot) < 1.0
     assert not rested.canvas_area.canvas.layers.contours.junctions.isVisible()
     particles.choose("done", "same")
-    assert not particles.receding
+    assert particles.size_of(rested.session.scene.snapshot) == 1.0
     rested.session.reset()
-    assert not particles.receding
+    assert particles.size_of(rested.session.scene.snapshot) == 1.0
 
 
 def test_short_open_contours_recede_and_kept_ones_do_not(rested) -> None:

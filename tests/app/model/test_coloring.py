@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PySide6.QtCore import Qt
 
-from app.model.display.coloring import QUANTITIES, SHADES, InsertionTimes, age, colored, convergence, speed
+from app.model.display.coloring import QUANTITIES, SHADES, age, colored, convergence, speed
 from app.model.display.lengths import round_up
 from app.session.timeline.moments import RunRecord
 from app.views.theme import color_maps
@@ -20,7 +21,7 @@ from cpm_core.model.equations import epsilon
 from cpm_core.model.state import Particles, State
 from tests.app.conftest import disc
 
-NOBODY_BORN = InsertionTimes(np.empty(0), np.empty(0))
+NOBODY_BORN = SimpleNamespace(step=np.empty(0), numbered=np.empty(0))
 
 
 def moment(count: int = 0, seed: int = 0) -> State:
@@ -39,9 +40,8 @@ def moment(count: int = 0, seed: int = 0) -> State:
 @given(seed=st.integers(0, 2**16), count=st.integers(2, 60))
 def test_more_of_a_quantity_never_gives_a_lower_shade(name, seed, count):
     state = moment(count, seed)
-    inserted = InsertionTimes(
-        np.arange(1.0, 8.0), np.sort(np.random.default_rng(seed).integers(0, count + 1, 7)).astype(float)
-    )
+    numbered = np.sort(np.random.default_rng(seed).integers(0, count + 1, 7)).astype(float)
+    inserted = SimpleNamespace(step=np.arange(1.0, 8.0), numbered=numbered)
     values = QUANTITIES[name].of(state, inserted)
     shown = colored(QUANTITIES[name], state, inserted)
     known = np.isfinite(values)
@@ -83,7 +83,7 @@ def test_the_age_of_every_particle_is_the_number_of_steps_since_it_appeared(comp
         for identity in state.particles.identity.tolist():
             seen.setdefault(identity, state.step)
     metrics = recorder.metrics()
-    told = age(state, InsertionTimes(metrics.step, metrics.numbered))
+    told = age(state, metrics)
     expected = [state.step - seen[identity] for identity in state.particles.identity.tolist()]
     assert len(set(expected)) > 2
     assert told.tolist() == expected

@@ -11,7 +11,7 @@ from app.model.display import lengths
 from app.model.display.lengths import PixelSize, shown_in
 from app.model.preferences import shortcuts
 from app.model.preferences.shortcuts import Keyed
-from app.model.preferences.table import CONTOUR_WIDTH, PAGES, PREFERENCES, THEME, Choice, Number
+from app.model.preferences.table import CONTOUR_WIDTH, PREFERENCES, THEME, Choice, Number
 from app.session.storage.preferences import Preferences
 
 STORED = st.one_of(
@@ -24,7 +24,6 @@ STORED = st.one_of(
 @pytest.mark.parametrize("preference", PREFERENCES, ids=lambda preference: preference.name)
 def test_a_preference_has_words_a_page_and_a_default_that_it_accepts(preference) -> None:
     assert preference.label
-    assert preference.page in PAGES
     assert preference.taken(preference.default) == preference.default
     assert preference.taken(str(preference.default).lower()) == preference.default
 

@@ -1,9 +1,9 @@
 """Contours in and out of the command line: starts, truths, sessions that the window opens, and other formats."""
 
 import json
+from itertools import pairwise
 
 import numpy as np
-import PIL.Image
 import pytest
 
 from app.model.document.document import ImageReference
@@ -11,17 +11,6 @@ from app.session.timeline.plain_runs import runs_from_plain
 from cpm_core import load_centerlines, load_contours, load_image, load_surface, load_volume
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.shapes import Circle, Polygon
-
-CENTER, RADIUS = (40.0, 50.0), 18.0
-
-
-@pytest.fixture
-def disk(tmp_path):
-    """Path of an image of a bright disk."""
-    row, col = np.mgrid[:80, :100]
-    distance = np.hypot(row - CENTER[0], col - CENTER[1])
-    PIL.Image.fromarray((220 * np.clip(RADIUS + 0.5 - distance, 0, 1)).astype(np.uint8)).save(tmp_path / "disk.png")
-    return tmp_path / "disk.png"
 
 
 @pytest.fixture
@@ -70,12 +59,8 @@ def test_export_runs_a_session_without_a_recorded_run(found, command, tmp_path):
 
 
 def test_export_turns_one_format_into_another(found, disk, command, tmp_path):
-    for source, target in (
-        ("a.json", "b.svg"),
-        ("b.svg", "c.dxf"),
-        ("c.dxf", "d.geojson"),
-        ("d.geojson", "e.coco.json"),
-    ):
+    names = ("a.json", "b.svg", "c.dxf", "d.geojson", "e.coco.json")
+    for source, target in pairwise(names):
         status, _, err = command("export", tmp_path / source, "--to", tmp_path / target, "--image", disk)
         assert (status, err) == (0, "")
     (first,), (last,) = load_contours(tmp_path / "a.json"), load_contours(tmp_path / "e.coco.json")
@@ -83,28 +68,24 @@ def test_export_turns_one_format_into_another(found, disk, command, tmp_path):
     assert apart.max() < 0.01
 
 
-def test_a_run_starts_from_contours_of_a_file_and_keeps_them_as_shapes(found, disk, command, tmp_path):
+def test_a_run_starts_from_contours_of_a_file_and_keeps_them_as_shapes(disk, told, tmp_path):
     ring = {"type": "Polygon", "coordinates": [[[44, 34], [57, 34], [57, 47], [44, 47], [44, 34]]]}
     (tmp_path / "start.geojson").write_text(json.dumps(ring), "utf-8")
     saved = tmp_path / "b.cpm"
-    run = ("run", disk, "--start", tmp_path / "start.geojson", "--save-session", saved, "--json")
-    status, out, err = command(*run)
-    facts = json.loads(out)
-    assert (status, err, facts["closed"]) == (0, "", 1)
+    facts = told("run", disk, "--start", tmp_path / "start.geojson", "--save-session", saved)
+    assert facts["closed"] == 1
     assert facts["provenance"]["shapes"] == [{"shape": "points", "file": "start.geojson"}]
     (shape,) = load_session(saved).shapes
     assert isinstance(shape, Polygon)
     assert set(shape.points) == {(33.5, 43.5), (33.5, 56.5), (46.5, 56.5), (46.5, 43.5)}
 
 
-def test_a_run_is_compared_with_a_truth(found, disk, command, tmp_path):
-    for truth in (tmp_path / "mask.png", tmp_path / "a.json"):
-        _, out, _ = command("run", disk, "--circle", "40,50,9", "--truth", truth, "--json")
-        agreed = json.loads(out)["truth"]
-        assert agreed["source"] == truth.name
-        assert agreed["dice"] > 0.98
-    _, out, _ = command("run", disk, "--circle", "40,50,9", "--truth", tmp_path / "a.json")
-    assert "Beside a.json: Dice 1.000" in out
+def test_a_run_is_compared_with_a_truth(found, disk, command, told, tmp_path):
+    run = ("run", disk, "--circle", "40,50,9", "--truth")
+    agreed = told(*run, tmp_path / "mask.png")["truth"]
+    assert agreed["source"] == "mask.png"
+    assert agreed["dice"] > 0.98
+    assert "Beside a.json: Dice 1.000" in command(*run, tmp_path / "a.json")[1]
 
 
 @pytest.fixture(scope="module")
@@ -121,28 +102,23 @@ def ball(tmp_path_factory):
         ("labels", distance < 6.0),
         ("rod", rod),
     ):
-        nibabel.save(nibabel.Nifti1Image(values.astype(np.float32).transpose(), affine), folder / f"{name}.nii")
+        file = nibabel.Nifti1Image(values.astype(np.float32).transpose(), affine)
+        file.header.set_xyzt_units("mm")
+        nibabel.save(file, folder / f"{name}.nii")
     return folder / "ball.nii"
 
 
-def test_a_surface_that_was_written_is_a_start_and_is_written_in_other_formats(ball, command, tmp_path):
+def test_a_surface_that_was_written_is_a_start_and_is_written_in_other_formats(ball, told, tmp_path):
     written = (tmp_path / "a.ply", tmp_path / "a.points.csv")
-    status, out, _ = command("run", ball, "--sphere", "9.5,10.5,11.5,3", "--json", "--export", *written)
-    first = json.loads(out)
-    assert status == 0
+    first = told("run", ball, "--sphere", "9.5,10.5,11.5,3", "--export", *written)
     before = load_surface(written[0], load_volume(ball))
-    for start in (written[0], ball.with_name("labels.nii")):
-        status, out, _ = command("run", ball, "--volume", "--start", start, "--json", "--export", tmp_path / "b.ply")
-        again = json.loads(out)
-        assert (status, again["converged"]) == (0, True)
+    for start in (("--start", written[0]), ("--start", ball.with_name("labels.nii")), ("--points", written[1])):
+        again = told("run", ball, "--volume", *start)
+        assert again["converged"]
         assert again["volume"] == pytest.approx(first["volume"], rel=0.02)
-    status, _, _ = command("run", ball, "--start", written[0], "--json")
-    assert status == 0
-    status, _, _ = command("run", ball, "--volume", "--points", written[1], "--json")
-    assert status == 0
     files = (tmp_path / "c.obj", tmp_path / "c.nii.gz", tmp_path / "c.vtk")
-    status, out, err = command("export", written[0], "--image", ball, "--to", *files, "--space", "RAS", "--json")
-    assert (status, err, json.loads(out)["faces"]) == (0, "", first["faces"])
+    facts = told("export", written[0], "--image", ball, "--to", *files, "--space", "RAS")
+    assert facts["faces"] == first["faces"]
     assert b"SPACE=RAS" in files[0].read_bytes()
     for file in (files[0], files[2]):
         after = load_surface(file, load_volume(ball))

@@ -20,13 +20,10 @@ def disk(tmp_path):
     return tmp_path / "disk.png"
 
 
-def test_an_object_is_told_as_json_and_written_as_a_mask_of_one_label(disk, command, tmp_path):
+def test_an_object_is_told_as_json_and_written_as_a_mask_of_one_label(disk, told, tmp_path):
     mask = tmp_path / "mask.png"
-    status, out, err = command(
-        "run", disk, "--object", "40,62", "--not", "40,50", "--not", "40,110", "--json", "--export", mask
-    )
-    assert (status, err) == (0, "")
-    (found,) = json.loads(out)["objects"]
+    run = ("run", disk, "--object", "40,62", "--not", "40,50", "--not", "40,110", "--export", mask)
+    (found,) = told(*run)["objects"]
     true = np.pi * (RADIUS**2 - 6.0**2)
     assert found["area"] == pytest.approx(true, rel=0.06)
     assert found["perimeter"] == pytest.approx(2.0 * np.pi * (RADIUS + 6.0), rel=0.05)

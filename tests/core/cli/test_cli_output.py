@@ -33,7 +33,7 @@ def test_the_version_is_told(capsys):
 
 
 @posix
-@pytest.mark.parametrize("name", [os.fsdecode(b"caf\xe9.png"), "a\x1b[31m\nb.png", "=1+1.png", "n" * 251 + ".png"])
+@pytest.mark.parametrize("name", [os.fsdecode(b"=1+caf\xe9\x1b[31m\nb.png"), "n" * 251 + ".png"])
 def test_an_image_of_any_name_goes_through_a_run_and_a_batch(disk, command, tmp_path, name):
     image = disk.rename(tmp_path / name)
     save_session(SessionFile(shapes=(Circle((20.0, 20.0), 8.0),)), tmp_path / "a.cpm")
@@ -52,7 +52,7 @@ def test_an_image_of_any_name_goes_through_a_run_and_a_batch(disk, command, tmp_
     assert len(list((tmp_path / "o").glob("*.svg"))) == 1
 
 
-@pytest.mark.parametrize("side", [8, 16, 24])
+@pytest.mark.parametrize("side", [8, 24])
 def test_a_small_image_is_taken_with_the_scales_that_it_has_room_for(command, tmp_path, side):
     values = np.zeros((side, side), np.uint8)
     values[side // 4 : -(side // 4), side // 4 : -(side // 4)] = 200

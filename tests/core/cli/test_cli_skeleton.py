@@ -1,7 +1,5 @@
 """The command that finds skeletons: what it prints, what it writes, and what it refuses."""
 
-import json
-
 import numpy as np
 import PIL.Image
 import pytest
@@ -20,15 +18,12 @@ def image(tmp_path):
     return tmp_path / "bar.png"
 
 
-def test_the_skeleton_is_told_as_json(image, command):
-    status, out, err = command("skeleton", image, "--json")
-    facts = json.loads(out)
-    assert (status, err) == (0, "")
+def test_the_skeleton_is_told_as_json(image, told):
+    facts = told("skeleton", image)
     assert (facts["of"], facts["max_width"]) == ("light", 0.0)
     assert facts["thickness"] == pytest.approx(20.0, abs=0.2)
     assert (facts["contours"], facts["closed"]) == (5, 0)
     assert facts["largest_radius"] == pytest.approx(10.0, abs=0.1)
-    assert facts["seconds"] > 0
 
 
 def test_a_person_is_told_what_was_found_and_written(image, command, tmp_path):
@@ -38,20 +33,21 @@ def test_a_person_is_told_what_was_found_and_written(image, command, tmp_path):
     assert f"Wrote {tmp_path / 'a.svg'}\n" in out
 
 
-def test_pruning_and_the_background_can_be_chosen(image, command):
-    def length(*options):
-        return json.loads(command("skeleton", image, "--json", *options)[1])["length"]
+def test_pruning_can_be_chosen(image, told):
+    few, many, none = (
+        told("skeleton", image, *options)["length"]
+        for options in (("--pruning", 6), ("--pruning", 0.5), ("--min-length", 500))
+    )
+    assert few < many - 10.0
+    assert few == pytest.approx(40.0, abs=6.0)  # from fork to fork
+    assert none == 0.0
 
-    assert length("--pruning", 6) < length("--pruning", 0.5) - 10.0
-    assert length("--pruning", 6) == pytest.approx(40.0, abs=6.0)  # from fork to fork
-    assert length("--min-length", 500) == 0.0
 
-
-def test_a_mask_says_which_objects(image, command, tmp_path):
+def test_a_mask_says_which_objects(image, told, tmp_path):
     values = load_image(image).values > 127.0
     values[:, 50:] = False
     PIL.Image.fromarray(values.astype(np.uint8) * 255).save(tmp_path / "mask.png")
-    facts = json.loads(command("skeleton", image, "--within", tmp_path / "mask.png", "--pruning", 6, "--json")[1])
+    facts = told("skeleton", image, "--within", tmp_path / "mask.png", "--pruning", 6)
     assert facts["length"] == pytest.approx(10.0, abs=6.0)  # of half the bar, 30 by 20 px, from fork to fork
     assert facts["largest_radius"] == pytest.approx(10.0, abs=0.6)
 
@@ -65,13 +61,13 @@ def volume(image):
     return image.parent / "ring.tif"
 
 
-def test_the_center_lines_of_a_volume_are_told_and_written(volume, command, tmp_path):
+def test_the_center_lines_of_a_volume_are_told_and_written(volume, command, told, tmp_path):
     status, out, err = command("skeleton", volume, "--export", tmp_path / "a.swc")
     assert (status, err) == (0, "")
     assert out.startswith("ring.tif: 1 center line (1 closed) in ")
     assert f"Wrote {tmp_path / 'a.swc'}\n" in out
     assert np.loadtxt(tmp_path / "a.swc").shape[1] == 7
-    facts = json.loads(command("skeleton", volume, "--volume", "--json")[1])
+    facts = told("skeleton", volume, "--volume")
     assert facts["provenance"]["method"] == "skeleton"
     assert set(facts["provenance"]["parameters"]) == {"smoothing", "gamma", "edge_floor", "polarity", "pruning"}
     assert len(facts["provenance"]["image"]["sha256"]) == 64

@@ -6,8 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core.contours.contour import Bridge, Contour
-from cpm_core.contours.hand_edits import HandEdit, apply, apply_to_result
+from cpm_core.contours.hand_edits import HandEdit, apply
 from cpm_core.contours.result import Result
+from cpm_core.reconstruction import carried_out
 
 RADIUS, CENTER = 20.0, 50.0
 CIRCLE = 2.0 * np.pi * RADIUS
@@ -129,7 +130,7 @@ def test_a_deleted_stretch_takes_its_bridge_along():
     bridge = Bridge(on_circle(0.9, 1.1, 5), 4.0, 1.0)
     other = Bridge(on_circle(3.0, 3.1, 5), 2.0, 1.0)
     result = Result(np.empty((0, 2)), (whole(),), None, 1, True, "", (100, 100), (1.0, 1.0), None, "x", (bridge, other))
-    edited, _ = apply_to_result(result, [HandEdit(removed=places(on_circle(0.5, 1.5)))])
+    edited, _ = carried_out(result, [HandEdit(removed=places(on_circle(0.5, 1.5)))], None)
     assert edited.bridges == (other,)
 
 

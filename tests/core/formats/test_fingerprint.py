@@ -33,17 +33,6 @@ def test_the_hash_of_a_file_is_that_of_all_its_bytes(tmp_path, size):
     assert fingerprint(tmp_path / "a") == hashlib.sha256(content).hexdigest()
 
 
-@pytest.mark.long
-def test_of_a_file_of_any_size_at_most_a_gibibyte_is_read(tmp_path, monkeypatch):
-    parts = []
-    for size in (LARGEST, LARGEST + 1, 200 * LARGEST):
-        parts.append([])
-        with monkeypatch.context() as patched:
-            patched.setattr(module.hashlib, "sha256", lambda: hashlib.new("md5"))
-            fingerprint(sparse(tmp_path / "a", size), lambda: parts[-1].append(1))
-    assert [len(part) for part in parts] == [1024, 64, 64]
-
-
 @pytest.mark.parametrize("place", ["first", "middle", "last"])
 def test_a_large_file_is_known_again_and_its_changes_are_seen(tmp_path, monkeypatch, place):
     monkeypatch.setattr(module, "_LARGEST", 2**20)

@@ -22,7 +22,7 @@ from pycocotools.coco import COCO
 
 import cpm_core
 from cpm_core import Image, Parameters, PlacedCharge, Regions, circle, encoded, load_image, objects_result, partition
-from cpm_core.formats import FOR_SKELETONS, WRITABLE
+from cpm_core.formats import WRITABLE
 from cpm_core.formats.common.provenance import VERSION, entries_of, facts_of, with_shapes
 from cpm_core.formats.writers import DRAWN
 from cpm_core.parameters.provenance import Provenance
@@ -158,16 +158,6 @@ def test_every_format_tells_how_its_contours_were_found(suffix):
         assert told.items() >= entries_of(FACTS).items()
 
 
-@pytest.mark.parametrize("suffix", sorted(FOR_SKELETONS))
-def test_every_format_tells_how_a_skeleton_was_found(suffix):
-    skeleton = cpm_core.skeleton(DISK)
-    told = READERS[suffix](encoded(skeleton, suffix))
-    facts = facts_of(skeleton)
-    assert (facts["method"], facts["parameters"]["pruning"]) == ("skeleton", 1.0)
-    assert "w1" not in facts["parameters"], "it has no effect"
-    assert told == facts or told.items() >= entries_of(facts).items()
-
-
 @pytest.mark.parametrize("suffix", WRITABLE)
 def test_the_same_result_always_gives_the_same_bytes(suffix, monkeypatch):
     only = replace(FOUND, contours=(CELL,))
@@ -176,12 +166,11 @@ def test_the_same_result_always_gives_the_same_bytes(suffix, monkeypatch):
     assert encoded(only, suffix) == first
 
 
-@pytest.mark.parametrize("suffix", WRITABLE)
-def test_no_folder_is_told(suffix):
-    only = replace(FOUND, contours=(CELL,), source="C:\\Users\\someone\\secret\\a.png")
-    told = told_by(only, suffix)
-    name = told["image"] if isinstance(told["image"], str) else told["image"]["name"]
-    assert name == "a.png"
+def test_no_folder_is_told_and_a_skeleton_has_its_own_parameters():
+    assert facts_of(replace(FOUND, source="C:\\Users\\someone\\secret\\a.png"))["image"]["name"] == "a.png"
+    facts = facts_of(cpm_core.skeleton(DISK))
+    assert (facts["method"], facts["parameters"]["pruning"]) == ("skeleton", 1.0)
+    assert "w1" not in facts["parameters"], "it has no effect"
 
 
 def test_programs_that_know_no_quoted_cells_read_the_tables():

@@ -9,10 +9,19 @@ from hypothesis import strategies as st
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.hand_edits import apply
+from cpm_core.contours.result import Result
 from cpm_core.field.scale_field import build_scale_field
 from cpm_core.reconstruction.by_hand.live_wire import LiveWire, nearest_ridge
-from cpm_core.reconstruction.by_hand.operations import Contact, chain, connect, cut, deletion, pull, wire_from
-from cpm_core.reconstruction.curve.hysteresis import measured
+from cpm_core.reconstruction.by_hand.operations import (
+    Contact,
+    carried_out,
+    chain,
+    connect,
+    cut,
+    deletion,
+    pull,
+    wire_from,
+)
 from tests.core.scenes import circle_points, disk
 
 SHAPE, CENTER, RADIUS = (100, 120), (48.3, 60.7), 30.2
@@ -153,6 +162,7 @@ def test_without_edges_a_pulled_stretch_bends_to_the_place():
 
 def test_changed_contours_have_the_strength_of_the_edge_below_them():
     open_one = arc(0.4, 2.0 * np.pi)
-    (closed,), _ = apply([open_one], chain(field(), [open_one], closing=True), lambda one: measured([one], field())[0])
+    result = Result(np.empty((0, 2)), (open_one,), None, 1, True, "", SHAPE, (1.0, 1.0), None, "")
+    (closed,) = carried_out(result, chain(field(), [open_one], closing=True), field())[0].contours
     assert closed.strength == pytest.approx(field().strength(whole().points).mean(), rel=0.02)
     assert closed.contrast > 0.5

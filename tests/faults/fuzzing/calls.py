@@ -276,7 +276,6 @@ def _of_stacks_and_methods() -> Mapping[str, tuple[Any, ...]]:
     return {
         "pages": ([DISC] * 2, [DISC, DISC[:5]], np.stack([DISC] * 3), [], [None], "ab", BALL, [DISC * np.nan, DISC]),
         "numbers": (None, (1,), [2, 1], [0], [1, 1], np.array([1]), np.array([1.0]), np.array(1), "1"),
-        "known": ((), [None], (DISC,)),
         "start": (_START, Start((_SEEDS * 4.0,), around=True), Start((_SEEDS, _SEEDS + 1e5))),
         "settings": (None, {}, *(method.settings() for method in cpm_core.CONTOUR_METHODS.values())),
         "moment": (moment,),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from types import ModuleType
 
 from ..report import Budget, Part, Report
-from . import calls, command_line, files, guided, images, sessions, volumes
+from . import calls, command_line, files, images, sessions, volumes
 from .trials import at_length
 
 
@@ -20,7 +20,6 @@ def _part(module: ModuleType) -> Part:
 
 PARTS: dict[str, tuple[str, Part]] = {
     "files": ("damaged files of every kind, read", files.part),
-    "guided": ("the same, guided by the coverage of the readers", guided.part),
     "sessions": ("damaged sessions, read and run", _part(sessions)),
     "calls": ("calls of the library, with values of right and wrong kinds", _part(calls)),
     "images": ("images, starts and parameters against the laws of the model", _part(images)),

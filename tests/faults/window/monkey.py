@@ -87,7 +87,7 @@ class Monkey(QObject):
         await_true(lambda: time.monotonic() > rested, "resting")
         broken = list(self._watch.troubles)
         session = self.window.session
-        done = session.changes[1]
+        done = session.history.done
         before = session.document
         session.go_to(0)
         session.go_to(done)

@@ -173,11 +173,9 @@ class ViewInSpace:
 
     def _draw_box(self, picture: Picture, camera: Camera, look: Look) -> None:
         """Twelve edges; the three at the first voxel are the axes, in their own colors."""
-        ends, colors = [], []
-        for corner in product((0, 1), repeat=3):
-            for axis in range(3):
-                if not corner[axis]:
-                    ends += [corner, tuple(1 if k == axis else corner[k] for k in range(3))]
-                    colors.append(look.edges if any(corner) else AXIS_COLORS[axis])
-        places = np.array(ends) * np.array(self.lengths)
-        draw_lines(picture, camera.seen(places, picture.size), np.array(colors, np.uint8))
+        corners = np.array(list(product((0.0, 1.0), repeat=3)))
+        first = np.stack([corners[corners[:, axis] == 0.0] for axis in range(3)])
+        ends = np.stack([first, first + np.eye(3)[:, None]], axis=2).reshape(-1, 3)
+        colors = np.tile(look.edges, (12, 1))
+        colors[::4] = AXIS_COLORS
+        draw_lines(picture, camera.seen(ends * self.lengths, picture.size), colors.astype(np.uint8))

@@ -12,7 +12,7 @@ from app.model.display.display_image import IntensityWindow, apply_window
 from app.model.display.space.camera import Camera
 from app.model.display.space.picture import Colors, Picture, within
 from app.model.volume.slices import Slice
-from cpm_core.numerics import Array, compiled, share
+from cpm_core.numerics import Array, compiled
 
 Bytes = NDArray[np.uint8]
 
@@ -30,14 +30,7 @@ class Shaded:
     @cached_property
     def voxels(self) -> Bytes:
         """Shades of the window, in the shape of the volume."""
-        shades = np.empty(self.values.shape, np.uint8)
-
-        def some(begin: int, end: int) -> None:
-            for plane in range(begin, end):
-                shades[plane] = apply_window(self.values[plane], self.window)
-
-        share(some, len(shades), 1)
-        return shades
+        return apply_window(self.values, self.window)
 
     @cached_property
     def maxima(self) -> Bytes:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from PySide6.QtWidgets import QGraphicsItem, QStyleOptionGraphicsItem, QWidget
 
 from app.views.theme import theme
 from app.views.theme.theme import Kind, look
-from cpm_core.numerics import Position
+from cpm_core.numerics import Array, Place, Position
 
 
 def to_xy(positions: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -92,10 +92,19 @@ class OverImage(QtWidgets.QGraphicsObject):  # type: ignore[misc]  # `show` of i
 
 
 class Markers(pg.ScatterPlotItem):  # type: ignore[misc]  # pyqtgraph has no type hints
-    """A few symbols of one size; without symbols, painting costs nothing."""
+    """A few symbols of one size; `z` is the place in the stack of layers, the rest is as in `pg.ScatterPlotItem`."""
+
+    def __init__(self, z: float, **look: Any) -> None:
+        super().__init__(**look)
+        self.setZValue(z)
+
+    def show(self, positions: Collection[Place] | Array, **look: Any) -> None:
+        """Show them at (row, col), with a look of their own."""
+        x, y = to_xy(np.array([*positions], dtype=float).reshape(-1, 2))
+        self.setData(x=x, y=y, **look)
 
     def paint(self, painter: Any, *rest: Any) -> None:
-        """Draw the markers, if there are any."""
+        """Draw the markers; without any, painting costs nothing."""
         if len(self.data):
             super().paint(painter, *rest)
 

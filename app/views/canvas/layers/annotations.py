@@ -51,10 +51,6 @@ class ScaleBarLayer(Layer):
         """Show the bar where the size of a pixel is known, or on request."""
         self._fit()
 
-    def follow_choice(self, name: str) -> None:
-        """Show the bar in px, or hide it."""
-        self._fit()
-
     def follow(self, before: Scene) -> None:
         """Measure another image."""
         if self.scene.image is not before.image:

@@ -9,7 +9,7 @@ import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import Qt, Signal
 from PySide6.QtGui import QColor, QPainter, QPainterPath
-from PySide6.QtWidgets import QGraphicsItem, QStyleOptionGraphicsItem, QWidget
+from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
 from app.model.text.language import tr
 from app.model.volume.shape_sections import ChargeSection, Section, StartSection, sections
@@ -95,9 +95,10 @@ class Draft:
 
     def __init__(self, view: pg.ViewBox) -> None:
         self.path, self._closing, self._ring = (pg.PlotCurveItem(antialias=True) for _ in range(3))
-        self._corners = Markers(size=6.0, symbol="s", pen=pg.mkPen(theme.HALO), brush=pg.mkBrush("w"))
-        for index, item in enumerate((self.path, self._closing, self._corners, self._ring)):
-            item.setZValue(_DRAFT_Z + 0.1 * index)
+        self._corners = Markers(_DRAFT_Z + 0.5, size=6.0, symbol="s", pen=pg.mkPen(theme.HALO), brush=pg.mkBrush("w"))
+        for item in (self.path, self._closing, self._ring):
+            item.setZValue(_DRAFT_Z)
+        for item in (self.path, self._closing, self._ring, self._corners):
             view.addItem(item, ignoreBounds=True)
 
     def show(self, corners: Array, path: Array, color: str, closed: bool) -> None:
@@ -107,7 +108,7 @@ class Draft:
         dashed.setStyle(Qt.PenStyle.DashLine)
         self._closing.setPen(dashed)
         self._closing.setData(*to_xy(path[[-1, 0]] if closed and len(path) > 2 else path[:0]))
-        self._corners.setData(*to_xy(corners))
+        self._corners.show(corners)
 
     def show_ring(self, rim: Array, color: str) -> None:
         """Show the ring of a tool, shape (K, 2); an empty one hides it."""
@@ -144,30 +145,23 @@ class DrawingLayer(Layer):
         self._lines = _shapes(theme.DRAWING, _Z, 1.4)
         self._chosen = _shapes(theme.CHOSEN, _Z + 0.1, 2.2)
         self._areas = _shapes(theme.DRAWING, _Z, 1.2, dashed=True)
-        self.computed = {kind: Discs(theme.MOVING, diameter, 0.0) for kind, diameter in _DIAMETERS.items()}
-        self._seeds = Discs(theme.MOVING, 6.0, 0.0)
-        self._chosen_points = Discs(theme.CHOSEN, 9.0, 0.0)
+        self.computed = {kind: Discs(theme.MOVING, diameter, _Z + 0.2) for kind, diameter in _DIAMETERS.items()}
+        self._seeds = Discs(theme.MOVING, 6.0, _Z + 0.6)
+        self._chosen_points = Discs(theme.CHOSEN, 9.0, _Z + 0.7)
         self._handles = Markers(
-            size=10.0, symbol="s", pen=pg.mkPen(theme.HALO, width=1.2), brush=pg.mkBrush(theme.CHOSEN)
+            _Z + 0.8, size=10.0, symbol="s", pen=pg.mkPen(theme.HALO, width=1.2), brush=pg.mkBrush(theme.CHOSEN)
         )
-        discs = (*self.computed.values(), self._seeds, self._chosen_points)
-        marks: tuple[QGraphicsItem, ...] = (*discs, self._handles)
-        for z, item in enumerate(marks, start=2):
-            item.setZValue(_Z + 0.1 * z)
         self._starts = (self._lines, self._areas, self._seeds, self._chosen_points)
         self._dim = Dim()
         self._regions = _shapes(theme.REGION, _LINE_Z, 1.8)
         self._barriers = _shapes(theme.BARRIER, _LINE_Z + 0.1, 3.6, halo=5.6)
         self._rings = _shapes(theme.ATTRACTING, _CHARGE_Z - 0.2, 1.8)
         self._reach = _shapes(theme.CHOSEN, _CHARGE_Z - 0.1, 1.2, halo=2.6, dashed=True)
-        self._charges = Markers(size=_DISC)
-        self._signs = Markers(size=_SIGN, pen=None, brush=pg.mkBrush("w"))
-        self._charges.setZValue(_CHARGE_Z)
-        self._signs.setZValue(_CHARGE_Z + 0.1)
-        self._beyond = (self._lines, self._areas, self._chosen, *discs, self._regions, self._barriers, self._rings,
-                        self._reach)  # fmt: skip
-        """What may lie next to the image."""
-        self.add(*self._beyond, self._handles, self._dim, self._charges, self._signs)
+        self._charges = Markers(_CHARGE_Z, size=_DISC)
+        self._signs = Markers(_CHARGE_Z + 0.1, size=_SIGN, pen=None, brush=pg.mkBrush("w"))
+        self.add(self._lines, self._areas, self._chosen, *self.computed.values(), self._seeds, self._chosen_points)
+        self.add(self._handles, self._dim, self._regions, self._barriers, self._rings, self._reach)
+        self.add(self._charges, self._signs)
         self._draft = Draft(view)
 
     @property
@@ -183,9 +177,9 @@ class DrawingLayer(Layer):
 
     def use_shape(self, shape: tuple[int, ...]) -> None:
         """Cover an image of this shape; shapes may lie next to it."""
-        self._dim.use_shape(shape)
-        for item in self._beyond:
-            item.use_shape(shape, float(max(shape)) + REACH)
+        for item, _ in self._items:
+            if isinstance(item, OverImage):
+                item.use_shape(shape, 0.0 if item is self._dim else float(max(shape)) + REACH)
 
     def follow(self, before: Scene) -> None:
         """Show other shapes, another selection, or the shapes behind a run."""
@@ -243,7 +237,7 @@ class DrawingLayer(Layer):
         self._chosen_points.show(_particles(pointed))
         seen = () if self.scene.has_particles else rest if pointed else shapes
         self._seeds.show(_particles([shape for shape in seen if isinstance(shape, _Line | Points | Grid)]))
-        self._handles.setData(*_to_lists(chosen.handles() if chosen else ()))
+        self._handles.show(chosen.handles() if chosen else ())
         self._show_computed()
 
     def _show_computed(self) -> None:
@@ -264,16 +258,15 @@ class DrawingLayer(Layer):
         self._rings.show([_ring(charge, RADIUS) for charge in charges], [_color(charge) for charge in charges])
         self._reach.show([_ring(chosen, REACH)] if isinstance(chosen, _AnyCharge) else [])
         charges = [charge for charge in charges if not isinstance(charge, ChargeSection) or charge.in_slice]
-        x, y = _to_lists([charge.position for charge in charges])
+        places = [charge.position for charge in charges]
         rims = [_pen(theme.CHOSEN, width=2.6) if each is chosen else _pen(theme.HALO, width=1.4) for each in charges]
-        self._charges.setData(
-            x,
-            y,
+        self._charges.show(
+            places,
             size=[_DISC + _STRONGER * abs(charge.strength) for charge in charges],
             brush=[_brush(_color(charge)) for charge in charges],
             pen=rims,
         )
-        self._signs.setData(x, y, symbol=["+" if charge.strength > 0.0 else "_" for charge in charges])
+        self._signs.show(places, symbol=["+" if charge.strength > 0.0 else "_" for charge in charges])
 
     def fade(self) -> None:
         """Set the opacity; starts are faint behind a run."""
@@ -300,11 +293,6 @@ def _is_area(shape: Section) -> bool:
 def _outlines(shapes: Sequence[_Line | Grid | Threshold | Limit]) -> list[Array]:
     """The lines of shapes; a region that lies in other slices of a volume has none."""
     return [np.array(shape.outline) for shape in shapes if len(shape.outline)]
-
-
-def _to_lists(positions: Sequence[Place]) -> tuple[Array, Array]:
-    """Their x and y on the canvas."""
-    return to_xy(np.array(positions, dtype=float).reshape(-1, 2))
 
 
 def _ring(charge: _AnyCharge, radius: float) -> Array:

@@ -60,7 +60,7 @@ class ScalarOverlay(Layer):
 
     def follow(self, before: Scene) -> None:
         """Show newer values, or none."""
-        if self.scene.overlays.get(self.name) is not before.overlays.get(self.name):
+        if self.scene.overlays is not before.overlays:
             self._show()
 
     def _show(self) -> None:
@@ -130,17 +130,11 @@ class PotentialLayer(ScalarOverlay):
 
     def show_or_hide(self) -> None:
         """Request the lines as well, where they are shown."""
-        super().show_or_hide()
         self.requests.want_overlay("iso_lines", self.shown and bool(self.chosen["lines"]))
-        self._show_lines()
+        super().show_or_hide()
 
-    def follow(self, before: Scene) -> None:
-        """Show newer lines as well, or none."""
-        super().follow(before)
-        if self.scene.overlays.get("iso_lines") is not before.overlays.get("iso_lines"):
-            self._show_lines()
-
-    def _show_lines(self) -> None:
+    def _show(self) -> None:
+        super()._show()
         lines = self.scene.overlays.get("iso_lines") if self.shown else None
         self.lines.setVisible(lines is not None)
         if lines is not None:
@@ -148,9 +142,8 @@ class PotentialLayer(ScalarOverlay):
 
     def follow_choice(self, name: str) -> None:
         """Change the colors, or request the lines."""
-        if name == "map":
-            super().follow_choice(name)
-        else:
+        super().follow_choice(name)
+        if name == "lines":
             self.show_or_hide()
 
     def fade(self) -> None:
@@ -195,7 +188,7 @@ class FieldLayer(Layer):
 
     def follow(self, before: Scene) -> None:
         """Show another field, or none."""
-        if self.scene.overlays.get("field") is not before.overlays.get("field"):
+        if self.scene.overlays is not before.overlays:
             self._draw()
 
     def _draw(self, *_: object) -> None:

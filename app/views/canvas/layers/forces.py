@@ -9,7 +9,7 @@ import pyqtgraph as pg
 
 from app.model.text.language import tr, written
 from app.session.scene import Scene
-from app.session.worker.requests import Probe, Probed
+from app.session.worker.requests import Probed, probe
 from app.views.canvas.items.item import FAINT, Markers, Pinned, line_pen, to_xy
 from app.views.canvas.layers.fields import arrow_lines
 from app.views.canvas.layers.layer import Amount, Layer, Requests
@@ -58,23 +58,21 @@ class ForceLayer(Layer):
 
     def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
         super().__init__(view, requests)
-        self._ring = Markers(size=15.0, symbol="o", brush=None, pen=pg.mkPen(theme.CHOSEN, width=1.6))
+        self._ring = Markers(_Z, size=15.0, symbol="o", brush=None, pen=pg.mkPen(theme.CHOSEN, width=1.6))
         halo = line_pen(theme.HALO, 4.6)
         self._arrows = {
             name: pg.PlotCurveItem(pen=line_pen(color, 2.2), shadowPen=halo, antialias=True, connect="pairs")
             for name, (_, color) in KINDS.items()
         }
         self.legend = Pinned(view, (1.0, 0.0))
-        for index, item in enumerate((self._ring, *self._arrows.values())):
-            item.setZValue(_Z + 0.1 * index)
+        for item in self._arrows.values():
+            item.setZValue(_Z)
         self.add(self._ring, *self._arrows.values(), self.legend)
         self.probed: Probed | None = None
         """The forces shown."""
         self.lines: list[tuple[str, str, str]] = []
         """Name, color and magnitude of each force in the legend."""
         self._pointer: Position | None = None
-        self._asked = False
-        self._again = False
         self._draw()
         view.sigRangeChanged.connect(self._draw)
 
@@ -99,27 +97,20 @@ class ForceLayer(Layer):
             if snapshot is None:
                 self._use(None)
             self._ask()
-        if probed is not None and probed is not before.probed:
-            self._asked = False
-            if self.shown and snapshot is not None and probed.generation == snapshot.generation:
-                self._use(probed if probed.identity >= 0 else None)
-            if self._again:
-                self._ask()
+        answered = self.shown and probed is not before.probed
+        if answered and probed is not None and snapshot is not None and probed.generation == snapshot.generation:
+            self._use(probed if probed.identity >= 0 else None)
 
     def _ask(self) -> None:
-        """Request the forces; while an answer is pending, the next request waits for it."""
+        """Request the forces."""
         snapshot = self.scene.snapshot
         if not self.shown or snapshot is None:
             return
-        self._again = self._asked
-        if self._asked:
-            return
-        self._asked = True
         seen = self.view.viewRect().center()
         place = (seen.y(), seen.x()) if self._pointer is None else self._pointer
         reach = math.inf if self._pointer is None else _REACH * float(self.view.viewPixelSize()[0])
         here = None if self.scene.slices is None else self.scene.slices.current
-        self.requests.post(Probe(snapshot.generation, place if here is None else here.lifted(place), reach))
+        self.requests.post(probe(snapshot.generation, place if here is None else here.lifted(place), reach))
 
     def _use(self, probed: Probed | None) -> None:
         self.probed = probed
@@ -146,4 +137,4 @@ class ForceLayer(Layer):
         for name, item in self._arrows.items():
             way = probed.forces[name] * (probed.size(name) >= _NOTHING)
             item.setData(*to_xy(arrow_lines(at, at + self.number("length") / longest * way * pixel)))
-        self._ring.setData(*to_xy(at))
+        self._ring.show(at)

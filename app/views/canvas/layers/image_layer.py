@@ -19,7 +19,7 @@ from app.model.display.display_image import (
 )
 from app.model.text.language import tr
 from app.session.scene import Scene
-from app.session.worker.requests import Shade
+from app.session.worker.requests import shade
 from app.views.canvas.items.item import cached
 from app.views.canvas.items.tiled_image import TiledImage
 from app.views.canvas.layers.layer import Amount, Choice, Layer, Requests
@@ -86,11 +86,6 @@ class ImageLayer(Layer):
         """The window with gamma, as it is shown."""
         return IntensityWindow(*self.window, self.number("gamma"))
 
-    @property
-    def table(self) -> color_maps.Table:
-        """Colors of the shades, shape (256, 3)."""
-        return color_maps.table(self.word("map"))
-
     def choose_window(self, low: float, high: float) -> None:
         """Show gray values from `low`, black, to `high`, white."""
         if math.isfinite(low) and math.isfinite(high) and low <= high and (low, high) != self.window:
@@ -100,7 +95,8 @@ class ImageLayer(Layer):
     def follow_choice(self, name: str) -> None:
         """Change colors or window."""
         if name == "map":
-            self._item.use_table(None if self.word("map") == color_maps.GRAY else self.table)
+            name = self.word("map")
+            self._item.use_table(None if name == color_maps.GRAY else color_maps.table(name))
         elif name == "range":
             self._find_window()
         else:  # what is shown, or gamma
@@ -125,36 +121,28 @@ class ImageLayer(Layer):
 
     def follow(self, before: Scene) -> None:
         """Show another image, or shades that were requested."""
-        scene, shaded = self.scene, self.scene.shaded
-        if scene.image is not before.image and scene.image is not None and scene.display is not None:
-            if _same(scene.whole, before.whole):  # another slice of the same volume, or pixels of another size
-                self._shade()
-            else:
-                self._use_image(scene.image)
-        elif scene.display is not before.display:  # a preview of a large slice has been completed
-            self._shade()
+        scene, image, shaded = self.scene, self.scene.image, self.scene.shaded
+        if image is None or scene.display is None:
+            return
+        channel, last = scene.document.parameters.channel, before.document.parameters.channel
+        if image is not before.image and not _same(scene.whole, before.whole):
+            self.ends = self.window = (scene.whole or image).gray_range
+            if self.word("range") == _HAND:
+                # a window chosen for another image does not apply to this one
+                self.chosen["range"] = WHOLE
+            self._find_window()
+        elif (image, scene.display, channel) != (before.image, before.display, last):
+            self._shade()  # another slice of the same volume, pixels of another size, or a preview is completed
         # of two pending requests, the older one may not win
-        new = shaded is not None and shaded is not before.shaded and shaded.image is scene.image
-        wanted = self.shown_window, self._channel()
-        if shaded is not None and new and (shaded.window, shaded.channel) == wanted and not self._in_color():
+        wanted = image, self.shown_window, self._channel
+        if shaded not in (None, before.shaded) and (shaded.image, shaded.window, shaded.channel) == wanted:
             self._item.show_image(shaded.display)
-        if scene.document.parameters.channel != before.document.parameters.channel and not self._in_color():
-            self._shade()
-
-    def _use_image(self, image: Image) -> None:
-        self.ends = self.window = (self.scene.whole or image).gray_range
-        if self.word("range") == _HAND:
-            # a window chosen for another image does not apply to this one
-            self.chosen["range"] = WHOLE
-        self._find_window()
 
     def _find_window(self) -> None:
         """Use the chosen window."""
         way, image = self.word("range"), self.scene.whole
-        if image is not None and way == WHOLE:
-            self._use_window(*self.ends)
-        elif image is not None and way != _HAND:
-            self._use_window(*percentile_window(image.values, float(way)))
+        if image is not None and way != _HAND:
+            self._use_window(*(self.ends if way == WHOLE else percentile_window(image.values, float(way))))
 
     def _use_window(self, low: float, high: float) -> None:
         self.window = (low, high)
@@ -162,34 +150,27 @@ class ImageLayer(Layer):
         self.changed.emit()
 
     def _shade(self) -> None:
-        image, whole = self.scene.image, self.scene.display
+        image, whole, channel = self.scene.image, self.scene.display, self._channel
         if image is None or whole is None:
             return
-        window, colors = self.shown_window, image.colors
-        if colors is not None and self._in_color():
-            self._item.use_curve(None if window == IntensityWindow(*self.ends) else color_curve(window, colors.white))
+        window, all_of_it = self.shown_window, self.shown_window == IntensityWindow(*self.ends)
+        if image.colors is not None and channel is None:
+            self._item.use_curve(None if all_of_it else color_curve(window, image.colors.white))
             self._item.show_image(whole)
-        elif colors is not None:
-            self.requests.post(Shade(image, window, self._channel()))
-        elif window == IntensityWindow(*self.ends):
+        elif image.colors is None and all_of_it:
             self._item.show_image(whole)
-        elif image.values.size <= _AT_ONCE:
+        elif image.colors is None and image.values.size <= _AT_ONCE:
             self._item.show_image(DisplayImage.of(apply_window(image.values, window)))
-        else:
-            self.requests.post(Shade(image, window))
+        elif channel is not None:
+            self.requests.post(shade(image, window, channel))
 
-    def _in_color(self) -> bool:
-        """Whether a color image is shown in its colors."""
+    @property
+    def _channel(self) -> str | None:
+        """Channel that is shown; None for an image in its colors."""
         image = self.scene.image
-        return image is not None and image.colors is not None and self.word("shown") == _IN_COLOR
-
-    def _channel(self) -> str:
-        """Channel that is shown where the image is not shown in color."""
-        return (
-            "luminance"
-            if self.scene.image is None
-            else self.scene.image.channel(self.scene.document.parameters.channel)
-        )
+        if image is None or (image.colors is not None and self.word("shown") == _IN_COLOR):
+            return None
+        return image.channel(self.scene.document.parameters.channel)
 
 
 def _same(one: Image | None, other: Image | None) -> bool:

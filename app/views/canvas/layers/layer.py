@@ -98,8 +98,6 @@ class LegendEntry:
         Their color.
     sign : {"line", "dashed", "dot", "check"}
         How they are drawn.
-    width : float
-        Width of the line, or diameter of the disc [px of the screen].
     """
 
     count: int
@@ -107,7 +105,6 @@ class LegendEntry:
     tip: str
     color: str
     sign: Sign = "line"
-    width: float = 2.0
 
 
 class Requests(Protocol):
@@ -174,12 +171,12 @@ class Layer(QObject):
         self.shown = self.initially
         self.opacity = 1.0
         self.chosen: dict[str, Value] = {option.name: option.first for option in self.options}
-        self._items: list[QGraphicsItem] = []
+        self._items: list[tuple[QGraphicsItem, str]] = []
 
-    def add(self, *items: QGraphicsItem) -> None:
-        """Put items on the canvas, unless they have their place there."""
+    def add(self, *items: QGraphicsItem, switch: str = "") -> None:
+        """Put items on the canvas, unless they have their place there; they are shown while a `Switch` is on."""
         for item in items:
-            self._items.append(item)
+            self._items.append((item, switch))
             if item.parentItem() is None:
                 self.view.addItem(item, ignoreBounds=True)
 
@@ -192,7 +189,7 @@ class Layer(QObject):
 
     def use_shape(self, shape: tuple[int, ...]) -> None:
         """Cover an image of this shape."""
-        for item in self._items:
+        for item, _ in self._items:
             if isinstance(item, OverImage):
                 item.use_shape(shape)
 
@@ -218,13 +215,14 @@ class Layer(QObject):
             self.changed.emit()
 
     def show_or_hide(self) -> None:
-        """Apply `shown` to the items."""
-        for item in self._items:
-            (item.set_shown if isinstance(item, OverImage) else item.setVisible)(self.shown)
+        """Apply `shown` and the switches to the items."""
+        for item, switch in self._items:
+            shown = self.shown and bool(not switch or self.chosen[switch])
+            (item.set_shown if isinstance(item, OverImage) else item.setVisible)(shown)
 
     def fade(self) -> None:
         """Apply `opacity` to the items."""
-        for item in self._items:
+        for item, _ in self._items:
             item.setOpacity(self.opacity)
 
     def choose(self, name: str, value: object) -> None:
@@ -241,7 +239,8 @@ class Layer(QObject):
         return True
 
     def follow_choice(self, name: str) -> None:
-        """Apply an option that has changed."""
+        """Apply an option that has changed, by default one that shows or hides items."""
+        self.show_or_hide()
 
     def word(self, name: str) -> str:
         """Value of a `Choice`."""

@@ -10,7 +10,7 @@ import pyqtgraph as pg
 from app.model.text.language import tr
 from app.session.scene import Scene
 from app.views.canvas.items.curves import Area, Curves, Fills
-from app.views.canvas.items.item import Markers, Names, to_xy
+from app.views.canvas.items.item import Markers, Names
 from app.views.canvas.layers.layer import Amount, Layer, Requests, Switch
 from app.views.theme import theme
 from cpm_core import Selection
@@ -48,23 +48,19 @@ class ObjectLayer(Layer):
         self.preview_fill, self._preview = Fills(4.4), Curves(theme.CHOSEN, 4.45, width=1.2, halo=2.4)
         self.offered_fill, self._offered = Fills(4.5), Curves(theme.CHOSEN, 4.55, width=2.2, halo=4.0)
         self._offered_gaps = Curves(theme.HALO, 4.6, halo=0.0, dashed=True)
-        self._inside, self._outside = _marks("o", theme.RESTING), _marks("x", theme.BARRIER)
+        self._clicks = Markers(6.9, size=9.0, pen=pg.mkPen(theme.HALO, width=1.2))
         self._names = Names(5.8)
         self.add(self.fills, self._outlines, self._gaps, self._chosen, self._hovered)
         self.add(self.preview_fill, self._preview, self.offered_fill, self._offered, self._offered_gaps)
-        self.add(self._inside, self._outside, self._names)
-
-    def show_or_hide(self) -> None:
-        """Show or hide all items."""
-        super().show_or_hide()
-        self._names.set_shown(self.shown and bool(self.chosen["names"]))
+        self.add(self._clicks)
+        self.add(self._names, switch="names")
 
     def follow_choice(self, name: str) -> None:
         """Show areas in another opacity, or show or hide names."""
         if name == "fill":
             self._show_objects()
         else:
-            self.show_or_hide()
+            super().follow_choice(name)
 
     def follow(self, before: Scene) -> None:
         """Show other objects, another selection, or another proposal."""
@@ -111,17 +107,15 @@ class ObjectLayer(Layer):
         self._offered_gaps.show([gap for selection in selections for gap in selection.gaps])
 
     def _show_clicks(self) -> None:
-        for marks, inside in ((self._inside, True), (self._outside, False)):
-            clicks = [click for click in self.scene.document.objects.clicks if click.inside == inside]
-            places = [place for click in clicks for place in click.places[:: 1 + len(click.places) // _MOST_MARKS]]
-            x, y = to_xy(np.array(places, dtype=float).reshape(-1, 2))
-            marks.setData(x=x, y=y)
-
-
-def _marks(symbol: str, color: str) -> Markers:
-    marks = Markers(size=9.0, symbol=symbol, pen=pg.mkPen(theme.HALO, width=1.2), brush=pg.mkBrush(color))
-    marks.setZValue(6.9)
-    return marks
+        """Mark the places of all clicks, of a long stroke only some."""
+        clicks = self.scene.document.objects.clicks
+        marks = [(at, each.inside) for each in clicks for at in each.places[:: 1 + len(each.places) // _MOST_MARKS]]
+        brushes = {True: pg.mkBrush(theme.RESTING), False: pg.mkBrush(theme.BARRIER)}
+        self._clicks.show(
+            [at for at, _ in marks],
+            symbol=["o" if inside else "x" for _, inside in marks],
+            brush=[brushes[inside] for _, inside in marks],
+        )
 
 
 def _area(selection: Selection, color: str, opacity: float) -> Area:

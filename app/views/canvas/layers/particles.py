@@ -12,7 +12,7 @@ from PySide6.QtCore import QLineF, QUrl
 from PySide6.QtGui import QColor, QPainter, QPen, QTextDocument
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
-from app.model.display.coloring import QUANTITIES, SHADES, InsertionTimes, colored
+from app.model.display.coloring import QUANTITIES, SHADES, colored
 from app.model.display.lines import Trails
 from app.model.text.language import tr, written
 from app.session.exchange.messages import Snapshot
@@ -94,54 +94,49 @@ class ParticleLayer(Layer):
         for name in _COLORS:
             strip = color_maps.strip(name, 2 * _WIDTH, 2 * _STRIP, BEGIN)
             self.legend.textItem.document().addResource(QTextDocument.ResourceType.ImageResource, QUrl(name), strip)
-        self.add(self._resting, self._moving, self.legend)
+        self._discs = (self._resting, self._moving)
+        self.add(*self._discs, self.legend)
 
     @property
     def position(self) -> Array:
         """Where particles are shown (row, col), shape (N, 2)."""
-        return np.concatenate([self._resting.position, self._moving.position])
+        return np.concatenate([discs.position for discs in self._discs])
 
     @property
     def count(self) -> int:
         """Number of particles shown."""
-        return self._resting.count + self._moving.count
+        return sum(discs.count for discs in self._discs)
 
-    @property
-    def receding(self) -> bool:
-        """Whether the run has ended, and the particles are shown less than during the run."""
-        return _ended(self.scene) and self.word("done") != _SAME
-
-    def size_of(self, snapshot: Snapshot) -> float:
+    def size_of(self, snapshot: Snapshot | None) -> float:
         """Factor for the diameter of the particles of a snapshot; 0 where they are hidden after its run."""
-        if not snapshot.state.stop_reason:
-            return 1.0
-        return {_SAME: 1.0, _SMALL: _RECEDING, _HIDDEN: 0.0}[self.word("done")]
+        ended = snapshot is not None and snapshot.state.stop_reason
+        return {_SAME: 1.0, _SMALL: _RECEDING, _HIDDEN: 0.0}[self.word("done")] if ended else 1.0
 
     def legend_entries(self) -> Sequence[LegendEntry]:
         """Particles by state during a run; those colored by a quantity have a legend on the canvas."""
-        if _ended(self.scene) or self.word("colour") != _STATE:
+        snapshot = self.scene.snapshot
+        if self.word("colour") != _STATE or (snapshot is not None and snapshot.state.stop_reason):
             return ()
         kinds = (
             (self._moving, tr("moving"), tr("Particles that move."), theme.MOVING),
             (self._resting, tr("at rest"), tr("Particles that hardly move."), theme.RESTING),
         )
-        return [LegendEntry(discs.count, text, tip, color, "dot", 6.0) for discs, text, tip, color in kinds]
+        return [LegendEntry(discs.count, text, tip, color, "dot") for discs, text, tip, color in kinds]
 
     def show_or_hide(self) -> None:
         """Show or hide the particles and the legend."""
-        super().show_or_hide()
-        hidden = self.receding and self.word("done") == _HIDDEN
-        for discs in (self._resting, self._moving):
-            discs.set_shown(self.shown and not hidden)
-        self._show_legend()
+        snapshot = self.scene.snapshot
+        for discs in self._discs:
+            discs.set_shown(self.shown and self.size_of(snapshot) > 0.0)
+        self.legend.setVisible(self.shown and snapshot is not None and self.word("colour") != _STATE)
 
     def fade(self) -> None:
         """Set opacity, size and place in the stack."""
-        small = self.receding
-        for discs in (self._resting, self._moving):
-            discs.setOpacity(self.opacity * (_PALE if small else 1.0))
-            discs.shrink(_RECEDING if small else 1.0)
-        self._moving.setZValue(_BELOW if small else _ABOVE)
+        recede = self.size_of(self.scene.snapshot) < 1.0
+        for discs in self._discs:
+            discs.setOpacity(self.opacity * (_PALE if recede else 1.0))
+            discs.shrink(_RECEDING if recede else 1.0)
+        self._moving.setZValue(_BELOW if recede else _ABOVE)
 
     def acts(self, name: str) -> bool:
         """Colors from low to high act only where a quantity is shown."""
@@ -149,11 +144,8 @@ class ParticleLayer(Layer):
 
     def follow_choice(self, name: str) -> None:
         """Change the colors, or how the particles are shown after a run."""
-        if name == "done":
-            self._recede()
-            return
         palette = [] if self.word("colour") == _STATE else _palette(self.word("map"))
-        for discs in (self._resting, self._moving):
+        for discs in self._discs:
             discs.use_palette(palette)
         self._show()
 
@@ -161,41 +153,28 @@ class ParticleLayer(Layer):
         """Show the newest particles."""
         if self.scene.snapshot is not before.snapshot:  # another slice shows others of the same particles
             self._show()
-            if _ended(self.scene) != _ended(before):
-                self._recede()
 
     def _show(self) -> None:
-        snapshot, near = self.scene.snapshot, self.scene.near
+        snapshot, near, marks = self.scene.snapshot, self.scene.near, None
         opacity = None if near is None else 1.0 - _FADED * near.away
-        if snapshot is None:
-            self._resting.show(NO_POSITIONS)
-            self._moving.show(NO_POSITIONS)
-        elif self.word("colour") == _STATE:
-            for discs, which in ((self._resting, snapshot.resting), (self._moving, ~snapshot.resting)):
-                discs.show(snapshot.position[which], None, None if opacity is None else opacity[which])
-        else:
+        if snapshot is not None and self.word("colour") != _STATE:
             quantity = QUANTITIES[self.word("colour")]
-            shown = colored(quantity, snapshot.state, InsertionTimes(snapshot.metrics.step, snapshot.metrics.numbered))
+            shown = colored(quantity, snapshot.state, snapshot.metrics)
             marks = shown.marks if near is None else shown.marks[near.index]
-            for discs, which in ((self._resting, snapshot.resting), (self._moving, ~snapshot.resting)):
-                discs.show(snapshot.position[which], marks[which], None if opacity is None else opacity[which])
             low, high = (written(f"{end:g}") for end in (shown.low, shown.high))
             unknown = tr("● too new") if (shown.marks == SHADES).any() else ""
             self.legend.show_html(
                 _LEGEND.format(title=quantity.title, map=self.word("map"), low=low, high=high, unknown=unknown)
             )
-        self._show_legend()
-
-    def _recede(self) -> None:
+        for discs in self._discs:
+            if snapshot is None:
+                discs.show(NO_POSITIONS)
+            else:
+                which = snapshot.resting if discs is self._resting else ~snapshot.resting
+                color = None if marks is None else marks[which]
+                discs.show(snapshot.position[which], color, None if opacity is None else opacity[which])
         self.fade()
         self.show_or_hide()
-
-    def _show_legend(self) -> None:
-        self.legend.setVisible(self.shown and self.scene.snapshot is not None and self.word("colour") != _STATE)
-
-
-def _ended(scene: Scene) -> bool:
-    return scene.snapshot is not None and bool(scene.snapshot.state.stop_reason)
 
 
 def _palette(name: str) -> list[str]:

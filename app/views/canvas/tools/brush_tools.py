@@ -6,13 +6,14 @@ import math
 from dataclasses import replace
 
 import numpy as np
+import scipy
 
 from app.model.text.language import tr
 from app.session.features.object_list import ObjectBrush
 from app.session.undo_history import Erasure
 from app.views.canvas.tools.tool import CONTOUR, SELECT, START, TAKING_AWAY, ShapeTool, ToolContext
 from app.views.theme import theme
-from cpm_core.numerics import Place
+from cpm_core.numerics import Array, Place
 from cpm_core.shapes import Points
 
 _SHARE, _LEAST, _MOST = 0.03, 1.0, 500.0
@@ -102,41 +103,30 @@ class SprayTool(RingTool):
     def __init__(self, context: ToolContext) -> None:
         super().__init__(context)
         self._random = np.random.default_rng(0)
-        self._taken: dict[tuple[int, int], Place] = {}
+        self._taken: Array = np.empty((0, 2))
+        """The points so far, in sides of the smallest voxel."""
 
     def work(self, path: tuple[Place, ...]) -> None:
         """Scatter points along the path of the ring, none too near to another."""
+        image, sides = self._session.document.image, np.array(self.sides)
+        if image is None:
+            return
         if len(path) == 1:
-            self._taken = {}
-        begin, end = (np.array(self.flat(place)) * self.sides for place in (path[0], path[-1]))
+            self._taken = np.empty((0, 2))
+        begin, end = (np.array(self.flat(place)) * sides for place in (path[0], path[-1]))
         far = math.dist(begin, end) / self.radius if len(path) > 1 else 2.0
         many = self._random.poisson(_DENSITY * math.pi * self.radius**2 * far) + (len(path) == 1)
         share = self._random.random(many)[:, None]
-        middle = begin + share * (end - begin)
         angle, off = 2.0 * math.pi * self._random.random(many), self.radius * np.sqrt(self._random.random(many))
-        for row, col in (middle + off[:, None] * np.stack([np.sin(angle), np.cos(angle)], axis=1)).tolist():
-            self._place((row, col))
-        if self._taken:
-            down, right = self.sides
-            placed = (self.lifted((row / down, col / right)) for row, col in self._taken.values())
+        places = begin + share * (end - begin) + off[:, None] * np.stack([np.sin(angle), np.cos(angle)], axis=1)
+        last = np.array(image.shape if self.here is None else self.here.sides(image.shape)) - 0.5
+        inside = ((places >= -0.5 * sides) & (places <= last * sides)).all(axis=1)
+        points = np.concatenate([self._taken, places[inside]])
+        near = scipy.spatial.cKDTree(points).query_pairs(_APART, output_type="ndarray")
+        self._taken = np.delete(points, near.max(axis=1), axis=0)[:_MOST_POINTS]
+        if len(self._taken):
+            placed = (self.lifted((row, col)) for row, col in (self._taken / sides).tolist())
             self._put(tr("spray points"), Points(tuple(placed)))
-
-    def _place(self, at: Place) -> None:
-        """Keep a point unless one is too near; each cell of the raster holds at most one, so 25 cells are compared.
-
-        Lengths are in sides of the smallest voxel.
-        """
-        image = self._session.document.image
-        if image is None or len(self._taken) >= _MOST_POINTS:
-            return
-        rows, cols = image.shape if self.here is None else self.here.sides(image.shape)
-        inside = zip(at, self.sides, (rows, cols), strict=True)
-        if not all(-0.5 <= number / side <= n - 0.5 for number, side, n in inside):
-            return
-        row, col = (math.floor(number * math.sqrt(2.0) / _APART) for number in at)
-        cells = ((row + down, col + right) for down in range(-2, 3) for right in range(-2, 3))
-        if all(math.dist(at, self._taken[cell]) >= _APART for cell in cells if cell in self._taken):
-            self._taken[row, col] = at
 
 
 class EraserTool(RingTool):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import operator
 
+import numpy as np
 from PySide6.QtCore import Qt
 
 from app.model.document.document import ImageReference
@@ -19,16 +20,15 @@ from cpm_core.shapes.solids import SMALLEST
 
 def box_between(one: Position, other: Position, here: Slice, volume: ImageReference) -> tuple[Place, Place]:
     """Two corners of a box: as deep as the shorter side of its rectangle, half on each side, within the volume."""
-    sides = here.sides(volume.spacing)
-    low, high = zip(*map(sorted, zip(one, other, strict=True)), strict=True)
-    high = tuple(max(end, begin + SMALLEST) for begin, end in zip(low, high, strict=True))
-    depth = min(side * (end - begin) for begin, end, side in zip(low, high, sides, strict=True))
-    half = max(0.5 * depth / volume.spacing[here.axis], SMALLEST)
-    first, last = list(here.lifted(low)), list(here.lifted(high))
-    first[here.axis] = max(here.index - half, 0.0)
-    last[here.axis] = min(here.index + half, volume.shape[here.axis] - 1.0)
-    if last[here.axis] - first[here.axis] < SMALLEST:  # a volume of a single slice
-        last[here.axis] = first[here.axis] + SMALLEST
+    axis, low, high = here.axis, *np.sort([one, other], axis=0)
+    high = np.maximum(high, low + SMALLEST)
+    depth = ((high - low) * here.sides(volume.spacing)).min()
+    half = max(0.5 * float(depth) / volume.spacing[axis], SMALLEST)
+    begin = max(here.index - half, 0.0)
+    # at least so deep, even in a volume of a single slice
+    end = max(min(here.index + half, volume.shape[axis] - 1.0), begin + SMALLEST)
+    first, last = ([*here.lifted(tuple(corner.tolist()))] for corner in (low, high))
+    first[axis], last[axis] = begin, end
     return tuple(first), tuple(last)
 
 

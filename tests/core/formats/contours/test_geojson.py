@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 import shapely
 
-from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.rasterize import paint
 from cpm_core.formats import encoded
 
@@ -80,13 +79,3 @@ def test_units_are_left_out_where_they_are_not_known():
         "Gross area px^2",
         "Edge strength",
     }
-
-
-def test_the_net_area_is_that_of_the_polygon_and_about_that_of_the_label_mask():
-    labels = paint(RESULT.contours, RESULT.shape)
-    for feature, label in zip(features(RESULT), contour_labels(RESULT.contours), strict=True):
-        shape, told = shapely.geometry.shape(feature["geometry"]), feature["properties"]["measurements"]
-        if label:
-            assert told["Net area px^2"] == pytest.approx(shape.area, abs=0.01)
-            assert told["Net area px^2"] == pytest.approx((labels == label).sum(), rel=0.05)
-            assert told["Gross area px^2"] == pytest.approx(shapely.Polygon(shape.exterior).area, abs=0.01)

@@ -35,13 +35,6 @@ def physical_size(pixels_a_metre):
     return struct.pack(">I", 9) + b"pHYs" + data + struct.pack(">I", zlib.crc32(b"pHYs" + data))
 
 
-def test_eight_bit_grey_is_kept_as_it_is(tmp_path):
-    image = load_image(png(tmp_path / "a.png", RAMP.astype(np.uint8), colour=0, depth=8))
-    assert np.array_equal(image.values, RAMP)
-    assert image.notes == ()
-    assert image.source == "a.png"
-
-
 def test_sixteen_bit_grey_is_kept_as_it_is(tmp_path):
     values = RAMP * 271
     image = load_image(png(tmp_path / "a.png", values.astype(">u2"), colour=0, depth=16))
@@ -86,15 +79,6 @@ def test_jpeg_2000_keeps_the_gray_levels_of_its_depth(tmp_path, bits, signed):
     assert np.array_equal(load_image(tmp_path / "a.jp2").values, values)
 
 
-def test_colour_becomes_luminance(tmp_path):
-    colours = np.stack([RAMP, 255 - RAMP, RAMP // 2], axis=2).astype(np.uint8)
-    PIL.Image.fromarray(colours).save(tmp_path / "a.png")
-    image = load_image(tmp_path / "a.png")
-    red, green, blue = np.moveaxis(colours.astype(float), 2, 0)
-    assert np.allclose(image.values, 0.2125 * red + 0.7154 * green + 0.0721 * blue)
-    assert image.notes == ("Color was turned into luminance.",)
-
-
 def test_transparent_pixels_show_white_and_opaque_ones_themselves(tmp_path):
     colours = np.zeros((10, 10, 4), dtype=np.uint8)
     colours[..., :3] = 40
@@ -136,14 +120,6 @@ def test_floating_point_map_keeps_fractions(tmp_path):
     assert np.array_equal(load_image(tmp_path / "a.pfm").values, values.astype(np.float32))
 
 
-def test_a_gif_gives_its_first_frame(tmp_path):
-    frames = [PIL.Image.fromarray(np.full((10, 10), level, dtype=np.uint8)) for level in (30, 200)]
-    frames[0].save(tmp_path / "a.gif", save_all=True, append_images=frames[1:])
-    image = load_image(tmp_path / "a.gif")
-    assert np.all(image.values == 30)
-    assert image.notes[0] == "Only the first of its 2 frames was taken."
-
-
 # Where the first row and the first column of the stored picture belong, by the definition of the orientation tag.
 UPRIGHT = {
     1: lambda v: v,
@@ -161,10 +137,12 @@ UPRIGHT = {
 def test_pictures_stand_upright_as_the_camera_says(tmp_path, tag):
     exif = PIL.Image.Exif()
     exif[274] = tag
-    PIL.Image.fromarray(RAMP.astype(np.uint8)).save(tmp_path / "a.png", exif=exif)
+    colors = np.stack([RAMP, 255 - RAMP, RAMP // 2], axis=2).astype(np.uint8)
+    PIL.Image.fromarray(colors).save(tmp_path / "a.png", exif=exif)
     image = load_image(tmp_path / "a.png")
-    assert np.array_equal(image.values, UPRIGHT[tag](RAMP))
-    assert bool(image.notes) == (tag != 1)
+    assert np.array_equal(image.colors.samples[..., 0], UPRIGHT[tag](RAMP))
+    assert np.allclose(image.values, image.colors.samples @ [0.2125, 0.7154, 0.0721])
+    assert any("upright" in note for note in image.notes) == (tag != 1)
 
 
 def test_broken_camera_data_leaves_the_picture_readable(tmp_path):
@@ -193,11 +171,6 @@ def test_colors_are_kept_beside_the_luminance(tmp_path):
     assert image.colors.samples.dtype == np.uint8
     assert np.array_equal(image.colors.samples, colors)
     assert image.colors.white == 255.0
-
-
-def test_colors_are_turned_upright_with_the_image(tmp_path):
-    colors = np.stack([RAMP, 255 - RAMP, RAMP // 2], axis=2).astype(np.uint8)
-    exif = PIL.Image.Exif()
-    exif[274] = 6
-    PIL.Image.fromarray(colors).save(tmp_path / "a.png", exif=exif)
-    assert np.array_equal(load_image(tmp_path / "a.png").colors.samples, np.rot90(colors, -1))
+    red, green, blue = np.moveaxis(colors.astype(float), 2, 0)
+    assert np.allclose(image.values, 0.2125 * red + 0.7154 * green + 0.0721 * blue)
+    assert image.notes == ("Color was turned into luminance.",)

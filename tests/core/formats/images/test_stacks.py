@@ -61,15 +61,6 @@ def test_pages_without_a_meaning_are_planes(tmp_path, options):
         load_image(tmp_path / "a.tif", page=11)
 
 
-def test_pages_that_pillow_wrote_packed_are_planes(tmp_path):
-    pages = [PIL.Image.fromarray(plane) for plane in BYTES]
-    pages[0].save(tmp_path / "a.tif", save_all=True, append_images=pages[1:], compression="tiff_lzw")
-    assert np.array_equal(load_volume(tmp_path / "a.tif").values, BYTES)
-    pages[0].save(tmp_path / "b.tif", save_all=True, append_images=pages[1:], compression="jpeg", quality=100)
-    assert np.array_equal(load_image(tmp_path / "b.tif", page=3).values, load_volume(tmp_path / "b.tif").values[2])
-    assert np.abs(load_volume(tmp_path / "b.tif").values - BYTES).max() < 60
-
-
 def test_a_volume_in_one_page_and_a_stack_of_colors_are_read(tmp_path):
     values = np.zeros((16, 16, 16), np.uint8)
     values[3:9, 4:12] = 200

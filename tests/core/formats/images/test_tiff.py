@@ -9,21 +9,6 @@ from cpm_core.formats import load_image
 RAMP = np.arange(12 * 20).reshape(12, 20)
 
 
-@pytest.mark.parametrize("kind", [np.uint8, np.uint16, np.int16, np.uint32, np.float32, np.float64])
-@pytest.mark.parametrize("compression", [None, "zlib"])
-def test_values_of_every_type_are_kept_as_they_are(tmp_path, kind, compression):
-    values = (RAMP * 100 - 7000 if kind in (np.int16, np.float32, np.float64) else RAMP).astype(kind)
-    tifffile.imwrite(tmp_path / "a.tif", values, compression=compression)
-    assert np.array_equal(load_image(tmp_path / "a.tif").values, values)
-
-
-def test_where_white_is_zero_the_image_is_inverted(tmp_path):
-    tifffile.imwrite(tmp_path / "a.tif", RAMP.astype(np.uint8), photometric="miniswhite")
-    image = load_image(tmp_path / "a.tif")
-    assert np.array_equal(image.values, 255 - RAMP)
-    assert any("inverted" in note for note in image.notes)
-
-
 @pytest.mark.parametrize("planar", ["contig", "separate"])
 def test_sixteen_bit_colour_becomes_luminance_in_full_depth(tmp_path, planar):
     channels = np.stack([RAMP * 200, RAMP * 100, RAMP * 50]).astype(np.uint16)
@@ -43,27 +28,6 @@ def test_alpha_is_laid_on_white(tmp_path):
     image = load_image(tmp_path / "a.tif")
     assert np.all(image.values[:5] == 1000)
     assert np.all(image.values[5:] == 65535)
-
-
-def test_a_palette_gives_its_colors(tmp_path):
-    table = np.zeros((3, 256), dtype=np.uint16)
-    table[:] = np.arange(256) ** 2 % 256 * 257
-    tifffile.imwrite(tmp_path / "a.tif", RAMP.astype(np.uint8), photometric="palette", colormap=table)
-    assert np.array_equal(load_image(tmp_path / "a.tif").values, RAMP**2 % 256)
-
-
-def test_one_bit_becomes_black_and_white(tmp_path):
-    tifffile.imwrite(tmp_path / "a.tif", RAMP % 3 == 0, photometric="minisblack")
-    assert np.array_equal(load_image(tmp_path / "a.tif").values, 255 * (RAMP % 3 == 0))
-
-
-@pytest.mark.parametrize("imagej", [True, False])
-def test_of_a_stack_the_first_page_is_taken_and_the_others_are_mentioned(tmp_path, imagej):
-    stack = np.stack([RAMP, RAMP + 1, RAMP + 2]).astype(np.uint16)
-    tifffile.imwrite(tmp_path / "a.tif", stack, imagej=imagej, photometric="minisblack")
-    image = load_image(tmp_path / "a.tif")
-    assert np.array_equal(image.values, RAMP)
-    assert any(note.startswith("Only the first of its 3") for note in image.notes)
 
 
 def test_channels_without_a_meaning_are_left_out_and_mentioned(tmp_path):
@@ -103,19 +67,6 @@ def test_a_plain_resolution_is_believed_only_when_too_fine_for_print(tmp_path, r
     image = load_image(tmp_path / "a.tif")
     assert image.unit == (None if spacing is None else "µm")
     assert image.spacing == pytest.approx((spacing or 1.0,) * 2)
-
-
-def test_a_scan_on_its_side_is_turned_with_its_spacing(tmp_path):
-    tifffile.imwrite(
-        tmp_path / "a.tif",
-        RAMP.astype(np.uint8),
-        resolution=(40000, 20000),
-        resolutionunit="centimeter",
-        extratags=[(274, "H", 1, 6, True)],
-    )
-    image = load_image(tmp_path / "a.tif")
-    assert np.array_equal(image.values, np.rot90(RAMP, -1))
-    assert image.spacing == pytest.approx((0.25, 0.5))
 
 
 @pytest.mark.parametrize("kind", [np.int16, np.float32])

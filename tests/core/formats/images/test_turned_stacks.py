@@ -52,7 +52,7 @@ def write(path, orientation, white, alone):
 
 @pytest.mark.parametrize("alone", [False, True])
 @pytest.mark.parametrize("white", [False, True])
-@pytest.mark.parametrize("orientation", range(1, 9))
+@pytest.mark.parametrize("orientation", [1, 2, 6, 7])
 def test_each_page_is_turned_and_inverted_as_the_first_one(tmp_path, orientation, white, alone):
     path = tmp_path / "a.tif"
     write(path, orientation, white, alone)

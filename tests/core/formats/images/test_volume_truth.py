@@ -1,7 +1,5 @@
 """The ground truth of a volume: labels are found as they lie in space, whatever the order of the axes in their file."""
 
-import itertools
-
 import numpy as np
 import pytest
 
@@ -35,7 +33,7 @@ def test_labels_of_the_same_place_are_taken_with_the_sides_of_the_volume(tmp_pat
     assert truth.source == "labels.nii.gz"
 
 
-@pytest.mark.parametrize("axes", list(itertools.permutations(range(3))))
+@pytest.mark.parametrize("axes", [(0, 1, 2), (1, 2, 0), (2, 1, 0)])
 @pytest.mark.parametrize("flips", [(1, 1, 1), (-1, 1, -1)])
 def test_labels_with_turned_axes_are_turned_as_the_volume(tmp_path, volume, axes, flips):
     straight = load_volume_truth(labels_file(tmp_path / "straight.nii"), volume)

@@ -71,12 +71,6 @@ def test_triangles_for_printing_are_read_back():
     assert (outward > 0.0).all()
 
 
-def test_voxels_inside_are_those_of_the_solid():
-    assert inside_of(SURFACE, SHAPE).tolist() == (VALUES > 0.0).tolist()
-    labels = numbered(SURFACE, SHAPE)
-    assert labels[8, 8, 4] == 1 and labels[8, 14, 18] == 2 and labels[8, 8, 8] == 0
-
-
 def test_label_volumes_are_aligned_with_the_input(tmp_path):
     export(RESULT, tmp_path / "a.nii", tmp_path / "a.nii.gz", tmp_path / "a.tif")
     image = nibabel.Nifti1Image.from_bytes((tmp_path / "a.nii").read_bytes())

@@ -64,7 +64,7 @@ geometries = st.builds(
 )
 
 
-@settings(max_examples=12, deadline=None)
+@settings(max_examples=6, deadline=None)
 @given(geometry=st.none() | geometries, space=st.sampled_from(["LPS", "RAS"]))
 @pytest.mark.parametrize("suffix", PRECISE)
 def test_a_surface_comes_back_wherever_the_volume_lies(suffix, geometry, space):
@@ -214,7 +214,7 @@ def test_an_image_has_no_surface():
 
 
 @pytest.mark.parametrize("suffix", SURFACES_READABLE)
-@pytest.mark.parametrize("cut", [0.0, 0.02, 0.3, 0.97])
+@pytest.mark.parametrize("cut", [0.02, 0.97])
 def test_a_file_that_is_cut_off_is_refused_in_a_sentence_or_read_in_part(suffix, cut, tmp_path):
     content = encoded(RESULT, suffix)
     content = content[: int(cut * len(content))]

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import gzip
-import io
 import tempfile
 import warnings
-import zlib
 from pathlib import Path
 from typing import Any
 
@@ -26,37 +24,10 @@ _GRAY = (np.add.outer(np.arange(11) * 17, np.arange(14) * 13) % 251).astype(np.u
 VOLUME = (np.indices(SHAPE).sum(0) * 9 % 251).astype(np.uint8)
 
 
-def _archive(**arrays: Any) -> bytes:
-    stream = io.BytesIO()
-    np.savez_compressed(stream, **arrays)
-    return stream.getvalue()
-
-
 def _nifti(values: Any, sides: tuple[float, ...] = (0.5, 0.5, 2.0), kind: Any = nibabel.Nifti1Image) -> bytes:
     volume = kind(values, np.diag([*sides, 1.0]))
     volume.header.set_xyzt_units("mm", "sec")
     return bytes(volume.to_bytes())
-
-
-def _nrrd(packing: str) -> bytes:
-    header = (
-        "NRRD0004\n# comment\ntype: uint8\ndimension: 3\nspace: left-posterior-superior\nsizes: 11 10 9\n"
-        "space directions: (0.5,0,0) (0,0.5,0) (0,0,2)\nkinds: domain domain domain\nendian: little\n"
-        f"encoding: {packing}\nspace origin: (1,2,3)\n\n"
-    )
-    content = VOLUME.tobytes()
-    return header.encode() + (gzip.compress(content, mtime=0) if packing == "gzip" else content)
-
-
-def _metaimage(packed: bool) -> bytes:
-    content = zlib.compress(VOLUME.tobytes()) if packed else VOLUME.tobytes()
-    header = (
-        "ObjectType = Image\nNDims = 3\nBinaryData = True\nBinaryDataByteOrderMSB = False\n"
-        f"CompressedData = {packed}\nCompressedDataSize = {len(content)}\nTransformMatrix = 1 0 0 0 1 0 0 0 1\n"
-        "Offset = 0 0 0\nElementSpacing = 0.5 0.5 2\nDimSize = 11 10 9\nElementType = MET_UCHAR\n"
-        "ElementDataFile = LOCAL\n"
-    )
-    return header.encode() + content
 
 
 def _of_medicine() -> list[Sample]:
@@ -108,10 +79,6 @@ def volumes() -> list[Sample]:
     return [
         Sample(".npy", numpy_array(VOLUME)),
         Sample(".npy", numpy_array(np.asfortranarray(real))),
-        Sample(".npz", _archive(volume=VOLUME, origin=np.zeros(3))),
-        Sample(".npz", _archive(volume=real)),
-        *(Sample(".nrrd", _nrrd(packing)) for packing in ("raw", "gzip")),
-        *(Sample(".mha", _metaimage(packed)) for packed in (False, True)),
         *(Sample(".tif", content) for content in stacks),
         *(Sample(".nii", content) for content in niftis),
         *(Sample(".nii.gz", gzip.compress(content, mtime=0)) for content in niftis[:2]),

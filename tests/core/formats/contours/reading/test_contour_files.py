@@ -6,47 +6,17 @@ import struct
 import warnings
 import zlib
 
-import numpy as np
 import pytest
 from roifile import ROI_TYPE, ImagejRoi
 
 from cpm_core import load_truth
-from cpm_core.formats import export
 from cpm_core.formats.contour_file import load_contours
-
-from ...drawn import RESULT
-
-KEPT = [contour for contour in RESULT.contours if len(contour.points) > 1]
 
 
 def written(tmp_path, content, name="a.json"):
     text = content if isinstance(content, str) else json.dumps(content)
     (tmp_path / name).write_text(text, encoding="utf-8")
     return tmp_path / name
-
-
-def same_line(found, original):
-    """Whether two closed contours have the same vertices, wherever they begin and however they turn."""
-    distance = np.linalg.norm(found.points[:, None] - original.points, axis=2)
-    return len(found.points) == len(original.points) and distance.min(axis=1).max() < 1e-3
-
-
-@pytest.mark.parametrize("suffix", [".csv", ".json", ".geojson", ".labelme.json"])
-def test_what_was_exported_is_read_back(tmp_path, suffix):
-    export(RESULT, tmp_path / f"a{suffix}")
-    found = load_contours(tmp_path / f"a{suffix}")
-    assert [contour.closed for contour in found] == [contour.closed for contour in KEPT]
-    assert all(same_line(contour, original) for contour, original in zip(found, KEPT, strict=True))
-    names = [contour.name for contour in found]
-    assert names[0] == "cell"
-    assert names[3] == "Kern β"
-    if suffix != ".labelme.json":
-        assert found[0].color == "#e69f00"
-    if suffix in (".json", ".csv"):
-        assert found[0].strength == 12.5
-        np.testing.assert_allclose(found[1].points, KEPT[1].points, atol=1e-4)
-    if suffix in (".json", ".geojson"):
-        assert found[1].junctions == (True, False)
 
 
 RING = [[1, 1], [9, 1], [9, 9], [1, 9], [1, 1]]
@@ -99,14 +69,6 @@ def test_files_without_contours_are_refused_in_a_sentence_that_names_them(tmp_pa
     with pytest.raises(ValueError, match=sentence) as caught:
         load_contours(written(tmp_path, content, name))
     assert name in str(caught.value)
-
-
-def test_files_that_cannot_be_read_are_refused(tmp_path):
-    with pytest.raises(ValueError, match="does not exist"):
-        load_contours(tmp_path / "none.json")
-    (tmp_path / "a.json").write_bytes(b"\xff\xfe\x00")
-    with pytest.raises(ValueError, match="is damaged"):
-        load_contours(tmp_path / "a.json")
 
 
 def chunk(kind, body):

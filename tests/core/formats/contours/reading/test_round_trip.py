@@ -38,7 +38,7 @@ def off(found, original):
     return max(distance.min(axis=1).max(), distance.min(axis=0).max())
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(drawn=st.lists(contours, min_size=1, max_size=4), spacing=st.sampled_from([0.02, 1.0, 3.7]))
 @pytest.mark.parametrize("suffix", WHOLE)
 def test_any_contours_come_back(suffix, drawn, spacing):
@@ -69,6 +69,12 @@ def test_holes_stay_holes_of_their_object(suffix):
     assert outer.group == hole.group != 0
     assert max(off(one, original) for one, original in zip(found, OBJECT, strict=True)) < NEAR
     np.testing.assert_array_equal(paint(found, (501, 501)) > 0, paint(OBJECT, (501, 501)) > 0)
+
+
+@pytest.mark.parametrize("suffix", [".json", ".geojson"])
+def test_strengths_and_junctions_come_back(suffix):
+    found = decode_contours(encoded(RESULT, suffix), f"a{suffix}").contours
+    assert (found[0].strength, found[1].junctions) == (12.5, (True, False))
 
 
 def test_instances_with_something_in_them_come_back_to_a_fraction_of_a_pixel():
