@@ -49,15 +49,15 @@ def test_a_journal_that_cannot_be_read_is_set_aside_and_the_window_says_where(wi
 
 def test_one_failing_read_leaves_a_journal_where_it_is_for_the_next_start(window, image_file, monkeypatch) -> None:
     left = leave(folder_of_journals(), image_file)
-    whole = Path.read_bytes
+    whole = Path.open
 
-    def refuse(path: Path) -> bytes:
+    def refuse(path: Path, *how, **more):
         if path == left:
             raise OSError(5, "Input/output error")
-        return whole(path)
+        return whole(path, *how, **more)
 
     with monkeypatch.context() as broken:
-        broken.setattr(Path, "read_bytes", refuse)
+        broken.setattr(Path, "open", refuse)
         assert offer(window) is None
     assert "Input/output error" in said(window)
     assert str(left) in said(window)
