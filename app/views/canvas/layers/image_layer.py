@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-import pyqtgraph as pg
 from PySide6.QtCore import QEvent, QObject, QPointF, Qt, Signal
 from PySide6.QtGui import QCursor, QMouseEvent
 from PySide6.QtWidgets import QWidget
@@ -22,7 +21,7 @@ from app.session.scene import Scene
 from app.session.worker.requests import Shade
 from app.views.canvas.items.item import cached
 from app.views.canvas.items.tiled_image import TiledImage
-from app.views.canvas.layers.layer import Amount, Choice, Layer, Requests
+from app.views.canvas.layers.layer import Amount, Choice, Layer
 from app.views.theme import color_maps
 from cpm_core import Image
 
@@ -68,8 +67,8 @@ class ImageLayer(Layer):
         Amount("gamma", tr("Gamma"), 0.2, 3.0, 0.05, 1.0, tr("Less brings out what is dark, more what is bright.")),
     )
 
-    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
-        super().__init__(view, requests)
+    def make(self) -> None:
+        """Make its items."""
         self._item = TiledImage(0.0)
         cached(self._item)
         self.add(self._item)

@@ -17,7 +17,7 @@ from app.session.exchange.messages import Snapshot
 from app.session.scene import Scene
 from app.views.canvas.items.discs import NO_POSITIONS, Discs
 from app.views.canvas.items.item import Pinned, to_xy
-from app.views.canvas.layers.layer import Amount, Choice, Layer, LegendEntry, Requests
+from app.views.canvas.layers.layer import Amount, Choice, Layer, LegendEntry
 from app.views.theme import color_maps, theme
 from cpm_core.numerics import Array
 
@@ -83,12 +83,12 @@ class ParticleLayer(Layer):
         ),
     )
 
-    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
-        super().__init__(view, requests)
+    def make(self) -> None:
+        """Make its items."""
         # Contours lie above the particles at rest and below those that still move.
         self._resting = Discs(theme.RESTING, 7.0, 3.0)
         self._moving = Discs(theme.MOVING, 6.0, _ABOVE)
-        self.legend = Pinned(view, (1.0, 1.0))
+        self.legend = Pinned(self.view, (1.0, 1.0))
         for name in _COLORS:
             strip = color_maps.strip(name, 2 * _WIDTH, 2 * _STRIP, BEGIN)
             self.legend.textItem.document().addResource(QTextDocument.ResourceType.ImageResource, QUrl(name), strip)
@@ -201,8 +201,8 @@ class TrailLayer(Layer):
     colors = (theme.TRAIL,)
     options = (Amount("length", tr("Length"), 2, 100, 1, _LENGTH, tr("Number of moments that a trail shows.")),)
 
-    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
-        super().__init__(view, requests)
+    def make(self) -> None:
+        """Make its items."""
         self.trails = Trails(int(_LENGTH))
         self._bands = [pg.PlotCurveItem(connect="pairs", skipFiniteCheck=True) for _ in range(_BANDS)]
         for age, item in enumerate(self._bands):
