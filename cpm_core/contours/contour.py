@@ -7,11 +7,10 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal
+from typing import Literal, Protocol
 
 import numpy as np
 
-from cpm_core.field.region_contrast import Sides
 from cpm_core.numerics import polyline
 from cpm_core.numerics.segments import PathTree
 from cpm_core.numerics.types import Array
@@ -34,6 +33,14 @@ def check_name(what: str, name: str) -> None:
         raise ValueError(f"The name of {what} has {len(name)} letters but may have {MOST_LETTERS} at most: shorten it.")
 
 
+class HasContrast(Protocol):
+    """Object that measures the contrast of a contour at the first access."""
+
+    @property
+    def contrast(self) -> float:
+        """Mean contrast of the regions on both sides, 0 to 1."""
+
+
 @dataclass(frozen=True, eq=False)
 class Contour:
     """A polygonal curve through particles.
@@ -48,8 +55,8 @@ class Contour:
         Mean of the edge map along the curve [gray levels / px].
     junctions : tuple of two bool
         Whether the first and the last vertex lie on a junction that further contours share.
-    sides : Sides or None
-        Measures `contrast`; None for a curve that was not found in an image.
+    sides : HasContrast or None
+        Measures `contrast` (`field.region_contrast.Sides`); None for a curve that was not found in an image.
     name : str
         Name given by the user, or empty.
     color : str
@@ -89,7 +96,7 @@ class Contour:
     closed: bool
     strength: float = 0.0
     junctions: tuple[bool, bool] = (False, False)
-    sides: Sides | None = field(default=None, repr=False)
+    sides: HasContrast | None = field(default=None, repr=False)
     name: str = ""
     color: str = ""
     number: int = 0

@@ -11,6 +11,7 @@ only one side, and no shape can be rebuilt from such disks.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 import skimage
@@ -99,7 +100,7 @@ class Skeleton(drawing.Pictured):
     image: Image | None = field(default=None, repr=False)
     lines: Centerlines | None = field(default=None, repr=False)
 
-    @property
+    @cached_property
     def thickness(self) -> float:
         """Thickness that 95 % of the length stays below [px]; of objects without a direction, the largest one."""
         radii = [radius for radius, contour in zip(self.radii, self.contours, strict=True) if contour.length > 0.0]
@@ -107,7 +108,7 @@ class Skeleton(drawing.Pictured):
             return 2.0 * max((float(radius.max()) for radius in self.radii), default=0.0)
         return 2.0 * float(np.percentile(np.concatenate(radii), _THICK))
 
-    @property
+    @cached_property
     def length(self) -> float:
         """Length of all branches together [px]."""
         if self.lines is not None:

@@ -88,21 +88,19 @@ def clear_shapes(document: Document) -> Document:
     return set_shapes(document, ())
 
 
-def set_pixel_size(document: Document, spacing: tuple[float, ...], unit: str) -> Document:
-    """The document with the size of a pixel set by hand; ValueError when voxels are flatter than can be computed."""
+def set_pixel_size(
+    document: Document, spacing: tuple[float, ...], unit: str | None, *, by_hand: bool = True
+) -> Document:
+    """The document with the size of a pixel set by hand, or as the file gives it.
+
+    ValueError when voxels are flatter than can be computed.
+    """
     if document.image is None:
         return document
-    if len(spacing) == 3:
+    if by_hand and len(spacing) == 3:
         voxel_sides("The size of a voxel", spacing)
-    reading = replace(document.image.reading, spacing=spacing, unit=unit)
-    return replace(document, image=replace(document.image, spacing=spacing, unit=unit, reading=reading))
-
-
-def use_told_size(document: Document, spacing: tuple[float, ...], unit: str | None) -> Document:
-    """The document with the size of a pixel that the file gives."""
-    if document.image is None:
-        return document
-    reading = replace(document.image.reading, spacing=None, unit=None)
+    own = {"spacing": spacing, "unit": unit} if by_hand else {"spacing": None, "unit": None}
+    reading = replace(document.image.reading, **own)
     return replace(document, image=replace(document.image, spacing=spacing, unit=unit, reading=reading))
 
 
@@ -143,15 +141,7 @@ def hit(shapes: tuple[Shape, ...], position: Position, tolerance: float, selecte
     near = min(handles, key=lambda handle: math.dist(handle, position), default=None)
     if selected is not None and near is not None and math.dist(near, position) <= tolerance:
         return Hit(selected, "handle", near)
-    for index in _front_first(len(shapes), selected):
-        if shapes[index].distance(position) <= tolerance:
-            return Hit(index, "body")
-    for index in _front_first(len(shapes), selected):
-        if shapes[index].encloses(position):
-            return Hit(index, "body")
-    return None
-
-
-def _front_first(count: int, selected: int | None) -> list[int]:
-    order = list(reversed(range(count)))
-    return sorted(order, key=lambda index: index != selected)
+    front_first = sorted(range(len(shapes)), key=lambda index: (index != selected, -index))
+    under = [index for index in front_first if shapes[index].distance(position) <= tolerance]
+    under += [index for index in front_first if shapes[index].encloses(position)]
+    return Hit(under[0], "body") if under else None

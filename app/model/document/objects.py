@@ -237,7 +237,11 @@ def objects_result(document: Document) -> Result | None:
     if image is None or not shown:
         return None
     surface = surface_of(shown, image.spacing, image.unit)
-    contours = [contour for item in shown for contour in _contours(objects, item)]
+    contours = [
+        replace(contour, name=title(objects, item), color=objects.color(item), group=item.number)
+        for item in shown
+        for contour in contours_of(item)
+    ]
     bridges = [Bridge(np.array(gap), length(gap), 0.0) for item in shown for gap in item.gaps]
     found = boundaries_result(contours, bridges, image.shape, image.spacing, image.unit, image.name)
     return replace(found, surface=surface, provenance=Provenance("objects", sha256=image.sha256))
@@ -256,12 +260,6 @@ def surface_of(items: Iterable[SegmentedObject], spacing: tuple[float, ...], uni
         faces=np.concatenate([body.faces + first for (_, body), first in zip(bodies, firsts, strict=False)]),
         numbers=np.concatenate([np.full(len(body.faces), number) for number, body in bodies]),
     )
-
-
-def _contours(objects: SegmentedObjects, item: SegmentedObject) -> list[Contour]:
-    """The boundary of an object as contours with its name and color."""
-    name, color = title(objects, item), objects.color(item)
-    return [replace(contour, name=name, color=color, group=item.number) for contour in contours_of(item)]
 
 
 # Texts

@@ -12,6 +12,7 @@ from app.model.state.situation import RunStatus, Situation, has_volume
 from app.model.state.surface_figures import SURFACE, VOLUME, figure_texts
 from app.model.text.keys import with_keys
 from app.model.text.language import from_core, tr, written
+from cpm_core import Result, Skeleton
 from cpm_core.shapes import (
     Barrier,
     BoxGrid,
@@ -216,11 +217,14 @@ def _numbers(status: RunStatus, image: ImageReference | None) -> _Numbers:
     )  # fmt: skip
     if image is not None and image.is_volume:
         return (*_known(status.has_particles, numbers), *figure_texts(status.surface))
-    found = tr("{closed} closed, {open} open").format(closed=status.closed, open=status.open)
-    bridged, longest = tr("no gap"), _length(status.longest_bridge, image)
-    if status.bridges:
-        words = tr("1 gap of {length}") if status.bridges == 1 else tr("{gaps} gaps, longest {length}")
-        bridged = words.format(gaps=status.bridges, length=longest)
+    closed = sum(contour.closed for contour in status.contours)
+    found = tr("{closed} closed, {open} open").format(closed=closed, open=len(status.contours) - closed)
+    bridges = status.found.bridges if isinstance(status.found, Result) else ()
+    bridged = tr("no gap")
+    if bridges:
+        words = tr("1 gap of {length}") if len(bridges) == 1 else tr("{gaps} gaps, longest {length}")
+        longest = _length(max(bridge.length for bridge in bridges), image)
+        bridged = words.format(gaps=len(bridges), length=longest)
     contours = (
         (tr("Contours"), found, tr("Contours reconstructed so far.")),
         (tr("Bridged"), bridged, tr("Gaps that were closed along a faint edge; see the parameter Maximum gap.")),
@@ -228,16 +232,19 @@ def _numbers(status: RunStatus, image: ImageReference | None) -> _Numbers:
     return _known(status.has_particles, (*numbers, *contours))
 
 
+_NOTHING_FOUND = Skeleton((), (), (1, 1), (1.0, 1.0), None, "")
+
+
 def _numbers_of_skeleton(status: RunStatus, image: ImageReference | None) -> _Numbers:
-    branches = status.closed + status.open
-    thickness = _length(status.thickness, image)
+    found = status.found if isinstance(status.found, Skeleton) else _NOTHING_FOUND
+    thickness = _length(found.thickness, image)
     numbers = (
-        (tr("Branches"), written(f"{branches:,}"), tr("Center lines between tips and forks.")),
-        (tr("Length"), _length(status.length, image, 0), tr("Length of all branches together.")),
+        (tr("Branches"), written(f"{len(found.contours):,}"), tr("Center lines between tips and forks.")),
+        (tr("Length"), _length(found.length, image, 0), tr("Length of all branches together.")),
         (tr("Thickness"), thickness, tr("Thickness that 95 % of the length stays below.")),
-        (tr("Skeleton of"), skeleton_of(status.polarity, status.width), tr("What has a skeleton in the image.")),
+        (tr("Skeleton of"), skeleton_of(found.polarity, found.width), tr("What has a skeleton in the image.")),
     )
-    return _known(status.method == "skeleton" and branches > 0, numbers)
+    return _known(bool(found.contours), numbers)
 
 
 def skeleton_of(polarity: int, width: float) -> str:

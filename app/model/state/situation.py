@@ -10,7 +10,7 @@ from typing import Literal
 
 from app.model.document.document import Document
 from app.model.text.language import tr
-from cpm_core import Surface
+from cpm_core import Contour, Result, Skeleton, Surface
 
 Phase = Literal["empty", "ready", "running", "paused", "finished"]
 
@@ -43,19 +43,8 @@ class RunStatus:
         Whether it ended in equilibrium.
     steps_per_second : float
         Measured speed of the run.
-    closed, open : int
-        Contours reconstructed so far.
-    bridges : int
-        Gaps in contours that were bridged.
-    longest_bridge : float
-        Length of the longest of them [px].
-    length, thickness, width : float
-        Of a skeleton: its length, the thickness that most of it stays below, the largest width that counted, 0 for any
-        [px].
-    polarity : int
-        Of a skeleton: -1 if it is of what is dark, 1 of what is light, 0 of both.
-    surface : Surface or None
-        Of a volume: the surface that has been reconstructed last, measured.
+    found : Result or Skeleton or None
+        What has been reconstructed last.
     """
 
     phase: Phase = "empty"
@@ -71,15 +60,17 @@ class RunStatus:
     stop_reason: str = ""
     converged: bool = False
     steps_per_second: float = 0.0
-    closed: int = 0
-    open: int = 0
-    bridges: int = 0
-    longest_bridge: float = 0.0
-    length: float = 0.0
-    thickness: float = 0.0
-    width: float = 0.0
-    polarity: int = 0
-    surface: Surface | None = None
+    found: Result | Skeleton | None = None
+
+    @property
+    def contours(self) -> tuple[Contour, ...]:
+        """Contours, or the lines of a skeleton."""
+        return () if self.found is None else self.found.contours
+
+    @property
+    def surface(self) -> Surface | None:
+        """The surface that has been found in a volume."""
+        return getattr(self.found, "surface", None)
 
     @property
     def started(self) -> bool:
@@ -156,7 +147,7 @@ def has_particles(situation: Situation) -> bool:
 
 def has_contours(situation: Situation) -> bool:
     """Contours have been found."""
-    return situation.status.closed + situation.status.open > 0
+    return bool(situation.status.contours)
 
 
 def can_step(situation: Situation) -> bool:

@@ -8,11 +8,11 @@ from pathlib import Path
 
 from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
 from PySide6.QtGui import QImage, QKeyEvent, QPixmap
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QListWidgetItem, QPushButton, QScrollArea, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QListWidgetItem, QPushButton, QVBoxLayout, QWidget
 
 from app.model.text.language import tr
 from app.views.theme.theme import Theme
-from app.views.widgets.containers import PictureGrid, keep_escape
+from app.views.widgets.containers import PictureGrid, Scrolled, arrange, keep_escape
 
 _PICTURE, _CELL = QSize(192, 120), QSize(212, 172)
 _MARGIN = 32
@@ -58,7 +58,6 @@ class StartScreen(QWidget):
             grid.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
             grid.setTextElideMode(Qt.TextElideMode.ElideMiddle)
             grid.chosen.connect(self._choose)
-            grid.left.connect(self.left)
         parent.installEventFilter(self)
         self.hide()
 
@@ -104,32 +103,19 @@ class StartScreen(QWidget):
         return super().eventFilter(watched, event)
 
     def _lay_out(self) -> None:
-        top = QHBoxLayout()
-        top.addWidget(_heading(tr("Recent work")))
-        top.addStretch(1)
-        top.addWidget(self.back_button)
-        top.addWidget(self.open_button)
         content = QWidget()
-        content.setObjectName("scrolled")
-        column = QVBoxLayout(content)
-        column.setContentsMargins(_MARGIN, _MARGIN // 2, _MARGIN, _MARGIN // 2)
-        column.setSpacing(10)
-        column.addLayout(top)
-        column.addWidget(self._nothing)
-        column.addWidget(self.recent)
-        column.addWidget(_heading(tr("Samples")))
-        column.addWidget(self.samples)
-        column.addStretch(1)
-        self._area = QScrollArea()
-        self._area.setWidget(content)
-        self._area.setWidgetResizable(True)
-        self._area.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        self._area.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        self._area.viewport().setAutoFillBackground(False)
-        content.setAutoFillBackground(False)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.addWidget(self._area)
+        arrange(
+            QVBoxLayout(content),
+            arrange(QHBoxLayout(), _heading(tr("Recent work")), None, self.back_button, self.open_button, spacing=6),
+            self._nothing,
+            self.recent,
+            _heading(tr("Samples")),
+            self.samples,
+            None,
+            margins=(_MARGIN, _MARGIN // 2, _MARGIN, _MARGIN // 2),
+            spacing=10,
+        )
+        arrange(QVBoxLayout(self), Scrolled(content, _MARGIN))
 
     def _cover(self) -> None:
         """Take the size of the parent, and give each grid the height of all its rows."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import pyqtgraph as pg
@@ -102,9 +103,6 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
         super().__init__()
         self._metrics: RunMetrics | None = None
         self._read: int | None = None
-        # Later, since Qt is going through the items of the scene when it reports another palette.
-        self._recolor = QTimer(self, singleShot=True, interval=0)
-        self._recolor.timeout.connect(self._redraw)
         self.viewport().setMouseTracking(True)
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.setAccessibleName(tr("Plot of the run over its steps"))
@@ -226,12 +224,10 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
         """Draw in the colors of another theme."""
         super().changeEvent(event)
         if event.type() == QEvent.Type.PaletteChange and self._drawn:
-            self._recolor.start()
+            # Later, since Qt is going through the items of the scene when it reports another palette.
+            QTimer.singleShot(0, self, partial(self.show_plots, [drawn.plot for drawn in self._drawn]))
 
     # Internal
-
-    def _redraw(self) -> None:
-        self.show_plots([drawn.plot for drawn in self._drawn])
 
     def _show_reading(self) -> None:
         """Show the cursor, and the names of the curves in their colors, with the values that are read."""

@@ -26,6 +26,7 @@ from PySide6.QtWidgets import (
     QAbstractItemView,
     QBoxLayout,
     QGridLayout,
+    QHeaderView,
     QLineEdit,
     QMenu,
     QSizePolicy,
@@ -39,6 +40,7 @@ from PySide6.QtWidgets import (
 from app.model.display.lengths import PixelSize
 from app.model.text.keys import with_keys
 from app.model.text.language import tr, written
+from app.views.widgets.actions import add_choice
 from app.views.widgets.containers import Scrolled, arrange, wrapped
 
 Row = TypeVar("Row")
@@ -249,6 +251,7 @@ class Table(QTableView):
         header.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
         header.customContextMenuRequested.connect(self._open_menu)
         self._wide = self.number(wide)
+        header.setSectionResizeMode(self._wide, QHeaderView.ResizeMode.Stretch)
         self._asked: dict[int, bool] = {}
         self._widths = [self.fontMetrics().horizontalAdvance(column.sample) + _PAD for column in rows.columns]
         self._widths[self._wide] += 2 * _PAD
@@ -281,32 +284,24 @@ class Table(QTableView):
         self._fit()
 
     def _fit(self) -> None:
-        """Show the columns for which there is room, and give the wide one what remains."""
-        width = self.viewport().width()
-        room = width - self._widths[self._wide] - sum(self._widths[index] for index, on in self._asked.items() if on)
-        others = 0
+        """Show the columns for which there is room."""
+        asked = sum(self._widths[index] for index, on in self._asked.items() if on)
+        room = self.viewport().width() - self._widths[self._wide] - asked
         for index, needed in enumerate(self._widths):
-            if index == self._wide:
-                continue
-            shown = self._asked.get(index)
-            if shown is None:
+            shown = self._asked.get(index, index == self._wide)
+            if not shown and index not in self._asked:
                 room -= needed
                 shown = room >= 0
             self.setColumnHidden(index, not shown)
-            others += self.columnWidth(index)
-        self.setColumnWidth(self._wide, max(self._widths[self._wide], width - others))
 
     def _open_menu(self, point: QPoint) -> None:
         """Open the menu of the header, which chooses the columns shown."""
         menu = QMenu(self)
         menu.setToolTipsVisible(True)
         for index, column in enumerate(self.rows.columns):
-            shown = menu.addAction(str(self.model().headerData(index, Qt.Orientation.Horizontal)))
-            shown.setToolTip(with_keys(column.tip))
-            shown.setCheckable(True)
-            shown.setChecked(not self.isColumnHidden(index))
+            title, hidden = str(self.model().headerData(index, Qt.Orientation.Horizontal)), self.isColumnHidden(index)
+            shown = add_choice(menu, title, partial(self._ask, index, hidden), with_keys(column.tip), not hidden)
             shown.setEnabled(index != self._wide)
-            shown.toggled.connect(partial(self._ask, index))
         menu.aboutToHide.connect(menu.deleteLater)
         menu.popup(self.horizontalHeader().mapToGlobal(point))
 
@@ -346,6 +341,8 @@ class ItemTable(Table):
     zoom_wanted = Signal()
     """The selected items are to be shown as large as possible."""
 
+    _showing = True  # while Qt makes it
+
     def __init__(self, rows: TableModel[Any], selection: Selection, name: str) -> None:
         super().__init__(rows, "name", name)
         self._selection = selection
@@ -357,7 +354,6 @@ class ItemTable(Table):
         self.setMouseTracking(True)
         self.entered.connect(lambda index: selection.hover(self._key(index)))
         self.doubleClicked.connect(self._open)
-        self.selectionModel().selectionChanged.connect(self._report_selection)
 
     def name_selected(self) -> None:
         """Edit the name in the selected row."""
@@ -427,6 +423,12 @@ class ItemTable(Table):
         if self._stale:
             self.show_items()
 
+    def selectionChanged(self, selected: QItemSelection, deselected: QItemSelection) -> None:
+        """Report what the user has selected."""
+        super().selectionChanged(selected, deselected)
+        if not self._showing:
+            self._selection.choose(self._key(index) for index in self.selectionModel().selectedRows())
+
     def leaveEvent(self, event: QEvent) -> None:
         """Clear the highlight when the pointer leaves."""
         self._selection.hover(None)
@@ -444,10 +446,6 @@ class ItemTable(Table):
     def _edit_name(self, row: int) -> None:
         if row >= 0 and self.state() != QAbstractItemView.State.EditingState:
             self.edit(self._sorted.index(row, self.number("name")))
-
-    def _report_selection(self) -> None:
-        if not self._showing:
-            self._selection.choose(self._key(index) for index in self.selectionModel().selectedRows())
 
 
 AnyTable = TypeVar("AnyTable", bound=Table)

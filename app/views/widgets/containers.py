@@ -270,8 +270,6 @@ class PictureGrid(QListWidget):
 
     chosen = Signal(QListWidgetItem)
     """The user chooses a picture."""
-    left = Signal()
-    """The user presses Esc."""
 
     def __init__(self, picture: QSize, cell: QSize) -> None:
         super().__init__()
@@ -307,12 +305,10 @@ class PictureGrid(QListWidget):
         return super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Choose the marked picture on Enter or Space, leave on Esc."""
+        """Choose the marked picture on Enter or Space."""
         item = self.currentItem()
         if event.key() in _CHOOSING and item is not None:
             self.chosen.emit(item)
-        elif event.key() == Qt.Key.Key_Escape:
-            self.left.emit()
         else:
             super().keyPressEvent(event)
 

@@ -48,7 +48,7 @@ def test_automatic_segmentation_needs_no_drawing(window, hand) -> None:
     hand.key(Qt.Key.Key_Space)
     hand.wait_for_phase("finished")
     hand.wait(lambda: window.session.idle)
-    assert window.session.status.closed == 1
+    assert len(window.session.status.contours) == 1
 
 
 def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, tmp_path, monkeypatch) -> None:
@@ -101,7 +101,7 @@ def test_particles_and_skeleton_replace_each_other_when_the_mode_changes(ready, 
     hand.key(Qt.Key.Key_Space)
     hand.wait_for_phase("finished")
     hand.wait(lambda: session.idle)
-    assert session.status.closed == 1
+    assert len(session.status.contours) == 1
     hand.key(Qt.Key.Key_F3, Qt.KeyboardModifier.ControlModifier)
     assert session.status.stale
     hand.key(Qt.Key.Key_Space)
@@ -112,7 +112,7 @@ def test_particles_and_skeleton_replace_each_other_when_the_mode_changes(ready, 
     assert session.status.stale
     hand.key(Qt.Key.Key_Space)
     hand.wait(lambda: session.status.phase == "finished" and session.idle)
-    assert (session.status.method, session.status.closed) == ("cpm", 1)
+    assert (session.status.method, len(session.status.contours)) == ("cpm", 1)
 
 
 def find_skeleton(window, hand):

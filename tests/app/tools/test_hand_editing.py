@@ -85,7 +85,7 @@ def test_a_drag_from_end_to_end_closes_the_contour_along_the_edge(gap, hand) -> 
     assert closed.length_by_hand == pytest.approx(RADIUS, rel=0.1)
     assert len(preview(hand)) == 0
     assert hand.canvas.layers.contours.by_hand.count == 1
-    assert gap.session.undo_name == "join contours"
+    assert gap.session.history.undo_name == "join contours"
 
 
 def test_shift_j_joins_the_selected_contours(gap, hand) -> None:
@@ -187,7 +187,7 @@ def test_an_outline_along_the_edge_is_a_contour_before_any_run(window, hand, tmp
     hand.canvas.setFocus()
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
     settle(window, hand)
-    assert contours(window) == [] and window.session.status.closed == 0
+    assert contours(window) == [] and len(window.session.status.contours) == 0
 
 
 def test_an_outline_between_two_places_of_a_contour_redraws_the_stretch(outlined, hand) -> None:

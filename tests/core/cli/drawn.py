@@ -17,6 +17,3 @@ MOVING = [page((32, 22 + 7 * step, 9 + step)) for step in range(5)]
 
 SPLITTING = [page((32, 44 - apart, 11), (32, 44 + apart, 11)) for apart in (0, 0, 9, 16, 22)]
 """A disk of which two are made; on the last two pages they are apart."""
-
-LEAVING = [page((18, 66 + 6 * step, 9), (44, 24, 12)) for step in range(6)]
-"""A disk that leaves to the right, and one that stays."""

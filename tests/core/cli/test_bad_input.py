@@ -80,7 +80,7 @@ BAD = [
     ("skeleton ball.npy --volume --export a.svg", "end its name in .swc"),
     ("compare disk.png", "No start is given"),
     (f"compare disk.png {CIRCLE} --methods gfv", '"gfv" is no method: choose among cpm, object, snake'),
-    (f"compare disk.png {CIRCLE} --set gac.baloon=1", '"baloon" is no setting of gac: choose among balloon'),
+    (f"compare disk.png {CIRCLE} --set geodesic.baloon=1", '"baloon" is no setting of geodesic: choose among balloon'),
     ("compare disk.png --start line.svg", "has no closed contour"),
     (f"compare ball.npy {SPHERE} --methods gvf", "GVF snake is for images"),
     ("export none.cpm --to a.svg", "does not exist"),

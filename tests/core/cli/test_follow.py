@@ -9,7 +9,7 @@ from cpm_core.pages.page import StackResult, seeds_along, starts_after
 from cpm_core.pages.tracks import Tracker
 from cpm_core.shapes import Polygon, Stroke
 
-from .drawn import LEAVING, MOVING, SHAPE, SPLITTING
+from .drawn import MOVING, SHAPE, SPLITTING
 
 
 def tracks_of(pages):
@@ -45,27 +45,6 @@ def test_a_disk_that_splits_gives_its_track_to_one_part_and_the_other_tells_wher
     assert events_of(pages) == [("splits", 4, 1, (2,))]
     assert pages[3].events[0].sentence == "Page 4: track 2 splits off track 1."
     assert [track.origin for track in StackResult("", 5, tuple(pages)).tracks] == [0, 1]
-
-
-def test_disks_that_merge_go_on_as_one_track():
-    seeds = np.concatenate([cpm.circle((32, 22), 5.0), cpm.circle((32, 66), 5.0)])
-    pages = list(cpm.follow(SPLITTING[::-1], seeds))
-    assert tracks_of(pages) == [[1, 2], [1, 2], [1], [1], [1]]
-    ((kind, number, gone, into),) = events_of(pages)
-    assert (kind, number, {gone, *into}) == ("merges", 3, {1, 2})
-    first, second = sorted(StackResult("", 5, tuple(pages)).tracks, key=lambda track: track.number != gone)
-    assert first.pages == (1, 2)
-    assert first.end.kind == "merges"
-    assert (second.pages, second.end) == ((1, 2, 3, 4, 5), None)
-
-
-def test_a_disk_that_leaves_the_image_is_told_and_the_other_goes_on():
-    seeds = np.concatenate([cpm.circle((18, 66), 5.0), cpm.circle((44, 24), 5.0)])
-    pages = list(cpm.follow(LEAVING, seeds))
-    gone = next(c.number for c in pages[0].contours if c.points[:, 1].mean() > 40)
-    assert {event[0] for event in events_of(pages)} == {"leaves"}
-    assert {event[2] for event in events_of(pages)} == {gone}
-    assert tracks_of(pages)[-1] == [3 - gone]
 
 
 def test_a_page_that_cannot_be_used_is_a_sentence_and_the_tracks_go_on_after_it():
@@ -108,8 +87,9 @@ def box(top, left, height, width, closed=True):
         ([box(10, 10, 20, 20)], [box(40, 50, 20, 20)], [2], ["ends", "begins"]),
         ([box(40, 66, 20, 20)], [box(10, 10, 20, 20)], [2], ["leaves", "begins"]),
         ([box(10, 10, 30, 50)], [box(10, 10, 30, 14), box(10, 28, 30, 14), box(10, 46, 30, 14)], [1, 2, 3], ["splits"]),
+        ([box(10, 10, 30, 14), box(10, 28, 30, 32)], [box(10, 10, 30, 50)], [2], ["merges"]),
     ],
-    ids=["begins", "a hole ends", "nested", "opens", "jumps", "leaves", "three parts"],
+    ids=["begins", "a hole ends", "nested", "opens", "jumps", "leaves", "three parts", "merges"],
 )
 def test_tracks_follow_by_overlap(before, now, numbers, kinds):
     tracker = Tracker()

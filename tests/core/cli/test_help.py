@@ -106,7 +106,6 @@ def outcomes(command, folder, tmp_path):
     yield "skeleton", ("skeleton", image, "--of", "light")
     yield "skeleton", ("skeleton", volume, "--volume", "--of", "light")
     yield "compare", ("compare", image, "--start", image, "--methods", "gvf", "--max-steps", 5, "--truth", image)
-    yield "compare", ("compare", volume, "--sphere", "9.5,9.5,9.5,3", "--methods", "morph_gac", "--max-steps", 5)
     yield "info", ("info", image)
     yield "bench", ("bench", "--quick")
     yield "export", ("export", session, "--to", tmp_path / "a.svg")

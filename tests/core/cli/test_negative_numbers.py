@@ -29,7 +29,7 @@ def read(name, *given):
         return str(error)
 
 
-@pytest.mark.parametrize("value", ["-50,-50,3", "-5", "-.5,2", "-1e-3", "-inf,1,1", "-Infinity"])
+@pytest.mark.parametrize("value", ["-50,-50,3", "-.5,2", "-1e-3", "-Infinity"])
 def test_every_option_reads_a_negative_number_as_it_does_after_an_equals_sign(value):
     assert len(TAKING) > 100
     for name, option in TAKING:

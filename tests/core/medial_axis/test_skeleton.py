@@ -67,7 +67,7 @@ def focal_radius(at):
 END = (LONG**2 - SHORT**2) / LONG
 
 
-@pytest.mark.parametrize("pruning", [0.2, 1.0, 3.0])
+@pytest.mark.parametrize("pruning", [0.2, 3.0])
 def test_an_ellipse_has_its_focal_segment_shortened_by_exactly_the_pruning(ellipse, pruning):
     skeleton = cpm.skeleton(ellipse, pruning=pruning)
     (contour,) = skeleton.contours
@@ -85,7 +85,7 @@ def rectangle(middle, half, angle):
     return np.array(middle) + np.array([(-1, -1), (-1, 1), (1, 1), (1, -1)]) * half @ turn.T, turn
 
 
-@pytest.mark.parametrize("angle", [0.0, 0.3, 0.7])
+@pytest.mark.parametrize("angle", [0.0, 0.3])
 def test_a_rectangle_has_its_center_line_and_a_branch_toward_each_corner(angle):
     corners, turn = rectangle((64.3, 70.2), (25.0, 45.0), angle)
     scene = scenes.polygon((130, 140), corners)
@@ -137,8 +137,16 @@ CORNERS = {
 }
 
 
-@pytest.mark.parametrize("name", SHAPES)
-@pytest.mark.parametrize("kind", ["antialiased", "black and white", "soft and noisy"])
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [
+        ("u", "antialiased"),
+        ("disk", "antialiased"),
+        ("bar", "black and white"),
+        ("ring", "soft and noisy"),
+        ("star", "soft and noisy"),
+    ],
+)
 def test_the_shape_is_rebuilt_from_its_skeleton(name, kind):
     values, mask = SHAPES[name].values, inside(SHAPES[name].values)
     if kind == "black and white":
@@ -162,35 +170,32 @@ def test_a_radius_is_the_distance_to_the_boundary(name):
     assert error[rounded].max(initial=0.0) < 1.0
 
 
-@pytest.mark.parametrize(("name", "branches"), [("ring", 1), ("disk", 1), ("bar", 5)])
-@pytest.mark.parametrize("noise", [0.0, 8.0, 20.0])
+@pytest.mark.parametrize(
+    ("name", "branches", "noise"), [("ring", 1, 20.0), ("disk", 1, 20.0), ("bar", 5, 20.0), ("bar", 5, 0.0)]
+)
 def test_neither_pixel_steps_nor_noise_on_the_boundary_make_short_branches(name, branches, noise):
     values = inside(SHAPES[name].values) * 160.0
     values = values + np.random.default_rng(1).normal(0.0, noise, values.shape) if noise else values
     assert len(cpm.skeleton(values).contours) == branches
 
 
-@pytest.mark.parametrize("name", ["star", "ring"])
-def test_more_pruning_only_removes_and_within_its_bound_and_keeps_connections(name):
-    values = inside(SHAPES[name].values).astype(float)  # with pixel steps that could make short branches
-    skeletons = [cpm.skeleton(values, pruning=pruning) for pruning in (0.0, 0.3, 1.0, 3.0, 8.0)]
+def test_more_pruning_only_removes_and_within_its_bound_and_keeps_connections():
+    values = inside(SHAPES["ring"].values).astype(float)  # with pixel steps that could make short branches
+    skeletons = [cpm.skeleton(values, pruning=pruning) for pruning in (0.3, 1.0, 8.0)]
     everything = skeletons[0].rebuilt()
-    for pruning, more, less in zip((0.3, 1.0, 3.0, 8.0), skeletons[:-1], skeletons[1:], strict=True):
+    for pruning, more, less in zip((1.0, 8.0), skeletons[:-1], skeletons[1:], strict=True):
         assert farthest(vertices(less), densely(more)) < 1.0
-        lost = everything & ~less.rebuilt()
-        assert ndimage.distance_transform_edt(~less.rebuilt())[lost].max(initial=0.0) < pruning + 1.5
+        rebuilt = less.rebuilt()
+        assert ndimage.distance_transform_edt(~rebuilt)[everything & ~rebuilt].max(initial=0.0) < pruning + 1.5
         lines = labels_of(less) > 0
         assert ndimage.label(lines, TOUCHING)[1] == 1
-        assert (ndimage.label(~lines)[1] == 2) == (name == "ring")  # a round stays a round
+        assert ndimage.label(~lines)[1] == 2  # a round stays a round
 
 
-@pytest.mark.parametrize("turns", [1])
-def test_a_rotated_image_has_the_rotated_skeleton(turns):
+def test_a_rotated_image_has_the_rotated_skeleton():
     values = scenes.blob((70, 80), (33.6, 41.2))
-    expected, shape = densely(cpm.skeleton(values)), values.shape
-    for _ in range(turns):
-        expected, shape = scenes.turned(expected, shape), shape[::-1]
-    found = densely(cpm.skeleton(np.rot90(values, turns)))
+    expected = scenes.turned(densely(cpm.skeleton(values)), values.shape)
+    found = densely(cpm.skeleton(np.rot90(values)))
     assert max(farthest(found, expected), farthest(expected, found)) < 0.5
 
 

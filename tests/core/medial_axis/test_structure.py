@@ -57,8 +57,7 @@ def shadow():
     return 0.3 * row - 60.0 / (1.0 + np.exp(-(col - 118.0 - 0.2 * row) / 3.0))
 
 
-@pytest.mark.parametrize("level", [-100.0, 100.0])
-@pytest.mark.parametrize("width", [6.0, 10.0])
+@pytest.mark.parametrize(("width", "level"), [(6.0, -100.0), (10.0, 100.0)])
 def test_a_y_has_three_branches_of_its_own_thickness_dark_or_light(width, level):
     skeleton = cpm.skeleton(y_shape(width, level), of="dark" if level < 0 else "light", max_width=16.0)
     assert len(skeleton.contours) == 3
@@ -69,9 +68,8 @@ def test_a_y_has_three_branches_of_its_own_thickness_dark_or_light(width, level)
     assert skeleton.thickness == pytest.approx(width, abs=1.0)
 
 
-@pytest.mark.parametrize("max_width", [0.0, 16.0])
-def test_dark_on_light_and_light_on_dark_have_the_same_skeleton(max_width):
-    dark, light = (cpm.skeleton(y_shape(8.0, level), max_width=max_width) for level in (-100.0, 100.0))
+def test_dark_on_light_and_light_on_dark_have_the_same_skeleton():
+    dark, light = (cpm.skeleton(y_shape(8.0, level)) for level in (-100.0, 100.0))
     assert (dark.polarity, light.polarity) == (-1, 1)  # found out without being told
     for one, other in ((dark, light), (light, dark)):
         away, near = cKDTree(vertices(one)).query(vertices(other))

@@ -9,7 +9,7 @@ import pyqtgraph as pg
 
 from app.model.text.language import tr, written
 from app.session.scene import Scene
-from app.session.worker.requests import Probe, Probed
+from app.session.worker.requests import Probed, probe
 from app.views.canvas.items.item import FAINT, Markers, Pinned, line_pen, to_xy
 from app.views.canvas.layers.fields import arrow_lines
 from app.views.canvas.layers.layer import Amount, Layer
@@ -110,7 +110,7 @@ class ForceLayer(Layer):
         place = (seen.y(), seen.x()) if self._pointer is None else self._pointer
         reach = math.inf if self._pointer is None else _REACH * float(self.view.viewPixelSize()[0])
         here = None if self.scene.slices is None else self.scene.slices.current
-        self.requests.post(Probe(snapshot.generation, place if here is None else here.lifted(place), reach))
+        self.requests.post(probe(snapshot.generation, place if here is None else here.lifted(place), reach))
 
     def _use(self, probed: Probed | None) -> None:
         self.probed = probed

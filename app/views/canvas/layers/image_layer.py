@@ -18,7 +18,7 @@ from app.model.display.display_image import (
 )
 from app.model.text.language import tr
 from app.session.scene import Scene
-from app.session.worker.requests import Shade
+from app.session.worker.requests import shade
 from app.views.canvas.items.item import cached
 from app.views.canvas.items.tiled_image import TiledImage
 from app.views.canvas.layers.layer import Amount, Choice, Layer
@@ -161,7 +161,7 @@ class ImageLayer(Layer):
         elif image.colors is None and image.values.size <= _AT_ONCE:
             self._item.show_image(DisplayImage.of(apply_window(image.values, window)))
         elif channel is not None:
-            self.requests.post(Shade(image, window, channel))
+            self.requests.post(shade(image, window, channel))
 
     @property
     def _channel(self) -> str | None:

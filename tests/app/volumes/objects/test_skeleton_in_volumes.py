@@ -43,9 +43,9 @@ def found(volume, hand):
 def test_the_center_line_of_a_rod_is_found_and_told(found) -> None:
     (line,) = found.session.scene.skeleton.contours
     assert np.allclose(line.points[:, :2], AT, atol=1.0)
-    assert found.session.status.open == 1
+    assert len(found.session.status.contours) == 1
     assert "; branches: 1, length: " in found.canvas_area.messages.text
-    assert found.session.status.length == pytest.approx(26.0, abs=6.0)
+    assert found.session.status.found.length == pytest.approx(26.0, abs=6.0)
 
 
 def test_slices_show_the_pieces_near_them_and_space_all(found, hand) -> None:

@@ -7,6 +7,7 @@ import pytest
 from PySide6.QtCore import QPoint, Qt
 
 from app.model.document import edits
+from app.views.export.frames import to_array
 from app.views.features.volumes import SpaceFeature
 from app.views.theme import theme
 from app.views.theme.theme import look
@@ -21,7 +22,9 @@ KEY, LEFT, CONTROL = Qt.Key, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.Cont
 @pytest.fixture
 def space(volume, hand):
     """The view in space of the window, drawn."""
-    view = volume.feature(SpaceFeature).panel.view
+    panel = volume.feature(SpaceFeature).panel
+    panel.bar.checks["slices"].setChecked(False)  # another test may have shown them
+    view = panel.view
     hand.wait(lambda: view.isVisible() and view.camera is not None and view.idle)
     return view
 
@@ -38,8 +41,7 @@ def on_screen(view, place) -> QPoint:
 
 def inks(view) -> set[str]:
     """The colors in the picture."""
-    picture = view.picture()
-    return {picture.pixelColor(x, y).name() for x in range(picture.width()) for y in range(picture.height())}
+    return {"#" + bytes(color).hex() for color in np.unique(to_array(view.picture()).reshape(-1, 3), axis=0)}
 
 
 def test_what_is_drawn_is_seen_in_space_in_its_color(volume, hand, space) -> None:
