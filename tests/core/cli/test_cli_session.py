@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 import multiprocessing
 import shutil
 import sys
@@ -239,9 +238,7 @@ def test_an_image_with_open_contours_only_keeps_all_files_that_can_hold_them(com
     assert status == 1
     assert "cut.png: .png was not written: No contour of cut.png is closed" in err
     assert ", 1 without some files; wrote " in out
-    facts = json.loads(command(*line, "--json")[1])  # done before
-    assert (facts["done"], facts["failed"], facts["lacking_files"]) == (1, 0, 1)
-    assert command(*line)[0] == 1
+    assert command(*line)[0] == 1  # done before
     (row,) = table(tmp_path / "o")
     assert (row["closed"], row["trouble"], row["files"]) == ("0", "", "cut_contours.svg; cut_contours.csv")
     assert "No contour of cut.png is closed" in row["notes"]
