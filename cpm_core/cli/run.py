@@ -232,8 +232,13 @@ def _run_image(
             shown = replace(boundary, provenance=replace(result.provenance, method="objects", shapes=drew))
     seconds = time.perf_counter() - started
     files = Files()
-    warn = lambda sentence: say(f"{sentence} {_CLOSE[:-1]}, or write SVG, GeoJSON or CSV.")  # noqa: E731
-    files.export(shown, arguments.export, image=path, space=arguments.space or "LPS", warn=warn)
+    files.export(
+        shown,
+        arguments.export,
+        image=path,
+        space=arguments.space or "LPS",
+        warn=lambda sentence: say(f"{sentence} {_CLOSE[:-1]}, or write SVG, GeoJSON or CSV."),
+    )
     if arguments.save_session is not None:
         own = arguments.image is None
         whole = replace(

@@ -146,8 +146,8 @@ def percentile_window(values: Array, percent: float) -> tuple[float, float]:
     """
     stride = math.ceil((values.size / _SAMPLE) ** (1.0 / values.ndim))
     some = values[(slice(None, None, stride),) * values.ndim]
-    low, high = np.percentile(some, [percent, 100.0 - percent]) if percent > 0 else (values.min(), values.max())
-    if low == high:
+    low, high = np.percentile(some, [percent, 100.0 - percent])
+    if percent == 0.0 or low == high:
         low, high = values.min(), values.max()
     return float(low), float(high)
 
