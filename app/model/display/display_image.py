@@ -69,7 +69,7 @@ class DisplayImage:
 
     @staticmethod
     def preview(values: Array, window: IntensityWindow) -> DisplayImage:
-        """Shades of few of the gray values, made at once, until all of them have been made."""
+        """Shades of few of the gray values, made immediately, until all of them have been made."""
         finest = max(0, math.ceil(math.log2(max(values.shape) / _PREVIEW)))
         some = values[:: 2**finest, :: 2**finest]
         return replace(DisplayImage.of(apply_window(some, window)), finest=finest, size=values.shape)

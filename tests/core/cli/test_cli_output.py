@@ -18,13 +18,6 @@ ROOT = Path(__file__).parents[3]
 posix = pytest.mark.skipif(sys.platform == "win32", reason="pipes, devices and signals are those of POSIX")
 
 
-@pytest.fixture
-def disk(tmp_path):
-    row, col = np.mgrid[:40, :40]
-    PIL.Image.fromarray((220 * (np.hypot(row - 20, col - 20) < 12)).astype(np.uint8)).save(tmp_path / "disk.png")
-    return tmp_path / "disk.png"
-
-
 def test_the_version_is_told(capsys):
     with pytest.raises(SystemExit) as stop:
         cpm_core.cli.main(["--version"])
@@ -36,9 +29,9 @@ def test_the_version_is_told(capsys):
 @pytest.mark.parametrize("name", [os.fsdecode(b"=1+caf\xe9\x1b[31m\nb.png"), "n" * 251 + ".png"])
 def test_an_image_of_any_name_goes_through_a_run_and_a_batch(disk, command, tmp_path, name):
     image = disk.rename(tmp_path / name)
-    save_session(SessionFile(shapes=(Circle((20.0, 20.0), 8.0),)), tmp_path / "a.cpm")
+    save_session(SessionFile(shapes=(Circle((40.0, 50.0), 12.0),)), tmp_path / "a.cpm")
     files = [tmp_path / f"out{suffix}" for suffix in (".svg", ".csv", ".json", ".labelme.json", ".geojson")]
-    status, out, err = command("run", image, "--circle", "20,20,8", "--max-steps", 40, "--export", *files)
+    status, out, err = command("run", image, "--circle", "40,50,12", "--max-steps", 40, "--export", *files)
     assert status == 0
     batch = ("batch", image, "--session", tmp_path / "a.cpm", "--output", tmp_path / "o", "--workers", 1)
     status, batch_out, batch_err = command(*batch, "--max-steps", 40, "--export", "svg")

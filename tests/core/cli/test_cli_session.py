@@ -62,14 +62,14 @@ def test_regions_and_the_review_of_a_session_act(told, disks, tmp_path):
     found = load_image(mask).values
     assert found[40, 75] > 0 and not found[:, :50].any()
     shapes = tuple(Circle(center, 6.0) for center in CENTERS)
-    (left, _), (row, col) = ((row - RADIUS, col) for row, col in CENTERS), (CENTERS[1][0] - RADIUS, CENTERS[1][1])
-    marks = (Mark(left, "rejected"), Mark((row, col), "kept", "right"))
+    left, other = ((row - RADIUS, col) for row, col in CENTERS)
+    marks = (Mark(left, "rejected"), Mark(other, "kept", "right"))
     save_session(SessionFile(ImageFile(str(disks)), shapes, Parameters(scales=2), marks), path)
     assert told("run", "--session", path, "--export", tmp_path / "a.geojson")["contours"] == 1
     assert "right" in (tmp_path / "a.geojson").read_text()
 
 
-def test_what_a_person_should_know_of_a_session_is_told_beside_the_result(command, session, disks):
+def test_what_the_user_should_know_of_a_session_is_reported(command, session, disks):
     values = np.array(PIL.Image.open(disks))
     PIL.Image.fromarray(values // 2).save(disks)
     session.write_text(session.read_text().replace('"beta"', '"viscosity": 1, "beta"'))
