@@ -36,6 +36,7 @@ LATE_LIBRARIES = {
     "cpm_core.formats.contours.geojson": {"shapely"},
     "cpm_core.formats.contours.svg": {"svgelements"},
     "cpm_core.formats.masks.nifti": {"nibabel"},
+    "cpm_core.formats.surface_file": {"nibabel"},
 }
 """What these modules import as well, and only where it is needed: inside functions, and for types."""
 

@@ -8,7 +8,7 @@ When a start is moved or removed after the run has begun, the run is only marked
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -16,25 +16,23 @@ import numpy as np
 from app.model.document import edits
 from app.model.document.document import Document
 from app.model.text.language import tr
-from app.session.signals import SessionSignals
+from app.session.signals import Board
 from app.session.timeline.moments import Erased
 from app.session.undo_history import Erasure
-from app.session.updates import Progress
-from app.session.worker.commands import Command, FindSeeds, RunCall
+from app.session.worker.commands import Command, find_seeds, run_call
 from app.session.worker.run import Run
 from cpm_core.numerics import Place
 from cpm_core.shapes import Interest, Points, Shape, Start
 
-_MOVED = 2.0
+_LAG = 2.0
 """Distance by which particles may have moved since they were shown [px]."""
 
 
 class Live:
     """Compares documents and sends changes to the worker."""
 
-    def __init__(self, session: SessionSignals, progress: Progress, post: Callable[[Command], None]) -> None:
-        self._session = session
-        self._progress = progress
+    def __init__(self, board: Board, post: Callable[[Command], None]) -> None:
+        self._board = board
         self._post = post
         self._run = 0
         self._runs: dict[int, tuple[tuple[object, ...], Counter[Hashable]]] = {}
@@ -61,7 +59,7 @@ class Live:
 
     def restore(self, begun: Mapping[int, tuple[Document, Counter[Hashable]]]) -> None:
         """The runs of a session are there: their first documents and the sources of their particles."""
-        document = self._session.scene.document
+        document = self._board.scene.document
         self._drawn, self._last_shapes = document.sources, document.shapes
         for run, (first, executed) in begun.items():
             self._runs[run] = (replace(first, image=document.image).late, executed)
@@ -93,38 +91,38 @@ class Live:
 
     def follow(self, before: Document, after: Document, complete: bool) -> None:
         """The document has changed; unless `complete`, the gesture that changes it continues."""
-        session = self._session
+        board = self._board
         if before.parameters != after.parameters:
-            self._post(RunCall(None, Run.set_parameters, after.parameters))
+            self._post(run_call(None, Run.set_parameters, after.parameters))
         if after.image_starts and before.seeding_inputs != after.seeding_inputs:
-            self._progress.busy("seeding", tr("Looking for places to start from…"))
-            self._post(FindSeeds(session.image_generation, after))
+            self._board.busy("seeding", tr("Looking for places to start from…"))
+            self._post(find_seeds(board.image_generation, after))
         if before.charges != after.charges:
-            self._post(RunCall(None, Run.place, session.image_generation, after.charges))
+            self._post(run_call(None, Run.place, board.image_generation, after.charges))
         if before.hand_edits != after.hand_edits:
-            self._post(RunCall(None, Run.edit_by_hand, after.hand_edits))
-        if not self._progress.status.started:
+            self._post(run_call(None, Run.edit_by_hand, after.hand_edits))
+        if not self._board.status.started:
             return
         if before.regions != after.regions:
-            self._post(RunCall(session.generation, Run.limit, after.regions))
+            self._post(run_call(board.generation, Run.limit, after.regions))
         if complete:
             self.end_gesture()
 
     def end_gesture(self) -> None:
         """A gesture has ended: the starts that it has added join the run."""
-        document = self._session.scene.document
+        document = self._board.scene.document
         if document.shapes is self._last_shapes:
             return  # most often only parameters changed, and many points take a while to compare
         self._last_shapes = document.shapes
         drawn = document.sources
         lost, gained = self._drawn - drawn, drawn - self._drawn
         self._drawn = drawn
-        if not self._progress.status.started or lost.total() == gained.total():
+        if not self._board.status.started or lost.total() == gained.total():
             return  # no change, or a start that was moved or reshaped
         new = (drawn - self._executed) & gained
         if new:
             self._execute(self._executed + new)
-            self._post(RunCall(self._session.generation, Run.join, _only(document, new)))
+            self._post(run_call(self._board.generation, Run.join, _only(document, new)))
 
     def begin_erasure(self) -> Erasure:
         """An erasure that has not removed anything yet."""
@@ -136,28 +134,27 @@ class Live:
 
         Run and document stay consistent, so that the run is not out of date afterwards.
         """
-        session = self._session
-        rest = edits.erase(session.scene.document, path, radius)
-        lost = self._executed & (session.scene.document.sources - rest.sources)
+        board = self._board
+        rest = edits.erase(board.scene.document, path, radius)
+        lost = self._executed & (board.scene.document.sources - rest.sources)
         self._execute(self._executed - lost)
-        if not self._progress.status.started:
+        if not self._board.status.started:
             return rest, False
         erasure.sources += lost
-        self._post(RunCall(session.generation, Run.erase, path, radius, erasure.number))
+        self._post(run_call(board.generation, Run.erase, path, radius, erasure.number))
         return rest, bool(lost) or self._reached(path, radius)
 
-    def turn(self, erasures: Sequence[Erasure], back: bool) -> None:
+    def turn(self, erasure: Erasure, back: bool) -> None:
         """Particles that were erased come back, or go again, and with them those of the shapes erased."""
-        for erasure in erasures:
-            self._execute(self._executed + erasure.sources if back else self._executed - erasure.sources)
+        self._execute(self._executed + erasure.sources if back else self._executed - erasure.sources)
 
     def _reached(self, path: tuple[Place, ...], radius: float) -> bool:
         """Whether particles are near a path, as far as the window knows; while they move, some px farther away."""
-        scene = self._session.scene
+        scene = self._board.scene
         if scene.snapshot is None or scene.image is None:
             return True
-        moving = self._progress.status.phase == "running"
-        erased = Erased(path, radius + _MOVED * moving)
+        moving = self._board.status.phase == "running"
+        erased = Erased(path, radius + _LAG * moving)
         return bool(np.any(erased.reaches(scene.snapshot.position, scene.image.spacing)))
 
 

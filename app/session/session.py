@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -24,16 +24,15 @@ from app.session.exchange.mailbox import Pacer
 from app.session.exchange.messages import ImageReady, NotOpened, Opened
 from app.session.live_edits import Live
 from app.session.scene import ReviewedContours, Scene
-from app.session.signals import EDITING, EXPORTING, OPENING, RUNNING, SessionSignals
+from app.session.signals import EDITING, EXPORTING, OPENING, RUNNING, Board
 from app.session.tasks.opening import Opener, Wanted
 from app.session.tasks.tasks import Tasks
-from app.session.undo_history import Change, Erasure, History, Turned
-from app.session.updates import Progress
-from app.session.worker.commands import Command, Export, RestoreRuns, RunCall, RunsRestored, Start, WarmUp
+from app.session.undo_history import Change, Erasure, History
+from app.session.worker.commands import Command, RunsRestored, restore_runs, run_call, start, warm_up, write_contours
 from app.session.worker.run import Run
 from app.session.worker.worker_thread import WorkerThread
 from cpm_core import METHODS, Image, Parameters
-from cpm_core.formats import Reading, differ, suffix_of
+from cpm_core.formats import Reading, differ
 from cpm_core.formats.images.reading import DEFAULT
 from cpm_core.shapes import Sphere
 
@@ -52,21 +51,20 @@ class Session(QObject):
     def __init__(self, core: Core | None = None, parent: QObject | None = None) -> None:
         super().__init__(parent)
         core = core or Core()
-        self._signals = signals = SessionSignals(self)
-        self.scene_changed, self.image_changed = signals.scene_changed, signals.image_changed
-        self.document_changed, self.status_changed = signals.document_changed, signals.status_changed
-        self.said, self.attempted = signals.said, signals.attempted
-        self.show, self.show_status = signals.show, signals.show_status
-        self.listen, self.stop_listening, self.pass_on = signals.listen, signals.stop_listening, signals.pass_on
-        self.say, self.trouble, self.attempt = signals.say, signals.trouble, signals.attempt
         self._worker_thread = WorkerThread(core)
+        self._board = board = Board(self._worker_thread, self)
+        self.scene_changed, self.image_changed = board.scene_changed, board.image_changed
+        self.document_changed, self.status_changed = board.document_changed, board.status_changed
+        self.said, self.attempted = board.said, board.attempted
+        self.show, self.show_status = board.show, board.show_status
+        self.listen, self.stop_listening, self.pass_on = board.listen, board.stop_listening, board.pass_on
+        self.say, self.trouble, self.attempt = board.say, board.trouble, board.attempt
         self.tasks = Tasks(self._worker_thread.report, self._wake, self)
         self.tasks.changed.connect(self.show_status)
-        self._progress = Progress(signals, self._worker_thread)
         self._numbered = 0
         self.history = History()
         """What can be undone and redone."""
-        self.live = Live(signals, self._progress, self.post)
+        self.live = Live(board, self.post)
         self._overlays: frozenset[str] = frozenset()
         self._frames = Pacer()
         self._timer = QTimer(self)
@@ -88,24 +86,25 @@ class Session(QObject):
             RunsRestored,
             lambda kept: self.live.restore(kept.begun) if kept.generation == self.image_generation else None,
         )
-        self.listen(NotOpened, self._keep_or_open_otherwise)
+        self.listen(NotOpened, lambda refused: self.open(refused.otherwise) if refused.otherwise else None)
+        self.listen(NotOpened, lambda refused: self.say(refused.sentence, True, OPENING))
 
     # State
 
     @property
     def scene(self) -> Scene:
         """The scene that is shown."""
-        return self._signals.scene
+        return self._board.scene
 
     @property
     def generation(self) -> int:
         """Number of the current run; snapshots and reports of other runs are not shown."""
-        return self._signals.generation
+        return self._board.generation
 
     @property
     def image_generation(self) -> int:
         """Number under which the image was opened."""
-        return self._signals.image_generation
+        return self._board.image_generation
 
     @property
     def image(self) -> Image | None:
@@ -125,7 +124,7 @@ class Session(QObject):
     @property
     def status(self) -> RunStatus:
         """State of the run."""
-        status = self._progress.status
+        status = self._board.status
         document, method = self.document, METHODS[status.method]
         other = status.method != MODES[document.mode].method
         stale = status.started and (other or (method.seeded and self.live.outdated(document)))
@@ -138,7 +137,7 @@ class Session(QObject):
     @property
     def situation(self) -> Situation:
         """Everything that decides what the window shows and enables."""
-        return Situation(self.document, self.status, self.undo_name, self.redo_name, self.selected)
+        return Situation(self.document, self.status, self.history.undo_name, self.history.redo_name, self.selected)
 
     @property
     def resolved(self) -> Resolved:
@@ -157,21 +156,6 @@ class Session(QObject):
 
     # Editing
 
-    @property
-    def undo_name(self) -> str:
-        """Name of the change that undo takes back, empty if there is none."""
-        return self.history.undo_name
-
-    @property
-    def redo_name(self) -> str:
-        """Name of the change that redo repeats, empty if there is none."""
-        return self.history.redo_name
-
-    def use_history(self, history: History) -> None:
-        """Take up the history of the document that is open, as it was left."""
-        self.history = history
-        self.show_status()
-
     def edit(
         self, name: str, edit: Callable[[Document], Document], gesture: str = "", erasure: Erasure | None = None
     ) -> None:
@@ -189,8 +173,6 @@ class Session(QObject):
         if after != before or erasure is not None:
             self.history.push(Change(name, before, after, gesture, erasure))
             self._use(after, complete=not gesture)
-        if after == before and erasure is not None:
-            self._announce()
 
     def seal(self) -> None:
         """End a gesture: the next edit is undone separately."""
@@ -199,11 +181,11 @@ class Session(QObject):
 
     def undo(self) -> None:
         """Take back the last edit."""
-        self._turn(self.history.undo())
+        self._turn(self.history.undo(), back=True)
 
     def redo(self) -> None:
         """Repeat the edit that was undone last."""
-        self._turn(self.history.redo())
+        self._turn(self.history.redo(), back=False)
 
     def select(self, index: int | None) -> None:
         """Select a shape, or none; none, too, in place of one that could not be drawn."""
@@ -230,7 +212,7 @@ class Session(QObject):
     def begin_document(self, document: Document, before: Document | None = None) -> None:
         """Use another document, with an empty undo history, in place of the present one or of one `before` it."""
         self.history = History()
-        self._signals.scene = replace(self.scene, selected=None)
+        self._board.scene = replace(self.scene, selected=None)
         self._use(document, before=before)
 
     # Running
@@ -241,13 +223,13 @@ class Session(QObject):
             return
         if self.status.phase != "running":
             self._start_if_needed()
-            self._progress.phase("running")
-            self.post(RunCall(self._signals.generation, Run.go))
+            self._board.phase("running")
+            self.post(run_call(self._board.generation, Run.go))
 
     def pause(self) -> None:
         """Stop after the current step."""
         if self.status.phase == "running":
-            self.hold(RunCall(None, Run.halt))
+            self.hold(run_call(None, Run.halt))
 
     def toggle(self) -> None:
         """Pause when running, otherwise run."""
@@ -260,16 +242,16 @@ class Session(QObject):
         """Take one step; start a run first if there is none."""
         if can_step(self.situation) and self._ready():
             self._start_if_needed()
-            self.hold(RunCall(self._signals.generation, Run.go, 1))
+            self.hold(run_call(self._board.generation, Run.go, 1))
 
     def reset(self) -> None:
         """Take the particles away and go back to the initialization; the run stays on the timeline."""
         if self.status.started:
             self.attempt(RUNNING)
             kept = self.status.step > 0
-            self._signals.generation = self._next_generation()
-            self._progress.forget()
-            self.post(RunCall(None, Run.discard, self._signals.generation))
+            self._board.generation = self._next_generation()
+            self._board.forget()
+            self.post(run_call(None, Run.discard, self._board.generation))
             if kept:
                 kept_on = tr(
                     "The run is kept on the timeline: click it there, or press {key:timeline_last}, to go back to it."
@@ -278,12 +260,12 @@ class Session(QObject):
 
     def hold(self, command: Command) -> None:
         """Pause the run by a command after which it stays at some step."""
-        self._progress.phase("paused")
+        self._board.phase("paused")
         self.post(command)
 
     def set_pace(self, steps_per_second: float | None) -> None:
         """Limit the steps per second; None for no limit."""
-        self.post(RunCall(None, Run.set_pace, steps_per_second))
+        self.post(run_call(None, Run.set_pace, steps_per_second))
 
     def want_overlay(self, name: str, wanted: bool) -> None:
         """Choose whether an overlay is kept up to date; see `app.session.worker.prepared_methods`."""
@@ -293,7 +275,7 @@ class Session(QObject):
             shown = {kept: array for kept, array in self.scene.overlays.items() if kept in self._overlays}
             if len(shown) < len(self.scene.overlays):
                 self.show(replace(self.scene, overlays=shown))
-            self.post(RunCall(None, Run.set_overlays, self._overlays))
+            self.post(run_call(None, Run.set_overlays, self._overlays))
 
     def post(self, command: Command) -> None:
         """Send a command to the worker."""
@@ -336,8 +318,8 @@ class Session(QObject):
         """Open an image or a session file, and `otherwise` when that file cannot be used.
 
         What is open stays until the new image is known to be usable. An image that `resumes` is opened with the session
-        beside it. A stack is opened `as_volume`, or one plane of it; None leaves that to its kind. `reading` says which
-        part of the file is wanted.
+        next to it. A stack is opened `as_volume`, or one plane of it; None leaves that to its kind. `reading` is how,
+        and which part of the file.
         """
         path = Path(path)
         sample = sample_at(path)
@@ -366,64 +348,53 @@ class Session(QObject):
         path = Path(path)
         self.attempt(EXPORTING)
         task = self.tasks.begin(tr("Writing {name}…").format(name=path.name))
-        order, suffix = order or ExportOrder(), suffix_of(path)
-        self.post(Export(task, self.scene.reconstruction, self.document, suffix, path, order))
+        self.post(write_contours(task, self.scene.reconstruction, self.document, order or ExportOrder(), path))
 
-    def copy_contours(self, suffix: str) -> None:
+    def copy_contours(self, suffix: str, then: Callable[[bytes], object]) -> None:
         """Prepare the contours that are shown for the clipboard, as a file with this suffix would hold them."""
         self.attempt(EXPORTING)
         task = self.tasks.begin(tr("Copying contours…"))
-        self.post(Export(task, self.scene.reconstruction, self.document, suffix))
+        self.post(write_contours(task, self.scene.reconstruction, self.document, ExportOrder(), suffix, then))
 
     def warm_up(self) -> None:
         """Compile or load the kernels ahead of the first step."""
-        self._progress.busy("preparing", _PREPARING)
-        self._opener.afterwards(lambda: self.post(WarmUp()))
+        self._board.busy("preparing", _PREPARING)
+        self._opener.afterwards(lambda: self.post(warm_up()))
 
     # Internal
 
-    def _turn(self, turned: Turned | None) -> None:
-        """Use the document that undo or redo leads to, and bring particles back or take them away again."""
-        if turned is None:
+    def _turn(self, change: Change | None, back: bool) -> None:
+        """Use the document before or after a change, and bring particles back or take them away again."""
+        if change is None:
             return
-        erasures = [change.erasure for change in turned.changes if change.erasure is not None]
-        if erasures:
-            self._turn_erasures(erasures, turned.back)
-        same = turned.document == self.document
-        self._use(turned.document)
-        if same:
-            self._announce()
+        if change.erasure is not None:
+            goes_on = self.status.phase == "running"
+            self.live.turn(change.erasure, back)
+            self.hold(run_call(None, Run.turn_erasure, change.erasure.number, back))
+            if goes_on:
+                self._board.phase("running")
+                self.post(run_call(self._board.generation, Run.go))
+        self._use(change.before if back else change.after)
 
-    def _announce(self) -> None:
-        """The history has changed, and the document has not."""
-        self.document_changed.emit(self.document)
-        self.show_status()
-
-    def _use(self, document: Document | None, complete: bool = True, before: Document | None = None) -> None:
+    def _use(self, document: Document, complete: bool = True, before: Document | None = None) -> None:
+        """Show another document, or the same one after the history has changed."""
         before, scene = before or self.document, self.scene
-        if document is None or document == before:
-            return
-        self.attempt(EDITING, RUNNING)  # an edit may be the remedy for why a run did not begin
-        selected = scene.selected
-        if selected is not None and selected >= len(document.shapes):
-            selected = None
-        contours = scene.contours
-        if document.marks != before.marks:
-            contours = ReviewedContours.of(contours.tracked, document.marks)
-        self._signals.scene = replace(scene, document=document, selected=selected, contours=contours)
-        self._follow(before, document, complete)
-        self.scene_changed.emit()
+        if document != before:
+            self.attempt(EDITING, RUNNING)  # an edit may be the remedy for why a run did not begin
+            selected, contours, image = scene.selected, scene.contours, scene.image
+            if selected is not None and selected >= len(document.shapes):
+                selected = None
+            if document.marks != before.marks:
+                contours = ReviewedContours.of(contours.tracked, document.marks)
+            # the size of a pixel that has been set by hand, before all that follows from an edit
+            sized = image if image is None or document.image is None else document.image.sized(image)
+            self._board.scene = replace(scene, image=sized, document=document, selected=selected, contours=contours)
+            if sized is not None and sized is not image:
+                self.post(run_call(None, Run.rescale, sized, document))
+            self.live.follow(before, document, complete)
+            self.scene_changed.emit()
         self.document_changed.emit(document)
         self.show_status()
-
-    def _follow(self, before: Document, after: Document, complete: bool) -> None:
-        """Give the image the size of a pixel that has been set by hand, before all that follows from an edit."""
-        image = self.scene.image
-        if image is not None and after.image is not None and after.image.sized(image) is not image:
-            sized = after.image.sized(image)
-            self._signals.scene = replace(self.scene, image=sized)
-            self.post(RunCall(None, Run.rescale, sized, after))
-        self.live.follow(before, after, complete)
 
     def _ready(self) -> bool:
         self.attempt(RUNNING)
@@ -439,22 +410,14 @@ class Session(QObject):
         status = self.status
         over = status.phase == "finished" and not status.steered
         if status.phase == "ready" or over or status.stale:
-            self._signals.generation = self._next_generation()
-            self.live.begin(self._signals.generation, self.document)
-            self._progress.forget(MODES[self.document.mode].method)
-            self.post(Start(self._signals.generation, self._signals.image_generation, self.document))
+            self._board.generation = self._next_generation()
+            self.live.begin(self._board.generation, self.document)
+            self._board.forget(MODES[self.document.mode].method)
+            self.post(start(self._board.generation, self._board.image_generation, self.document))
 
     def _next_generation(self) -> int:
         self._numbered += 1
         return self._numbered
-
-    def _turn_erasures(self, erasures: Sequence[Erasure], back: bool) -> None:
-        goes_on = self.status.phase == "running"
-        self.live.turn(erasures, back)
-        self.hold(RunCall(None, Run.turn_erasures, tuple(erasure.number for erasure in erasures), back))
-        if goes_on:
-            self._progress.phase("running")
-            self.post(RunCall(self._signals.generation, Run.go))
 
     def _wake(self) -> None:
         if not self._timer.isActive():
@@ -463,9 +426,9 @@ class Session(QObject):
 
     def _frame(self) -> None:
         self._frames.stepped()
-        with self._signals.gathering():
+        with self._board.gathering():
             self.tasks.look()
-            self._progress.look()
+            self._board.look()
         if self.scene.snapshot is not None:
             self.live.use(self.scene.snapshot.timeline.began)
         if self.idle:
@@ -476,8 +439,8 @@ class Session(QObject):
         if self.document.image is not None:
             self.former_parameters = self.wanted_parameters
         self._asked_scales, self._used_scales = opened.scales, opened.parameters.scales
-        self._signals.generation = self._signals.image_generation = self._next_generation()
-        self.post(RunCall(None, Run.use, self._signals.generation, opened.method, opened.parameters))
+        self._board.generation = self._board.image_generation = self._next_generation()
+        self.post(run_call(None, Run.use, self._board.generation, opened.method, opened.parameters))
         # With its own document from the first moment: the shapes of the former one may have another number of axes.
         before, document = self.document, _document(opened, self.document.mode)
         slices = Slices.of(opened.image.shape)
@@ -486,14 +449,14 @@ class Session(QObject):
             slices = slices.through(first.center)
         self.show(Scene(opened.image, opened.display, document=document, slices=slices))
         self.image_changed.emit()
-        self._progress.forget()
+        self._board.forget()
         self.live.forget()
         self.begin_document(document, before)
-        self.post(RunCall(None, Run.edit_by_hand, self.document.hand_edits))
-        self.post(RunCall(None, Run.set_parameters, opened.parameters))
+        self.post(run_call(None, Run.edit_by_hand, self.document.hand_edits))
+        self.post(run_call(None, Run.set_parameters, opened.parameters))
         if opened.image.ndim == 3:
-            self._progress.busy("preparing", _PREPARING)
-            self.post(WarmUp(volumes=True))
+            self._board.busy("preparing", _PREPARING)
+            self.post(warm_up(volumes=True))
         self._restore_runs(opened)
         if opened.notes:
             self.say(" ".join(map(from_core, opened.notes)))
@@ -506,16 +469,10 @@ class Session(QObject):
         known = opened.saved.file.image
         if known is not None and known.sha256 and differ(known.sha256, opened.sha256):
             return  # the notes report that the image has changed
-        self._progress.busy("restoring", tr("Bringing back the runs…"))
-        self.post(RunCall(None, Run.place, self._signals.image_generation, self.document.charges))
-        self.post(RunCall(None, Run.limit, self.document.regions))
-        self.post(RestoreRuns(self._signals.image_generation, opened.saved.file.runs, image))
-
-    def _keep_or_open_otherwise(self, refused: NotOpened) -> None:
-        """Keep what is open, unless there is another file to open."""
-        if refused.otherwise is not None:
-            self.open(refused.otherwise)
-        self.say(refused.sentence, True, OPENING)
+        self._board.busy("restoring", tr("Bringing back the runs…"))
+        self.post(run_call(None, Run.place, self._board.image_generation, self.document.charges))
+        self.post(run_call(None, Run.limit, self.document.regions))
+        self.post(restore_runs(self._board.image_generation, opened.saved.file.runs, image))
 
 
 def _document(opened: Opened, mode: Mode) -> Document:

@@ -1,16 +1,38 @@
-"""Signals and reports by which views follow a session."""
+"""The board: what is shown of a session, and the signals and reports by which views follow it."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+import math
+import time
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import Any, TypeVar
 
 from PySide6.QtCore import QObject, Signal
 
-from app.model.text.language import shortened
-from app.session.exchange.messages import Report
-from app.session.scene import Scene
+from app.model.export import summary_text
+from app.model.state.situation import Phase, RunStatus
+from app.model.text.language import shortened, tr
+from app.session.exchange.messages import (
+    CommandFailed,
+    Compiling,
+    Exported,
+    Finished,
+    Opened,
+    Reconstruction,
+    ReconstructionFailed,
+    Report,
+    RunFailed,
+    SeedsFound,
+    Snapshot,
+    WarmedUp,
+    WentOn,
+)
+from app.session.scene import NO_CONTOURS, ReviewedContours, Scene
+from app.session.worker.commands import RunsRestored
+from app.session.worker.requests import Compared, Probed, Shaded
+from app.session.worker.worker_thread import WorkerThread
 
 R = TypeVar("R", bound=Report)
 
@@ -24,8 +46,23 @@ OF_THE_PROGRAM = (RECOVERY, JOURNAL, PREFERENCES, UNEXPECTED)
 """Topics of messages that do not concern the open image, and stay when another one is opened."""
 
 
-class SessionSignals(QObject):
-    """The scene, the signals that views follow, and the reports for single features."""
+_COMPILING = tr("Preparing for the first run on this computer: {percent} %")
+
+_ENDED_BY: Mapping[type[Report], tuple[str, ...]] = {
+    Opened: ("seeding", "restoring"), RunsRestored: ("restoring",), RunFailed: ("restoring",),
+    SeedsFound: ("seeding",), WarmedUp: ("preparing",),
+}  # fmt: skip
+"""What is no longer being prepared once a report arrives."""
+
+_FIGURES_EVERY = 0.1
+"""Time between two updates of the numbers in the window [s]."""
+
+
+class Board(QObject):
+    """What is shown of a session: the scene and the state of the run, the signals that views follow, and reports.
+
+    Snapshots and reports of the worker are taken once in each display frame, checked, and passed on.
+    """
 
     scene_changed = Signal()
     """The scene has been replaced."""
@@ -40,8 +77,12 @@ class SessionSignals(QObject):
     attempted = Signal(str)
     """Something of this kind is attempted again: what was said about the last attempt no longer applies."""
 
-    def __init__(self, parent: QObject | None = None) -> None:
+    def __init__(self, worker_thread: WorkerThread, parent: QObject) -> None:
         super().__init__(parent)
+        self._worker_thread = worker_thread
+        self._busy: dict[str, str] = {}
+        self._shown_at = 0.0
+        self._known = RunStatus()
         self.scene = Scene()
         """The scene that is shown."""
         self.generation = 0
@@ -109,3 +150,118 @@ class SessionSignals(QObject):
         """Announce that something is attempted again; see `attempted`."""
         for topic in topics:
             self.attempted.emit(topic)
+
+    # The run
+
+    @property
+    def status(self) -> RunStatus:
+        """State of the run."""
+        return replace(self._known, busy=next(iter(self._busy.values()), ""))
+
+    def busy(self, what: str, text: str) -> None:
+        """Show `text` while something is being prepared."""
+        self._busy = {what: text} | {key: value for key, value in self._busy.items() if key != what}
+        self.show_status()
+
+    def phase(self, phase: Phase) -> None:
+        """The user has started or stopped the run."""
+        self._known = replace(self._known, phase=phase)
+        self.show_status()
+
+    def forget(self, method: str = "cpm") -> None:
+        """Clear what is shown of the previous run; `method` is the name of the next one's method."""
+        self._known = RunStatus(phase="ready", method=method)
+        self.trouble("", CONTOURS)
+        self._show(snapshot=None, reconstruction=None, contours=NO_CONTOURS, probed=None, compared=None)
+        self.show_status()
+
+    def look(self) -> None:
+        """Take what has arrived; drop what belongs to another run or image."""
+        for report in self._worker_thread.reports():
+            self._take_report(report)
+        snapshot = self._worker_thread.snapshots.take()
+        if snapshot is not None and snapshot.generation == self.generation:
+            self._take_snapshot(snapshot)
+        contours = self._worker_thread.reconstructor.results.take()
+        if contours is not None and contours.generation == self.generation:
+            self._take_contours(contours)
+        overlays = self._worker_thread.overlays.take()
+        if overlays is not None and overlays.generation == self.image_generation:
+            self.trouble(overlays.trouble, "overlays")
+            self._show(overlays=overlays.arrays)
+
+    def _take_contours(self, found: Reconstruction | ReconstructionFailed) -> None:
+        if isinstance(found, ReconstructionFailed):
+            trouble = found.sentence
+            if self.scene.contours.items:
+                last = tr("{trouble} The contours that are shown are those of an earlier step.")
+                trouble = last.format(trouble=trouble)
+            self.trouble(trouble, CONTOURS)
+            return
+        self.trouble("", CONTOURS)
+        self._known = replace(self._known, found=found.result)
+        reviewed = ReviewedContours.of(found.tracked, self.scene.document.marks)
+        self._show(reconstruction=found, contours=reviewed)
+        self.show_status()
+
+    def _show(self, **parts: Any) -> None:
+        """Replace parts of the scene."""
+        self.show(replace(self.scene, **parts))
+
+    def _take_snapshot(self, snapshot: Snapshot) -> None:
+        before, state, metrics = self._known.phase, snapshot.state, snapshot.metrics
+        held: Phase = "paused" if before == "finished" else before  # the run has gone back from its end
+        self._known = replace(
+            self._known,
+            method=snapshot.method,
+            phase="finished" if state.stop_reason else held,
+            step=state.step,
+            count=len(snapshot.position),
+            scale=state.scale,
+            epsilon=float(metrics.epsilon[-1]) if len(metrics.epsilon) else math.nan,
+            stop_reason=state.stop_reason,
+            converged=state.converged,
+            steering=state.steering,
+            steps_per_second=snapshot.steps_per_second,
+        )
+        self._show(snapshot=snapshot)
+        now = time.perf_counter()
+        if self._known.phase != "running" or before != "running" or now - self._shown_at >= _FIGURES_EVERY:
+            self._shown_at = now
+            self.show_status()
+
+    def _take_report(self, report: Report) -> None:
+        for what in _ENDED_BY.get(type(report), ()):
+            self._busy.pop(what, None)
+        match report:
+            case RunsRestored(generation, _, True) if generation == self.generation:
+                # the state that is shown may have been taken before this report
+                self._known = replace(self._known, phase="finished" if self._known.stop_reason else "paused")
+            case RunFailed(generation, sentence) if generation == self.generation:
+                self._known = replace(self._known, phase="paused" if self._known.count else "ready")
+                self.say(sentence, True, RUNNING)
+            case WentOn(generation) if generation == self.generation:
+                self._known = replace(self._known, phase="running")
+            case SeedsFound(generation, image_seeds, sentence):
+                if sentence:
+                    self.say(sentence, True, EDITING)
+                if generation == self.image_generation:
+                    self._show(image_seeds=image_seeds)
+            case Exported(path, counts):
+                written = tr("Written: {path}").format(path=path)
+                self.say(written if counts is None else f"{written} ({summary_text(counts)})", topic=EXPORTING)
+            case CommandFailed(sentence, topic):
+                self.say(sentence, True, topic)
+            case Compiling(percent) if "preparing" in self._busy:
+                self._busy["preparing"] = _COMPILING.format(percent=percent)
+            case Probed():
+                self.trouble(report.trouble, "forces")
+                self._show(probed=report)
+            case Compared(generation) if generation == self.generation:
+                self._show(compared=report)
+            case Shaded():
+                self._show(shaded=report)
+            case Finished(then):
+                then()
+        self.pass_on(report)
+        self.show_status()

@@ -35,7 +35,12 @@ def make_application() -> QApplication:
     locale = locale_of(language(), QLocale.system())
     QLocale.setDefault(locale)
     use_marks(locale.decimalPoint(), locale.groupSeparator())
-    _translate_own_dialogs_of_qt(application)
+    # Qt's dialogs for files and colors speak the language of the window, where Qt has it
+    translator = QTranslator(application)
+    if translator.load(
+        QLocale(language()), "qtbase", "_", QLibraryInfo.path(QLibraryInfo.LibraryPath.TranslationsPath)
+    ):
+        application.installTranslator(translator)
     pg.setConfigOptions(imageAxisOrder="row-major", antialias=False)
     QPixmapCache.setCacheLimit(PIXMAP_CACHE)
     sys.setswitchinterval(SWITCH_INTERVAL)
@@ -46,14 +51,6 @@ def locale_of(name: str, desktop: QLocale) -> QLocale:
     """How dates and numbers are written in a language: as the desktop writes them where it has the same language."""
     own = QLocale(name)
     return desktop if desktop.language() == own.language() else own
-
-
-def _translate_own_dialogs_of_qt(application: QApplication) -> None:
-    """Let Qt's dialogs for files and colors speak the language of the window, where Qt has it."""
-    translator = QTranslator(application)
-    folder = QLibraryInfo.path(QLibraryInfo.LibraryPath.TranslationsPath)
-    if translator.load(QLocale(language()), "qtbase", "_", folder):
-        application.installTranslator(translator)
 
 
 def run(path: str | None = None) -> int:

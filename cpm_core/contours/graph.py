@@ -31,7 +31,10 @@ class Graph:
 
     def __init__(self, points: Array, edges: Index) -> None:
         self.points = points
-        one, other = _distinct(edges, len(points)).T
+        one, other = edges.astype(np.int64).reshape(-1, 2).T
+        count = max(len(points), 1)
+        key = np.unique(np.concatenate([one * count + other, other * count + one]))
+        one, other = np.divmod(key, count)  # every edge once in both directions, sorted
         first = np.searchsorted(one, np.arange(len(points)))
         slot = np.arange(len(one)) - first[one]
         self._near = np.full((len(points), int(slot.max(initial=2)) + 1), -1, np.int64)
@@ -171,8 +174,11 @@ class Graph:
             edges, way = self.ways().edges()
             self.unlink(edges[gone[way]])
 
-    def merge_junctions(self, longest: float) -> None:
-        """Merge junctions that are joined by a path up to a length of `longest` [px]."""
+    def merge_junctions(self, longest: float, weights: Array | None = None) -> None:
+        """Merge junctions that are joined by a path up to a length of `longest` [px].
+
+        They meet halfway, or with `weights`, shape (N,), at the one with the larger weight.
+        """
         ways = self.ways()
         self.points = self.points.copy()
         moved: set[int] = set()
@@ -185,8 +191,11 @@ class Graph:
             if not intact or min(map(self.degree, (kept, gone))) < 3 or self.length(path) > longest:
                 continue
             self.drop(path)
-            self.points[kept] = 0.5 * (self.points[kept] + self.points[gone])
-            moved.add(kept)
+            if weights is None:
+                self.points[kept] = 0.5 * (self.points[kept] + self.points[gone])
+                moved.add(kept)
+            elif weights[gone] > weights[kept]:
+                kept, gone = gone, kept
             for other in self.neighbors(gone):
                 self.unlink((gone, other))
                 if other != kept:
@@ -222,14 +231,6 @@ class Graph:
             before, behind = forks[way].tolist()
             found.append(Contour(self.points[ways.path(way)], bool(ways.closed[way]), junctions=(before, behind)))
         return tuple(sorted(found, key=lambda contour: -contour.length))
-
-
-def _distinct(edges: Index, count: int) -> Index:
-    """Every edge of a graph of `count` vertices once in both directions, sorted."""
-    one, other = edges.astype(np.int64).reshape(-1, 2).T
-    key = np.sort(np.concatenate([one * count + other, other * count + one]))
-    key = key[np.diff(key, prepend=-1) > 0]
-    return np.stack([key // max(count, 1), key % max(count, 1)], axis=1)
 
 
 @dataclass(frozen=True, eq=False)

@@ -159,28 +159,21 @@ def _cut(lines: list[PolygonalLine], place: Position) -> tuple[list[PolygonalLin
 def _without(lines: list[PolygonalLine], path: Array, reach: float) -> tuple[list[PolygonalLine], bool]:
     """The lines without what follows a path within reach from its first place to its last."""
     box = np.stack([path.min(axis=0) - reach, path.max(axis=0) + reach])
-    pieces: list[tuple[PolygonalLine, PolygonalLine, bool]] = []
-    for line in lines:
-        if (line.box[1] < box[0]).any() or (line.box[0] > box[1]).any():
-            pieces.append((line, line, False))
-            continue
-        ends = [along for along, away in (line.nearest(path[0]), line.nearest(path[-1])) if away <= reach]
-        pieces += [(line, piece, piece.follows(path, reach)) for piece in line.parts(ends)]
-    found = [piece for _, piece, gone in pieces if gone]
-    if reach > _CLOSEST[0]:  # the contour has moved: others may lie as near
-        longest = max(found, key=lambda piece: piece.length, default=None)
-        least = _LEAST_SHARE * polyline.length(path)
-        found = [longest] if longest is not None and longest.length >= least else []
-    if not found:
-        return lines, False
-    touched = {id(line) for line, piece, _ in pieces if any(piece is one for one in found)}
-    rest: dict[int, PolygonalLine] = {}
-    for line, piece, _ in pieces:
-        if id(line) not in touched:
-            rest[id(line)] = line
-        elif not any(piece is one for one in found):
-            rest[id(piece)] = piece
-    return list(rest.values()), True
+    pieces: dict[int, list[PolygonalLine]] = {}
+    for number, line in enumerate(lines):
+        if (line.box[1] >= box[0]).all() and (line.box[0] <= box[1]).all():
+            near = (line.nearest(path[0]), line.nearest(path[-1]))
+            pieces[number] = line.parts(along for along, away in near if away <= reach)
+    found = [(n, k) for n, some in pieces.items() for k, piece in enumerate(some) if piece.follows(path, reach)]
+    if found and reach > _CLOSEST[0]:  # the contour has moved: others may lie as near
+        longest = max(found, key=lambda one: pieces[one[0]][one[1]].length)
+        enough = pieces[longest[0]][longest[1]].length >= _LEAST_SHARE * polyline.length(path)
+        found = [longest] if enough else []
+    touched = {n for n, _ in found}
+    for n in touched:
+        pieces[n] = [piece for k, piece in enumerate(pieces[n]) if (n, k) not in found]
+    rest = [piece for n, line in enumerate(lines) for piece in (pieces[n] if n in touched else [line])]
+    return rest, bool(found)
 
 
 # Adding
@@ -230,10 +223,9 @@ def _beside(line: PolygonalLine, outline: PolygonalLine) -> list[PolygonalLine]:
         return [line]
     count = max(1, int(np.ceil(line.length / _FINE)))
     near = polyline.distances(outline.path, polyline.middles(line.path, count)) <= _ALONG
-    bounds = np.concatenate([[0], np.flatnonzero(np.diff(near)) + 1, [count]]) * (line.length / count)
-    covered = near[(0.5 * (bounds[1:] + bounds[:-1]) * count / line.length).astype(int)]
-    stretches = [(a, b) for (a, b), along in zip(pairwise(bounds.tolist()), covered, strict=True) if along]
-    cuts = [end for a, b in stretches if b - a >= _SHORTEST for end in (a, b)]
+    step, bounds = line.length / count, [0, *(np.flatnonzero(np.diff(near)) + 1).tolist(), count]
+    stretches = [(a, b) for a, b in pairwise(bounds) if near[a] and (b - a) * step >= _SHORTEST]
+    cuts = [end * step for stretch in stretches for end in stretch]
     if not cuts:
         return [line]
     return [
@@ -260,20 +252,16 @@ def _tie(lines: list[PolygonalLine], piece: Array, behind: Path) -> _Tie | None:
         near = [last for last in (False, True) if away[last] <= REACH]
         if near:
             at_last = min(near, key=lambda last: abs((line.length if last else 0.0) - back))
-            found.append((off + aside, _Tie(index, at_last, _overlap(line, at_last, place))))
+            room = min(2.0 * REACH, 0.5 * line.length)
+            begin = line.length - room if at_last else 0.0
+            overlap = line.part(begin, begin + room).nearest(place)[0]  # it may reach beyond the end of the contour
+            found.append((off + aside, _Tie(index, at_last, begin + overlap)))
         elif aside <= REACH and line.part(*sorted((along, line.length if along > back else 0.0))).follows(piece, REACH):
             found.append((off + aside, _Tie(index, along > back, along)))
         elif min(away) <= _FARTHER:
             last = away[1] < away[0]
             found.append((off + min(away), _Tie(index, last, line.length if last else 0.0)))
     return min(found)[1] if found else None
-
-
-def _overlap(line: PolygonalLine, at_last: bool, place: Position) -> float:
-    """Length along a line up to its place nearest to another one, near one of its ends."""
-    room = min(2.0 * REACH, 0.5 * line.length)
-    begin = line.length - room if at_last else 0.0
-    return begin + line.part(begin, begin + room).nearest(place)[0]
 
 
 def _holds(line: PolygonalLine, piece: PolygonalLine, edit: HandEdit) -> bool:

@@ -131,13 +131,10 @@ def volume_table(labels: NDArray[np.integer], gray: Array | None, spacing: Seque
     columns: dict[str, Column] = {"label": numbers, "volume": counts * float(np.prod(sides))}
     columns["equivalent_diameter"] = np.cbrt(6.0 * columns["volume"] / np.pi)
     centers = np.array(scipy.ndimage.center_of_mass(labels > 0, labels, numbers)).reshape(-1, 3)
-    found = scipy.ndimage.find_objects(labels)
-    ends = np.array([[[part.start, part.stop - 1] for part in parts] for parts in found if parts is not None])
-    for axis in range(3):
-        columns[f"centroid-{axis}"] = centers[:, axis] * sides[axis]
-    for end in range(2):
-        for axis in range(3):
-            columns[f"box-{3 * end + axis}"] = ends.reshape(-1, 3, 2)[:, axis, end] * sides[axis]
+    parts = [part for part in scipy.ndimage.find_objects(labels) if part is not None]
+    ends = [[side.start for side in part] + [side.stop - 1 for side in part] for part in parts]
+    columns |= {f"centroid-{axis}": column for axis, column in enumerate((centers * sides).T)}
+    columns |= {f"box-{k}": column for k, column in enumerate((np.reshape(ends, (-1, 6)) * np.tile(sides, 2)).T)}
     units = {"volume": f"{unit or 'px'}³", "equivalent_diameter": unit or "px"}
     return Table({**columns, **_gray_columns(numbers, labels, gray)}, _units(columns, unit or "px", "³") | units)
 
@@ -162,12 +159,8 @@ def _row(label: int, outlines: Sequence[Contour], holes: Sequence[Contour], side
         "area_filled": whole,
         "area_convex": hull,
         "perimeter": outer + sum(polyline.length(path) for path in cuts),
-        "centroid-0": center[0],
-        "centroid-1": center[1],
-        "box-0": low[0],
-        "box-1": low[1],
-        "box-2": high[0],
-        "box-3": high[1],
+        **{f"centroid-{axis}": place for axis, place in enumerate(center)},
+        **{f"box-{k}": end for k, end in enumerate((*low, *high))},
         **_ellipse(net, center),
         "equivalent_diameter_area": float(np.sqrt(4.0 * area / np.pi)),
         "solidity": area / hull if hull > 0.0 else np.nan,

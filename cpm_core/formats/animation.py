@@ -60,7 +60,7 @@ def write_animation(
     progress : callable, optional
         Called with the number of frames taken.
     cancelled : callable, optional
-        Called before each frame; True stops the writing.
+        Called with each frame; True stops the writing.
     comment : str
         Text in ASCII that the file carries.
 
@@ -89,14 +89,10 @@ def write_animation(
         )
 
     def checked() -> Iterator[Pixels]:
-        shape: tuple[int, ...] | None = None
-        rest, count = iter(frames), 0
-        while True:
+        shape: tuple[int, ...] = ()
+        for count, frame in enumerate(frames, start=1):
             if cancelled is not None and cancelled():
                 raise _CancelledError
-            frame = next(rest, None)
-            if frame is None:
-                return
             shape = shape or (*frame.shape[:2], 3)
             if frame.dtype != np.uint8 or frame.shape != shape:
                 raise ValueError(
@@ -104,7 +100,6 @@ def write_animation(
                     "(rows, columns, 3): keep the size of the view while it is recorded."
                 )
             yield frame
-            count += 1
             if progress is not None:
                 progress(count)
 

@@ -151,25 +151,19 @@ def labels_like(file: Path, volume: Image) -> Array:
 
 def _turned_as(labels: Image, volume: Image) -> Array:
     """The values of labels in the order of the axes of a volume; ValueError when they lie elsewhere in space."""
+    from nibabel.orientations import apply_orientation, inv_ornt_aff, io_orientation
+
     if labels.geometry is None or volume.geometry is None:
         return labels.values
-    one, unit = (1.0, 1.0, 1.0), labels.unit == volume.unit
-    there, here = (np.array(image.geometry.affine(one, "LPS")) for image in (labels, volume) if image.geometry)
-    turn = np.linalg.solve(there[:3, :3], here[:3, :3])  # from steps in the volume to those in the labels
-    axes = np.abs(turn).argmax(axis=0)  # the axis of the labels that runs along each of the volume
-    lies = np.abs(turn - np.rint(turn)).max() * max(volume.shape) <= _ASIDE
-    sides = np.array(labels.spacing)[axes]
-    if lies and unit and np.allclose(sides, volume.spacing, rtol=1e-3):  # else the sides were set by hand
-        middles = (
-            image.geometry.affine(image.spacing, "LPS") @ [*(0.5 * (np.array(image.shape) - 1.0)), 1.0]
-            for image in (labels, volume)
-            if image.geometry
-        )
-        lies = bool(np.linalg.norm(np.subtract(*middles)) <= _ASIDE * max(volume.spacing))
-    if not lies:
+    measured = labels.unit == volume.unit and np.allclose(sorted(labels.spacing), sorted(volume.spacing), rtol=1e-3)
+    sides = (labels.spacing, volume.spacing) if measured else 2 * ((1.0, 1.0, 1.0),)  # else they were set by hand
+    there, here = labels.geometry.affine(sides[0], "LPS"), volume.geometry.affine(sides[1], "LPS")
+    to_volume = np.linalg.solve(here, there)
+    turn = io_orientation(to_volume)
+    aside = np.abs(to_volume @ inv_ornt_aff(turn, labels.shape) - np.eye(4))[:3]
+    if (aside @ [*volume.shape, 1.0 if measured else 0.0]).max() > _ASIDE:
         raise ValueError(
             f"{labels.source} lies elsewhere in space than {volume.source}: choose the labels of this very volume, or "
             "save them without a place, as .npy or .tif."
         )
-    backward = tuple(slice(None, None, -1) if turn[axes[axis], axis] < 0.0 else slice(None) for axis in range(3))
-    return np.ascontiguousarray(labels.values.transpose(axes)[backward])
+    return np.ascontiguousarray(apply_orientation(labels.values, turn))

@@ -78,14 +78,9 @@ _FIGURES = {
 }
 _LABELS = "insides of closed contours as a label mask"
 _LINES = "branches as lines of a label mask"
-_TIFF = partial(
-    Format,
-    encode=labels.encode_tiff,
-    contours=f"{_LABELS} of 16 or 32 bits, with the size of a pixel",
-    branches=f"{_LINES} of 16 or 32 bits, with the size of a pixel",
-    volume="the objects inside a surface as a label volume",
-    options=("outlines",),
-)
+_SIZED = "of 16 or 32 bits, with the size of a pixel"
+_MASK = partial(Format, volume="the objects inside a surface as a label volume", options=("outlines",))
+_MESH = partial(Format, options=("space",))
 
 FORMATS: tuple[Format, ...] = (
     Format(".svg", svg.encode, "contours as a vector drawing", "branches as a vector drawing, with their thickness"),
@@ -117,34 +112,22 @@ FORMATS: tuple[Format, ...] = (
     Format(".roi", imagej.encode, "the only contour as a selection of ImageJ and Fiji"),
     Format(".labelme.json", labelme.encode, "contours as shapes for labelme", "branches as shapes for labelme"),
     Format(".coco.json", coco.encode, "closed contours as COCO instances"),
-    _TIFF(".tif"),
-    _TIFF(".tiff", branches=""),
-    Format(
-        ".nii",
-        nifti.encode,
-        f"{_LABELS} of one slice",
-        volume="the objects inside a surface as a label volume",
-        options=("outlines",),
-    ),
-    Format(
-        ".nii.gz",
-        nifti.encode_packed,
-        "the same, compressed",
-        volume="the objects inside a surface as a label volume",
-        options=("outlines",),
-    ),
+    _MASK(".tif", labels.encode_tiff, f"{_LABELS} {_SIZED}", f"{_LINES} {_SIZED}"),
+    _MASK(".tiff", labels.encode_tiff, f"{_LABELS} {_SIZED}"),
+    _MASK(".nii", nifti.encode, f"{_LABELS} of one slice"),
+    _MASK(".nii.gz", nifti.encode_packed, "the same, compressed"),
     Format(".dxf", dxf.encode, "contours as polylines for CAD", "branches as polylines for CAD"),
     Format(".png", labels.encode_png, _LABELS, _LINES, options=("outlines",)),
     *(
         Format(f".figure{suffix}", partial(figure.encoded, suffix), text.format("contours"), text.format("branches"))
         for suffix, text in _FIGURES.items()
     ),
-    Format(".ply", ply.encode, volume="the surface of a volume with its normals", options=("space",)),
-    Format(".stl", stl.encode, volume="the triangles of the surface of a volume, for printing", options=("space",)),
-    Format(".obj", obj.encode, volume="the surface of a volume as text", options=("space",)),
-    Format(".vtk", vtk.encode, volume="the surface of a volume as poly data", options=("space",)),
+    _MESH(".ply", ply.encode, volume="the surface of a volume with its normals"),
+    _MESH(".stl", stl.encode, volume="the triangles of the surface of a volume, for printing"),
+    _MESH(".obj", obj.encode, volume="the surface of a volume as text"),
+    _MESH(".vtk", vtk.encode, volume="the surface of a volume as poly data"),
     Format(".points.csv", points_csv.encode, volume="the particles of a run in a volume, as a table"),
-    Format(".swc", swc.encode, lines="center lines in a volume as a tree of points with radii", options=("space",)),
+    _MESH(".swc", swc.encode, lines="center lines in a volume as a tree of points with radii"),
 )
 
 _SUFFIXES = tuple(one.suffix for one in FORMATS)

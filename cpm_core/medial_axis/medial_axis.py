@@ -176,7 +176,7 @@ def prune(axis: Axis, pruning: float) -> Axis:
 
     graph = Graph(axis.points, without_tips(axis, is_covered, frozenset(roots.tolist())))
     graph.drop_spurs(_SHORTEST)
-    _merge_junctions(graph, axis.radius)
+    graph.merge_junctions(_SHORTEST, axis.radius)
     edges = graph.edges()
     return axis.only(edges, roots[~np.isin(np.arange(count), part[edges[:, 0]])])
 
@@ -220,22 +220,3 @@ def without_tips(axis: Axis, leaves: Callable[[int, int], bool], kept: frozenset
             if len(links[following]) == 1 and following not in kept:
                 tips.append(following)
     return np.array([(v, w) for v, near in enumerate(links) for w in near if v < w], np.int64).reshape(-1, 2)
-
-
-def _merge_junctions(graph: Graph, radius: Array) -> None:
-    """Merge junctions less than a pixel apart into the one with the larger disk."""
-    walks = graph.ways()
-    short = np.flatnonzero(~walks.closed & (walks.lengths < _SHORTEST))
-    moved: dict[int, int] = {}
-    for n in short[np.argsort(walks.lengths[short], kind="stable")].tolist():
-        way = walks.path(n)
-        ends = [moved.get(v, v) for v in way[[0, -1]].tolist()]
-        path = np.array([ends[0], *way[1:-1], ends[1]])
-        if ends[0] == ends[1] or min(map(graph.degree, ends)) < 3 or graph.length(path) >= _SHORTEST:
-            continue
-        kept, lost = sorted(ends, key=lambda v: -radius[v])
-        graph.drop(path)
-        for v in graph.neighbors(lost):
-            graph.unlink((lost, v))
-            graph.link(kept, v)
-        moved = {a: kept if b == lost else b for a, b in moved.items()} | {lost: kept}

@@ -42,14 +42,10 @@ def outlines_of(within: Sequence[Contour] | ArrayLike, shape: tuple[int, ...]) -
     if isinstance(within, Sequence) and all(isinstance(one, Contour) for one in within):
         found = tuple(one for one in within if isinstance(one, Contour) and one.closed and len(one.points) > 2)
     else:
-        mask = np.asarray(within)
-        if mask.shape != tuple(shape):
-            raise ValueError(
-                f"the mask has shape {mask.shape} but the image {tuple(shape)}: give one value for every pixel."
-            )
+        mask = mask_of(within, shape)
         from skimage.measure import find_contours  # noqa: PLC0415 - takes long to load
 
-        padded = np.pad(mask.astype(bool).astype(float), 1)
+        padded = np.pad(mask.astype(float), 1)
         found = tuple(Contour(line[:-1] - 1.0, closed=True) for line in find_contours(padded, 0.5))  # type: ignore[no-untyped-call]
     if not found:
         raise ValueError("there is no closed outline to find the skeleton of: choose an object or a closed contour.")
@@ -57,12 +53,12 @@ def outlines_of(within: Sequence[Contour] | ArrayLike, shape: tuple[int, ...]) -
 
 
 def mask_of(within: Sequence[Contour] | ArrayLike, shape: tuple[int, ...]) -> Mask:
-    """A given mask of a volume; ValueError when its shape is not that of the volume."""
+    """A given mask of an image or a volume; ValueError when its shape is not the same."""
     if isinstance(within, Sequence) and any(isinstance(one, Contour) for one in within):
         raise ValueError("within holds contours, which lie in a plane: give a mask in a volume.")
     mask = real_numbers(cast("ArrayLike", within)) != 0.0
     if mask.shape != shape:
-        raise ValueError(f"within has the shape {mask.shape}, but the volume {shape}: give a mask of that shape.")
+        raise ValueError(f"within has the shape {mask.shape}, but the image {shape}: give a mask of that shape.")
     return np.asarray(mask)
 
 

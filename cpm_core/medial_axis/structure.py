@@ -257,10 +257,9 @@ def own_width(found: Axis, boundary: Boundary) -> float:
     """Width that nearly all of some strips stay well below [px]; 0 without any."""
     if not len(found.edges):
         return 0.0
-    across, weights = 2.0 * found.radius[found.edges].mean(axis=1), _weights(found, boundary)
-    order = np.argsort(across)
-    reached = np.cumsum(weights[order])
-    return _ROOM * float(across[order][np.searchsorted(reached, _NEARLY_ALL * reached[-1])])
+    across = 2.0 * found.radius[found.edges].mean(axis=1)
+    weights = _weights(found, boundary)
+    return _ROOM * float(np.quantile(across, _NEARLY_ALL, weights=weights, method="inverted_cdf"))
 
 
 def _weights(found: Axis, boundary: Boundary) -> Array:

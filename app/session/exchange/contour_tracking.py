@@ -34,21 +34,18 @@ class TrackedContours:
 
 
 class ContourTracker:
-    """Recognizes the contours of one reconstruction after the other by where they pass."""
+    """Recognizes the contours of one reconstruction after the other, and numbers those of an image, by where they pass.
 
-    def __init__(self) -> None:
+    A number is never given to another contour. While particles move, contours come and go: those that are new have
+    numbers only until the next reconstruction. The numbers of the last one of a run stay, also those of contours that a
+    filter leaves out and later shows again.
+    """
+
+    def __init__(self, places: Mapping[int, Position] | None = None) -> None:
         self._fresh = itertools.count()
         self._seen: list[tuple[int, Position]] = []
-        self._numbers = ContourNumbers()
-
-    def begin(self, places: Mapping[int, Position] | None = None) -> None:
-        """Another image has been opened: its contours are numbered from one again, or as in `places`."""
-        self._numbers = ContourNumbers(places)
-
-    @property
-    def places(self) -> Mapping[int, Position]:
-        """A place of each numbered contour; never changed once returned."""
-        return self._numbers.places
+        self.places: Mapping[int, Position] = places or {}
+        """A place of each numbered contour; never changed, but replaced."""
 
     def track(self, result: Result, thorough: bool) -> TrackedContours:
         """Number and measure the contours of a reconstruction.
@@ -58,57 +55,36 @@ class ContourTracker:
         """
         if len(result.shape) == 3:
             return TrackedContours(result, (), ())
-        numbers = self._numbers.of(result.contours, settled=thorough)
+        numbers = self.numbers(result.contours, lasting=thorough)
         contours = tuple(replace(one, number=number) for one, number in zip(result.contours, numbers, strict=True))
-        places = [place for _, place in self._seen]
-        known = {
-            index: key
-            for (key, _), index in zip(self._seen, attached(contours, places), strict=True)
-            if index is not None
-        }
+        found = attached(contours, [place for _, place in self._seen])
+        known = {index: key for (key, _), index in zip(self._seen, found, strict=True) if index is not None}
         keys = tuple(known[index] if index in known else next(self._fresh) for index in range(len(contours)))
         self._seen = list(zip(keys, map(middle, contours), strict=True))
         measures = measure(contours, result.spacing, contrast=thorough)
         return TrackedContours(replace(result, contours=contours) if contours else result, keys, measures)
 
-
-class ContourNumbers:
-    """The numbers of the contours of an image, by where they pass; a number is never given to another contour.
-
-    While particles move, contours come and go: those that are new have numbers only until the next reconstruction. The
-    numbers of a settled one stay, also those of contours that a filter leaves out and later shows again.
-    """
-
-    def __init__(self, places: Mapping[int, Position] | None = None) -> None:
-        self.places: Mapping[int, Position] = places or {}
-
-    def of(self, contours: Sequence[Contour], *, settled: bool) -> tuple[int, ...]:
-        """Number of each contour."""
-        known = self._found_again(contours)
-        fresh = itertools.count(max(self.places, default=0) + 1)
-        numbers = tuple(known[index] if index in known else next(fresh) for index in range(len(contours)))
-        if settled:
-            self.places = {**self.places, **dict(zip(numbers, map(middle, contours), strict=True))}
-        return numbers
-
-    def _found_again(self, contours: Sequence[Contour]) -> dict[int, int]:
-        """Numbers by index of the contours that pass where one did before.
+    def numbers(self, contours: Sequence[Contour], *, lasting: bool) -> tuple[int, ...]:
+        """Number of each contour: that of the one that passed there before, or a new one.
 
         Of several numbers at one contour the oldest wins, so that contours which a filter has cut apart have their
         number again when they are whole again; distances below one pixel are alike.
         """
-        if not contours or not self.places:
-            return {}
-        numbers = list(self.places)
-        near = neighborhood(contours).pairs(np.array(list(self.places.values())), REACH)
-        pairs = sorted(
-            (int(away), numbers[place], -contours[index].length, index)
-            for place, index, away in zip(*(of_pair.tolist() for of_pair in near), strict=True)
-        )
         found: dict[int, int] = {}
         given: set[int] = set()
-        for _, number, _, index in pairs:
-            if index not in found and number not in given:
-                found[index] = number
-                given.add(number)
-        return found
+        if contours and self.places:
+            known = list(self.places)
+            near = neighborhood(contours).pairs(np.array(list(self.places.values())), REACH)
+            pairs = sorted(
+                (int(away), known[place], -contours[index].length, index)
+                for place, index, away in zip(*(of_pair.tolist() for of_pair in near), strict=True)
+            )
+            for _, number, _, index in pairs:
+                if index not in found and number not in given:
+                    found[index] = number
+                    given.add(number)
+        fresh = itertools.count(max(self.places, default=0) + 1)
+        numbers = tuple(found[index] if index in found else next(fresh) for index in range(len(contours)))
+        if lasting:
+            self.places = {**self.places, **dict(zip(numbers, map(middle, contours), strict=True))}
+        return numbers

@@ -17,7 +17,7 @@ from app.model.text.language import from_core, tr
 from app.session.exchange.messages import sentence
 from app.session.features.truth_comparison import GroundTruth
 from app.session.session import Session
-from app.session.tasks.tasks import Task
+from app.session.tasks.tasks import Cancelled, Task
 from cpm_core import CONTOUR_METHODS, Engine, Facts, Image, Result, Start, Truth, compare, facts_of, moments
 from cpm_core.contours import apply, with_kept
 from cpm_core.formats import comparison
@@ -127,7 +127,7 @@ class Comparison(QObject):
         """Run tiles; seeds, and an engine for each number of scales, serve all of them."""
         seed_cache, engines, lock, done = SeedCache(image), dict[int, Engine](), threading.Lock(), 0
 
-        def of_parameters(tile: Tile) -> tuple[Result, Facts] | None:
+        def of_parameters(tile: Tile) -> tuple[Result, Facts]:
             parameters, began = tile.settings, time.perf_counter()
             with lock:
                 image_seeds = seed_cache.seeds_for(
@@ -138,8 +138,7 @@ class Comparison(QObject):
                 engine = engines[parameters.scales]
             state = engine.start(document.seeds(image_seeds))
             while not state.stop_reason:
-                if task.cancelled:
-                    return None
+                task.check_cancelled()
                 state = engine.step(state, parameters, document.charges)
             result = apply(with_kept(engine.result(state, parameters), document.marks), document.marks)
             contours = result.contours
@@ -148,30 +147,26 @@ class Comparison(QObject):
                 sum(contour.closed for contour in contours),
             )  # fmt: skip
 
-        def of_method(tile: Tile) -> tuple[Result, Facts] | None:
+        def of_method(tile: Tile) -> tuple[Result, Facts]:
             method, start, channel = CONTOUR_METHODS[tile.method], self._start_of(document), document.parameters.channel
             plain = method.of_particles or image.colors is None or channel == "luminance"
             taken = image if plain else Image(image.gray(channel), source=image.source)
-            last = None
             for moment in moments(method, taken, start, tile.settings):
+                task.check_cancelled()
                 last = moment
-                if task.cancelled:
-                    break
-            if last is None or task.cancelled:
-                return None
             facts = facts_of(last)
             return result_of(facts, last.state.contours, taken, start, tile.settings), facts
 
         def work(tile: Tile) -> None:
             nonlocal done
-            if task.cancelled:
-                return
-            self.began.emit(tile)
             try:
-                found = (of_method if tile.method else of_parameters)(tile)
-                if found is None or task.cancelled:
-                    return
-                ended = Done(tile, found[0], self._measured(*found))
+                task.check_cancelled()
+                self.began.emit(tile)
+                result, facts = (of_method if tile.method else of_parameters)(tile)
+                task.check_cancelled()
+                ended = Done(tile, result, self._measured(result, facts))
+            except Cancelled:
+                return
             except Exception as error:  # an error is shown in its tile, and the others go on
                 ended = Done(tile, trouble=sentence(error, tr("running a tile")))
             self.finished.emit(ended)

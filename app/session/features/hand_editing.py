@@ -8,12 +8,11 @@ import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from app.model.document.contours import NAMES, add_hand_edits, drop_hand_edits
-from app.model.document.document import Document
 from app.model.text.language import tr
 from app.session.features.contour_review import ContourReview
 from app.session.scene import Item, ReviewedContours
 from app.session.session import Session
-from app.session.worker.requests import EDGES, EdgesFound, FindEdges
+from app.session.worker.requests import EDGES, find_edges
 from cpm_core import Contour
 from cpm_core.contours import HandEdit, Path
 from cpm_core.field import ScaleField
@@ -49,10 +48,10 @@ class HandEditing(QObject):
         self._review = review
         self._contours: ReviewedContours | None = None
         self._ends: tuple[list[Contour], Array] | None = None
+        """The open contours, and the places of both ends of each, in turn, shape (2 N, 2) [px]."""
         self._edges: ScaleField | None = None
         self._asked: tuple[object, ...] = ()
-        self._told: tuple[int, ...] = ()
-        session.listen(EdgesFound, self._take_edges)
+        self._reported: tuple[int, ...] = ()
         session.image_changed.connect(self._forget)
         session.scene_changed.connect(self._follow)
 
@@ -70,14 +69,22 @@ class HandEditing(QObject):
         if document.image is not None and wanted != self._asked:
             self._asked = wanted
             self._session.attempt(EDGES)
-            self._session.post(FindEdges(generation, document.parameters))
+
+            def use(edges: ScaleField) -> None:
+                if generation == self._session.image_generation:
+                    self._edges = edges
+
+            self._session.post(find_edges(generation, document.parameters, use))
 
     def contact(self, at: Position, reach: float) -> Contact | None:
         """The end of a contour within reach of a place [px], or else the nearest place on a contour; None without one.
 
         Of several ends at a junction it is that of the contour nearest to the place.
         """
-        contours, places = self._all_ends()
+        if self._ends is None:  # only when the pointer asks: contours change many times a second during a run
+            contours = [item.contour for item in self._review.items if not item.contour.closed]
+            self._ends = contours, np.array([contour.points[[0, -1]] for contour in contours]).reshape(-1, 2)
+        contours, places = self._ends
         away = np.linalg.norm(places - at, axis=1)
         near = [Contact.ends(contours[index // 2])[index % 2] for index in np.flatnonzero(away <= reach).tolist()]
         near = [end for end in near if self._item(end) is not None]
@@ -177,35 +184,17 @@ class HandEditing(QObject):
     def drop(self, indices: Collection[int] | None = None) -> None:
         """Remove edits by their indices, by default all."""
         gone = range(len(self._session.document.hand_edits)) if indices is None else tuple(indices)
-
-        def without(document: Document) -> Document:
-            return drop_hand_edits(document, gone)
-
-        self._session.edit(tr("remove edits by hand"), without)
+        self._session.edit(tr("remove edits by hand"), lambda document: drop_hand_edits(document, gone))
 
     # Internal
-
-    def _all_ends(self) -> tuple[list[Contour], Array]:
-        """The open contours, and the places of both ends of each, in turn, shape (2 N, 2) [px].
-
-        They are looked for only when the pointer asks: contours change many times a second during a run.
-        """
-        if self._ends is None:
-            contours = [item.contour for item in self._review.items if not item.contour.closed]
-            self._ends = contours, np.array([contour.points[[0, -1]] for contour in contours]).reshape(-1, 2)
-        return self._ends
 
     def _item(self, contact: Contact) -> Item | None:
         """The contour of a place, if it can be seen and has not been replaced."""
         seen = (item for item in self._review.items if self._review.rejected_seen or not item.reviewed.rejected)
         return next((item for item in seen if item.contour is contact.line.source), None)
 
-    def _take_edges(self, report: EdgesFound) -> None:
-        if report.image_generation == self._session.image_generation:
-            self._edges = report.scale_field
-
     def _forget(self) -> None:
-        self._edges, self._asked, self._told = None, (), ()
+        self._edges, self._asked, self._reported = None, (), ()
         self.mark(())
 
     def _follow(self) -> None:
@@ -217,15 +206,15 @@ class HandEditing(QObject):
         if self.marked:
             still = {id(item.contour) for item in contours.items}
             self.mark([mark for mark in self.marked if id(mark.line.source) in still])
-        self._tell_missed()
+        self._report_missed()
 
-    def _tell_missed(self) -> None:
+    def _report_missed(self) -> None:
         """Say once that edits have not found their contours after a run."""
         missed, found = self.missed, self._session.scene.reconstruction
-        if missed == self._told or found is None or (missed and not getattr(found.result, "steps", 0)):
+        if missed == self._reported or found is None or (missed and not getattr(found.result, "steps", 0)):
             return
-        new = [index for index in missed if index not in self._told]
-        self._told = missed
+        new = [index for index in missed if index not in self._reported]
+        self._reported = missed
         if new:
             self._session.say(_NOT_FOUND.format(count=len(missed), all=len(self._session.document.hand_edits)))
 

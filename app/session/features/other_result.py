@@ -15,9 +15,8 @@ from app.session.scene import NO_CONTOURS, ReviewedContours, Scene
 from app.session.session import Session
 from app.session.timeline.stored_runs import Branch
 from app.session.timeline.timeline import Outline
-from app.session.worker.requests import Compare, Compared
-from app.session.worker.run import RESTING_SPEED
-from cpm_core import Contour, Image, Result, Skeleton, Truth, VolumeTruth, measure
+from app.session.worker.requests import Compared, compare
+from cpm_core import Contour, Image, Result, Truth, VolumeTruth, measure
 
 NOTHING = Outline()
 
@@ -68,7 +67,7 @@ class OtherResult(QObject):
         self._later = QTimer(self, singleShot=True)
         self._later.timeout.connect(self._ask)
         self._quiet = QTimer(self, singleShot=True, interval=_QUIET)
-        self._quiet.timeout.connect(self._compare_contours)
+        self._quiet.timeout.connect(lambda: self._ask(thorough=True))
         session.scene_changed.connect(self._follow)
         session.image_changed.connect(self._forget)
 
@@ -159,26 +158,15 @@ class OtherResult(QObject):
             return replace(bare, reconstruction=Reconstruction(0, result, None))
         if kind == "truth" and isinstance(scene.truth, Truth):
             return replace(bare, contours=self._contours(scene, scene.truth, scene.truth.contours, with_marks=False))
-        if kind == "branch" and scene.compared is not None and scene.compared.state is not None:
-            return self._branch(bare, scene, scene.compared)
-        return bare
-
-    def _branch(self, bare: Scene, scene: Scene, compared: Compared) -> Scene:
-        """The branch at the same step."""
-        state, shown = compared.state, scene.snapshot
-        snapshot = None
-        if shown is not None and state is not None and compared.position is not None:
-            speed = np.linalg.norm(state.particles.velocity, axis=1) * 2.0**state.scale
-            snapshot = replace(shown, state=state, position=compared.position, resting=speed < RESTING_SPEED)
-        contours, reconstruction = NO_CONTOURS, None
-        if isinstance(compared.result, Skeleton) or getattr(compared.result, "surface", None) is not None:
-            assert compared.result is not None
-            reconstruction = Reconstruction(scene.snapshot.generation if scene.snapshot else 0, compared.result, None)
-        elif compared.result is not None:
+        compared = scene.compared
+        if kind != "branch" or compared is None:
+            return bare
+        bare = replace(bare, document=scene.document, snapshot=compared.snapshot)
+        if isinstance(compared.result, Result) and compared.result.surface is None:
             contours = self._contours(scene, compared.result, compared.result.contours, with_marks=True)
-        return replace(
-            bare, document=scene.document, snapshot=snapshot, reconstruction=reconstruction, contours=contours
-        )
+            return replace(bare, contours=contours)
+        found = None if compared.result is None else Reconstruction(compared.generation, compared.result, None)
+        return replace(bare, reconstruction=found)
 
     def _contours(
         self, scene: Scene, source: object, contours: tuple[Contour, ...], *, with_marks: bool
@@ -220,16 +208,14 @@ class OtherResult(QObject):
             if not self._later.isActive():
                 self._later.start(_SELDOM if self._session.status.phase == "running" else _EVERY)
 
-    def _compare_contours(self) -> None:
-        """Compare the contours, which takes longer, once nothing changes any more."""
-        contours = self._session.scene.contours.result
-        if self.branch is not None and contours is not None and self._session.status.phase != "running":
-            self._ask(contours)
-
-    def _ask(self, against: Result | None = None) -> None:
+    def _ask(self, thorough: bool = False) -> None:
+        """Ask for the branch, if `thorough` with its contours, which takes longer, once nothing changes any more."""
         snapshot = self._session.scene.snapshot
+        against = self._session.scene.contours.result if thorough else None
+        if thorough and (against is None or self.branch is None or self._session.status.phase == "running"):
+            return
         step = snapshot.state.step if snapshot is not None else 0
-        self._session.post(Compare(self._session.generation, self.branch, step, against))
+        self._session.post(compare(self._session.generation, self.branch, step, against))
 
     def _forget(self) -> None:
         """Another image has been opened."""

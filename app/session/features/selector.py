@@ -183,12 +183,12 @@ class Partitions(QObject):
 def parameters_everywhere(document: Document) -> Parameters:
     """Parameters of a run from everywhere: those of a partition, with what differs from the preset of the mode."""
     preset, chosen = PRESETS[MODES[document.mode].preset], document.parameters
-    moved = {
+    changed = {
         field.name: getattr(chosen, field.name)
         for field in fields(Parameters)
         if getattr(chosen, field.name) != getattr(preset, field.name)
     }
-    return replace(EVERYWHERE, **moved)
+    return replace(EVERYWHERE, **changed)
 
 
 def _ready(made: AnyPartition) -> AnyPartition:

@@ -64,6 +64,7 @@ class Sections:
         cut = part(objects_in, scene.document.objects, here)
         document, places = part(_document, scene.document, here, volume, cut)
         near = part(_near, scene.snapshot, here, volume, reach)
+        reconstruction, contours = part(_result, scene.reconstruction, here)
         seeds = scene.image_seeds
         return Scene(
             image,
@@ -73,8 +74,8 @@ class Sections:
             places.get(scene.selected),
             self._parts.named("seeds", lambda: _seeds(seeds, here, volume, reach), seeds, here, reach),
             snapshot=part(_snapshot, scene.snapshot, near, here),
-            reconstruction=part(_skeleton, scene.reconstruction, here),
-            contours=part(_contours, scene.reconstruction, here),
+            reconstruction=reconstruction,
+            contours=contours,
             overlays=self._overlays(scene, here, image),
             probed=part(_probed, scene.probed, here, volume, reach),
             truth=part(truth_in, scene.truth, here),
@@ -191,25 +192,19 @@ def _snapshot(snapshot: Snapshot | None, near: NearParticles | None, here: Slice
     return replace(snapshot, position=position, resting=snapshot.resting[near.index])
 
 
-def _skeleton(reconstruction: Reconstruction | None, here: Slice) -> Reconstruction | None:
-    """What the slice shows of center lines; None where there are none."""
-    if reconstruction is None or not isinstance(reconstruction.result, Skeleton):
-        return None
-    return replace(reconstruction, result=skeleton_in(reconstruction.result, here))
-
-
-def _contours(reconstruction: Reconstruction | None, here: Slice) -> ReviewedContours:
-    """The lines in which the slice cuts the surface."""
-    surface = getattr(reconstruction.result, "surface", None) if reconstruction is not None else None
-    if surface is None:
-        return NO_CONTOURS
-    found = enumerate(lines_of(surface, here))
-    return ReviewedContours(
-        tuple(
-            Item(number, ReviewedContour(contour, None, number), unmeasured(contour, number + 1))
-            for number, contour in found
-        )
+def _result(reconstruction: Reconstruction | None, here: Slice) -> tuple[Reconstruction | None, ReviewedContours]:
+    """What the slice shows of center lines, or else the lines in which it cuts the surface."""
+    if reconstruction is None:
+        return None, NO_CONTOURS
+    if isinstance(reconstruction.result, Skeleton):
+        return replace(reconstruction, result=skeleton_in(reconstruction.result, here)), NO_CONTOURS
+    surface = reconstruction.result.surface
+    lines = () if surface is None else tuple(lines_of(surface, here))
+    items = (
+        Item(number, ReviewedContour(contour, None, number), unmeasured(contour, number + 1))
+        for number, contour in enumerate(lines)
     )
+    return None, ReviewedContours(tuple(items)) if lines else NO_CONTOURS
 
 
 def hit_in(scene: Scene, place: Place, tolerance: float, here: Slice | None = None) -> Hit | None:

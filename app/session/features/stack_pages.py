@@ -48,6 +48,10 @@ _QUIET, _WHILE_RUNNING = 200, 1500
 """Time from a change until the tracks are found again, at rest and while pages are run [ms]."""
 
 
+_NEAR, _ALIKE = 1.0, 0.02
+"""How far the center of a contour may lie from where it was [px], and by how much its length may differ, of 1."""
+
+
 class StackPages(QObject):
     """Goes through the pages of a stack, runs all of them, and knows what was found on each."""
 
@@ -56,7 +60,7 @@ class StackPages(QObject):
     found = Signal()
     """What has been found on all pages has changed: `result`."""
 
-    def __init__(self, session: Session, core: Core) -> None:
+    def __init__(self, session: Session, core: Core, review: ContourReview) -> None:
         super().__init__(session)
         self.following = True
         """Whether each page starts from the contours of the one before."""
@@ -69,7 +73,6 @@ class StackPages(QObject):
         """The page that is wanted, which is open or being opened."""
         self._turning = False
         self._kept: dict[int, KeptPage] = {}
-        self._coming: dict[int, KeptPage] = {}
         self._found: dict[int, Found] = {}
         self._given: tuple[Start, ...] = ()
         self.result: StackResult | None = None
@@ -83,6 +86,10 @@ class StackPages(QObject):
         self._linking = LatestOnlyWorker(session, "cpm-pages", tr("following objects through the pages"))
         self._later = QTimer(self, singleShot=True)
         self._later.timeout.connect(self._link)
+        self._wanted: PageRow | None = None
+        self._review = review
+        review.changed.connect(self._select_wanted)
+        self.changed.connect(self._select_wanted)
         session.listen(Opened, self._take_opened)
         session.listen(Written, self._take_written)
         session.scene_changed.connect(self._look)
@@ -130,6 +137,27 @@ class StackPages(QObject):
             self._session.pause()
             self._file.runs.collect(self._turn)
 
+    def show(self, row: PageRow) -> None:
+        """Go to the contour of a row and select it as soon as it is there, or to the page of a row that has none."""
+        self._wanted = row if row.measures is not None else None
+        self.open(row.page)
+        self._select_wanted()
+
+    def _select_wanted(self) -> None:
+        """Select the contour that is wanted; forget it when another page is wanted meanwhile."""
+        row = self._wanted
+        if row is None or row.measures is None:
+            return
+        if self.ahead != row.page:
+            self._wanted = None
+        elif self.number == row.page:
+            length, place = row.measures.length, (row.row, row.col)
+            away = {item: math.dist(centroid(item.contour), place) for item in self._review.items}
+            near = min(away, key=away.__getitem__, default=None)
+            if near is not None and away[near] <= _NEAR and abs(near.measures.length - length) <= _ALIKE * length:
+                self._wanted = None
+                self._review.select((near.key,))
+
     def _turn(self) -> None:
         """Keep the page that is open, and open the one that is wanted."""
         self._turning = False
@@ -145,7 +173,7 @@ class StackPages(QObject):
             return
         place = ImageFile(image.path, "", image.shape, reading=self._source.reading_of(number))
         content = replace(page.file, view=dict(self._file.file.view), image=place)  # so that the image stays in place
-        self._coming[number] = page
+        self._kept[number] = page
         saved = Saved(self._file.path, content, turned=True, known=page.known)
         self._session.begin(Wanted(Path(image.path), page.document.parameters, saved=saved))
 
@@ -168,10 +196,11 @@ class StackPages(QObject):
         if opened.saved is not None and opened.saved.turned:
             # another page may be wanted by now: what is kept of this one stays until it is left by way of `_turn`
             self.number = self._source.number_of(opened.reading)
-            page = self._coming.pop(self.number, None)
+            page = self._kept.get(self.number)
             if page is not None:
                 self._given = page.given
-                self._session.use_history(page.history.on(self._session.document.image))
+                self._session.history = page.history.on(self._session.document.image)
+                self._session.show_status()
         else:
             self._begin_stack(opened)
         self.changed.emit()
@@ -309,7 +338,7 @@ class StackPages(QObject):
         parts = opened.parts if opened.image.ndim == 2 else None
         source = self._source = StackSource.of(str(opened.path), opened.path.name, parts, opened.reading)
         self.number = self.ahead = source.number_of(opened.reading)
-        self._kept, self._coming, self._found, self._given = {}, {}, {}, ()
+        self._kept, self._found, self._given = {}, {}, ()
         self.result, self.rows, self._seen, self._drawn = None, (), None, ()
         if opened.saved is not None and opened.saved.file.pages and self.count:
             stored = StoredPages.of(opened.saved.file.pages, self._session.document, source)
@@ -330,39 +359,3 @@ def _kept(done: PageDone, before: KeptPage | None) -> KeptPage:
     if before.document != document:
         before.history.push(Change(tr("run all pages"), before.document, document))
     return KeptPage(file, document, before.history, before.known, done.given, runs_unsaved=True)
-
-
-_NEAR, _ALIKE = 1.0, 0.02
-"""How far the center of a contour may lie from where it was [px], and by how much its length may differ, of 1."""
-
-
-class WantedContour(QObject):
-    """Opens the page of a contour, and selects the contour as soon as it is shown there."""
-
-    def __init__(self, pages: StackPages, review: ContourReview) -> None:
-        super().__init__(pages)
-        self._pages, self._review = pages, review
-        self._wanted: PageRow | None = None
-        review.changed.connect(self._look)
-        pages.changed.connect(self._look)
-
-    def show(self, row: PageRow) -> None:
-        """Go to the contour of a row, or to the page of a row that has none."""
-        self._wanted = row if row.measures is not None else None
-        self._pages.open(row.page)
-        self._look()
-
-    def _look(self) -> None:
-        """Select the contour if it is there; forget it when another page is wanted meanwhile."""
-        row = self._wanted
-        if row is None:
-            return
-        if self._pages.ahead != row.page:
-            self._wanted = None
-        elif self._pages.number == row.page:
-            length, place = 0.0 if row.measures is None else row.measures.length, (row.row, row.col)
-            away = {item: math.dist(centroid(item.contour), place) for item in self._review.items}
-            near = min(away, key=away.__getitem__, default=None)
-            if near is not None and away[near] <= _NEAR and abs(near.measures.length - length) <= _ALIKE * length:
-                self._wanted = None
-                self._review.select((near.key,))

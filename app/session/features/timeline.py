@@ -12,8 +12,8 @@ from app.session.features.other_result import NOTHING, OtherResult
 from app.session.session import Session
 from app.session.timeline.stored_runs import Branch
 from app.session.timeline.timeline import Outline
-from app.session.worker.commands import RunCall
-from app.session.worker.requests import Seek
+from app.session.worker.commands import run_call
+from app.session.worker.requests import seek
 from app.session.worker.run import Run
 from cpm_core import Parameters
 
@@ -27,7 +27,8 @@ class TimelineNavigation(QObject):
     def __init__(self, session: Session) -> None:
         super().__init__(session)
         self._session = session
-        self._outline = NOTHING
+        self.outline = NOTHING
+        """The state of the timeline."""
         self._here = (0, 0)
         self._target: tuple[int, int] | None = None
         self._snapshot: Snapshot | None = None
@@ -42,7 +43,11 @@ class TimelineNavigation(QObject):
         session.status_changed.connect(self._follow_phase)
         session.image_changed.connect(lambda: self._use_outline(NOTHING))
         session.listen(CommandFailed, self._give_up_going)
-        session.listen(RunsKept, self._take_kept)
+        session.listen(
+            RunsKept,
+            lambda kept: None if kept.generation != session.generation or session.status.started
+            else self._use_outline(kept.timeline),
+        )  # fmt: skip
 
     @property
     def playing(self) -> bool:
@@ -50,24 +55,14 @@ class TimelineNavigation(QObject):
         return self._play.isActive()
 
     @property
-    def outline(self) -> Outline:
-        """The branches."""
-        return self._outline
+    def branches(self) -> tuple[Branch, ...]:
+        """The branches, the oldest first."""
+        return self.outline.branches
 
     @property
     def place(self) -> tuple[int, int]:
         """Branch and step of the run, or those that it has been sent to."""
         return self._target or self._here
-
-    @property
-    def first(self) -> int:
-        """The first step of the runs."""
-        return next((branch.first for branch in self._outline.branches if branch.parent is None), 0)
-
-    @property
-    def branches(self) -> tuple[Branch, ...]:
-        """The branches, the oldest first."""
-        return self._outline.branches
 
     @property
     def count(self) -> int:
@@ -76,7 +71,7 @@ class TimelineNavigation(QObject):
 
     def branch(self, identity: int) -> Branch | None:
         """A branch by its number."""
-        return next((branch for branch in self._outline.branches if branch.identity == identity), None)
+        return next((branch for branch in self.branches if branch.identity == identity), None)
 
     def last(self, identity: int) -> int:
         """The last step of a branch, 0 when it does not exist."""
@@ -106,7 +101,7 @@ class TimelineNavigation(QObject):
 
     def to_first(self) -> None:
         """Go to the first step of the run."""
-        self.go(self._place_or_end()[0], self.first)
+        self.go(self._place_or_end()[0], 0)
 
     def to_last(self) -> None:
         """Go to the last step of the branch."""
@@ -117,10 +112,10 @@ class TimelineNavigation(QObject):
         """Replay the recorded steps from here on, from the first one at the end; or pause."""
         if self.playing:
             self._play.stop()
-        elif self._outline.branches:
+        elif self.branches:
             branch, step = self._place_or_end()
             if step >= self.last(branch):
-                self._go(branch, self.first)
+                self._go(branch, 0)
             self._play.start()
         self.changed.emit()
 
@@ -128,13 +123,13 @@ class TimelineNavigation(QObject):
 
     def rename(self, branch: int, name: str) -> None:
         """Give a branch another name."""
-        self._session.post(RunCall(self._session.generation, Run.rename_branch, branch, name))
+        self._session.post(run_call(self._session.generation, Run.rename_branch, branch, name))
 
     def drop(self, branch: int) -> None:
         """Remove a branch; if the run is on it, pause."""
         if self.branch(branch) is None:
             return
-        command = RunCall(self._session.generation, Run.drop_branch, branch)
+        command = run_call(self._session.generation, Run.drop_branch, branch)
         if branch == self.place[0]:
             self._target = None
             self._session.hold(command)
@@ -145,7 +140,7 @@ class TimelineNavigation(QObject):
     @property
     def other_parameters(self) -> Parameters | None:
         """Parameters of the step that is shown, as far as they act now; None where they are the current ones."""
-        taken, document = self._outline.parameters, self._session.document
+        taken, document = self.outline.parameters, self._session.document
         if taken is None:
             return None
         taken = replace(taken, scales=document.parameters.scales)
@@ -165,13 +160,13 @@ class TimelineNavigation(QObject):
         if self.branch(branch) is None:
             return
         if not self._session.status.started:  # until now the regions were of no use to the worker
-            self._session.post(RunCall(None, Run.limit, self._session.document.regions))
-        step = min(max(step, self.first), self.last(branch))
+            self._session.post(run_call(None, Run.limit, self._session.document.regions))
+        step = min(max(step, 0), self.last(branch))
         if (branch, step) == self.place and self._session.status.phase != "running":
             return
         target = self._target = (branch, step)
-        seek = Seek(self._session.generation, branch, step, wanted=lambda: self._target in (None, target))
-        self._session.hold(seek)
+        session = self._session
+        session.hold(seek(session.generation, branch, step, lambda: self._target in (None, target)))
         self._stay.start()
         self.changed.emit()
 
@@ -189,17 +184,13 @@ class TimelineNavigation(QObject):
             return
         self._snapshot = snapshot
         if snapshot is None:  # the runs that there have been are still known
-            self._use_outline(self._outline)
+            self._use_outline(self.outline)
             return
         self._here = (snapshot.timeline.branch, snapshot.state.step)
         self._take_outline(snapshot.timeline)
         if self._here == self._target:
             self._target = None
         self.changed.emit()
-
-    def _take_kept(self, kept: RunsKept) -> None:
-        if kept.generation == self._session.generation and not self._session.status.started:
-            self._use_outline(kept.timeline)
 
     def _use_outline(self, outline: Outline) -> None:
         """Show runs while the run is on none of them."""
@@ -216,15 +207,15 @@ class TimelineNavigation(QObject):
 
     def _reconstruct(self) -> None:
         if self._session.status.started and self._session.status.phase != "running":
-            self._session.post(RunCall(None, Run.stay))
+            self._session.post(run_call(None, Run.stay))
 
     def _give_up_going(self, _: CommandFailed) -> None:
         """The failed command may have been the one that goes to another step."""
         self._target = None
 
     def _take_outline(self, outline: Outline) -> None:
-        fallen = outline.fallen[len(self._outline.fallen) :]
-        self._outline = outline
+        fallen = outline.fallen[len(self.outline.fallen) :]
+        self.outline = outline
         if fallen:
             message = tr(
                 "{runs} had to be removed from the timeline to make room; a run with a name of its own stays longer."
@@ -233,9 +224,9 @@ class TimelineNavigation(QObject):
 
     def _place_or_end(self) -> tuple[int, int]:
         """The place, or the end of the last branch while the run is on none."""
-        if self.place[0] or not self._outline.branches:
+        if self.place[0] or not self.branches:
             return self.place
-        newest = self._outline.branches[-1].identity
+        newest = self.branches[-1].identity
         return newest, self.last(newest) + 1
 
 

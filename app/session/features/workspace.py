@@ -31,7 +31,7 @@ class Workspace:
         self.other_result = self.navigation.comparison
         self.slices = ShownSlices(self.session)
         self.comparison = Comparison(self.session, self.truth)
-        self.pages = StackPages(self.session, core or Core())
+        self.pages = StackPages(self.session, core or Core(), self.review)
         self.object_selection.offers_for = self.pages.is_drawn
 
     def close(self) -> None:

@@ -20,6 +20,11 @@ V = TypeVar("V")
 _log = logging.getLogger(__name__)
 
 
+def settings() -> QSettings:
+    """The file of the preferences; other files of the user are in its folder."""
+    return QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "cpm", "cpm")
+
+
 class Preferences(QObject):
     """Values of preferences, and what the window keeps for itself by key, with the only default where it is read."""
 
@@ -30,7 +35,7 @@ class Preferences(QObject):
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
-        self._settings = QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "cpm", "cpm")
+        self._settings = settings()
         self.troubles: list[str] = []
         """What was said by `troubled` so far; what is stored stays in the file until another value is chosen."""
         self._check_file()

@@ -8,10 +8,11 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
-from PySide6.QtCore import QObject, QSettings, Signal
+from PySide6.QtCore import QObject, Signal
 
 from app.model.parameters.presets import SUFFIX, Preset, built_in, checked_name, read, written
 from app.model.text.language import tr
+from app.session.storage.preferences import settings
 from cpm_core.formats import write_together
 
 _log = logging.getLogger(__name__)
@@ -25,7 +26,7 @@ class PresetStore(QObject):
 
     def __init__(self, folder: Path | None = None, parent: QObject | None = None) -> None:
         super().__init__(parent)
-        self.folder = folder or Path(_settings().fileName()).parent / "presets"
+        self.folder = folder or Path(settings().fileName()).parent / "presets"
         self._files: dict[str, Path] = {}
         self._own: tuple[Preset, ...] = ()
         self._read_folder()
@@ -34,10 +35,6 @@ class PresetStore(QObject):
     def presets(self) -> tuple[Preset, ...]:
         """The presets of the program, then the user's, by name."""
         return (*built_in(), *self._own)
-
-    def called(self, name: str) -> Preset | None:
-        """The preset of this name."""
-        return next((preset for preset in self.presets if preset.name == name), None)
 
     def save(self, preset: Preset) -> Preset:
         """Store a preset, in place of one of the same name; ValueError for an invalid name, OSError from the disk."""
@@ -69,7 +66,3 @@ class PresetStore(QObject):
         self._own = tuple(found[name][0] for name in sorted(found, key=str.casefold))
         self._files = {name: path for name, (_, path) in found.items()}
         self.changed.emit()
-
-
-def _settings() -> QSettings:
-    return QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "cpm", "cpm")

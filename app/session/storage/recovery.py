@@ -6,22 +6,20 @@ start offers the journals whose processes have ended; one is deleted only after 
 
 from __future__ import annotations
 
-import logging
 import uuid
-from collections.abc import Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from datetime import datetime
 from pathlib import Path
 
-from PySide6.QtCore import QLockFile, QObject, QSettings, QTimer, Signal
+from PySide6.QtCore import QLockFile, QObject, QTimer, Signal
 
 from app.model.preferences.table import AUTOSAVE
 from app.model.text.language import tr
 from app.session.exchange.messages import Saved
 from app.session.exchange.messages import sentence as _sentence
-from app.session.storage.preferences import Preferences
+from app.session.storage.preferences import Preferences, settings
 from app.session.storage.session_file import DocumentFile
 from app.session.tasks.opening import Wanted
 from cpm_core.formats import SUFFIX, SessionFile, load_session, remove_abandoned, save_session
@@ -35,13 +33,10 @@ UNREADABLE = ".unreadable"
 _EVERY = 2000
 """Time from a change until it is written, with further changes in between [ms]."""
 
-_log = logging.getLogger(__name__)
-
 
 def folder_of_journals() -> Path:
     """The user's folder of journals, next to the preferences."""
-    settings = QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "cpm", "cpm")
-    return Path(settings.fileName()).parent / "journals"
+    return Path(settings().fileName()).parent / "journals"
 
 
 def lock_of(journal: Path) -> QLockFile:
@@ -161,16 +156,11 @@ class Leftover:
         self.lock.unlock()
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Found:
-    """What earlier processes have left: journals, the newest first, and sentences on those that cannot be read."""
+def left_behind(folder: Path) -> tuple[list[Leftover], list[str]]:
+    """Journals in a folder whose processes have ended, the newest first, and sentences on those that cannot be read.
 
-    leftovers: Sequence[Leftover]
-    troubles: Sequence[str]
-
-
-def left_behind(folder: Path) -> Found:
-    """Journals in a folder whose processes have ended; those that cannot be read are set aside."""
+    A journal that is damaged is set aside; one that only could not be read stays for the next start.
+    """
     remove_abandoned(folder)
     for path in folder.glob("*.lock"):  # locks of killed processes without a journal
         lock = lock_of(path)
@@ -184,25 +174,14 @@ def left_behind(folder: Path) -> Found:
         try:
             found.append(_read(journal, lock))
         except (ValueError, OSError) as error:
-            troubles.append(_set_aside(journal, error))
+            kept = journal
+            if not isinstance(error, OSError) and not isinstance(error.__cause__, OSError):
+                with suppress(OSError):
+                    kept = journal.rename(journal.with_suffix(UNREADABLE))
+            text = tr("Unsaved work of an earlier session cannot be restored. {reason} It is kept as {path}.")
+            troubles.append(text.format(reason=_sentence(error, tr("reading unsaved work")), path=kept))
             lock.unlock()
-    return Found(sorted(found, key=lambda leftover: leftover.when, reverse=True), troubles)
-
-
-def _set_aside(journal: Path, error: Exception) -> str:
-    """Set a journal aside that cannot be read, and report where it is; where only reading has failed, it stays."""
-    reason = _sentence(error, tr("reading unsaved work"))
-    if isinstance(error, OSError) or isinstance(error.__cause__, OSError):
-        kept = tr("Unsaved work of an earlier session cannot be read. {reason} It stays at {path} for the next start.")
-        return kept.format(reason=reason, path=journal)
-    apart = journal.with_suffix(UNREADABLE)
-    try:
-        journal.rename(apart)
-    except OSError as failed:
-        _log.warning("%s stays where it is: %s", journal, failed)
-        apart = journal
-    kept = tr("Unsaved work of an earlier session cannot be restored. {reason} It is kept as {path}.")
-    return kept.format(reason=reason, path=apart)
+    return sorted(found, key=lambda leftover: leftover.when, reverse=True), troubles
 
 
 def _read(journal: Path, lock: QLockFile) -> Leftover:

@@ -11,7 +11,7 @@ from app.session.exchange.messages import Opened, RunsKept
 from app.session.session import Session
 from app.session.timeline.plain_runs import Plain, RunsWriter
 from app.session.timeline.timeline import Outline
-from app.session.worker.commands import CollectRuns, RunsCollected, RunsRestored
+from app.session.worker.commands import RunsCollected, RunsRestored, collect_runs
 
 _QUIET = 500
 """Time from a change of the runs until they are collected, with further changes in between [ms]."""
@@ -38,7 +38,7 @@ class RunKeeping(QObject):
         session.listen(Opened, self._forget)
         session.listen(RunsKept, lambda kept: self._look(kept.timeline))
         session.listen(RunsCollected, self._take)
-        session.listen(RunsRestored, self._take_restored)
+        session.listen(RunsRestored, self._take)
 
     @property
     def unsaved(self) -> bool:
@@ -56,9 +56,9 @@ class RunKeeping(QObject):
         if then is not None:
             self._then.append(then)
         self._timer.stop()
-        command = CollectRuns(self._session.image_generation, self._writer, self._session.live.executed)
-        self._session.post(command)
-        return command.found
+        session, found = self._session, Future[RunsCollected]()
+        session.post(collect_runs(session.image_generation, self._writer, session.live.executed, found))
+        return found
 
     def saved(self, edition: int) -> None:
         """The runs of this edition have been written to a file."""
@@ -78,14 +78,18 @@ class RunKeeping(QObject):
         """Collect soon what is new in the runs, once they are at rest."""
         if outline is self._outline:
             return
-        moved = self._outline is None or outline.branch != self._outline.branch
+        elsewhere = self._outline is None or outline.branch != self._outline.branch
         self._outline = outline
         running = self._session.status.phase == "running"
-        if (moved or outline.edition != self._collected) and not running and not self._timer.isActive():
+        if (elsewhere or outline.edition != self._collected) and not running and not self._timer.isActive():
             self._timer.start()
 
-    def _take(self, collected: RunsCollected) -> None:
-        if collected.generation == self._session.image_generation:
+    def _take(self, collected: RunsCollected | RunsRestored) -> None:
+        here = collected.generation == self._session.image_generation
+        if isinstance(collected, RunsRestored):
+            self._saved = collected.edition if here and not self._recovered else self._saved
+            return
+        if here:
             self.plain, self._collected = collected.plain, collected.edition
         if collected.fault:
             self._session.say(collected.fault, True)
@@ -93,10 +97,6 @@ class RunKeeping(QObject):
         for then in waiting:
             then()
         self.changed.emit()
-
-    def _take_restored(self, restored: RunsRestored) -> None:
-        if restored.generation == self._session.image_generation and not self._recovered:
-            self._saved = restored.edition
 
     def _forget(self, opened: Opened) -> None:
         self._timer.stop()

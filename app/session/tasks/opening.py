@@ -86,7 +86,10 @@ def parts_of(path: Path, reading: Reading) -> tuple[Parts | None, Reading]:
     paged = path.suffix.lower() in PAGED
     try:
         try:
-            return Parts.of(open_stack(path, reading.series), paged, _series_around(path)), reading
+            stack = open_stack(path, reading.series)
+            # the folder, where both the file and enough files next to it are DICOM
+            series = path.parent if len(dicom_files_beside(path, MINIMUM_SIDE)) >= MINIMUM_SIDE else None
+            return Parts.of(stack, paged, series), reading
         except UnchosenError as error:
             if not error.images:
                 raise
@@ -94,12 +97,6 @@ def parts_of(path: Path, reading: Reading) -> tuple[Parts | None, Reading]:
             return Parts.of(open_stack(path, first.series), paged), first
     except ValueError:
         return None, reading
-
-
-def _series_around(path: Path) -> Path | None:
-    """The folder of a file, where both it and enough files next to it are DICOM."""
-    around = dicom_files_beside(path, MINIMUM_SIDE)
-    return path.parent if len(around) >= MINIMUM_SIDE else None
 
 
 def opens_as_volume(parts: Parts | None) -> bool:
@@ -166,10 +163,15 @@ def prepare(core: Core, wanted: Wanted, check_cancelled: Callable[[], None]) -> 
         notes = (*notes, tr("The image is small: the scales are set to {most}.").format(most=most))
     method = core.methods["cpm"](image, parameters, None)
     check_cancelled()
-    all_notes, sha256 = (*image.notes, *notes), image.file_sha256
-    opened = Opened(image, method, None, path, parameters, all_notes, sha256, saved, scales)
-    opened = replace(opened, folder=images_beside(path), beside=beside, parts=parts, reading=reading)
-    return opened if image.ndim == 3 else _of_plane(opened, check_cancelled)
+    display, kind, large = None, None, None
+    if image.ndim == 2:
+        display, large = display_of(image), large_image_settings(image.values)
+        check_cancelled()
+        kind = guessed_kind(image.values) if saved is None else None
+    return Opened(
+        image, method, display, path, parameters, (*image.notes, *notes), image.file_sha256, saved, scales,
+        images_beside(path), beside, kind, large, parts, reading,
+    )  # fmt: skip
 
 
 def _check(saved: Saved, image: Image) -> None:
@@ -207,15 +209,6 @@ def _read(
         image = core.load_image(path, check_cancelled, **chosen)
     image.gray_range  # noqa: B018 - found here, because the window asks for it
     return image, refused
-
-
-def _of_plane(opened: Opened, check_cancelled: Callable[[], None]) -> Opened:
-    """What is known of an image that is no volume."""
-    values = opened.image.values
-    large = large_image_settings(values)
-    check_cancelled()
-    kind = guessed_kind(values) if opened.saved is None else None
-    return replace(opened, display=display_of(opened.image), kind=kind, large=large)
 
 
 class Opener:

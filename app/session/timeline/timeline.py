@@ -222,7 +222,7 @@ class Timeline:
     def record(self, action: RunAction, state: MethodState, measures: Mapping[str, float]) -> None:
         """Add the step after the current one, with its figures.
 
-        A new branch begins where the action differs from the recorded one; otherwise the run goes on along the branch.
+        A new branch begins where the action differs from the recorded one; otherwise the run follows the branch.
         ValueError when the state is not that of the next step.
         """
         line, moment = self._here()

@@ -1,7 +1,7 @@
 """Commands to the worker: executed in order between two steps, and never lost.
 
-A command says what is done on the worker thread, and what is reported when that fails. A new kind is a class here or in
-another module; the worker thread does not know the kinds.
+A command says what is done on the worker thread, and what is reported when that fails. A new kind is a function here or
+in another module; the worker thread does not know the kinds.
 """
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ import gc
 from collections import Counter
 from collections.abc import Callable, Hashable, Mapping
 from concurrent.futures import Future
-from dataclasses import dataclass, field, replace
-from functools import cache
+from dataclasses import dataclass, replace
+from functools import cache, partial
 from pathlib import Path
-from typing import Any, ClassVar, Concatenate, ParamSpec
+from typing import Any, Concatenate, ParamSpec
 
 from app.model.document.document import Document, ImageReference
 from app.model.export import ExportOrder, chosen, closed, summarize
@@ -23,6 +23,7 @@ from app.session.exchange.messages import (
     CommandFailed,
     Compiling,
     Exported,
+    Finished,
     Reconstruction,
     Report,
     RunFailed,
@@ -30,13 +31,12 @@ from app.session.exchange.messages import (
     SeedsFound,
     WarmedUp,
     WentOn,
-    sentence,
 )
 from app.session.tasks.tasks import Task
 from app.session.timeline.plain_runs import Plain, RunsWriter, runs_from_plain
 from app.session.worker.run import Run
-from cpm_core import Image, Result, Skeleton, encoded
-from cpm_core.formats import DRAWN, IN_SPACE
+from cpm_core import encoded
+from cpm_core.formats import DRAWN, IN_SPACE, suffix_of
 from cpm_core.shapes import NO_SEEDS
 
 P = ParamSpec("P")
@@ -66,196 +66,132 @@ class CommandContext:
     closing: Callable[[], bool]
 
 
+@dataclass(frozen=True, eq=False, slots=True)
 class Command:
-    """Work for the worker thread between two steps."""
+    """Work for the worker thread between two steps.
 
-    __slots__ = ()
-
-    latest_only: ClassVar[bool] = False
-    """Whether only the last of many in a row is worth the work, as while a slider is moved."""
-
-    activity: ClassVar[str] = tr("working")
-    """What it does, as it follows "while" in an error message."""
-
-    topic: ClassVar[str] = ""
-    """The kind of attempt that its error messages belong to; see `app.session.signals`."""
-
-    @property
-    def kind(self) -> object:
-        """Only the newest posted command of a kind is executed; None where each one is."""
-        return type(self) if self.latest_only else None
-
-    def execute(self, context: CommandContext) -> None:
-        """Do the work."""
-        raise NotImplementedError
-
-    def failure_report(self, error: Exception) -> Report:
-        """What is reported when the work fails."""
-        return CommandFailed(sentence(error, self.activity), self.topic)
-
-
-class RunCall(Command):
-    """Calls a method of the run, unless the run has been replaced by then.
-
-    A method that returns True lets a run go on that had ended; this is reported.
-
-    Parameters
+    Attributes
     ----------
-    generation : int or None
-        The run; None for any.
-    method : callable
-        Method of `Run`.
-    *arguments
-        Its arguments.
+    work : callable
+        Does it.
+    activity : str
+        What it does, as it follows "while" in an error message.
+    kind : object
+        Only the newest posted command of a kind is executed, as while a slider is moved; None where each one is.
+    failed : callable
+        Makes what is reported when the work fails, from a sentence.
     """
 
-    __slots__ = ("_call", "generation", "method")
+    work: Callable[[CommandContext], object]
+    activity: str = tr("working")
+    kind: object = None
+    failed: Callable[[str], Report] = CommandFailed
 
-    def __init__(
-        self,
-        generation: int | None,
-        method: Callable[Concatenate[Run, P], bool | None],
-        *arguments: P.args,
-        **named: P.kwargs,
-    ) -> None:
-        self.generation = generation
-        self.method = method
-        self._call: Callable[[Run], bool | None] = lambda run: method(run, *arguments, **named)
 
-    @property
-    def kind(self) -> object:
-        """Of placed charges, regions and edits by hand only the newest count."""
-        return self.method if self.method in (Run.place, Run.limit, Run.edit_by_hand) else None
+QUIT = Command(lambda context: None)
+"""Ends the thread."""
 
-    def execute(self, context: CommandContext) -> None:
-        """Call the method."""
+
+def run_call(
+    generation: int | None,
+    method: Callable[Concatenate[Run, P], bool | None],
+    *arguments: P.args,
+    **named: P.kwargs,
+) -> Command:
+    """Call a method of the run, unless that of the `generation` has been replaced by then; None is any run.
+
+    A method that returns True lets a run go on that had ended; this is reported. Of placed charges, regions and edits
+    by hand only the newest count.
+    """
+
+    def work(context: CommandContext) -> None:
         run = context.run
-        if self.generation not in (None, run.generation):
+        if generation not in (None, run.generation):
             return
-        if self._call(run):
+        if method(run, *arguments, **named):
             context.report(WentOn(run.generation))
-        if run.state is None and self.method in _CHANGING_RUNS:
+        if run.state is None and method in _CHANGING_RUNS:
             context.report(RunsKept(run.generation, run.timeline.outline))
 
-    def failure_report(self, error: Exception) -> Report:
-        """Nothing has changed."""
-        return CommandFailed(sentence(error, tr("changing the run")))
+    kind = method if method in (Run.place, Run.limit, Run.edit_by_hand) else None
+    return Command(work, tr("changing the run"), kind)
 
 
-@dataclass(frozen=True, slots=True)
-class Start(Command):
-    """Start a run from a document, if its image is still the current one."""
+def start(generation: int, image_generation: int, document: Document) -> Command:
+    """Start a run from a document, without a step, if its image is still the current one."""
 
-    generation: int
-    image_generation: int
-    document: Document
+    def work(context: CommandContext) -> None:
+        if image_generation == context.run.image_generation:
+            context.run.start(generation, document)
 
-    def execute(self, context: CommandContext) -> None:
-        """Start the run, without a step."""
-        if self.image_generation == context.run.image_generation:
-            context.run.start(self.generation, self.document)
-
-    def failure_report(self, error: Exception) -> Report:
-        """There is no run."""
-        return RunFailed(self.generation, sentence(error, tr("starting")))
+    return Command(work, tr("starting"), failed=partial(RunFailed, generation))
 
 
-@dataclass(frozen=True, slots=True)
-class FindSeeds(Command):
+def find_seeds(image_generation: int, document: Document) -> Command:
     """Find the seeds of a document that depend on the image, for showing them."""
 
-    image_generation: int
-    document: Document
+    def work(context: CommandContext) -> None:
+        if image_generation == context.run.image_generation:
+            context.report(SeedsFound(image_generation, context.run.seeds_for(document)))
 
-    latest_only = True
-
-    def execute(self, context: CommandContext) -> None:
-        """Find the seeds."""
-        if self.image_generation == context.run.image_generation:
-            context.report(SeedsFound(self.image_generation, context.run.seeds_for(self.document)))
-
-    def failure_report(self, error: Exception) -> Report:
-        """There are none."""
-        return SeedsFound(self.image_generation, NO_SEEDS, sentence(error, tr("looking for places to start from")))
+    return Command(
+        work, tr("looking for places to start from"), "seeds", partial(SeedsFound, image_generation, NO_SEEDS)
+    )
 
 
-@dataclass(frozen=True, slots=True)
-class Copied(Report):
-    """Content for the clipboard, as a file with this suffix would hold it."""
-
-    suffix: str
-    content: bytes
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Export(Command):
-    """Write contours to a file, whose suffix gives the format; without a folder, prepare them for the clipboard.
+def write_contours(
+    task: Task,
+    shown: Reconstruction | None,
+    document: Document,
+    order: ExportOrder,
+    to: Path | str,
+    then: Callable[[bytes], object] = lambda content: None,
+) -> Command:
+    """Write contours to a file, whose suffix gives the format, or encode them for `then` as a file with a suffix is.
 
     During a run these are the contours `shown` in the window; of a paused run they are those of its last state, which
     the window shows as soon as they are made.
     """
 
-    task: Task
-    shown: Reconstruction | None
-    document: Document
-    suffix: str
-    path: Path | None = None
-    order: ExportOrder = field(default_factory=ExportOrder)
-
-    def execute(self, context: CommandContext) -> None:
-        """Write the contours, unless the task has been cancelled."""
+    def work(context: CommandContext) -> None:
+        """Write them, unless the task has been cancelled, and report what the file holds and what not."""
 
         def wanted() -> bool:
-            return not (self.task.over or context.closing())
+            return not (task.over or context.closing())
 
-        run, needs_run = context.run, self.order.source != "objects"
+        run, needs_run = context.run, order.source != "objects"
         try:
-            found = run.reconstruction(self.shown, wanted) if wanted() and needs_run else None
+            found = run.reconstruction(shown, wanted) if wanted() and needs_run else None
             if not wanted() or (needs_run and found is None):
                 return
             image = None if run.method is None else run.method.image
-            result = None if found is None else run.with_provenance(found.result)
-            ordered = chosen(result, self.document, self.order, image)
-            if self.path is None:
-                context.report(Copied(self.suffix, encoded(ordered, self.suffix)))
-            else:
-                self._write(context, ordered, image, self.path)
+            result = chosen(None if found is None else run.with_provenance(found.result), document, order, image)
+            if isinstance(to, str):
+                context.report(Finished(partial(then, encoded(result, to))))
+                return
+            whole, suffix = result, suffix_of(to)
+            if image is not None:
+                whole = closed(result, order, image, run.parameters)
+                if suffix in DRAWN and whole.image is None:
+                    whole = replace(whole, image=image)
+            settings: dict[str, Any] = {"outlines": True} if order.outlines else {}
+            if suffix in IN_SPACE:
+                settings["space"] = order.space
+            if document.image is not None:
+                settings["image"] = document.image.path
+            context.core.export(whole, to, **settings)
+            context.report(Exported(to, summarize(result, whole, suffix, order)))
         finally:
-            self.task.end()
+            task.end()
 
-    def _write(self, context: CommandContext, result: Result | Skeleton, image: Image | None, path: Path) -> None:
-        """Write the contours, and report what the file holds and what not."""
-        whole = result
-        if image is not None:
-            whole = closed(result, self.order, image, context.run.parameters)
-            if self.suffix in DRAWN and whole.image is None:
-                whole = replace(whole, image=image)
-        settings: dict[str, Any] = {"outlines": True} if self.order.outlines else {}
-        if self.suffix in IN_SPACE:
-            settings["space"] = self.order.space
-        if self.document.image is not None:
-            settings["image"] = self.document.image.path
-        context.core.export(whole, path, **settings)
-        context.report(Exported(path, summarize(result, whole, self.suffix, self.order)))
-
-    def failure_report(self, error: Exception) -> Report:
-        """Nothing has been written."""
-        activity = tr("copying contours")
-        if self.path is not None:
-            activity = tr("writing {name}").format(name=self.path.name)
-        return CommandFailed(sentence(error, activity), "exporting")
+    activity = tr("copying contours") if isinstance(to, str) else tr("writing {name}").format(name=to.name)
+    return Command(work, activity, failed=partial(CommandFailed, topic="exporting"))
 
 
-@dataclass(frozen=True, slots=True)
-class WarmUp(Command):
+def warm_up(volumes: bool = False) -> Command:
     """Compile or load the kernels, of images or of volumes, so that the first step does not wait for them."""
 
-    volumes: bool = False
-
-    activity = tr("preparing")
-
-    def execute(self, context: CommandContext) -> None:
-        """Compile or load them."""
+    def work(context: CommandContext) -> None:
         reported = -1
 
         def report(done: float) -> None:
@@ -264,9 +200,11 @@ class WarmUp(Command):
                 reported = percent
                 context.report(Compiling(percent))
 
-        (context.core.warm_up_volumes if self.volumes else context.core.warm_up)(context.closing, report)
-        _keep_loaded(self.volumes)
+        (context.core.warm_up_volumes if volumes else context.core.warm_up)(context.closing, report)
+        _keep_loaded(volumes)
         context.report(WarmedUp())
+
+    return Command(work, tr("preparing"))
 
 
 @cache
@@ -276,11 +214,6 @@ def _keep_loaded(volumes: bool) -> None:
     Once for images and once for volumes: done with every volume that is opened, this would keep each of them.
     """
     gc.freeze()
-
-
-@dataclass(frozen=True, slots=True)
-class Quit(Command):
-    """End the thread."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -296,30 +229,27 @@ class RunsCollected(Report):
     fault: str = ""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class CollectRuns(Command):
-    """Write the runs on the image opened as `generation` as plain JSON.
+def collect_runs(
+    generation: int, writer: RunsWriter, drawn: Mapping[int, Counter[Hashable]], found: Future[RunsCollected]
+) -> Command:
+    """Write the runs on the image opened as `generation` as plain JSON; `found` is the report, for other threads.
 
-    `drawn` are the sources of their particles, by generation. `found` is the report, for other threads.
+    `drawn` are the sources of their particles, by generation. Without them a file can be written as well.
     """
 
-    generation: int
-    writer: RunsWriter
-    drawn: Mapping[int, Counter[Hashable]]
-    found: Future[RunsCollected] = field(default_factory=Future)
+    def report(collected: RunsCollected) -> Report:
+        found.set_result(collected)
+        return collected
 
-    activity = tr("collecting the runs")
+    def work(context: CommandContext) -> None:
+        plain = writer.to_plain(context.run.stored(drawn))
+        context.report(report(RunsCollected(generation, context.run.timeline.edition, plain)))
 
-    def execute(self, context: CommandContext) -> None:
-        """Collect them."""
-        plain = self.writer.to_plain(context.run.stored(self.drawn))
-        self.found.set_result(RunsCollected(self.generation, context.run.timeline.edition, plain))
-        context.report(self.found.result())
-
-    def failure_report(self, error: Exception) -> Report:
-        """A file without them can be written."""
-        self.found.set_result(RunsCollected(self.generation, -1, {}, sentence(error, self.activity)))
-        return self.found.result()
+    return Command(
+        work,
+        tr("collecting the runs"),
+        failed=lambda sentence: report(RunsCollected(generation, -1, {}, sentence)),
+    )
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -336,33 +266,29 @@ class RunsRestored(Report):
     edition: int
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class RestoreRuns(Command):
-    """Put the runs of a session file on the timeline, and go to the step that was shown."""
+def restore_runs(generation: int, plain: Plain, image: ImageReference) -> Command:
+    """Put the runs of a session file on the timeline, and go to the step that was shown.
 
-    generation: int
-    plain: Plain
-    image: ImageReference
+    What is damaged is left out and reported.
+    """
 
-    def execute(self, context: CommandContext) -> None:
-        """Read the runs; what is damaged is left out and reported."""
+    def work(context: CommandContext) -> None:
         run = context.run
-        if run.image_generation != self.generation:
+        if run.image_generation != generation:
             return
-        stored, fault = runs_from_plain(self.plain, self.image)
+        stored, fault = runs_from_plain(plain, image)
         failed = run.restore(stored)
         if fault or failed:
             context.report(CommandFailed(fault or failed))
-        known = {branch.identity for branch in run.timeline.outline.branches}
-        here = stored.here if stored.here is not None and stored.here[0] in known else None
+        outline, here = run.timeline.outline, stored.here
+        if here is not None and all(branch.identity != here[0] for branch in outline.branches):
+            here = None
         begun = {-number: (kept.document, kept.drawn) for number, kept in enumerate(stored.runs, 1)}
-        context.report(RunsRestored(self.generation, begun, here is not None, run.timeline.edition))
+        context.report(RunsRestored(generation, begun, here is not None, outline.edition))
         if here is None:
-            context.report(RunsKept(run.generation, run.timeline.outline))
+            context.report(RunsKept(run.generation, outline))
         else:
             run.go_to(*here, lambda: not context.closing())
             run.halt()
 
-    def failure_report(self, error: Exception) -> Report:
-        """There is no run."""
-        return RunFailed(self.generation, sentence(error, tr("bringing back the runs")))
+    return Command(work, tr("bringing back the runs"), failed=partial(RunFailed, generation))

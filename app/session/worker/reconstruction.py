@@ -6,7 +6,7 @@ import os
 import sys
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,10 +16,9 @@ from app.model.text.language import tr
 from app.session.exchange.contour_tracking import ContourTracker
 from app.session.exchange.mailbox import Mailbox
 from app.session.exchange.messages import Reconstruction, ReconstructionFailed, sentence
-from cpm_core import Image, Method, Parameters, Result, Skeleton
+from cpm_core import Method, Parameters, Result, Skeleton
 from cpm_core.contours import HandEdit
 from cpm_core.model import ImageFields
-from cpm_core.numerics import Position
 from cpm_core.reconstruction import carried_out
 from cpm_core.segmentation import MethodState
 
@@ -36,7 +35,8 @@ _CHECK_EVERY = 0.05
 class Request:
     """A state to reconstruct contours from; where `last`, none follows soon and there is no pause before it.
 
-    Without a state there are only the contours drawn by hand. `hand_edits` are the edits of contours by hand.
+    Without a state there are only the contours drawn by hand. `hand_edits` are the edits of contours by hand, `tracker`
+    numbers the contours of the image.
     """
 
     generation: int
@@ -44,7 +44,8 @@ class Request:
     state: MethodState | None
     parameters: Parameters
     last: bool
-    hand_edits: tuple[HandEdit, ...] = ()
+    hand_edits: tuple[HandEdit, ...]
+    tracker: ContourTracker
 
     def found(self) -> Result | Skeleton:
         """The contours of the state, without edits by hand; none of the first state."""
@@ -72,9 +73,6 @@ class Reconstructor:
     def __init__(self) -> None:
         self.results: Mailbox[Reconstruction | ReconstructionFailed] = Mailbox()
         self._changed = threading.Condition()
-        self._tracker = ContourTracker()
-        self._image: Image | None = None
-        self._given: tuple[Image, Mapping[int, Position]] | None = None
         self._requests: Mailbox[Request] = Mailbox()
         self._latest: Reconstruction | ReconstructionFailed | None = None
         self._unedited: tuple[tuple[object, ...], Result | Skeleton] | None = None
@@ -93,18 +91,6 @@ class Reconstructor:
         with self._changed:
             self._requests.put(request)
             self._changed.notify_all()
-
-    def numbers(self, image: Image) -> Mapping[int, Position]:
-        """Numbers of the contours of an image, each with a place where its contour passes."""
-        with self._changed:
-            if self._given is not None and self._given[0] is image:
-                return self._given[1]
-            return self._tracker.places if self._image is image else {}
-
-    def number_as(self, image: Image, numbers: Mapping[int, Position]) -> None:
-        """Number the contours of an image by these from now on."""
-        with self._changed:
-            self._given = image, numbers
 
     def forget(self) -> None:
         """Drop the waiting request."""
@@ -160,25 +146,14 @@ class Reconstructor:
             self._working = True  # set before the request is taken, so that `idle` is never true in between
             return self._requests.take()
 
-    def _number(self, image: Image) -> None:
-        """Number the contours of another image from one, or as given."""
-        with self._changed:
-            given, self._given = self._given, None
-        if given is not None and given[0] is image:
-            self._tracker.begin(given[1])
-        elif image is not self._image:
-            self._tracker.begin()
-        self._image = image
-
     def _reconstruct(self, request: Request) -> None:
         found: Reconstruction | ReconstructionFailed
         try:
-            self._number(request.method.image)
             made_of = (request.method, request.state, request.parameters)
             if self._unedited is None or self._unedited[0] != made_of:
                 self._unedited = made_of, request.found()
             result, missed = edited(request.method, self._unedited[1], request.parameters, request.hand_edits)
-            found = Reconstruction.of(request.generation, result, self._tracker, thorough=request.last)
+            found = Reconstruction.of(request.generation, result, request.tracker, thorough=request.last)
             found = replace(found, missed=missed if request.last else ())
         except Exception as error:  # no error may end the thread
             found = ReconstructionFailed(request.generation, sentence(error, tr("reconstructing contours")))

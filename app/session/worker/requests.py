@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 
 from app.model.display.display_image import DisplayImage, IntensityWindow, apply_window
 from app.model.text.language import tr
 from app.session.exchange.contour_tracking import ContourTracker
-from app.session.exchange.messages import Reconstruction, Report, Snapshot, sentence
+from app.session.exchange.messages import CommandFailed, Finished, Reconstruction, Report, Snapshot
 from app.session.tasks.tasks import Task
 from app.session.worker.commands import Command, CommandContext
 from cpm_core import Image, Parameters, Result, Skeleton
@@ -19,71 +20,52 @@ from cpm_core.contours import Agreement, agreement
 from cpm_core.field import ScaleField
 from cpm_core.model import ImageFields
 from cpm_core.numerics import Array, Place
-from cpm_core.segmentation import MethodState, Steerable
+from cpm_core.segmentation import Steerable
 
 
-@dataclass(frozen=True, slots=True)
-class Seek(Command):
+def seek(generation: int, branch: int, step: int, wanted: Callable[[], bool]) -> Command:
     """Pause the run and go to a step of a branch, unless by then another step is wanted."""
 
-    generation: int
-    branch: int
-    step: int
-    wanted: Callable[[], bool] = lambda: True
+    def work(context: CommandContext) -> None:
+        if generation == context.run.generation:
+            context.run.go_to(branch, step, lambda: wanted() and not context.closing())
 
-    latest_only = True
-    activity = tr("going to another step")
-
-    def execute(self, context: CommandContext) -> None:
-        """Go to the step."""
-        if self.generation == context.run.generation:
-            context.run.go_to(self.branch, self.step, lambda: self.wanted() and not context.closing())
+    return Command(work, tr("going to another step"), "seek")
 
 
-@dataclass(frozen=True, slots=True)
-class Compare(Command):
+def compare(generation: int, branch: int | None, step: int, against: Result | None) -> Command:
     """Report the state of a branch at a step, or at its last one; `branch` is None to end the comparison.
 
     Contours, which take longer, are compared only where `against` gives those that are shown.
     """
 
-    generation: int
-    branch: int | None
-    step: int
-    against: Result | None = None
-
-    latest_only = True
-    activity = tr("comparing branches")
-    topic = "comparing"
-
-    def execute(self, context: CommandContext) -> None:
-        """Recover the state and compare it."""
+    def work(context: CommandContext) -> None:
         run = context.run
-        if self.branch is None or self.generation != run.generation:
-            context.report(Compared(self.generation))
+        if branch is None or generation != run.generation:
+            context.report(Compared(generation))
             return
-        state = run.timeline.state(self.branch, self.step, lambda: not context.closing())
-        if state is None:
+        moment = run.moment(branch, step, lambda: not context.closing())
+        if moment is None:
             return
-        result = run.result_of(self.branch, state) if self.against is not None and state.step > 0 else None
+        result = run.result_of(branch, moment.state) if against is not None and moment.state.step > 0 else None
         apart = None
-        if self.against is not None and isinstance(result, Result):
-            apart = agreement(self.against.contours, result.contours)
-        context.report(Compared(self.generation, self.branch, state, state.position, result, apart))
+        if against is not None and isinstance(result, Result):
+            apart = agreement(against.contours, result.contours)
+        context.report(Compared(generation, branch, moment, result, apart))
+
+    return Command(work, tr("comparing branches"), "compare", partial(CommandFailed, topic="comparing"))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Compared(Report):
     """Another branch at the step that is shown; `branch` is None for no comparison.
 
-    `position`, shape (N, 2), holds its particles (row, col) [px of the image]; `apart` is the distance of its contours
-    from those that are shown.
+    `apart` is the distance of its contours from those that are shown.
     """
 
     generation: int
     branch: int | None = None
-    state: MethodState | None = None
-    position: Array | None = None
+    snapshot: Snapshot | None = None
     result: Result | Skeleton | None = None
     apart: Agreement | None = None
 
@@ -126,86 +108,70 @@ class Probed(Report):
         return self.sizes[name] if name in self.sizes else math.hypot(*self.forces[name])
 
 
-@dataclass(frozen=True, slots=True)
-class Probe(Command):
+def probe(generation: int, place: Place, reach: float) -> Command:
     """Report the forces on the particle nearest to a place (row, col), within `reach` [px of the image]."""
 
-    generation: int
-    place: Place
-    reach: float
-
-    latest_only = True
-    activity = tr("working out the forces on a particle")
-
-    def execute(self, context: CommandContext) -> None:
-        """Find the particle and report its forces."""
+    def work(context: CommandContext) -> None:
         method, state = context.run.method, context.run.state
-        if not isinstance(method, Steerable) or state is None or self.generation != context.run.generation:
-            context.report(Probed(self.generation, -1))
+        if not isinstance(method, Steerable) or state is None or generation != context.run.generation:
+            context.report(Probed(generation, -1))
             return
         position = state.position
-        distance = np.linalg.norm(position - self.place, axis=1)
+        distance = np.linalg.norm(position - place, axis=1)
         nearest = int(distance.argmin()) if len(distance) else -1
-        if nearest < 0 or distance[nearest] > self.reach:
-            context.report(Probed(self.generation, state.step))
+        if nearest < 0 or distance[nearest] > reach:
+            context.report(Probed(generation, state.step))
             return
         found = method.forces(state, context.run.parameters, context.run.charges, [nearest])
         if np.isnan(found.total).any():  # new regions delete it at the next step
-            context.report(Probed(self.generation, state.step))
+            context.report(Probed(generation, state.step))
             return
         size = 2.0**state.scale
         at = tuple(position[nearest].tolist())
         forces = {name: size * getattr(found, name)[0] for name in NAMES}
         sizes = {name: float(np.linalg.norm(force)) for name, force in forces.items()}
         identity = int(state.particles.identity[nearest])
-        context.report(Probed(self.generation, state.step, identity, at, forces, sizes=sizes))
+        context.report(Probed(generation, state.step, identity, at, forces, sizes=sizes))
 
-    def failure_report(self, error: Exception) -> Report:
-        """There is none."""
-        return Probed(self.generation, -1, trouble=sentence(error, self.activity))
+    activity = tr("working out the forces on a particle")
+    return Command(work, activity, "probe", lambda trouble: Probed(generation, -1, trouble=trouble))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class TakeFrame(Command):
-    """Report all that is shown of one step of a branch; the run itself continues.
+class FrameTaken:
+    """All that is shown in one frame, or an error message; `moment` is None when the run has been replaced."""
+
+    moment: Snapshot | None = None
+    contours: Reconstruction | None = None
+    sentence: str = ""
+
+
+def take_frame(
+    task: Task, generation: int, branch: int, step: int, contours: bool, then: Callable[[FrameTaken], object]
+) -> Command:
+    """Pass all that is shown of one step of a branch to `then`; the run itself continues.
 
     Nothing is done once the task is over.
     """
 
-    task: Task
-    generation: int
-    branch: int
-    step: int
-    contours: bool
+    def report(moment: Snapshot | None = None, found: Reconstruction | None = None, sentence: str = "") -> Report:
+        return Finished(partial(then, FrameTaken(moment, found, sentence)))
 
-    def execute(self, context: CommandContext) -> None:
-        """Recover the step and report it."""
+    def work(context: CommandContext) -> None:
         run = context.run
-        if self.generation != run.generation:
-            context.report(FrameTaken(self.task))
+        if generation != run.generation:
+            context.report(report())
             return
-        moment = run.moment(self.branch, self.step, lambda: not (self.task.over or context.closing()))
-        if moment is None or self.task.over:
+        moment = run.moment(branch, step, lambda: not (task.over or context.closing()))
+        if moment is None or task.over:
             return
-        contours = None
-        if self.contours and moment.state.step > 0:
-            result = run.result_of(self.branch, moment.state)
-            contours = Reconstruction.of(self.generation, result, ContourTracker(), thorough=False)
-        context.report(FrameTaken(self.task, moment, contours))
+        found = None
+        if contours and moment.state.step > 0:
+            result = run.result_of(branch, moment.state)
+            found = Reconstruction.of(generation, result, ContourTracker(), thorough=False)
+        context.report(report(moment, found))
 
-    def failure_report(self, error: Exception) -> Report:
-        """The animation cannot be made."""
-        return FrameTaken(self.task, sentence=sentence(error, tr("taking a picture of a step")))
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class FrameTaken(Report):
-    """All that is shown in one frame, or an error message; `moment` is None when the run has been replaced."""
-
-    task: Task
-    moment: Snapshot | None = None
-    contours: Reconstruction | None = None
-    sentence: str = ""
+    return Command(work, tr("taking a picture of a step"), failed=lambda sentence: report(sentence=sentence))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -218,48 +184,26 @@ class Shaded(Report):
     channel: str = "luminance"
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Shade(Command):
+def shade(image: Image, window: IntensityWindow, channel: str = "luminance") -> Command:
     """Make the display image of a channel for an intensity window."""
 
-    image: Image
-    window: IntensityWindow
-    channel: str = "luminance"
+    def work(context: CommandContext) -> None:
+        display = DisplayImage.of(apply_window(image.gray(channel), window))
+        context.report(Shaded(image, window, display, channel))
 
-    latest_only = True
-    activity = tr("changing the levels")
-
-    def execute(self, context: CommandContext) -> None:
-        """Make the display image."""
-        display = DisplayImage.of(apply_window(self.image.gray(self.channel), self.window))
-        context.report(Shaded(self.image, self.window, display, self.channel))
+    return Command(work, tr("changing the levels"), "shade")
 
 
 EDGES = "edges"
 """Topic of the messages on trouble with the edges."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class EdgesFound(Report):
-    """Fields of the image opened as `image_generation`, at its full size."""
+def find_edges(image_generation: int, parameters: Parameters, then: Callable[[ScaleField], object]) -> Command:
+    """Pass the fields of the image at its full size to `then`, if it is still current and its method has any."""
 
-    image_generation: int
-    scale_field: ScaleField
-
-
-@dataclass(frozen=True, slots=True)
-class FindEdges(Command):
-    """Report the fields of the image, if it is still the current one."""
-
-    image_generation: int
-    parameters: Parameters
-
-    latest_only = True
-    activity = tr("looking for edges")
-    topic = EDGES
-
-    def execute(self, context: CommandContext) -> None:
-        """Find them, unless the method has none."""
+    def work(context: CommandContext) -> None:
         fields: object = context.run.method
-        if self.image_generation == context.run.image_generation and isinstance(fields, ImageFields):
-            context.report(EdgesFound(self.image_generation, fields.scale_field(self.parameters)))
+        if image_generation == context.run.image_generation and isinstance(fields, ImageFields):
+            context.report(Finished(partial(then, fields.scale_field(parameters))))
+
+    return Command(work, tr("looking for edges"), "edges", partial(CommandFailed, topic=EDGES))

@@ -11,18 +11,21 @@ from typing import Any
 import numpy as np
 
 from app.model.document.document import Document
+from app.model.text.language import tr
+from app.session.exchange.contour_tracking import ContourTracker
 from app.session.exchange.mailbox import Mailbox, Pacer
-from app.session.exchange.messages import Overlays, Reconstruction, Snapshot
+from app.session.exchange.messages import Overlays, Reconstruction, Snapshot, sentence
 from app.session.timeline.moments import Erased, Joined, RunAction, Stepped
 from app.session.timeline.stored_runs import StoredRuns
 from app.session.timeline.timeline import Timeline
-from app.session.worker.prepared_methods import OverlayMaker, PreparedMethods
+from app.session.worker.prepared_methods import PreparedMethods, overlay
 from app.session.worker.reconstruction import Reconstructor, Request, edited
 from cpm_core import Image, Method, Parameters, PlacedCharge, Result, Skeleton
 from cpm_core.contours import HandEdit
 from cpm_core.formats import plain_shapes
 from cpm_core.image import AnyRegions
 from cpm_core.numerics import Place
+from cpm_core.parameters import invalidating
 from cpm_core.segmentation import MethodState, Steerable
 from cpm_core.shapes import ImageSeeds
 
@@ -59,15 +62,18 @@ class Run:
         self._prepared = prepared
         self._snapshots = snapshots
         self._reconstructor = reconstructor
-        self._overlays = OverlayMaker(overlays)
+        self._overlays = overlays
+        self._overlaid: frozenset[str] = frozenset()
+        self._overlays_of: tuple[object, ...] = ()
         self._erasures: dict[int, tuple[tuple[int, int], tuple[int, int]]] = {}
+        self._tracker = ContourTracker()
         self._remaining = 0.0
 
     # The image and the document
 
     def use(self, generation: int, method: Method[Any], parameters: Parameters) -> None:
         """Change to another image, with the method that is prepared for it."""
-        self.hand_edits = ()
+        self.hand_edits, self._tracker = (), ContourTracker()
         self.discard(generation)
         self.timeline.clear()
         self._erasures.clear()
@@ -98,14 +104,12 @@ class Run:
 
     def restore(self, stored: StoredRuns) -> str:
         """Take over the runs of a session, none of which is shown yet; what one of them failed at, if any."""
-        if self.method is not None:
-            self._reconstructor.number_as(self.method.image, stored.numbers)
+        self._tracker = ContourTracker(stored.numbers)
         return self.timeline.restore(stored, lambda method, document: method.start(self._prepared.seeds(document)))
 
     def stored(self, drawn: Mapping[int, Counter[Hashable]]) -> StoredRuns:
         """All runs for a session, with the numbers of their contours; `drawn` as for `Timeline.stored`."""
-        numbers = {} if self.method is None else self._reconstructor.numbers(self.method.image)
-        return replace(self.timeline.stored(drawn), numbers=numbers)
+        return replace(self.timeline.stored(drawn), numbers=self._tracker.places)
 
     def seeds_for(self, document: Document) -> ImageSeeds:
         """Seeds of the starts of a document that depend on the image."""
@@ -161,11 +165,10 @@ class Run:
         if self.state.stop_reason:
             self._remaining = 0.0
 
-    def turn_erasures(self, erasures: tuple[int, ...], back: bool) -> None:
-        """Go to the state before the last of some erasures, or to the one after it; stay where none removed any."""
-        known = [self._erasures[erasure] for erasure in erasures if erasure in self._erasures]
-        if known:
-            before, after = known[-1]
+    def turn_erasure(self, erasure: int, back: bool) -> None:
+        """Go to the state before an erasure, or to the one after it; stay where it removed nothing."""
+        if erasure in self._erasures:
+            before, after = self._erasures[erasure]
             self.go_to(*(before if back else after), lambda: True)
 
     def _do(self, action: RunAction, apart: bool = False) -> None:
@@ -177,7 +180,7 @@ class Run:
 
     def set_overlays(self, names: frozenset[str]) -> None:
         """Keep only these overlays up to date."""
-        self._overlays.want(names)
+        self._overlaid, self._overlays_of = names, ()
         self._refresh_overlays()
 
     def _go_on(self) -> bool:
@@ -189,7 +192,19 @@ class Run:
         return self._keep_going()
 
     def _refresh_overlays(self) -> None:
-        self._overlays.refresh(self.image_generation, self.method, self.parameters, self.charges)
+        """Compute the requested overlays if they would differ from the last ones; without a method there are none."""
+        made_of = [getattr(self.parameters, name) for name in invalidating("field")]
+        key = (self.method, self._overlaid, self.charges, *made_of)
+        if self.method is None or not self._overlaid or key == self._overlays_of:
+            return
+        arrays, trouble = {}, ""
+        for name in self._overlaid:
+            try:
+                arrays[name] = overlay(name, self.method, self.parameters, self.charges)
+            except Exception as error:  # the run does not depend on what is shown over the image
+                trouble = sentence(error, tr("preparing what lies over the image"))
+        self._overlays.put(Overlays(self.image_generation, arrays, trouble))
+        self._overlays_of = key
 
     # Steps
 
@@ -362,5 +377,5 @@ class Run:
         # While the user scrubs, only the step at which that ends needs its contours at once.
         last = not self.stepping and not looking_back
         self._reconstructor.ask(
-            Request(self.generation, self.method, self.state, self.parameters, last, self.hand_edits)
+            Request(self.generation, self.method, self.state, self.parameters, last, self.hand_edits, self._tracker)
         )

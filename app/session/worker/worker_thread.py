@@ -13,7 +13,7 @@ from app.model.text.language import tr
 from app.session.exchange.core_functions import Core
 from app.session.exchange.mailbox import Mailbox
 from app.session.exchange.messages import Overlays, Report, RunFailed, Snapshot, sentence
-from app.session.worker.commands import Command, CommandContext, Quit
+from app.session.worker.commands import QUIT, Command, CommandContext
 from app.session.worker.prepared_methods import PreparedMethods
 from app.session.worker.reconstruction import Reconstructor
 from app.session.worker.run import Run
@@ -77,23 +77,23 @@ class WorkerThread:
         """Stop between two steps, end both threads and wait for them."""
         if self._thread.is_alive():
             self._closing = True
-            self.post(Quit())
+            self.post(QUIT)
             self._thread.join()
             self.reconstructor.close()
 
     def _work(self) -> None:
-        while not isinstance(command := self._next(), Quit):
+        while (command := self._next()) is not QUIT:
             try:
                 if command is None:
                     self._run.step()
                 elif command.kind is None or command is self._newest[command.kind]:
-                    command.execute(self._context)
+                    command.work(self._context)
             except Exception as error:  # no error may end the thread
                 if command is None:
                     self._run.halt()
                     self._reports.append(RunFailed(self._run.generation, sentence(error, tr("taking a step"))))
                 else:
-                    self._reports.append(command.failure_report(error))
+                    self._reports.append(command.failed(sentence(error, command.activity)))
             self._executed += command is not None
 
     def _next(self) -> Command | None:

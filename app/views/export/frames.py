@@ -17,7 +17,7 @@ from app.session.scene import ReviewedContours, Scene
 from app.session.session import Session
 from app.session.signals import FILMING
 from app.session.tasks.tasks import Task
-from app.session.worker.requests import FrameTaken, TakeFrame
+from app.session.worker.requests import FrameTaken, take_frame
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.image_view import ImageView
 from app.views.canvas.items.item import image_rectangle
@@ -143,7 +143,6 @@ class FrameRecorder(QObject):
         self._timer = QTimer(self, interval=_INTERVAL)
         self._timer.timeout.connect(self._advance)
         self._timer.start()
-        session.listen(FrameTaken, self._take_frame)
         self._advance()
 
     def stop(self) -> None:
@@ -151,7 +150,6 @@ class FrameRecorder(QObject):
         if not self.over:
             self.over = True
             self._timer.stop()
-            self._session.stop_listening(FrameTaken, self._take_frame)
             self._renderer.close()
             self.deleteLater()
 
@@ -160,11 +158,11 @@ class FrameRecorder(QObject):
             self.stop()
         elif not self._due and self._waiting and self._frames.qsize() < _AHEAD:
             self._due = True
-            shown = self._renderer.shows_contours
-            self._session.post(TakeFrame(self._task, self._generation, *self._waiting[0], shown))
+            shown, place = self._renderer.shows_contours, self._waiting[0]
+            self._session.post(take_frame(self._task, self._generation, *place, shown, self._take_frame))
 
     def _take_frame(self, report: FrameTaken) -> None:
-        if report.task is not self._task or self.over or self._task.over:
+        if self.over or self._task.over:
             return
         self._due = False
         trouble = ""

@@ -62,8 +62,8 @@ class AnimationFeature(Feature):
         """Ask for the settings and the file of the animation, then write it."""
         navigation = self.window.workspace.navigation
         branch = navigation.place[0]
-        first, last = navigation.first, navigation.last(branch)
-        dialog = AnimationDialog(self.window, self.window.preferences, first, last, self._part)
+        last = navigation.last(branch)
+        dialog = AnimationDialog(self.window, self.window.preferences, 0, last, self._part)
 
         def ask_for_place() -> None:
             ending = f"_run{dialog.plan.suffix}"

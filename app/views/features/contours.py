@@ -116,10 +116,7 @@ class ContoursFeature(Feature):
         return key in _ENTER or key in _DELETE
 
     def _fill_colors(self, menu: QMenu) -> None:
-        fill_colors(menu, self.window, self._review.paint)
-        menu.setEnabled(True)
-        for action in menu.actions():
-            action.setEnabled(bool(self._review.selected))
+        fill_colors(menu, self.window, self._review.paint, bool(self._review.selected))
 
 
 class HandEditingFeature(Feature):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -26,7 +26,6 @@ from app.session.features.import_contours import (
 )
 from app.session.signals import EXPORTING, OPENING
 from app.session.tasks.tasks import Task
-from app.session.worker.commands import Copied
 from app.views.export.dialog import ExportDialog
 from app.views.widgets.actions import ActionSpec
 from app.views.window.dialogs import ALL_FILES, Button, Files, Question
@@ -122,29 +121,31 @@ class ClipboardFeature(Feature):
 
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
-        copy = window.session.copy_contours
+
+        def copy(suffix: str) -> Callable[[], None]:
+            return partial(window.session.copy_contours, suffix, partial(self._put_contours, suffix))
+
         self.actions = (
             ActionSpec("copy_svg", "Edit", "Copy contours as &SVG", "Copy the contours to the clipboard.",
-                       partial(copy, ".svg"), "Ctrl+C", gap=True, when=has_contours),
+                       copy(".svg"), "Ctrl+C", gap=True, when=has_contours),
             ActionSpec("copy_csv", "Edit", "Copy contours as &CSV", "Copy the contours to the clipboard.",
-                       partial(copy, ".csv"), when=has_contours),
+                       copy(".csv"), when=has_contours),
             ActionSpec("copy_geojson", "Edit", "Copy contours as &GeoJSON", "Copy the contours to the clipboard.",
-                       partial(copy, ".geojson"), when=has_contours),
+                       copy(".geojson"), when=has_contours),
             ActionSpec("copy_view", "Edit", "Copy &view as image",
                        "Copy the visible part of the image with its overlays to the clipboard.", self.copy_view,
                        "Ctrl+Shift+P", when=has_image),
         )  # fmt: skip
-        window.session.listen(Copied, self._put_contours)
 
     def copy_view(self) -> None:
         """Copy what the canvas shows."""
         QApplication.clipboard().setImage(self.window.canvas_area.canvas.grab().toImage())
         self.window.session.say(tr("The view is on the clipboard."), topic=EXPORTING)
 
-    def _put_contours(self, report: Copied) -> None:
+    def _put_contours(self, suffix: str, content: bytes) -> None:
         data = QMimeData()
-        data.setText(report.content.decode())  # most programs take text only
-        data.setData(_MIME[report.suffix], report.content)
+        data.setText(content.decode())  # most programs take text only
+        data.setData(_MIME[suffix], content)
         QApplication.clipboard().setMimeData(data)
         self.window.session.say(tr("The contours are on the clipboard."), topic=EXPORTING)
 
@@ -191,7 +192,9 @@ class ImportFeature(Feature):
         """Open the picture or the files on the clipboard, or read the contours on it."""
         data, session = QApplication.clipboard().mimeData(), self.window.session
         session.attempt(OPENING)
-        content = _contours_on(data)
+        kind = next(filter(data.hasFormat, _ON_CLIPBOARD), "")
+        text = data.text() if data.hasText() and not data.hasImage() else ""
+        content = bytes(data.data(kind).data()) if kind else text.encode()
         picture = data.imageData() if data.hasImage() else None
         if data.hasUrls():
             self.window.dropped.emit(data.urls())
@@ -237,14 +240,6 @@ class ImportFeature(Feature):
         elif answer == "truth" and path is not None:
             self.window.docks.reveal("truth")
             self.window.workspace.truth.load(path)
-
-
-def _contours_on(data: QMimeData) -> bytes:
-    """What is on the clipboard that may be contours."""
-    for kind in _ON_CLIPBOARD:
-        if data.hasFormat(kind):
-            return bytes(data.data(kind).data())
-    return data.text().encode() if data.hasText() and not data.hasImage() else b""
 
 
 def _explained(found: Imported) -> str:

@@ -24,7 +24,7 @@ from app.views.features.exchange import ImportFeature
 from app.views.files.folder_bar import FolderBar
 from app.views.files.recent_files import RecentFiles
 from app.views.files.start_screen import Entry, StartScreen
-from app.views.widgets.actions import ActionSpec, Submenu
+from app.views.widgets.actions import ActionSpec, Submenu, add_choice
 from app.views.window import dialogs
 from app.views.window.dialogs import ALL_FILES, SESSIONS, Button, Files, Question
 from app.views.window.window import Feature, MainWindow
@@ -170,9 +170,7 @@ class OpenSaveFeature(Feature):
     def fill_samples(self, menu: QMenu) -> None:
         """Fill a menu with the samples."""
         for sample in samples():
-            action = menu.addAction(sample.title)
-            action.triggered.connect(lambda _=False, path=sample.path: self.take([path]))
-            action.setStatusTip(sample.about)
+            add_choice(menu, sample.title, partial(self.take, [sample.path]), sample.about)
 
     def _ask_where(self) -> Path | None:
         path, name = self.document_file.path, self.document_file.name
@@ -363,10 +361,9 @@ class RecoveryFeature(Feature):
 
     def offer(self) -> None:
         """Offer to restore the unsaved work of earlier windows, and say what of it cannot be read."""
-        found = left_behind(self._folder)
-        if found.troubles:
-            self.window.session.say(" ".join(found.troubles), True, RECOVERY)
-        self._waiting = list(found.leftovers)
+        self._waiting, troubles = left_behind(self._folder)
+        if troubles:
+            self.window.session.say(" ".join(troubles), True, RECOVERY)
         self._ask()
 
     def close(self) -> bool:

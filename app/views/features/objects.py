@@ -77,7 +77,8 @@ class ObjectsFeature(Feature):
             ActionSpec("name_object", "Objects", "&Name…", "Give the chosen object a name.", self.ask_name, gap=True,
                        when=some),
             Submenu("object_class", "Objects", "C&lass", self._fill_classes),
-            Submenu("object_color", "Objects", "C&olor", self._fill_colors),
+            Submenu("object_color", "Objects", "C&olor",
+                    lambda menu: fill_colors(menu, window, objects.paint, bool(objects.chosen))),
             ActionSpec("freeze_object", "Objects", "&Freeze",
                        "Keep the objects as they are, and let particles not cross their boundaries.",
                        objects.toggle_frozen, when=some,
@@ -152,26 +153,19 @@ class ObjectsFeature(Feature):
             action.setChecked(category == objects.category)
             action.triggered.connect(partial(self._list.classify, category))
         menu.addSeparator()
-        menu.addAction(tr("Name this class…")).triggered.connect(self._name_class)
-        menu.addAction(tr("Color of this class…")).triggered.connect(self._paint_class)
+        number = objects.category
+        chosen = objects.classes[number - 1]
 
-    def _fill_colors(self, menu: QMenu) -> None:
-        fill_colors(menu, self.window, self._list.paint)
-        for action in menu.actions():
-            action.setEnabled(bool(self._list.chosen))
+        def rename() -> None:
+            label, button = tr("Name of class {number}:").format(number=number), tr("Use this name")
+            name = ask_for_text(self.window, tr("Name of the class"), label, button, chosen.name)
+            if name is not None:
+                self._list.name_class(number, name)
 
-    def _name_class(self) -> None:
-        objects = self._list.objects
-        known = objects.classes[objects.category - 1]
-        label = tr("Name of class {number}:").format(number=objects.category)
-        button = tr("Use this name")
-        name = ask_for_text(self.window, tr("Name of the class"), label, button, known.name)
-        if name is not None:
-            self._list.name_class(objects.category, name)
+        def paint() -> None:
+            color = QColorDialog.getColor(chosen.color, self.window, tr("Color of the class"))
+            if color.isValid():
+                self._list.name_class(number, chosen.name, color.name())
 
-    def _paint_class(self) -> None:
-        objects = self._list.objects
-        known = objects.classes[objects.category - 1]
-        color = QColorDialog.getColor(known.color, self.window, tr("Color of the class"))
-        if color.isValid():
-            self._list.name_class(objects.category, known.name, color.name())
+        menu.addAction(tr("Name this class…")).triggered.connect(rename)
+        menu.addAction(tr("Color of this class…")).triggered.connect(paint)

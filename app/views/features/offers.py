@@ -116,13 +116,22 @@ class StackFeature(Feature):
             return
         image = opened.image
         colored = image.colors is not None or opened.reading.color != "luminance"
-        self.dialog = PartDialog(self.window, opened.path.name, parts, opened.reading, image.ndim == 3, colored)
-        self.dialog.asked.connect(
-            lambda series: self._looking.ask(lambda: parts_of(opened.path, Reading(series=series))[0], self._show_parts)
+        self.dialog = dialog = PartDialog(
+            self.window, opened.path.name, parts, opened.reading, image.ndim == 3, colored
         )
-        self.dialog.chosen.connect(self._open)
-        self.dialog.finished.connect(self.dialog.deleteLater)
-        self.dialog.open()
+
+        def look(series: int) -> None:
+            self._looking.ask(lambda: parts_of(opened.path, Reading(series=series))[0], show)
+
+        def show(found: object) -> None:
+            if isinstance(found, Parts):
+                dialog.show_parts(found)
+
+        dialog.asked.connect(look)
+        dialog.chosen.connect(self._open)
+        dialog.finished.connect(self._looking.forget)
+        dialog.finished.connect(dialog.deleteLater)
+        dialog.open()
 
     # Internal
 
@@ -158,10 +167,6 @@ class StackFeature(Feature):
                 name=opened.path.name, parts=parts.counted, open=parts.taken(opened.reading, volume)
             )
             offer(sentence, *answers)
-
-    def _show_parts(self, found: object) -> None:
-        if self.dialog is not None and isinstance(found, Parts):
-            self.dialog.show_parts(found)
 
     def _open(self, as_volume: bool, reading: Reading) -> None:
         if self._opened is None:

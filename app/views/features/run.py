@@ -17,7 +17,7 @@ from app.model.state.situation import Situation, can_step, has_image, has_partic
 from app.model.text.language import tr, written
 from app.session.storage.presets import PresetStore
 from app.session.timeline.timeline import MEGABYTE
-from app.session.worker.commands import RunCall
+from app.session.worker.commands import run_call
 from app.session.worker.run import Run
 from app.views.canvas.items.item import image_rectangle
 from app.views.comparison.dialog import CompareDialog
@@ -25,7 +25,7 @@ from app.views.panels.parameters import ParametersPanel
 from app.views.panels.presets import Presets
 from app.views.panels.run import RunPanel
 from app.views.panels.timeline import TimelinePanel
-from app.views.widgets.actions import ActionSpec, Submenu
+from app.views.widgets.actions import ActionSpec, Submenu, add_choice
 from app.views.window.bars import TaskBar
 from app.views.window.docks import Panel
 from app.views.window.keyboard import Keys
@@ -47,7 +47,6 @@ class RunControlFeature(Feature):
         session, speed = window.session, window.speed
         self.panel = RunPanel()
         self.panels = (Panel("run", "Run", self.panel, height=140, shortcut="F5"),)
-        self._watched = False
         chosen = window.preferences.get(_PLOTS, list(self.panel.plot.shown))
         self.panel.plot.show_plots(chosen)
         self.panel.unfold(window.preferences.get(_UNFOLDED, []))
@@ -79,10 +78,7 @@ class RunControlFeature(Feature):
         shown, unfolded = self.panel.plot.shown, self.panel.unfolded
         self.window.preferences.put(_PLOTS, list(shown))
         self.window.preferences.put(_UNFOLDED, unfolded)
-        watched = "potential" in shown and "plots" in unfolded
-        if watched != self._watched:
-            self._watched = watched
-            self.window.session.post(RunCall(None, Run.watch_energy, watched))
+        self.window.session.post(run_call(None, Run.watch_energy, "potential" in shown and "plots" in unfolded))
 
     def _show(self) -> None:
         running = is_running(self.window.session.situation)
@@ -169,7 +165,7 @@ class TimelineFeature(Feature):
     def use_memory(self) -> None:
         """Give the timeline the memory that the preferences allow."""
         megabytes = int(self.window.preferences.value(TIMELINE_MEMORY))
-        self.window.session.post(RunCall(None, Run.set_timeline_budget, megabytes * MEGABYTE))
+        self.window.session.post(run_call(None, Run.set_timeline_budget, megabytes * MEGABYTE))
 
 
 class TasksFeature(Feature):
@@ -206,12 +202,9 @@ class ParametersFeature(Feature):
         session = self.window.session
         colored = session.image is not None and session.image.colors is not None
         for value, title, about in self.panel.choices[CHANNEL].control.choices:
-            action = menu.addAction(title)
-            action.setCheckable(True)
-            action.setChecked(value == session.document.parameters.channel)
+            take = partial(self.panel.change, CHANNEL, value)
+            action = add_choice(menu, title, take, about, value == session.document.parameters.channel)
             action.setEnabled(colored)
-            action.setStatusTip(about)
-            action.triggered.connect(lambda _=False, value=value: self.panel.change(CHANNEL, value))
 
 
 _LEAST_SEEN = 0.02

@@ -17,7 +17,7 @@ from app.views.canvas.layers.layer import Layer
 from app.views.canvas.pointed import selected_places
 from app.views.canvas.wipe import Wipe
 from app.views.panels.layer_list import LayersPanel
-from app.views.widgets.actions import LAYER, ActionSpec, Submenu
+from app.views.widgets.actions import LAYER, ActionSpec, Submenu, add_choice
 from app.views.window.docks import Panel
 from app.views.window.window import Feature, MainWindow
 from cpm_core import Result
@@ -36,17 +36,19 @@ class LayersFeature(Feature):
         super().__init__(window)
         area, canvas, workspace = window.canvas_area, window.canvas_area.canvas, window.workspace
         layers, particles, legend = canvas.layers, canvas.layers.particles, area.strip.legend
-        self._menu_state: tuple[object, ...] = ()
-        self._panel = LayersPanel(layers)
-        self.panels = (Panel("layers", "Layers", self._panel, tab="settings", shortcut="F8"),)
+        panel = LayersPanel(layers)
+        self.panels = (Panel("layers", "Layers", panel, tab="settings", shortcut="F8"),)
         canvas.pointed.connect(layers.forces.point_at)
         for layer in layers:
             layer.use_view_state(_kept(window.preferences, layer))
-            layer.changed.connect(self._follow)
+            layer.changed.connect(window.refresh)
         legend.fold(bool(window.preferences.get(_LEGEND, False)))
         legend.folded_changed.connect(lambda folded: window.preferences.put(_LEGEND, folded))
         legend.folded_changed.connect(window.refresh)
-        window.shortcuts.changed.connect(self._show_keys)
+        keys = window.shortcuts.keys
+        window.shortcuts.changed.connect(
+            lambda: panel.show_keys({layer.name: keys(f"{LAYER}{layer.name}") for layer in layers})
+        )
         workspace.review.selection_changed.connect(window.refresh)
         workspace.object_list.selection_changed.connect(window.refresh)
 
@@ -87,19 +89,6 @@ class LayersFeature(Feature):
             if layer.options:
                 self.window.preferences.put(_KEY.format(layer=layer.name), json.dumps(chosen))
         return True
-
-    def _follow(self) -> None:
-        """Refresh the menu, but only if something that it shows has changed."""
-        layers = self.window.canvas_area.canvas.layers
-        state = (*(layer.shown for layer in layers), layers.particles.word("colour"))
-        if state != self._menu_state:
-            self._menu_state = state
-            self.window.refresh()
-
-    def _show_keys(self) -> None:
-        """Name the keys of layers in their tooltips."""
-        keys = self.window.shortcuts.keys
-        self._panel.show_keys({name: keys(f"{LAYER}{name}") for name in self._panel.rows})
 
 
 def _kept(preferences: Preferences, layer: Layer) -> dict[str, object]:
@@ -174,10 +163,8 @@ class ComparingFeature(Feature):
 
     def _fill(self, menu: QMenu) -> None:
         for other in self._other.choices:
-            action = menu.addAction(other.title)
-            action.setCheckable(True)
-            action.setChecked(other == self._other.chosen)
-            action.triggered.connect(partial(self._other.choose, None if other == self._other.chosen else other))
+            chosen = other == self._other.chosen
+            add_choice(menu, other.title, partial(self._other.choose, None if chosen else other), checked=chosen)
 
     def _show_wipe(self) -> None:
         if self._other.chosen is None:

@@ -14,7 +14,6 @@ from app.model.text.language import tr
 from app.model.volume.slices import AXES, Slices
 from app.session.exchange.messages import Exported, Report
 from app.session.features.background import AsyncCache
-from app.session.features.stack_pages import WantedContour
 from app.session.scene import Scene
 from app.session.tasks.tasks import Task
 from app.views.canvas.image_view import ImageView
@@ -62,7 +61,7 @@ class SlicesFeature(Feature):
         self._draw_later(area.canvas)
         area.canvas.slice_wanted.connect(slices.go)
         window.session.scene_changed.connect(self._show)
-        window.preferences.follow(UNIT, self.show_again)
+        window.preferences.follow(UNIT, self.show_place)
         window.shortcuts.changed.connect(self.bar.show_keys)
 
         def several(situation: Situation) -> bool:
@@ -128,8 +127,12 @@ class SlicesFeature(Feature):
         self._show_sides(scene)
         if (scene.slices, scene.whole) != self._shown:
             self._shown = scene.slices, scene.whole
-            self.bar.show_slices(scene.slices, scene.whole)
+            self.show_place()
             self.window.canvas_area.canvas.point_again()
+
+    def show_place(self) -> None:
+        """Show where the slice is, in the unit that is preferred."""
+        self.bar.show_slices(*self._shown)
 
     def _show_sides(self, scene: Scene) -> None:
         """Draw the other two slices, and where all three meet."""
@@ -163,11 +166,6 @@ class SlicesFeature(Feature):
         self.sides += (view,)
         self.window.turns.ask(self._show)
 
-    def show_again(self) -> None:
-        """Show the size of a voxel in another unit."""
-        self._shown = (None, None)
-        self._show()
-
 
 _PAGES_MENU = "Run>" + tr("Pages of a &stack")
 
@@ -179,7 +177,7 @@ class PagesFeature(Feature):
         super().__init__(window)
         self._pages = pages = window.workspace.pages
         self.bar = PageBar()
-        self.panel = PagePanel(pages, WantedContour(pages, window.workspace.review).show)
+        self.panel = PagePanel(pages, pages.show)
         self.panels = (Panel("pages", "Pages", self.panel, "below", False, 160, "Shift+F11"),)
         self.bar.moved.connect(pages.open)
         self.bar.asked.connect(lambda: pages.cancel() if pages.running else pages.run())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from PySide6.QtWidgets import QMenu
 from app.model.text.language import tr
 from app.session.exchange.messages import Opened
 from app.session.storage.preferences import Preferences
+from app.views.widgets.actions import add_choice
 from cpm_core.formats import Reading, from_plain
 from cpm_core.formats.images.reading import DEFAULT
 
@@ -72,18 +74,13 @@ class RecentFiles:
         for number, path in enumerate(paths, start=1):
             name = path.name.replace("&", "&&")
             key = f"&{number} " if number < 10 else f"{number} "
-            action = menu.addAction(f"{key}{name}")
-            action.setEnabled(path.is_file())
-            tip = str(path) if action.isEnabled() else tr("{path} does not exist any more.").format(path=path)
-            action.setToolTip(tip)
-            action.setStatusTip(tip)
-            action.triggered.connect(lambda _=False, path=path: self._open_file(path))
+            there = path.is_file()
+            tip = str(path) if there else tr("{path} does not exist any more.").format(path=path)
+            add_choice(menu, f"{key}{name}", partial(self._open_file, path), tip).setEnabled(there)
         if not paths:
             menu.addAction(tr("Nothing yet")).setEnabled(False)
         menu.addSeparator()
-        clear = menu.addAction(tr("&Clear this list"))
-        clear.setEnabled(bool(paths))
-        clear.triggered.connect(self.clear)
+        add_choice(menu, tr("&Clear this list"), self.clear).setEnabled(bool(paths))
 
     @property
     def _kept(self) -> list[dict[str, Any]]:

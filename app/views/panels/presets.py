@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QAction, QKeyEvent
@@ -13,6 +14,7 @@ from app.model.document.document import Document
 from app.model.parameters.presets import Preset
 from app.model.text.language import reason, tr
 from app.session.storage.presets import PresetStore
+from app.views.widgets.actions import add_choice
 from app.views.window.dialogs import Button, Question, ask_for_text
 from app.views.window.window import MainWindow
 from cpm_core import PRESETS
@@ -65,12 +67,8 @@ class Presets(QToolButton):
     def fill(self, menu: QMenu) -> None:
         """Fill a menu with the presets and the actions on them."""
         for preset in self.store.presets:
-            action = menu.addAction(preset.name.replace("&", "&&"))
-            action.setCheckable(True)
-            action.setChecked(self.current is not None and preset.name == self.current.name)
-            action.setStatusTip(preset.about)
-            action.setToolTip(preset.about)
-            action.triggered.connect(lambda _=False, preset=preset: self.use(preset))
+            current = self.current is not None and preset.name == self.current.name
+            add_choice(menu, preset.name.replace("&", "&&"), partial(self.use, preset), preset.about, current)
         menu.addSeparator()
         menu.addActions([self.save, self.delete])
 

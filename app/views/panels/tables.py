@@ -40,6 +40,7 @@ from PySide6.QtWidgets import (
 from app.model.display.lengths import PixelSize
 from app.model.text.keys import with_keys
 from app.model.text.language import tr, written
+from app.views.widgets.actions import add_choice
 from app.views.widgets.containers import Scrolled, arrange, wrapped
 
 Row = TypeVar("Row")
@@ -298,12 +299,9 @@ class Table(QTableView):
         menu = QMenu(self)
         menu.setToolTipsVisible(True)
         for index, column in enumerate(self.rows.columns):
-            shown = menu.addAction(str(self.model().headerData(index, Qt.Orientation.Horizontal)))
-            shown.setToolTip(with_keys(column.tip))
-            shown.setCheckable(True)
-            shown.setChecked(not self.isColumnHidden(index))
+            title, hidden = str(self.model().headerData(index, Qt.Orientation.Horizontal)), self.isColumnHidden(index)
+            shown = add_choice(menu, title, partial(self._ask, index, hidden), with_keys(column.tip), not hidden)
             shown.setEnabled(index != self._wide)
-            shown.toggled.connect(partial(self._ask, index))
         menu.aboutToHide.connect(menu.deleteLater)
         menu.popup(self.horizontalHeader().mapToGlobal(point))
 

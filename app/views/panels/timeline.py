@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 
 from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, QSignalBlocker, QSize, Qt, QTimer
 from PySide6.QtGui import (
@@ -38,7 +39,7 @@ from app.session.timeline.stored_runs import Branch
 from app.views.theme import theme
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
-from app.views.widgets.actions import Actions
+from app.views.widgets.actions import Actions, add_choice
 from app.views.widgets.containers import arrange, wrapped
 from app.views.window.dialogs import ask_for_text
 
@@ -101,7 +102,7 @@ class TimelineView(QWidget):
         """Position of a step of a branch."""
         rows = [known.identity for known in self._navigation.branches]
         left, width = self._axis()
-        x = left + width * (step - self._navigation.first) / self._steps()
+        x = left + width * step / self._steps()
         return QPointF(x, _HEAD + _ROW * (rows.index(branch) + 0.5))
 
     def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
@@ -119,7 +120,7 @@ class TimelineView(QWidget):
     def _steps(self) -> int:
         """Number of steps of the axis."""
         lasts = [self._navigation.last(branch.identity) for branch in self._navigation.branches]
-        return max(max(lasts, default=0) - self._navigation.first, _SHORTEST)
+        return max(max(lasts, default=0), _SHORTEST)
 
     def _axis(self) -> tuple[float, float]:
         """Left end of the axis, right of the names, and its width [px]."""
@@ -129,7 +130,7 @@ class TimelineView(QWidget):
 
     def _step_at(self, x: float) -> int:
         left, width = self._axis()
-        return round(self._navigation.first + (x - left) / width * self._steps())
+        return round((x - left) / width * self._steps())
 
     def _base(self) -> float:
         """Vertical position of the axis, at the bottom of the visible part [px]."""
@@ -192,7 +193,7 @@ class TimelineView(QWidget):
             fast = 10 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1
             self._navigation.go(branch, step + fast * _KEYS[key])
         elif key in (Qt.Key.Key_Home, Qt.Key.Key_End):
-            self._navigation.go(branch, navigation.first if key == Qt.Key.Key_Home else navigation.last(branch))
+            self._navigation.go(branch, 0 if key == Qt.Key.Key_Home else navigation.last(branch))
         else:
             row = branches.index(branch) + (1 if key == Qt.Key.Key_Down else -1)
             other = branches[min(max(row, 0), len(branches) - 1)]
@@ -232,7 +233,7 @@ class TimelineView(QWidget):
         painter.drawLine(begin, self.point(identity, self._navigation.last(identity)))
         faint, text = self._color(QPalette.ColorRole.PlaceholderText), self._color(QPalette.ColorRole.WindowText)
         for step, scale in branch.scales:
-            if step > self._navigation.first or scale:
+            if step or scale:
                 at = self.point(identity, step)
                 painter.setPen(QPen(text, 1.4))
                 painter.drawLine(at - QPointF(0.0, 5.0), at + QPointF(0.0, 5.0))
@@ -252,9 +253,8 @@ class TimelineView(QWidget):
         painter.drawLine(QPointF(left, base), QPointF(left + width, base))
         half = self.fontMetrics().horizontalAdvance("0000000") / 2
         every = int(round_up(max(self._steps() * 2.4 * half / width, 1.0)))
-        first = -(-self._navigation.first // every) * every
-        for step in range(first, self._navigation.first + self._steps() + 1, every):
-            x = left + width * (step - self._navigation.first) / self._steps()
+        for step in range(0, self._steps() + 1, every):
+            x = left + width * step / self._steps()
             painter.drawLine(QPointF(x, base), QPointF(x, base + 3.0))
             painter.drawText(QRectF(x - half, base + 1.0, 2 * half, _FOOT), Qt.AlignmentFlag.AlignHCenter, f"{step}")
 
@@ -366,7 +366,7 @@ class TimelinePanel(QWidget):
         branch, step = navigation.place
         there, last, count = navigation.branch(branch) is not None, navigation.last(branch), len(navigation.branches)
         with QSignalBlocker(self.step):
-            self.step.setRange(navigation.first, max(last, step))
+            self.step.setRange(0, max(last, step))
             self.step.setValue(step)
         self.step.setEnabled(there)
         self._of.setText(tr("of {last}").format(last=last) if there else "")
@@ -392,27 +392,25 @@ class TimelinePanel(QWidget):
         others = [known for known in self._navigation.branches if known.identity != self._navigation.place[0]]
         self.compare.clear()
         for name, identity in ((tr("none"), None), *((known.name, known.identity) for known in others)):
-            action = self.compare.addAction(name.replace("&", "&&"))
-            action.setCheckable(True)
-            action.setChecked(identity == comparison.branch)
-            action.triggered.connect(lambda _=False, identity=identity: comparison.compare(identity))
+            compare, text = partial(comparison.compare, identity), name.replace("&", "&&")
+            add_choice(self.compare, text, compare, checked=identity == comparison.branch)
 
     def _show_difference(self) -> None:
         compared = self._navigation.comparison.found
         sentence = ""
-        if compared is not None and compared.state is not None:
+        if compared is not None and compared.snapshot is not None:
             words = (
                 tr("{there} particles at its last step, {here} here")
-                if compared.state.step < self._navigation.place[1]
+                if compared.snapshot.state.step < self._navigation.place[1]
                 else tr("{there} particles there, {here} here")
             )
-            sentence = words.format(there=compared.state.count, here=self._navigation.count)
+            sentence = words.format(there=compared.snapshot.state.count, here=self._navigation.count)
             apart = compared.apart
             if apart is not None and math.isfinite(apart.hausdorff):
                 template = tr("{particles}; contours {mean} px apart on average, {largest} px at most.")
                 mean, largest = written(f"{apart.mean_boundary_distance:.2f}"), written(f"{apart.hausdorff:.2f}")
                 sentence = template.format(particles=sentence, mean=mean, largest=largest)
-            self.difference.setToolTip(tr("Compared at step {step}.").format(step=compared.state.step))
+            self.difference.setToolTip(tr("Compared at step {step}.").format(step=compared.snapshot.state.step))
         self.difference.setText(sentence)
         self.difference.setVisible(bool(sentence))
 

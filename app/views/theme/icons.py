@@ -95,13 +95,15 @@ PALETTE: tuple[tuple[str, str], ...] = (
 """Hues after Okabe and Ito, with white instead of black because the canvas is dark."""
 
 
-def fill_colors(menu: QMenu, parent: QWidget, choose: Callable[[str], None]) -> None:
+def fill_colors(menu: QMenu, parent: QWidget, choose: Callable[[str], None], enabled: bool) -> None:
     """Fill a menu with colors; `choose` is called with ``"#rrggbb"``, or with an empty text for none."""
     for title, color in PALETTE:
         menu.addAction(swatch(color), title).triggered.connect(lambda _=False, color=color: choose(color))
     menu.addSeparator()
     menu.addAction(tr("Other color…")).triggered.connect(lambda: _ask(parent, choose))
     menu.addAction(tr("Color of its kind")).triggered.connect(lambda: choose(""))
+    for action in menu.actions():
+        action.setEnabled(enabled)
 
 
 def _ask(parent: QWidget, choose: Callable[[str], None]) -> None:

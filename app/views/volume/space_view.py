@@ -82,9 +82,6 @@ class SpaceView(QWidget):
     picked = Signal(object)
     """Position (plane, row, col) [voxels] that the user has clicked."""
 
-    drawn = Signal()
-    """A new picture is shown."""
-
     def __init__(self, session: Session) -> None:
         super().__init__()
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
@@ -271,7 +268,6 @@ class SpaceView(QWidget):
         if frame.coarseness == 1:
             self._seconds = frame.seconds
         self.update()
-        self.drawn.emit()
 
     def _at(self, point: QPointF) -> Place | None:
         """Position [voxels] of what is seen at a point, None where nothing is."""

@@ -231,6 +231,17 @@ def _plain(text: str) -> str:
     return text.replace("&", "")
 
 
+def add_choice(menu: QMenu, text: str, do: Callable[[], object], tip: str = "", checked: bool | None = None) -> QAction:
+    """Add something to a menu that is filled whenever it opens; with room for a check mark unless `checked` is None."""
+    action = menu.addAction(text)
+    action.setToolTip(tip)
+    action.setStatusTip(tip)
+    action.setCheckable(checked is not None)
+    action.setChecked(bool(checked))
+    action.triggered.connect(lambda _=False: do())
+    return action
+
+
 @runtime_checkable
 class MenuOwner(Protocol):
     """A widget with a menu; its own actions (`QWidget.actions`) come first in it."""

@@ -20,6 +20,7 @@ from cpm_core.formats.common.printable import cell, text_of_cell
 from cpm_core.formats.common.provenance import Outcome, entries_of, facts_of
 from cpm_core.formats.contours.contents import Contents
 from cpm_core.formats.contours.curves import ellipse
+from cpm_core.formats.images.resolution import in_ascii
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.pages.page import StackResult
 
@@ -64,8 +65,8 @@ def _vertices(result: Outcome) -> list[Row]:
         for vertex, (row, col) in enumerate(contour.points):
             place: Row = {"vertex": vertex + 1, "row": f"{row:.4f}", "col": f"{col:.4f}"}
             if result.unit:
-                place[_in_unit("x_{}", result)] = f"{col * result.spacing[1]:.7g}"
-                place[_in_unit("y_{}", result)] = f"{row * result.spacing[0]:.7g}"
+                place[f"x_{in_ascii(result.unit, '')}"] = f"{col * result.spacing[1]:.7g}"
+                place[f"y_{in_ascii(result.unit, '')}"] = f"{row * result.spacing[0]:.7g}"
             rows.append(fixed | place | common)
             if radii is not None:
                 rows[-1]["radius"] = f"{radii[index][vertex]:.4f}"
@@ -102,12 +103,12 @@ def _measures(result: Outcome) -> list[Row]:
         row |= {"closed": str(one.closed).upper(), "junctions": one.junctions, "inside": one.inside}
         row |= {"strength": f"{one.strength:.6g}", "contrast": "" if one.contrast is None else f"{one.contrast:.4f}"}
         row["length_px"] = f"{one.length:.4f}"
-        row["gross_area_px2"] = f"{one.area:.4f}" if one.closed else ""
-        row["net_area_px2"] = f"{one.net_area:.4f}" if one.closed else ""
+        areas = {"gross": (one.area, one.area_in_units), "net": (one.net_area, one.net_area_in_units)}
+        row |= {f"{name}_area_px2": f"{area:.4f}" if one.closed else "" for name, (area, _) in areas.items()}
         if result.unit:
-            row[_in_unit("length_{}", result)] = f"{one.length_in_units:.7g}"
-            row[_in_unit("gross_area_{}2", result)] = f"{one.area_in_units:.7g}" if one.closed else ""
-            row[_in_unit("net_area_{}2", result)] = f"{one.net_area_in_units:.7g}" if one.closed else ""
+            unit = in_ascii(result.unit, "")
+            row[f"length_{unit}"] = f"{one.length_in_units:.7g}"
+            row |= {f"{name}_area_{unit}2": f"{area:.7g}" if one.closed else "" for name, (_, area) in areas.items()}
         if edited:
             row["by_hand_px"] = f"{one.by_hand:.4f}"
         if objects:
@@ -160,11 +161,6 @@ def _on_pages(found: StackResult, tabulated: Callable[[Outcome], list[Row]]) -> 
 def provenance_cells(result: Outcome) -> Row:
     """Names and cells of the last columns."""
     return {name: cell(value) for name, value in entries_of(facts_of(result)).items()}
-
-
-def _in_unit(column: str, result: Outcome) -> str:
-    """Name of a column with the unit, in ASCII, as spreadsheets often take other letters for a wrong encoding."""
-    return column.format({"µm": "um"}.get(result.unit or "", result.unit))
 
 
 def table(rows: Sequence[Row], empty: Sequence[str] = ()) -> bytes:

@@ -168,14 +168,10 @@ def _result_from(plain: Mapping[str, Any]) -> Result:
         tuple(Bridge(_points(one), float(one["length"]), float(one["strength"])) for one in plain["bridges"]),
         channel=image.get("channel", "luminance"),
         provenance=Provenance(
-            facts.get("method", ""),
-            facts.get("parameters", {}),
-            facts.get("seeds"),
-            tuple(facts.get("shapes", ())),
-            facts.get("scale"),
-            facts.get("steered", False),
-            facts["image"].get("sha256", facts["image"].get("array_sha256", "")),
-            "array_sha256" not in facts["image"],
+            **{name: facts[name] for name in ("method", "parameters", "seeds", "scale", "steered") if name in facts},
+            shapes=tuple(facts.get("shapes", ())),
+            sha256=facts["image"].get("sha256", facts["image"].get("array_sha256", "")),
+            of_file="array_sha256" not in facts["image"],
         ),
     )
 

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import Measures, measure
@@ -75,20 +74,14 @@ def _measurements(contour: Contour, row: Measures, unit: str | None) -> dict[str
 
 
 def _geometry(contour: Contour, holes: Sequence[Contour]) -> Entries:
+    """A polygon whose rings run counterclockwise in (x, y) outside and clockwise inside, a line, or a point."""
+    from shapely.geometry import LineString, Point, Polygon, mapping
+    from shapely.geometry.polygon import orient
+
     if contour.closed and len(contour.points) > 2:
-        rings = [_ring(contour.points, 1.0), *(_ring(hole.points, -1.0) for hole in holes)]
-        return {"type": "Polygon", "coordinates": rings}
-    if len(contour.points) > 1:
-        return {"type": "LineString", "coordinates": pairs(contour.path)}
-    return {"type": "Point", "coordinates": pairs(contour.points)[0]}
-
-
-def _ring(points: NDArray[np.float64], turn: float) -> list[list[float]]:
-    """Ring of positions, the first repeated at the end: counterclockwise in (x, y) outside, clockwise inside."""
-    row, col = points.T
-    signed = float(col @ np.roll(row, -1) - np.roll(col, -1) @ row)
-    ring = pairs(points if signed * turn > 0 else points[::-1])
-    return [*ring, ring[0]]
+        return dict(mapping(orient(Polygon(pairs(contour.points), [pairs(hole.points) for hole in holes]))))
+    kind = LineString if len(contour.points) > 1 else Point
+    return dict(mapping(kind(pairs(contour.path if kind is LineString else contour.points))))
 
 
 def read(content: Any) -> Contents:

@@ -115,17 +115,15 @@ def read(text: str, plane: Plane) -> Contents:
     own = "data-closed" in text and root.find("{*}metadata") is not None
     frame, size, found.shape = _frame(root, plane, own)
     for element, matrix, look in _elements(root, frame, {}, found):
-        for points, closed in _lines_of(element, size):
-            places = points @ matrix[:2, :2].T + matrix[:2, 2]
-            if own and len(places) == 2 and np.array_equal(places[0], places[1]):
-                places = places[:1]  # a dot
-            found.add(places[:, ::-1], closed, **_known(element, look, own))
+        for places, closed in _lines_of(element, matrix, size):
+            dot = own and len(places) == 2 and np.array_equal(places[0], places[1])
+            found.add(places[: 1 if dot else None, ::-1], closed, **_known(element, look, own))
     return found
 
 
-def _frame(root: ET.Element, plane: Plane, own: bool) -> tuple[Array, tuple[float, float], tuple[int, int] | None]:
+def _frame(root: ET.Element, plane: Plane, own: bool) -> tuple[Any, tuple[float, float], tuple[int, int] | None]:
     """Matrix from the coordinates of a drawing to (x, y) in px, its width and height, and the shape of its image."""
-    from svgelements import Length
+    from svgelements import Length, Matrix
 
     box = [float(part) for part in re.split(r"[\s,]+", root.get("viewBox", "").strip()) if part]
     if len(box) != 4:
@@ -137,13 +135,13 @@ def _frame(root: ET.Element, plane: Plane, own: bool) -> tuple[Array, tuple[floa
         scales = plane.shape[1] / width, plane.shape[0] / height
         if abs(math.log(scales[0] / scales[1])) <= _SAME_ASPECT:
             across, down = scales
-    matrix = np.array([[across, 0.0, -across * x - 0.5], [0.0, down, -down * y - 0.5], [0.0, 0.0, 1.0]])
+    matrix = Matrix(across, 0.0, 0.0, down, -across * x - 0.5, -down * y - 0.5)
     return matrix, (width, height), (round(height), round(width)) if own else None
 
 
 def _elements(
-    parent: ET.Element, matrix: Array, look: dict[str, str], found: Contents, depth: int = 0
-) -> Iterator[tuple[ET.Element, Array, dict[str, str]]]:
+    parent: ET.Element, matrix: Any, look: dict[str, str], found: Contents, depth: int = 0
+) -> Iterator[tuple[ET.Element, Any, dict[str, str]]]:
     """Elements that are drawn, with the matrix from their coordinates to px and what they inherit."""
     from svgelements import Matrix
 
@@ -158,8 +156,7 @@ def _elements(
         if tag in _LEFT_OUT:
             found.left_out[_LEFT_OUT[tag]] += 1
             continue
-        own = Matrix(element.get("transform", ""))
-        placed = matrix @ np.array([[own.a, own.c, own.e], [own.b, own.d, own.f], [0.0, 0.0, 1.0]])
+        placed = Matrix(element.get("transform", "")) * matrix
         inherited = look | {name: value for name, value in style.items() if name in ("stroke", "fill")}
         if tag in ("g", "a", "svg", "switch"):
             yield from _elements(element, placed, inherited, found, depth + 1)
@@ -187,8 +184,8 @@ def _known(element: ET.Element, look: dict[str, str], own: bool) -> Entries:
     return known
 
 
-def _lines_of(element: ET.Element, size: tuple[float, float]) -> Iterator[tuple[Array, bool]]:
-    """The lines of an element (x, y), and whether each is closed; none of one that is no shape."""
+def _lines_of(element: ET.Element, matrix: Any, size: tuple[float, float]) -> Iterator[tuple[Array, bool]]:
+    """The lines of an element (x, y) in px, and whether each is closed; none of one that is no shape."""
     import svgelements
 
     tag = _tag(element)
@@ -200,7 +197,7 @@ def _lines_of(element: ET.Element, size: tuple[float, float]) -> Iterator[tuple[
         shape.render(ppi=_PER_INCH, width=size[0], height=size[1])
     path = svgelements.Path(shape)
     path.approximate_arcs_with_cubics()
-    for part in path.as_subpaths():
+    for part in abs(path * matrix).as_subpaths():
         # what follows a closed line begins where that did
         points = [] if isinstance(part[0], svgelements.Move) else [part[0].start]
         closed = False

@@ -14,6 +14,7 @@ from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.printable import printable
 from cpm_core.formats.images.decoded import Decoded, from_bands
 from cpm_core.formats.images.reading import Reading
+from cpm_core.formats.images.resolution import known_unit
 from cpm_core.formats.images.stack import Position, Stack, check_content, check_memory, file_beside, position_of
 
 READS = {".mha": "MetaImage volume", ".mhd": "MetaImage volume of two files"}
@@ -21,7 +22,6 @@ READS = {".mha": "MetaImage volume", ".mhd": "MetaImage volume of two files"}
 _BEGINNINGS = (b"ObjectType", b"NDims", b"ObjectSubType", b"Comment")
 _LONGEST_HEADER = 2**16
 _SIZES = {"CHAR": 1, "SHORT": 2, "INT": 4, "LONG": 4, "LONG_LONG": 8, "FLOAT": 4, "DOUBLE": 8}
-_UNITS = {"mm": "mm", "um": "µm", "cm": "cm"}
 
 
 def reads(head: bytes, _path: Path) -> bool:
@@ -109,7 +109,7 @@ def _position(entries: dict[str, str], axes: int) -> Position:
 
     sides = numbers("elementspacing", "elementsize")
     origin, matrix = numbers("offset", "position", "origin"), numbers("transformmatrix", "rotation", "orientation")
-    unit = None if sides is None else _UNITS.get(entries.get("distanceunits", "mm").lower(), "mm")
+    unit = None if sides is None else known_unit(entries.get("distanceunits", "mm")) or "mm"
     count = min(axes, 3)
     spacing = np.ones(3)
     if sides is not None:

@@ -17,6 +17,7 @@ from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.printable import printable
 from cpm_core.formats.images.decoded import Decoded, from_bands
 from cpm_core.formats.images.reading import Reading
+from cpm_core.formats.images.resolution import known_unit
 from cpm_core.formats.images.stack import Stack, check_content, position_of
 from cpm_core.parameters.quotation import shown
 
@@ -36,8 +37,6 @@ logging.getLogger("nibabel.global").setLevel(logging.CRITICAL + 1)
 
 _PART = 2**20
 """Bytes that are unpacked at once."""
-
-_UNITS = {"mm": "mm", "micron": "µm", "meter": "m"}
 
 
 def reads(head: bytes, path: Path) -> bool:
@@ -70,7 +69,7 @@ def stack(path: Path, _reading: Reading) -> Stack:
         stored = volume.get_data_dtype()
         image = Path(volume.file_map["image"].filename or path)
         check_content(image, math.prod(sizes) * stored.itemsize, _is_packed(image))
-        unit = _UNITS.get(volume.header.get_xyzt_units()[0])
+        unit = known_unit(volume.header.get_xyzt_units()[0])
         sides = [abs(float(side)) for side in (*volume.header.get_zooms()[:3], 1.0, 1.0)[2::-1]]
         spacing, _, geometry, notes = position_of(volume.affine, "RAS", sides, "mm")
         if unit is None:

@@ -23,6 +23,7 @@ _NAMES = {
     "millimeter": "mm",
     "cm": "cm",
     "m": "m",
+    "meter": "m",
 }
 
 _METERS = {"nm": 1e-9, MICROMETER: 1e-6, "mm": 1e-3, "cm": 1e-2, "m": 1.0}
@@ -42,6 +43,11 @@ def from_sizes(row: float, col: float, unit: str) -> Spacing:
 def factor(unit: str | None, other: str) -> float:
     """How many of another known unit one unit is; 0 where it is not known."""
     return _METERS.get(unit or "", 0.0) / _METERS[other]
+
+
+def in_ascii(unit: str | None, otherwise: str) -> str:
+    """A unit of length for files, as many programs take other letters for a wrong encoding."""
+    return "um" if unit == MICROMETER else unit or otherwise
 
 
 def known_unit(name: str) -> str | None:

@@ -130,9 +130,8 @@ def encode_tiff(result: Outcome, *, outlines: bool = False) -> bytes:
 
 def entries_for_imagej(result: Outcome, axes: str) -> Entries:
     """What ImageJ reads of a TIFF: its axes, the unit of its resolution, and how the labels were found."""
-    unit = {"µm": "um"}.get(result.unit or "pixel", result.unit or "pixel")
     info = "".join(f"{name}: {value}\n" for name, value in entries_of(facts_of(result)).items())
-    return {"axes": axes, "unit": unit, "Info": info}
+    return {"axes": axes, "unit": resolution.in_ascii(result.unit, "pixel"), "Info": info}
 
 
 def palette(count: int) -> NDArray[np.uint8]:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.provenance import PROGRAM, Outcome, facts_of, text_of
-from cpm_core.formats.images.resolution import factor, known_unit
+from cpm_core.formats.images.resolution import factor, in_ascii, known_unit
 from cpm_core.image.geometry import Convention, Geometry
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array
@@ -68,13 +68,11 @@ def mesh_of(result: Outcome, space: Convention = "LPS") -> Mesh:
     if surface is None or not len(surface.faces):
         raise ValueError(f"{result.source} has no surface: only runs on volumes find one.")
     facts = facts_of(result)
-    notes = PROGRAM, f"SPACE={space}", f"UNIT={unit_in_ascii(surface.unit)}", text_of(facts)
+    notes = PROGRAM, f"SPACE={space}", f"UNIT={in_ascii(surface.unit, 'voxel')}", text_of(facts)
     image, parameters = facts["image"], facts.get("parameters", {})
-    title = [*notes[:3]]
-    if digits := image.get("sha256", image.get("array_sha256", "")):
-        title.append(f"IMAGE={digits}")
-    title.append(f"METHOD={facts.get('method', '')}")
-    title += [f"{name}={value}" for name, value in parameters.items() if DEFAULTS.get(name) != value]
+    known = {"IMAGE": image.get("sha256", image.get("array_sha256", "")), "METHOD": facts.get("method", "")}
+    known |= {name: value for name, value in parameters.items() if DEFAULTS.get(name) != value}
+    title = [*notes[:3], *(f"{name}={value}" for name, value in known.items() if value != "")]
     matrix = (result.geometry or Geometry()).affine(surface.spacing, space)[:3, :3]
     # normals stay normal to what has been sheared, too; a mirrored volume reverses the sense of rotation
     turned = (surface.normals * surface.spacing) @ np.linalg.inv(matrix)
@@ -91,11 +89,6 @@ def mesh_of(result: Outcome, space: Convention = "LPS") -> Mesh:
         None if surface.numbers is None else surface.numbers.astype(np.int32),
         decimals_for(surface.spacing),
     )
-
-
-def unit_in_ascii(unit: str | None) -> str:
-    """A unit of length as files name it."""
-    return {"µm": "um"}.get(unit or "", unit or "voxel")
 
 
 def decimals_for(spacing: tuple[float, ...]) -> int:

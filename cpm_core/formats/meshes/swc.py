@@ -16,7 +16,8 @@ import scipy
 from cpm_core.formats.common.atomic import check_place, write_together
 from cpm_core.formats.common.content import AnyPath, content_of
 from cpm_core.formats.common.provenance import PROGRAM, facts_on, text_of
-from cpm_core.formats.meshes.coordinates import Place, decimals_for, place_of, positions, unit_in_ascii
+from cpm_core.formats.images.resolution import in_ascii
+from cpm_core.formats.meshes.coordinates import Place, decimals_for, place_of, positions
 from cpm_core.image.geometry import Convention, Geometry
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.centerlines import Branch, Centerlines
@@ -81,7 +82,7 @@ def encode(lines: Centerlines, geometry: Geometry | None = None, space: Conventi
             number.setdefault(end, parent)
             waiting.extend((*at_node[begin], *at_node[end]))
     facts = text_of(facts_on(lines.source, lines.provenance))
-    head = (PROGRAM, f"SPACE={space}", f"UNIT={unit_in_ascii(lines.unit)}", facts, "id type x y z radius parent")
+    head = (PROGRAM, f"SPACE={space}", f"UNIT={in_ascii(lines.unit, 'voxel')}", facts, "id type x y z radius parent")
     form = f"{{}} {_UNDEFINED}" + 4 * f" {{:.{decimals_for(lines.spacing)}f}}" + " {}\n"
     text = "".join(form.format(*row) for row in rows)
     return ("".join(f"# {line}\n" for line in head) + text).encode()

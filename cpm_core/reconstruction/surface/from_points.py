@@ -103,20 +103,16 @@ def estimated_normals(points: Array, apart: float) -> Array:
     forest = scipy.sparse.csgraph.minimum_spanning_tree(graph)
     forest = forest + forest.T
     for number in range(count):
-        _spread_sign(points, normals, forest, np.flatnonzero(part == number))
+        members = np.flatnonzero(part == number)
+        first = members[points[members, 0].argmax()]  # the outermost point, from which the sign spreads
+        if normals[first, 0] < 0.0:
+            normals[first] *= -1.0
+        order, before = scipy.sparse.csgraph.breadth_first_order(forest, first, directed=False)
+        for k in order[1:]:
+            if normals[k] @ normals[before[k]] < 0.0:
+                normals[k] *= -1.0
     normals[hollow(points, normals, part)[part]] *= -1.0
     return normals
-
-
-def _spread_sign(points: Array, normals: Array, forest: scipy.sparse.csr_array, members: Index) -> None:
-    """Turn the normals of a part outward, beginning with its outermost point."""
-    first = members[points[members, 0].argmax()]
-    if normals[first, 0] < 0.0:
-        normals[first] *= -1.0
-    order, before = scipy.sparse.csgraph.breadth_first_order(forest, first, directed=False)
-    for k in order[1:]:
-        if normals[k] @ normals[before[k]] < 0.0:
-            normals[k] *= -1.0
 
 
 def hollow(points: Array, normals: Array, part: Index) -> Mask:

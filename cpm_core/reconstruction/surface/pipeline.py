@@ -65,7 +65,11 @@ def find_surface(
     levels, normals = levels_at(volume, edge_map, points, size, step_width(smoothing))
     apart = typical_distance(points * size)
     width, band = max(_WIDTH * apart, _LEAST_WIDTH), max(_BAND * apart, _LEAST_BAND)
-    box = _box(points, volume.shape, band / size)
+    # the bands of all particles, and one voxel more on all sides
+    low = np.maximum(np.floor(points.min(0) - band / size).astype(np.int64) - 1, 0)
+    high = np.minimum(np.ceil(points.max(0) + band / size).astype(np.int64) + 2, volume.shape)
+    planes, rows, cols = (high - low + 2).tolist()
+    box = Box(low - 1, (planes, rows, cols))
     found = height(volume, box, levels, size, width, band)
     left_out = None if shut is None else _part_of(shut, box)
     sign = _settle(found, left_out)
@@ -88,14 +92,6 @@ def _part_of(shut: Mask, box: Box) -> Mask:
         for begin, count, n in zip(box.begin.tolist(), box.shape, shut.shape, strict=True)
     )
     return np.asarray(shut[np.ix_(*axes)])
-
-
-def _box(points: Array, shape: tuple[int, ...], band: Array) -> Box:
-    """The part of a volume that holds the bands of all particles, and one voxel more on all sides."""
-    low = np.maximum(np.floor(points.min(0) - band).astype(np.int64) - 1, 0)
-    high = np.minimum(np.ceil(points.max(0) + band).astype(np.int64) + 2, shape)
-    planes, rows, cols = (high - low + 2).tolist()
-    return Box(low - 1, (planes, rows, cols))
 
 
 def _settle(found: Single, left_out: Mask | None) -> float:

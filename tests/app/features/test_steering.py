@@ -7,7 +7,7 @@ import pytest
 from PySide6.QtCore import Qt
 
 from app.model.document import edits
-from app.session.worker.commands import RunCall
+from app.session.worker.commands import run_call
 from app.session.worker.run import Run
 from app.views.features.run import TimelineFeature
 from cpm_core.field.placed_charges import RADIUS, PlacedCharge
@@ -189,7 +189,7 @@ def test_steps_with_interventions_are_reproduced_exactly(begun, hand, shown) -> 
         hand.key(KEY.Key_Period)
         hand.wait(lambda: session.idle)
 
-    session.post(RunCall(None, Run.set_timeline_budget, 0))
+    session.post(run_call(None, Run.set_timeline_budget, 0))
     session.edit("charge", lambda document: edits.add_shape(document, Charge((20.0, 20.0))))
     take_a_step()
     session.edit("points", lambda document: edits.add_shape(document, Points(((5.0, 5.0), (8.0, 8.0)))))

@@ -127,5 +127,5 @@ def test_where_saving_fails_the_image_stays(window, hand, folder, monkeypatch) -
     window.feature(OpenSaveFeature).document_file.path = folder / "none" / "a.cpm"
     draw(window)
     hand.key(*NEXT)
-    assert "none" in window.canvas_area.messages.text
+    hand.wait(lambda: "none" in window.canvas_area.messages.text)
     assert name(window) == "hand1.npy"

@@ -99,18 +99,18 @@ def test_each_page_keeps_its_shapes_its_undo_and_its_run(stack, hand) -> None:
     assert len(found.contours) == 1
     go(stack, hand, page=2)
     assert isinstance(session.document.starts[0], Polygon)  # from the contours of the page before
-    assert not session.undo_name
+    assert not session.history.undo_name
     session.edit("draw region", lambda document: edits.add_shape(document, REGION))
     go(stack, hand, Qt.Key.Key_PageUp, page=1)
     hand.wait(lambda: session.status.step == done and bool(session.scene.contours.items))
     assert session.document == here
     np.testing.assert_array_equal(session.scene.contours.result.contours[0].points, found.contours[0].points)
-    assert session.undo_name == "draw circle"
+    assert session.history.undo_name == "draw circle"
     session.undo()
     assert session.document.shapes == ()
     session.redo()
     go(stack, hand, page=2)
-    assert session.undo_name == "draw region"
+    assert session.history.undo_name == "draw region"
     assert isinstance(session.document.shapes[-1], Region)
 
 
@@ -164,10 +164,10 @@ def test_a_page_that_was_run_in_the_background_shows_its_contours_and_undo_leads
     hand.wait(lambda: bool(session.scene.contours.items))
     assert session.status.phase == "finished"
     assert isinstance(session.document.starts[0], Polygon)
-    assert session.undo_name == "run all pages"
+    assert session.history.undo_name == "run all pages"
     session.undo()
     assert session.document.starts == before.starts
-    assert session.undo_name == "draw region"
+    assert session.history.undo_name == "draw region"
 
 
 def test_a_page_with_a_start_of_its_own_keeps_it(stack, hand) -> None:

@@ -75,7 +75,7 @@ class EditingMachine(RuleBasedStateMachine):
     @invariant()
     def same_document(self) -> None:
         assert self.editor.document == self.now
-        assert bool(self.editor.undo_name) == bool(self.past)
+        assert bool(self.editor.history.undo_name) == bool(self.past)
         assert self.editor.selected is None or self.editor.selected < len(self.now.shapes)
 
 

@@ -96,7 +96,7 @@ def test_buttons_hide_freeze_and_merge(window, hand, table) -> None:
     choose(hand, table, 1)
     assert not buttons["merge"].isEnabled()
     hand.qtbot.mouseClick(buttons["hide"], Qt.MouseButton.LeftButton)
-    assert layer.count == 1
+    assert layer.fills.count == 1
     assert (buttons["hide"].text(), table.column("state")[1]) == ("Show", "hidden")
     hand.qtbot.mouseClick(buttons["hide"], Qt.MouseButton.LeftButton)
     hand.qtbot.mouseClick(buttons["freeze"], Qt.MouseButton.LeftButton)

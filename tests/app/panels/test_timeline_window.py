@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import threading
-from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -11,7 +10,7 @@ from PySide6.QtCore import Qt
 
 from app.model.preferences.table import TIMELINE_MEMORY
 from app.session.timeline.timeline import MEGABYTE
-from app.session.worker.commands import Command, CommandContext
+from app.session.worker.commands import Command
 from app.session.worker.run import Run
 from app.views.features.run import TimelineFeature
 from app.views.features.view import ComparingFeature
@@ -183,21 +182,16 @@ def test_going_back_during_a_run_pauses_it(ready, hand) -> None:
     assert navigation(ready).last(1) >= 12
 
 
-@dataclass(frozen=True)
-class Wait(Command):
+def waiting(gate: threading.Event) -> Command:
     """Blocks the worker until it is released."""
-
-    gate: threading.Event
-
-    def execute(self, context: CommandContext) -> None:
-        assert self.gate.wait(20)
+    return Command(lambda _: gate.wait(20))
 
 
 def test_of_many_requested_steps_only_the_last_is_computed(rested, hand, monkeypatch) -> None:
     gone: list[int] = []
     go_to, gate = Run.go_to, threading.Event()
     monkeypatch.setattr(Run, "go_to", lambda run, *at: gone.append(at[1]) or go_to(run, *at))
-    rested.session.post(Wait(gate))
+    rested.session.post(waiting(gate))
     scrub(rested, hand, 1, *range(5, 60))
     step = navigation(rested).place[1]
     assert abs(step - 59) <= 1

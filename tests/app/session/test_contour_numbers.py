@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.session.exchange.contour_tracking import ContourNumbers, ContourTracker
+from app.session.exchange.contour_tracking import ContourTracker
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.review import Mark, anchor, outline_of
 from tests.core.contours.test_review import line, result_of, ring
@@ -21,11 +21,11 @@ RINGS = [ring(30 + 40 * (i // 3), 30 + 40 * (i % 3), 6.0 + i) for i in range(9)]
 @settings(max_examples=40, deadline=None)
 @given(st.lists(st.sets(st.integers(0, 8)), max_size=6), st.floats(-0.7, 0.7))
 def test_a_number_belongs_to_one_place_whatever_comes_and_goes(shown, off) -> None:
-    numbers = ContourNumbers()
+    tracker = ContourTracker()
     known: dict[int, int] = {}
     for count, present in enumerate(shown):
         contours = [moved(RINGS[index], off if count % 2 else -off) for index in present]
-        for index, number in zip(present, numbers.of(contours, settled=True), strict=True):
+        for index, number in zip(present, tracker.numbers(contours, lasting=True), strict=True):
             assert known.setdefault(index, number) == number
     assert len(set(known.values())) == len(known)
     assert sorted(known.values()) == list(range(1, len(known) + 1))
@@ -36,11 +36,11 @@ def moved(contour: Contour, by: float) -> Contour:
 
 
 def test_a_contour_that_a_filter_cuts_apart_has_its_number_again_when_it_is_whole_again() -> None:
-    numbers = ContourNumbers()
+    tracker = ContourTracker()
     whole, left, right = line((10, 10), (10, 110)), line((10, 10), (10, 50)), line((10, 58), (10, 110))
-    assert numbers.of([whole], settled=True) == (1,)
-    assert 2 in numbers.of([left, right], settled=True)
-    assert numbers.of([whole], settled=True) == (1,)
+    assert tracker.numbers([whole], lasting=True) == (1,)
+    assert 2 in tracker.numbers([left, right], lasting=True)
+    assert tracker.numbers([whole], lasting=True) == (1,)
 
 
 def test_a_kept_contour_that_a_run_lacks_is_shown_with_its_number_and_a_key_of_its_own() -> None:

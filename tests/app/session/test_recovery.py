@@ -80,7 +80,7 @@ def test_nothing_is_written_where_nothing_would_be_lost(window) -> None:
 def test_the_journal_of_an_open_window_is_not_offered(window) -> None:
     draw(window)
     assert written(window).exists()
-    assert left_behind(folder_of_journals()).leftovers == []
+    assert left_behind(folder_of_journals())[0] == []
     assert offer(window) is None
 
 
@@ -123,10 +123,10 @@ def test_what_is_discarded_is_gone_and_the_next_is_offered(window, image_file) -
 def test_what_is_left_for_later_is_offered_again_and_meanwhile_to_no_other_window(window, image_file) -> None:
     left = leave(folder_of_journals(), image_file)
     box = offer(window)
-    assert left_behind(folder_of_journals()).leftovers == []
+    assert left_behind(folder_of_journals())[0] == []
     press(box, "Ask me later")
     window.close()
-    (again,) = left_behind(folder_of_journals()).leftovers
+    (again,) = left_behind(folder_of_journals())[0]
     assert again.journal == left
     again.keep()
 

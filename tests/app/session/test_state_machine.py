@@ -154,13 +154,6 @@ class SessionMachine(RuleBasedStateMachine):
         self.session.redo()
         assert self.session.document == before
 
-    @rule(data=st.data())
-    def go_to(self, data: st.DataObject) -> None:
-        every = [*self.past, self.now, *reversed(self.future)]
-        done = data.draw(st.integers(0, len(every) - 1))
-        self.session.go_to(done)
-        self.past, self.now, self.future = every[:done], every[done], every[done + 1 :][::-1]
-
     # Run, pause, step, reset
 
     @rule()
@@ -204,7 +197,7 @@ class SessionMachine(RuleBasedStateMachine):
         """Whether the run has come to rest by the user's hand, so that it can be gone through."""
         self.session.pause()
         self.settle()
-        return self.session.status.step > 0 and self.navigation.last(self.navigation.place[0]) > self.navigation.first
+        return self.session.status.step > 0 and self.navigation.last(self.navigation.place[0]) > 0
 
     @rule(share=st.floats(0.0, 1.0))
     def seek(self, share: float) -> None:
@@ -212,7 +205,7 @@ class SessionMachine(RuleBasedStateMachine):
             return
         branch, first, last = (
             self.navigation.place[0],
-            self.navigation.first,
+            0,
             self.navigation.last(self.navigation.place[0]),
         )
         step = round(first + share * (last - first))
@@ -228,7 +221,7 @@ class SessionMachine(RuleBasedStateMachine):
             return
         before = {branch.identity: self.navigation.last(branch.identity) for branch in self.navigation.outline.branches}
         branch, last = self.navigation.place[0], self.navigation.last(self.navigation.place[0])
-        step = min(round(self.navigation.first + share * (last - self.navigation.first)), last - 1)
+        step = min(round(share * last), last - 1)
         self.navigation.go(branch, step)
         self.settle()
         self.edit(edits.set_parameter(self.now, "beta", beta))
@@ -278,7 +271,7 @@ class SessionMachine(RuleBasedStateMachine):
         if self.document_file.unsaved:
             file = load_session(self.journal.path)
             assert (file.shapes, file.parameters) == (self.now.shapes, self.now.parameters)
-        assert left_behind(self.folder / "journals").leftovers == []
+        assert left_behind(self.folder / "journals")[0] == []
 
     # Invariants
 
@@ -287,7 +280,6 @@ class SessionMachine(RuleBasedStateMachine):
         assert self.session.document == self.now
         assert bool(self.session.situation.undo_name) == bool(self.past)
         assert bool(self.session.situation.redo_name) == bool(self.future)
-        assert self.session.changes[1] == len(self.past)
         assert self.session.selected is None or self.session.selected < len(self.now.shapes)
 
     @invariant()

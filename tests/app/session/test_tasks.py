@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +15,7 @@ from app.session.exchange.core_functions import Core
 from app.session.exchange.messages import CommandFailed, Report
 from app.session.features.workspace import Workspace
 from app.session.tasks.tasks import Cancelled, Task, Tasks
-from app.session.worker.commands import Command, CommandContext
+from app.session.worker.commands import Command
 from app.views.application import make_application
 from app.views.features.run import TasksFeature
 from app.views.main_window import make_window
@@ -99,14 +98,9 @@ def test_closing_gives_everything_up_and_leaves_no_thread(tasks, reports) -> Non
     assert (tasks.idle, reports) == (True, [])
 
 
-@dataclass(frozen=True)
-class Wait(Command):
+def waiting(gate: threading.Event) -> Command:
     """Blocks the worker until it is released."""
-
-    gate: threading.Event
-
-    def execute(self, context: CommandContext) -> None:
-        assert self.gate.wait(20)
+    return Command(lambda _: gate.wait(20))
 
 
 class Gated:
@@ -180,7 +174,7 @@ def test_an_export_that_was_given_up_writes_nothing(ready, hand, tmp_path) -> No
     hand.key(Qt.Key.Key_Period)
     hand.wait(lambda: session.status.step == 1 and session.idle)
     gate = threading.Event()
-    session.post(Wait(gate))  # so that the export has not begun when it is cancelled
+    session.post(waiting(gate))  # so that the export has not begun when it is cancelled
     session.export(tmp_path / "a.csv")
     for task in session.tasks.current:
         task.cancel()

@@ -85,7 +85,7 @@ def test_a_drag_from_end_to_end_closes_the_contour_along_the_edge(gap, hand) -> 
     assert closed.length_by_hand == pytest.approx(RADIUS, rel=0.1)
     assert len(preview(hand)) == 0
     assert hand.canvas.layers.contours.by_hand.count == 1
-    assert gap.session.undo_name == "join contours"
+    assert gap.session.history.undo_name == "join contours"
 
 
 def test_shift_j_joins_the_selected_contours(gap, hand) -> None:

@@ -69,7 +69,7 @@ BAD = [
     ("skeleton ball.npy --volume --export a.svg", "end its name in .swc"),
     ("compare disk.png", "No start is given"),
     (f"compare disk.png {CIRCLE} --methods gfv", '"gfv" is no method: choose among cpm, object, snake'),
-    (f"compare disk.png {CIRCLE} --set gac.baloon=1", '"baloon" is no setting of gac: choose among balloon'),
+    (f"compare disk.png {CIRCLE} --set geodesic.baloon=1", '"baloon" is no setting of geodesic: choose among balloon'),
     ("compare disk.png --start line.svg", "has no closed contour"),
     (f"compare ball.npy {SPHERE} --methods gvf", "GVF snake is for images"),
     ("export own.cpm --to a.json --page 1", "--page is for contours in a stack"),

@@ -13,7 +13,6 @@ from unittest import mock
 from app.session.storage import session_file
 from app.session.storage.recovery import Journal
 from app.session.tasks import opening
-from app.session.worker.commands import Export, RunCall
 from app.session.worker.reconstruction import Reconstructor
 from app.session.worker.run import Run
 from cpm_core.segmentation.engine import Engine
@@ -22,11 +21,12 @@ LENGTHS = (0.0, 0.0, 0.0, 0.0005, 0.002, 0.008)
 """Delays before and after a piece of work, each as likely as another [s]."""
 
 PLACES: tuple[tuple[Any, str], ...] = (
-    (RunCall, "execute"),
+    (Run, "set_parameters"),
+    (Run, "go"),
     (Run, "step"),
     (Reconstructor, "_reconstruct"),
     (Engine, "result"),
-    (Export, "execute"),
+    (Run, "reconstruction"),
     (opening, "prepare"),
     (opening, "guessed_kind"),
     (Journal, "_put"),

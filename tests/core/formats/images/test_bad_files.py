@@ -19,7 +19,6 @@ from cpm_core.formats import load_image
 from cpm_core.formats.images import readers
 from cpm_core.formats.images.decoded import Decoded
 from cpm_core.formats.images.stack import Stack
-from cpm_core.image import colors
 from cpm_core.image.image import Image
 
 VALUES = (np.add.outer(np.arange(24) * 7, np.arange(30) * 5) % 251).astype(np.uint8)
@@ -227,16 +226,3 @@ def test_an_image_that_cannot_be_read_again_for_its_hash_is_refused(tmp_path, mo
 
     monkeypatch.setattr(readers.numpy_array, "stack", stack)
     assert "cannot be read: No such file" in failure_report(tmp_path / "a.npy")
-
-
-def test_colors_and_transparency_are_the_same_however_many_pixels_are_computed_at_once(tmp_path, monkeypatch):
-    clear = np.dstack([VALUES, VALUES[::-1], VALUES[:, ::-1], VALUES])
-    PIL.Image.fromarray(clear).save(tmp_path / "a.png")
-    whole = load_image(tmp_path / "a.png")
-    monkeypatch.setattr(colors, "_BLOCK", 7)
-    parts = load_image(tmp_path / "a.png")
-    np.testing.assert_array_equal(parts.values, whole.values)
-    np.testing.assert_array_equal(parts.colors.samples, whole.colors.samples)
-    opacity = VALUES / 255.0
-    red = VALUES * opacity + 255.0 * (1.0 - opacity)
-    np.testing.assert_array_equal(whole.colors.samples[..., 0], np.rint(red))

@@ -122,7 +122,7 @@ def solid_states(compiled_loops: None) -> list[State]:
 
 def test_a_run_in_a_volume_goes_on_from_a_state_that_was_read_to_the_same_end(solid_states) -> None:
     """Parameters, regions and charges are told by the actions of the run."""
-    for number in (1, len(solid_states) // 3, len(solid_states) // 2):
+    for number in (1, 2 * len(solid_states) // 3):
         state = solid_states[number]
         read = state_from_plain(json.loads(json.dumps(state_to_plain(state))), SOLID.image.shape, 2, SPACING)
         read = replace(read, steering=state.steering, regions=state.regions, charges=state.charges)

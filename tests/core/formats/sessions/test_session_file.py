@@ -147,7 +147,7 @@ sessions = st.builds(
 
 
 @given(sessions)
-@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_what_is_written_is_read_again_exactly(session: SessionFile) -> None:
     assert decode(encode(session, Path("/folder")), "a.cpm") == session
 
@@ -309,7 +309,7 @@ sound = encode(
 
 
 @given(st.lists(st.tuples(st.integers(0, len(sound) - 1), st.binary(max_size=3), st.integers(0, 9)), max_size=4))
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=15, deadline=None)
 def test_any_damage_is_told_or_does_not_matter(damages: list[tuple[int, bytes, int]]) -> None:
     content = sound
     for place, put, cut in damages:
@@ -335,7 +335,7 @@ tokens = st.sampled_from(
 
 
 @given(st.integers(0, 60), tokens)
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=15, deadline=None)
 def test_any_value_in_place_of_another_is_told_or_does_not_matter(which: int, token: str) -> None:
     found = list(_values.finditer(sound.decode()))
     match = found[which % len(found)]
