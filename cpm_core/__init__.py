@@ -57,11 +57,11 @@ and results, on axes of matplotlib.
 The **skeleton** is the middle line of an object with the distance to its boundary, from which the object can be
 reconstructed (`medial_axis`). It needs no seeds. In a volume it is the center lines
 of vessels (`medial_axis.centerlines`). Contours and skeletons both come from a `Method`, which the same loop
-runs step by step; `METHODS` has them by name.
+runs step by step.
 
 The **classical methods** that the publication argues against, snakes and level sets, stand beside the charged particles
 in `CONTOUR_METHODS`: from the same image and the same drawn `Start` each gives the states of a run, one after the other
-(`objects.methods`).
+(`objects.methods`). `METHODS` has all methods by name.
 
 Words
 -----
@@ -69,6 +69,10 @@ Positions are (row, col) in pixels, pixel centers at integers. *Idle* counts ste
 `State` is a moment of a run, from which the next one follows without any other memory; a `Result` is what a run has
 found; a `ScaleField` holds the fields of one scale.
 """
+
+from collections.abc import Mapping
+from types import MappingProxyType
+from typing import Any
 
 from cpm_core.contours.agreement import Comparison, compare
 from cpm_core.contours.contour import Bridge, Contour
@@ -128,9 +132,13 @@ from cpm_core.parameters import PARAMETERS, PRESETS, Parameters
 from cpm_core.reconstruction import reconstruct_curve, reconstruct_surface
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.evolve import Evolution, Evolved, evolve, segment
-from cpm_core.segmentation.method import METHODS, Method
+from cpm_core.segmentation.method import METHODS as RUN_METHODS
+from cpm_core.segmentation.method import Method
 
 __version__ = VERSION
+
+METHODS: Mapping[str, Any] = MappingProxyType({**CONTOUR_METHODS, **RUN_METHODS})
+"""All methods by name: classes that run step by step, each a `Method`, and the others, to compare with them."""
 
 __all__ = [
     "CONTOUR_METHODS",

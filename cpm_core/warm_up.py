@@ -70,7 +70,7 @@ def extras_once() -> None:
     engine.energies(state, _PARAMETERS, _CHARGES)
     clean(_IMAGE)
     start = Start((circle((15.5, 15.5), 5.0),))
-    run_method(CONTOUR_METHODS["gac"], Image(_IMAGE), start, max_steps=_STEPS)
+    run_method(CONTOUR_METHODS["geodesic"], Image(_IMAGE), start, max_steps=_STEPS)
 
 
 def volume_once() -> None:

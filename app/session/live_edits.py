@@ -8,7 +8,7 @@ When a start is moved or removed after the run has begun, the run is only marked
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -144,10 +144,9 @@ class Live:
         self._post(run_call(board.generation, Run.erase, path, radius, erasure.number))
         return rest, bool(lost) or self._reached(path, radius)
 
-    def turn(self, erasures: Sequence[Erasure], back: bool) -> None:
+    def turn(self, erasure: Erasure, back: bool) -> None:
         """Particles that were erased come back, or go again, and with them those of the shapes erased."""
-        for erasure in erasures:
-            self._execute(self._executed + erasure.sources if back else self._executed - erasure.sources)
+        self._execute(self._executed + erasure.sources if back else self._executed - erasure.sources)
 
     def _reached(self, path: tuple[Place, ...], radius: float) -> bool:
         """Whether particles are near a path, as far as the window knows; while they move, some px farther away."""

@@ -27,7 +27,7 @@ from app.session.scene import ReviewedContours, Scene
 from app.session.signals import EDITING, EXPORTING, OPENING, RUNNING, Board
 from app.session.tasks.opening import Opener, Wanted
 from app.session.tasks.tasks import Tasks
-from app.session.undo_history import Change, Erasure, History, Turned
+from app.session.undo_history import Change, Erasure, History
 from app.session.worker.commands import Command, RunsRestored, restore_runs, run_call, start, warm_up, write_contours
 from app.session.worker.run import Run
 from app.session.worker.worker_thread import WorkerThread
@@ -181,11 +181,11 @@ class Session(QObject):
 
     def undo(self) -> None:
         """Take back the last edit."""
-        self._turn(self.history.undo())
+        self._turn(self.history.undo(), back=True)
 
     def redo(self) -> None:
         """Repeat the edit that was undone last."""
-        self._turn(self.history.redo())
+        self._turn(self.history.redo(), back=False)
 
     def select(self, index: int | None) -> None:
         """Select a shape, or none; none, too, in place of one that could not be drawn."""
@@ -363,19 +363,18 @@ class Session(QObject):
 
     # Internal
 
-    def _turn(self, turned: Turned | None) -> None:
-        """Use the document that undo or redo leads to, and bring particles back or take them away again."""
-        if turned is None:
+    def _turn(self, change: Change | None, back: bool) -> None:
+        """Use the document before or after a change, and bring particles back or take them away again."""
+        if change is None:
             return
-        erasures = [change.erasure for change in turned.changes if change.erasure is not None]
-        if erasures:
+        if change.erasure is not None:
             goes_on = self.status.phase == "running"
-            self.live.turn(erasures, turned.back)
-            self.hold(run_call(None, Run.turn_erasures, tuple(one.number for one in erasures), turned.back))
+            self.live.turn(change.erasure, back)
+            self.hold(run_call(None, Run.turn_erasure, change.erasure.number, back))
             if goes_on:
                 self._board.phase("running")
                 self.post(run_call(self._board.generation, Run.go))
-        self._use(turned.document)
+        self._use(change.before if back else change.after)
 
     def _use(self, document: Document, complete: bool = True, before: Document | None = None) -> None:
         """Show another document, or the same one after the history has changed."""

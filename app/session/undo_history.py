@@ -36,15 +36,6 @@ class Change:
     erasure: Erasure | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Turned:
-    """What undo or redo leads to: a document, and the changes on the way there, and whether they were undone."""
-
-    document: Document
-    changes: tuple[Change, ...]
-    back: bool
-
-
 class History:
     """Changes that are done and undone."""
 
@@ -82,13 +73,13 @@ class History:
         """End a gesture: the next change is separate."""
         self._open = False
 
-    def undo(self) -> Turned | None:
+    def undo(self) -> Change | None:
         """Take the last change back, if there is one."""
-        return self._turn(self._done, self._undone, back=True)
+        return self._turn(self._done, self._undone)
 
-    def redo(self) -> Turned | None:
+    def redo(self) -> Change | None:
         """Repeat the change that was undone last, if there is one."""
-        return self._turn(self._undone, self._done, back=False)
+        return self._turn(self._undone, self._done)
 
     def on(self, image: ImageReference | None) -> History:
         """The same history for the image as it has been opened again, by another path perhaps.
@@ -103,10 +94,9 @@ class History:
                 ]  # fmt: skip
         return self
 
-    def _turn(self, source: list[Change], target: list[Change], *, back: bool) -> Turned | None:
+    def _turn(self, source: list[Change], target: list[Change]) -> Change | None:
         self._open = False
-        if not source:
-            return None
-        change = source.pop()
-        target.append(change)
-        return Turned(change.before if back else change.after, (change,), back)
+        if source:
+            target.append(source.pop())
+            return target[-1]
+        return None

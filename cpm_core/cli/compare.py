@@ -85,7 +85,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="+",
         action="extend",
         default=[],
-        help="settings of methods, such as gac.balloon=0.5 cpm.smoothing=2; of "
+        help="settings of methods, such as geodesic.balloon=0.5 cpm.smoothing=2; of "
         f"{'; of '.join(others)}; of {' and '.join(_OURS)}: the parameters of cpm run",
     )
     add(methods, "--preset", help=f"named settings (default: of {' and '.join(_OURS)} those of the session)")
@@ -96,7 +96,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         outcome,
         "--export",
         help="write the table (.csv), a picture of the methods side by side (.png), or the contours of each method in "
-        "a format of cpm run (such as .svg, .json, .tif): with several methods a file for each, such as a.gac.svg",
+        "a format of cpm run (such as .svg, .json, .tif): with several methods a file for each, such as a.geodesic.svg",
     )
 
 
@@ -204,7 +204,7 @@ def _settings(
         place, equals, value = text.partition("=")
         method, dot, name = place.partition(".")
         if not (equals and dot and name and value):
-            raise ValueError(f"--set is {shown(text)} but must be METHOD.NAME=VALUE, such as gac.balloon=0.5.")
+            raise ValueError(f"--set is {shown(text)} but must be METHOD.NAME=VALUE, such as geodesic.balloon=0.5.")
         if method not in found:
             raise ValueError(f"--set {shown(text)} is for {shown(method)}, which is none of the methods compared.")
         if name not in _names(method):

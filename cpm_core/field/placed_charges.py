@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.pyramid import to_scale
 from cpm_core.numerics.jit import compiled, inlined
-from cpm_core.numerics.real_numbers import real_numbers
+from cpm_core.numerics.real_numbers import checked_number, real_numbers
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.numerics.vectors import Vector, difference, dot, length, moved, row_of, scaled
 from cpm_core.parameters.quotation import shown
@@ -97,15 +97,12 @@ class PlacedCharge:
         if not np.isfinite(place).all():
             numbers = ", ".join(f"{number:g}" for number in place)
             raise ValueError(f"the position of a placed charge is ({numbers}) but must be finite.")
-        strength = self.strength
-        number = isinstance(strength, (int, float, np.number)) and not isinstance(strength, bool)
-        if not number or not abs(strength) <= STRONGEST:
-            raise ValueError(
-                f"the strength of a placed charge is {shown(strength)} but must be a number from {-STRONGEST:g} to "
-                f"{STRONGEST:g}."
-            )
+        wanted = f"a number from {-STRONGEST:g} to {STRONGEST:g}"
+        strength = checked_number(
+            "the strength of a placed charge", self.strength, lambda number: abs(number) <= STRONGEST, wanted
+        )
         object.__setattr__(self, "position", tuple(place.tolist()))
-        object.__setattr__(self, "strength", float(strength))
+        object.__setattr__(self, "strength", strength)
 
     def __repr__(self) -> str:
         return f"PlacedCharge({self.position}, {self.strength})"

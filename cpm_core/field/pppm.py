@@ -131,7 +131,13 @@ def mesh_field(f: Array, cell: float, iterations: int | None) -> Array:
     a potential of zero inside the mesh; by default there are as many as leave only the error of the mesh.
     """
     flat = f.ndim == 2
-    shares = [_shares(n, cell) for n in f.shape]
+    shares = []
+    for count in f.shape:
+        # centered on the image and of an odd number of nodes, so that a mirrored image has a mirrored mesh, including
+        # the order of relaxation, and the lumps fit
+        half = 0.5 * (count - 1)
+        nodes = _LUMP * math.ceil((half / cell + _MARGIN) / _LUMP)
+        shares.append(_hats((np.arange(count, dtype=np.float64) - half) / cell + nodes, 2 * nodes + 1))
     if flat:
         f, shares = f[None], [np.ones((1, 1)), *shares]
     charge = _carried(shares, -f)
@@ -145,22 +151,10 @@ def mesh_field(f: Array, cell: float, iterations: int | None) -> Array:
     usual = max(_SWEEPS, math.ceil(_SWEEPS_A_NODE * math.pi / math.sqrt(2.0 * (1.0 - radius))))
     sweeps = usual if iterations is None else iterations
     _relax(potential, 4.0 * math.pi * density, sweeps, radius, 0 if flat else 1)
-    back = [part.T for part in shares]
+    back = [part.T for part in shares]  # the same shares, so that no charge acts on itself, eq. (20)
     there = potential[: len(charge)]
-    field = np.stack([-_carried(back, _slope(there, axis)) for axis in range(int(flat), 3)]) / cell**2
+    field = np.stack([-_carried(back, np.gradient(there, axis=axis)) for axis in range(int(flat), 3)]) / cell**2
     return field[:, 0] if flat else field
-
-
-def _shares(count: int, cell: float) -> Array:
-    """Share of each of `count` pixels in a row of mesh nodes, eq. (19); shape (nodes, count).
-
-    The same shares carry charges to the mesh and the field back, so that no charge acts on itself, eq. (20). The mesh
-    is centered on the image and has an odd number of nodes, so that a mirrored image has a mirrored mesh, including the
-    order of relaxation, and the lumps fit.
-    """
-    half = 0.5 * (count - 1)
-    nodes = _LUMP * math.ceil((half / cell + _MARGIN) / _LUMP)
-    return _hats((np.arange(count, dtype=np.float64) - half) / cell + nodes, 2 * nodes + 1)
 
 
 def _hats(places: Array, count: int) -> Array:
@@ -175,14 +169,6 @@ def _carried(weights: Sequence[Array], values: Array) -> Array:
         product = np.asarray(scipy.sparse.csr_array(weight) @ lines.reshape(len(lines), -1))
         values = np.moveaxis(product.reshape(len(weight), *lines.shape[1:]), 0, axis)
     return values
-
-
-def _slope(values: Array, axis: int) -> Array:
-    """Central differences along an axis, zero on the faces of the mesh."""
-    slope = np.zeros(values.shape)
-    lines, out = np.moveaxis(values, axis, 0), np.moveaxis(slope, axis, 0)
-    out[1:-1] = 0.5 * (lines[2:] - lines[:-2])
-    return slope
 
 
 def _spread(charge: Array, flat: bool) -> Array:

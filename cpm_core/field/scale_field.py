@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, partial
 
@@ -147,10 +148,8 @@ class ScaleField:
 
     def with_barriers(self, barrier_map: BarrierMap) -> ScaleField:
         """The same field with other barriers; what has been derived from it is taken over."""
-        other = replace(self, barrier_map=barrier_map)
-        for name in ("spline", "potential", "slope"):
-            if name in self.__dict__:
-                other.__dict__[name] = self.__dict__[name]
+        other = copy(self)
+        object.__setattr__(other, "barrier_map", barrier_map)
         return other
 
     @property

@@ -220,16 +220,11 @@ def _edges(values: Array, pitch: Vector, sigma: float, interest: Mask | None) ->
     """Edges of a volume after a Gaussian of this sigma [units]; there are none outside `interest`."""
     smoothed = smoothed_volume(values, [sigma / side for side in pitch])
     edges = edge_strength(smoothed, pitch)
-    background = _background(edges, interest)
+    some = edges[::_EVERY, ::_EVERY, ::_EVERY] if interest is None else edges[interest]
+    background = _DEVIATIONS * float(np.percentile(some, 25.0)) / _MAXWELL_QUARTILE
     if interest is not None:
         edges[~interest] = 0.0
     return _Edges(sigma, smoothed, edges, background)
-
-
-def _background(edges: Single, interest: Mask | None) -> float:
-    """Edge strength that the background of what is of interest rarely exceeds; 0 for a flat background."""
-    some = edges[::_EVERY, ::_EVERY, ::_EVERY] if interest is None else edges[interest]
-    return _DEVIATIONS * float(np.percentile(some, 25.0)) / _MAXWELL_QUARTILE
 
 
 def smoothed_volume(values: Array, sigmas: list[float]) -> Single:

@@ -33,7 +33,7 @@ _RIDGE_STEP, _LONGEST_STEP, _SHORTEST_STEP = 0.7, 0.6, 0.01
 
 
 @compiled
-def felt_at(
+def force_at(
     smoothed: Single, edges: Single, far: Single, pitch: Vector, block: Vector, floor: float, place: Vector
 ) -> tuple[Vector, Vector, float, float, float]:
     """Force at a place, normal, edge strength, relative slope of the edge map, and how much of the force it is."""
@@ -62,12 +62,12 @@ def force_on_voxels(
     last: int,
     out: Single,
 ) -> None:
-    """`felt_at` of the voxels of some planes, shape (3, P, R, C)."""
+    """`force_at` of the voxels of some planes, shape (3, P, R, C)."""
     for i in range(first, last):
         for j in range(edges.shape[1]):
             for k in range(edges.shape[2]):
                 place = (i * pitch[0], j * pitch[1], k * pitch[2])
-                force = felt_at(smoothed, edges, far, pitch, block, floor, place)[0]
+                force = force_at(smoothed, edges, far, pitch, block, floor, place)[0]
                 out[0, i, j, k], out[1, i, j, k], out[2, i, j, k] = force
 
 

@@ -204,8 +204,7 @@ class Image(drawing.Pictured):
         sizes = _sizes(self.source, spacing, self.ndim)
         geometry = None if self.geometry is None else self.geometry.scaled(factor)
         made = copy.copy(self)
-        for name, given in (("spacing", sizes), ("unit", unit), ("geometry", geometry)):
-            object.__setattr__(made, name, given)
+        vars(made).update(spacing=sizes, unit=unit, geometry=geometry)
         return made
 
     def cut(self, axis: int, index: int) -> Image:
@@ -213,10 +212,8 @@ class Image(drawing.Pictured):
         sides = tuple(side for other, side in enumerate(self.spacing) if other != axis)
         made = object.__new__(type(self))
         values = self.values[(slice(None),) * axis + (index,)]
-        given = {"values": values, "spacing": sides, "unit": self.unit, "source": self.source}
-        known = {"notes": (), "colors": None, "file_sha256": "", "geometry": None}
-        for name, value in (given | known).items():
-            object.__setattr__(made, name, value)
+        vars(made).update(values=values, spacing=sides, unit=self.unit, source=self.source)
+        vars(made).update(notes=(), colors=None, file_sha256="", geometry=None)
         return made
 
     @property

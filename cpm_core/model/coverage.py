@@ -108,13 +108,13 @@ def idle_at(coverage: Coverage, positions: Array, step: int, elsewhere: int) -> 
     return np.where(newest == NEVER, elsewhere, step - newest.astype(np.int64))
 
 
-def renewed(coverage: Coverage, step: int) -> Coverage:
+def with_times_reset(coverage: Coverage, step: int) -> Coverage:
     """Coverage as if all covered cells had been newly covered at this step."""
     found, latest = (np.where(steps == NEVER, steps, np.int32(step)) for steps in coverage[:2])
     return Coverage(found, latest, coverage.size)
 
 
-def renewed_near(coverage: Coverage, places: Array, reach: float, step: int) -> Coverage:
+def with_times_reset_near(coverage: Coverage, places: Array, reach: float, step: int) -> Coverage:
     """Coverage as if all cells within reach of positions, shape (K, D) [px], were near a newly covered cell."""
     latest = coverage.latest.copy()
     for place in places:

@@ -15,6 +15,7 @@ import scipy
 from cpm_core.model.state import MEMORY, Particles
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.parameters import Parameters
 
 _SOFTNESS = 0.5
 """Slope of the normalized Coulomb force near equilibrium; with it the integrator keeps the stiffest mode of a chain of
@@ -115,6 +116,17 @@ def advance(
     )
 
 
+_UNDER_WAY, _LEAST_BETA = 0.3, 0.1
+"""Fraction of the speed that the field alone gives a particle above which it is under way, and the least damping with
+which that speed is estimated."""
+
+
+def is_fast(velocity: Array, parameters: Parameters) -> Mask:
+    """Which particles of these velocities, shape (N, D), move so fast that the field alone must drive them."""
+    driven = parameters.w2 / max(parameters.beta, _LEAST_BETA)
+    return np.asarray(np.einsum("ni,ni->n", velocity, velocity) > (_UNDER_WAY * driven) ** 2)
+
+
 @compiled
 def is_stuck(pull: float, speed: float, w1: float, idle: int) -> bool:
     """Whether static friction holds a particle on an edge: its speed and the force `pull` along the edge are small.
@@ -188,7 +200,7 @@ def first_of(position: Array, distance: float, apart: Callable[[Index, Index], M
 
     `apart` says of pairs of places, by their indices, which are not in each other's way although they are near.
     """
-    kept = np.ones(len(position), np.bool_)
+    kept = [True] * len(position)
     if len(position):
         pairs = scipy.spatial.cKDTree(position).query_pairs(distance, output_type="ndarray")
         pairs = pairs[np.lexsort(pairs.T)]
@@ -196,16 +208,9 @@ def first_of(position: Array, distance: float, apart: Callable[[Index, Index], M
         near = np.sqrt(((position[one] - position[other]) ** 2).sum(axis=1)) < distance
         if apart is not None:
             near &= ~apart(one, other)
-        _drop_second(pairs[near], kept)
-    return kept
-
-
-@compiled
-def _drop_second(pairs: Index, kept: Mask) -> None:
-    """Drop the second place of each pair whose first one stays, in the order of the second ones."""
-    for n in range(len(pairs)):
-        if kept[pairs[n, 0]]:
-            kept[pairs[n, 1]] = False
+        for first, second in pairs[near].tolist():  # in the order of the second ones
+            kept[second] = kept[second] and not kept[first]
+    return np.array(kept, np.bool_)
 
 
 STRIDE, STRIDE_ROOM = 0.9, 0.8

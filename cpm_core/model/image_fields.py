@@ -126,7 +126,7 @@ class ImageFields:
             found: ScaleField = self._at(scale, parameters)
         return found
 
-    def charged(self, field: ScaleField, scale: int, charges: Charges) -> ScaleField:
+    def _field_with(self, field: ScaleField, scale: int, charges: Charges) -> ScaleField:
         """A scale field with placed charges; in a volume, where particles feel these directly, the field itself."""
         return field if not charges or self.image.ndim == 3 else self._charged(field, scale, charges)
 

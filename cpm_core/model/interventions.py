@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from cpm_core.field.placed_charges import REACH, Charges, PlacedCharge, changed, near_charges, placed_in, radius_at
 from cpm_core.image.pyramid import shape_of_scale, to_image, to_scale
 from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.model.coverage import no_coverage, no_surface, renewed, renewed_near
+from cpm_core.model.coverage import no_coverage, no_surface, with_times_reset, with_times_reset_near
 from cpm_core.model.starts import allowed_by, inside_image, starting_points
 from cpm_core.model.state import Particles, State
 from cpm_core.numerics.types import Array
@@ -33,7 +33,7 @@ def reactivated(state: State) -> State:
     return replace(
         state,
         particles=state.particles.woken_at(state.step_of_scale),
-        coverage=renewed(state.coverage, state.step_of_scale),
+        coverage=with_times_reset(state.coverage, state.step_of_scale),
         annealed=1.0,
         erased=False,
         reactivated=state.step_of_scale,
@@ -61,7 +61,7 @@ def reactivated_near(state: State, charges: Charges) -> State:
         return replace(
             state, particles=woken, charges=charges, annealed=1.0, reactivated=step, idle=0, quiet=0, reseedings=0
         )
-    coverage = renewed_near(state.coverage, others[:, :2], REACH * 0.5**state.scale, step)
+    coverage = with_times_reset_near(state.coverage, others[:, :2], REACH * 0.5**state.scale, step)
     valid = state.mesh is not None and len(state.mesh.force) > 0  # else all particles may have been at rest
     mesh = state.mesh if valid else None
     return replace(state, charges=charges, coverage=coverage, annealed=1.0, reactivated=step, quiet=0, mesh=mesh)

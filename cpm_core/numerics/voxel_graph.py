@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from itertools import product
 from typing import NamedTuple
 
@@ -144,7 +145,7 @@ def _traced(voxels: Index, neighbors: list[list[int]], junction: Index, centers:
 def _chain(way: list[int], voxels: Index, neighbors: list[list[int]], junction: Index, centers: Array) -> Chain:
     """A chain with the junctions at its ends."""
     own = voxels[way]
-    at = [_junction_at(way[k], neighbors, junction) for k in (0, -1)]
+    at = [next((int(junction[n]) for n in neighbors[end] if junction[n] >= 0), -1) for end in (way[0], way[-1])]
     if len(way) == 1:  # between two junctions, or at one
         touched = sorted({int(junction[n]) for n in neighbors[way[0]] if junction[n] >= 0})
         at = [*touched[:2], *[-1] * (2 - len(touched[:2]))]
@@ -160,10 +161,6 @@ def _chain(way: list[int], voxels: Index, neighbors: list[list[int]], junction: 
     )
     free = (at[0] < 0) != (at[1] < 0)
     return Chain(np.concatenate(pieces), own, (first, last), (0 if at[0] < 0 else 1) if free else -1)
-
-
-def _junction_at(voxel: int, neighbors: list[list[int]], junction: Index) -> int:
-    return next((int(junction[n]) for n in neighbors[voxel] if junction[n] >= 0), -1)
 
 
 _OFF_GRID = np.array([0.0317, 0.0271, 0.0193])
@@ -199,43 +196,29 @@ def _filled(mask: Mask) -> Mask:
 
 
 def _cycles(chains: list[Chain]) -> list[Array]:
-    """A loop for each chain beyond those of a spanning tree: the chain, and the way back through the tree."""
-    way: dict[int, tuple[int, Array]] = {}  # node -> the one before it, and the points from there
-    places: dict[int, list[tuple[int, int, Array]]] = {}
-    for k, chain in enumerate(chains):
-        places.setdefault(chain.nodes[0], []).append((k, chain.nodes[1], chain.points))
-        places.setdefault(chain.nodes[1], []).append((k, chain.nodes[0], chain.points[::-1]))
-    seen: set[int] = set()
-    used: set[int] = set()
+    """A loop for each chain whose ends other chains before it connect: the chain, and the way back along those."""
+    ways: dict[int, list[tuple[int, Array]]] = defaultdict(list)
     loops = []
-    for root in places:
-        if root in seen:
-            continue
-        seen.add(root)
-        waiting = [root]
-        while waiting:
-            node = waiting.pop(0)
-            for k, other, points in places[node]:
-                if k in used:
-                    continue
-                used.add(k)
-                if other in seen:
-                    back = _way_up(way, node), _way_up(way, other)
-                    loops.append(np.concatenate([back[0][::-1], points, back[1]]))
-                else:
-                    seen.add(other)
-                    way[other] = node, points
-                    waiting.append(other)
+    for chain in chains:
+        first, last = chain.nodes
+        back = _way(ways, last, first)
+        if back is None:
+            ways[first].append((last, chain.points))
+            ways[last].append((first, chain.points[::-1]))
+        else:
+            loops.append(np.concatenate([chain.points, *back]))
     return loops
 
 
-def _way_up(way: dict[int, tuple[int, Array]], node: int) -> Array:
-    """The points from a node to the root of its tree."""
-    pieces = [np.empty((0, 3))]
-    while node in way:
-        node, points = way[node]
-        pieces.append(points[::-1])
-    return np.concatenate(pieces)
+def _way(ways: dict[int, list[tuple[int, Array]]], start: int, end: int) -> list[Array] | None:
+    """The points of the chains along the one way through a forest; None where there is none."""
+    waiting: list[tuple[int, int, list[Array]]] = [(start, -1, [])]
+    while waiting:
+        node, before, pieces = waiting.pop()
+        if node == end:
+            return pieces
+        waiting += [(other, node, [*pieces, points]) for other, points in ways[node] if other != before]
+    return None
 
 
 def linking_number(one: Array, other: Array) -> int:

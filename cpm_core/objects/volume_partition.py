@@ -265,9 +265,5 @@ def _as_places(given: ArrayLike) -> Array:
 
 def _most_frequent(group: Index, value: Index) -> Index:
     """The value that most members of each group have."""
-    most = int(value.max(initial=0)) + 1
-    pairs, counts = np.unique(group * most + value, return_counts=True)
-    order = np.argsort(counts, kind="stable")
-    found = np.zeros(int(group.max(initial=-1)) + 1, np.int64)
-    found[pairs[order] // most] = pairs[order] % most  # the last one written is the most frequent
-    return found
+    most, groups = int(value.max(initial=0)) + 1, int(group.max(initial=-1)) + 1
+    return np.bincount(group * most + value, minlength=groups * most).reshape(groups, most).argmax(axis=1)

@@ -152,7 +152,7 @@ class Engine(ImageFields):
         if state.stop_reason:
             return state
         state = interventions.applied(state, self.regions, parameters, charges)
-        field = self.charged(self._field_of(state, parameters), state.scale, state.charges)
+        field = self._field_with(self._field_of(state, parameters), state.scale, state.charges)
         after: State = self._laws.stepped(state, field, self.regions, parameters)
         return after
 
@@ -187,7 +187,7 @@ class Engine(ImageFields):
         asked = np.arange(state.count) if index is None else np.atleast_1d(np.asarray(index, dtype=np.int64))
         changed = interventions.applied(state, state.regions, parameters, charges)
         field = self._field_of(state, parameters)
-        charged = self.charged(field, state.scale, changed.charges)
+        charged = self._field_with(field, state.scale, changed.charges)
         found: Forces = self._laws.forces(changed, field, charged, parameters, asked)
         return found
 

@@ -45,8 +45,8 @@ class Evolved(drawing.Pictured):
     >>> first = next(run)
     >>> first
     <Evolved step 0, scale 2, 25 particles>
-    >>> first.step, first.scale, first.count, first.position.shape, first.points.shape
-    (0, 2, 25, (25, 2), (25, 2))
+    >>> first.step, first.scale, first.count, first.position.shape
+    (0, 2, 25, (25, 2))
     >>> for moment in run:
     ...     pass
     >>> moment.converged, moment.stop_reason.split(":")[0]
@@ -78,11 +78,6 @@ class Evolved(drawing.Pictured):
     @property
     def position(self) -> Array:
         """Positions of the particles, shape (N, D) [px of the image]."""
-        return self.state.position
-
-    @property
-    def points(self) -> Array:
-        """The same as `position`: what all methods that can be compared call it."""
         return self.state.position
 
     @property

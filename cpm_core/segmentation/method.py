@@ -89,8 +89,8 @@ class Method(Protocol[S]):
 
     Examples
     --------
-    >>> sorted(cpm.METHODS)
-    ['cpm', 'skeleton']
+    >>> {"cpm", "skeleton", "snake", "gvf", "geodesic"} <= set(cpm.METHODS)
+    True
     >>> image, parameters = cpm.example("disk"), cpm.Parameters()
     >>> method = cpm.METHODS["cpm"](image, parameters)
     >>> method.seeded, method.regions, method.suits(parameters)

@@ -95,7 +95,7 @@ def _methods() -> mpl.figure.Figure:
     """The particles beside classical methods, from the same start."""
     image = _u()
     start = cpm.Start((cpm.circle((100, 73), 24),))
-    names = ("cpm", "snake", "gac", "morph_chan_vese")
+    names = ("cpm", "snake", "geodesic", "morph_chan_vese")
     figure, axes = _axes(len(names), 2.6)
     for ax, name in zip(axes, names, strict=True):
         method = cpm.CONTOUR_METHODS[name]

@@ -86,6 +86,6 @@ def _entry(name: str) -> str:
 _ABOUT = {
     "PARAMETERS": "Description of every parameter that is a number, by name",
     "PRESETS": "Named parameters",
-    "METHODS": "Methods that find contours or skeletons, by name",
+    "METHODS": "All methods, by name",
     "CONTOUR_METHODS": "Methods that can be compared, by name",
 }

@@ -22,16 +22,16 @@ def test_every_claim_has_trials_whose_start_and_truth_lie_in_the_image():
 
 def test_a_claim_is_confirmed_when_the_particles_find_every_object():
     low, high = GOOD - 0.01, GOOD + 0.01
-    found = [of("cpm", 1.0, 1.0), of("cpm", low, 1.0), of("gac", high, 2.0), of("gac", high, 2.0)]
+    found = [of("cpm", 1.0, 1.0), of("cpm", low, 1.0), of("geodesic", high, 2.0), of("geodesic", high, 2.0)]
     (verdict, _) = verdicts(found)
     assert (verdict.claim, verdict.confirmed) == (STARTS, False)
-    assert verdict.figures == pytest.approx({"cpm": (1.0 + low) / 2, "gac": high})
-    assert verdict.least == {"cpm": low, "gac": high}
-    assert verdicts([of("cpm", high, 1.0), of("gac", 1.0, 2.0)])[0].confirmed
+    assert verdict.figures == pytest.approx({"cpm": (1.0 + low) / 2, "geodesic": high})
+    assert verdict.least == {"cpm": low, "geodesic": high}
+    assert verdicts([of("cpm", high, 1.0), of("geodesic", 1.0, 2.0)])[0].confirmed
 
 
 @pytest.mark.parametrize(("ours", "so"), [(0.5, True), (0.05, False), (3.0, False)])
 def test_the_claim_about_time_is_slower_than_snakes_and_faster_than_level_sets(ours, so):
-    found = [of("cpm", 1.0, ours), of("snake", 1.0, 0.1), of("gvf", 1.0, 0.2), of("gac", 1.0, 1.0)]
+    found = [of("cpm", 1.0, ours), of("snake", 1.0, 0.1), of("gvf", 1.0, 0.2), of("geodesic", 1.0, 1.0)]
     verdict = verdicts(found)[-1]
     assert (verdict.claim, verdict.confirmed) == (TIME, so)

@@ -23,15 +23,15 @@ def objects():
     surface = cpm.segment(ball, cpm.sphere((15, 15, 15), 4, 60), cpm.PRESETS["volume"])
     engine, state = cpm.Engine(image), cpm.Engine(image).start(seeds)
     partition, bodies = cpm.partition(result), cpm.partition(surface)
-    gac = cpm.CONTOUR_METHODS["gac"]
+    front = cpm.CONTOUR_METHODS["geodesic"]
     start = cpm.Start((cpm.circle((32, 18), 5),))
-    moment = cpm.run_method(gac, image, start, max_steps=2)
+    moment = cpm.run_method(front, image, start, max_steps=2)
     pages = list(cpm.follow([image, image], cpm.circle((32, 18), 5)))
     truth = cpm.Truth(result.labels, result.contours)
     labels = cpm.VolumeTruth(surface.labels)
     evolution = cpm.evolve(image, seeds)
     return [
-        image, result, ball, surface, surface.surface, engine, state, state.particles, partition, bodies, gac, start,
+        image, result, ball, surface, surface.surface, engine, state, state.particles, partition, bodies, front, start,
         moment, pages[0], cpm.TrackEvent("splits", 3, 1, tuple(range(2, 60))), truth, evolution, next(evolution),
         labels, cpm.compare_surface(surface.surface, labels), result.contours[0], result.table(),
         cpm.compare(result.contours, truth), cpm.facts_of(moment, truth), engine.forces(state, cpm.Parameters()),

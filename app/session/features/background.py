@@ -95,6 +95,13 @@ class IdentityCache:
         made: T = known[1]
         return made
 
+    def replace(self, name: object, given: tuple[Any, ...], part: object) -> bool:
+        """Put another part in the place of one, if that is still made of the same things."""
+        same = is_same(self._made[name][0], given)
+        if same:
+            self._made[name] = given, part
+        return same
+
     def forget(self) -> None:
         """Keep nothing."""
         self._made.clear()
@@ -117,19 +124,19 @@ class AsyncCache(QObject):
     def __init__(self, session: Session) -> None:
         super().__init__(session)
         self._session = session
-        self._parts: dict[str, tuple[tuple[Any, ...], Any]] = {}
+        self._parts = IdentityCache()
         self._workers: dict[str, LatestOnlyWorker] = {}
 
     def named(self, name: str, make: Callable[[], T], meanwhile: Callable[[], T], *given: object) -> T:
         """What is made of something, or at first what is in its place meanwhile."""
-        if name not in self._workers:
-            self._workers[name] = LatestOnlyWorker(self._session, "cpm-slices", tr("drawing a slice"))
-        known = self._parts.get(name)
-        if known is None or not is_same(known[0], given):
-            known = self._parts[name] = given, meanwhile()
+
+        def begin() -> T:
+            if name not in self._workers:
+                self._workers[name] = LatestOnlyWorker(self._session, "cpm-slices", tr("drawing a slice"))
             self._workers[name].ask(make, partial(self._take, name, given))
-        part: T = known[1]
-        return part
+            return meanwhile()
+
+        return self._parts.named(name, begin, *given)
 
     def close(self) -> None:
         """End the threads."""
@@ -137,6 +144,5 @@ class AsyncCache(QObject):
             worker.close()
 
     def _take(self, name: str, given: tuple[Any, ...], part: object) -> None:
-        if is_same(self._parts[name][0], given):
-            self._parts[name] = given, part
+        if self._parts.replace(name, given, part):
             self.completed.emit()

@@ -36,10 +36,6 @@ class PresetStore(QObject):
         """The presets of the program, then the user's, by name."""
         return (*built_in(), *self._own)
 
-    def called(self, name: str) -> Preset | None:
-        """The preset of this name."""
-        return next((preset for preset in self.presets if preset.name == name), None)
-
     def save(self, preset: Preset) -> Preset:
         """Store a preset, in place of one of the same name; ValueError for an invalid name, OSError from the disk."""
         kept = replace(preset, name=checked_name(preset.name), key="")

@@ -51,7 +51,8 @@ class DocumentFile(QObject):
         self._session = session
         self._view = view
         self._file: SessionFile | None = None
-        self._known: Document | None = session.document
+        self.known: Document | None = session.document
+        """The document that the file has; None where it has another one."""
         self.runs = RunKeeping(session)
         self.truth: Callable[[], TruthFile | None] = lambda: None
         """Gives the ground truth to be saved; set by the window."""
@@ -71,11 +72,6 @@ class DocumentFile(QObject):
         session.listen(Written, self._use_written)
 
     @property
-    def known(self) -> Document | None:
-        """The document that the file has; None where it has another one."""
-        return self._known
-
-    @property
     def unsaved(self) -> bool:
         """Whether closing would lose changes."""
         return bool(self.lost)
@@ -87,7 +83,7 @@ class DocumentFile(QObject):
         if document.image is None:
             return ()
         others = ((self.runs.unsaved, tr("the runs")), (self.pages_unsaved(), tr("the other pages")))
-        return (*changed_parts(document, self._known), *(words for lost, words in others if lost))
+        return (*changed_parts(document, self.known), *(words for lost, words in others if lost))
 
     @property
     def name(self) -> str:
@@ -149,7 +145,7 @@ class DocumentFile(QObject):
 
     def forget(self) -> None:
         """Treat the document as saved."""
-        self._known = self._session.document
+        self.known = self._session.document
         self.runs.forget()
         self._announce()
 
@@ -157,9 +153,9 @@ class DocumentFile(QObject):
         self._opening += 1
         saved = opened.saved
         self.path, self._file = (saved.path, saved.file) if saved else (None, None)
-        self._known = self._session.document
+        self.known = self._session.document
         if saved is not None and (saved.recovered or saved.turned):
-            self._known = saved.known and replace(saved.known, image=self._session.document.image)
+            self.known = saved.known and replace(saved.known, image=self._session.document.image)
         if saved is not None:
             self.restored.emit(saved.file.view)
         self._announce()
@@ -170,7 +166,7 @@ class DocumentFile(QObject):
 
     def _use_written(self, written: Written) -> None:
         if self.is_current(written):
-            self.path, self._file, self._known = written.path, written.file, written.document
+            self.path, self._file, self.known = written.path, written.file, written.document
             self.runs.saved(written.edition)
         self._session.say(tr("Saved: {path}").format(path=written.path), topic=SAVING)
         self._announce()

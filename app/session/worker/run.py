@@ -165,11 +165,10 @@ class Run:
         if self.state.stop_reason:
             self._remaining = 0.0
 
-    def turn_erasures(self, erasures: tuple[int, ...], back: bool) -> None:
-        """Go to the state before the last of some erasures, or to the one after it; stay where none removed any."""
-        known = [self._erasures[erasure] for erasure in erasures if erasure in self._erasures]
-        if known:
-            before, after = known[-1]
+    def turn_erasure(self, erasure: int, back: bool) -> None:
+        """Go to the state before an erasure, or to the one after it; stay where it removed nothing."""
+        if erasure in self._erasures:
+            before, after = self._erasures[erasure]
             self.go_to(*(before if back else after), lambda: True)
 
     def _do(self, action: RunAction, apart: bool = False) -> None:

@@ -39,13 +39,6 @@ REACHED: Mapping[Reached, str] = {
 """Words for the ways in which particles come to a contour, the nearest first."""
 
 
-def _by_hand(item: Item) -> float | None:
-    """Length drawn by hand, in the unit of the image."""
-    measures = item.measures
-    in_units = measures.length_in_units / measures.length if measures.length else 1.0
-    return measures.by_hand * in_units if item.contour.by_hand else None
-
-
 COLUMNS: tuple[Column[Item], ...] = (
     Column("number", tr("#"), tr("Number; it stays with the contour through sliders and runs."),
            lambda item: item.measures.number, "0000", form=".0f"),
@@ -69,7 +62,9 @@ COLUMNS: tuple[Column[Item], ...] = (
            lambda item: None if item.contour.closed else item.measures.junctions, "0", form=".0f"),
     Column("contrast", tr("Contrast"), tr("Contrast between both sides, 0 to 1; measured at rest."),
            lambda item: item.measures.contrast, "0.00", form=".2f"),
-    Column("by_hand", tr("By hand [{unit}]"), tr("Length that was drawn by hand."), _by_hand, "000.0", 1),
+    Column("by_hand", tr("By hand [{unit}]"), tr("Length that was drawn by hand."),
+           lambda item: item.measures.by_hand * item.measures.length_in_units
+           / item.measures.length if item.contour.by_hand else None, "000.0", 1),
     Column("reached", tr("Reached"), tr("How particles came to it: in free flight from the start, beyond a weak edge, "
            "along edges over a junction, or by being inserted elsewhere."), lambda item: REACHED[item.contour.reached],
            "beyond a weak edge", key=lambda item: float(list(REACHED).index(item.contour.reached))),

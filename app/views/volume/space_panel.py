@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
@@ -127,34 +127,31 @@ def specs(panel: SpacePanel, session: Session) -> Iterator[ActionSpec]:
         QApplication.clipboard().setImage(panel.view.picture())
         session.say(tr("The picture in space is on the clipboard."), topic=EXPORTING)
 
-    yield ActionSpec("space_whole", _MENU, tr("&Whole volume"),
-                     tr("See the whole volume from where it is seen first (0 in the view)."), panel.view.show_all,
+    def along(axis: int) -> ActionSpec:
+        """A view along an axis, in words of a patient where the volume tells how it lies."""
+        plain = tr("Along the &{axis}").format(axis=AXES[axis])
+
+        def text(_: Situation) -> str:
+            image = session.scene.image
+            if image is None or image.geometry is None or image.ndim != 3:
+                return plain
+            return _FROM[ends_of(image)[axis][1]]
+
+        return ActionSpec(f"space_along_{axis}", _MENU, plain,
+                          tr("Look at the volume as at its slices across the axis: {axis} ({key} in the view).")
+                          .format(axis=AXES[axis], key=axis + 1), partial(panel.view.look_along, axis),
+                          when=has_volume, worded=text)  # fmt: skip
+
+    def part(name: str) -> ActionSpec:
+        (title, tip), check = PARTS[name], panel.bar.checks[name]
+        return ActionSpec(f"space_{name}", _MENU, title, tip, check.toggle, gap=name == "particles",
+                          when=has_volume, holds=lambda _: check.isChecked())  # fmt: skip
+
+    yield ActionSpec("space_whole", _MENU, "&Whole volume",
+                     "See the whole volume from where it is seen first (0 in the view).", panel.view.show_all,
                      when=has_volume)  # fmt: skip
-    for axis, name in enumerate(AXES):
-        yield ActionSpec(f"space_along_{axis}", _MENU, tr("Along the &{axis}").format(axis=name),
-                         tr("Look at the volume as at its slices across the axis: {axis} ({key} in the view).")
-                         .format(axis=name, key=axis + 1), partial(panel.view.look_along, axis), when=has_volume,
-                         worded=_worded(session, axis))  # fmt: skip
-    for name, (title, tip) in PARTS.items():
-        check = panel.bar.checks[name]
-        yield ActionSpec(f"space_{name}", _MENU, title, tip, check.toggle, gap=name == "particles",
-                         when=has_volume, holds=partial(_is_checked, check))  # fmt: skip
-    yield ActionSpec("copy_space", _MENU, tr("&Copy picture"),
-                     tr("Copy what the view in space shows to the clipboard."), copy, gap=True,
+    yield from map(along, range(3))
+    yield from map(part, PARTS)
+    yield ActionSpec("copy_space", _MENU, "&Copy picture",
+                     "Copy what the view in space shows to the clipboard.", copy, gap=True,
                      when=has_volume)  # fmt: skip
-
-
-def _is_checked(check: QCheckBox, _: Situation) -> bool:
-    return check.isChecked()
-
-
-def _worded(session: Session, axis: int) -> Callable[[Situation], str]:
-    """The text of a view along an axis: in words of a patient where the volume tells how it lies."""
-
-    def text(_: Situation) -> str:
-        image = session.scene.image
-        if image is None or image.geometry is None or image.ndim != 3:
-            return tr("Along the &{axis}").format(axis=AXES[axis])
-        return _FROM[ends_of(image)[axis][1]]
-
-    return text

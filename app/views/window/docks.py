@@ -48,42 +48,6 @@ class Panel:
     shortcut: str = ""
 
 
-class PanelAction(QAction):
-    """Checked while the panel is open; it opens the panel, brings it to the front and gives it the keyboard.
-
-    A panel that is open behind a tab is not seen, so it is raised before it is closed. When a panel with the keyboard
-    closes, the canvas gets it.
-    """
-
-    def __init__(self, docks: Docks, dock: QDockWidget, key: str) -> None:
-        super().__init__(dock.windowTitle(), dock)
-        self.setObjectName(f"panel_{dock.objectName()}")
-        self._docks = docks
-        self._dock = dock
-        self.setCheckable(True)
-        self.setStatusTip(tr("Show or hide the panel {title}.").format(title=dock.windowTitle()))
-        if key:
-            self.setShortcut(QKeySequence(key))
-        dock.toggleViewAction().toggled.connect(self.setChecked)
-        dock.visibilityChanged.connect(self._follow)
-        self.setChecked(not dock.isHidden())
-        self.triggered.connect(self._do)
-
-    def _do(self) -> None:
-        if self._dock.visibleRegion().isEmpty():  # hidden, or behind the tab of another one
-            self._docks.enter(self._dock.objectName())
-        else:
-            focused = self._dock.focusWidget()
-            inside = focused is not None and focused.hasFocus()
-            self._dock.close()
-            if inside:
-                self._docks.keyboard.give_back()
-        self._follow()
-
-    def _follow(self) -> None:
-        self.setChecked(not self._dock.isHidden())
-
-
 _RIGHT, _BOTTOM = Qt.DockWidgetArea.RightDockWidgetArea, Qt.DockWidgetArea.BottomDockWidgetArea
 _LOW_AREAS = (_BOTTOM, Qt.DockWidgetArea.TopDockWidgetArea)
 _UPRIGHT = QDockWidget.DockWidgetFeature.DockWidgetVerticalTitleBar
@@ -101,8 +65,8 @@ class Docks(QObject):
     def __init__(self, window: QMainWindow, panels: Iterable[Panel], keyboard: Keyboard) -> None:
         super().__init__(window)
         self._window = window
-        self.keyboard = keyboard
-        self.actions: list[PanelAction] = []
+        self._keyboard = keyboard
+        self.actions: list[QAction] = []
         self._panels = list(panels)
         self._docks: dict[str, QDockWidget] = {}
         self._front: str | None = ""
@@ -118,7 +82,7 @@ class Docks(QObject):
             dock = self._docks[panel.name] = QDockWidget(from_core(panel.title), window)
             dock.setObjectName(panel.name)
             dock.setWidget(panel.widget)
-            self.actions.append(PanelAction(self, dock, panel.shortcut))
+            self.actions.append(self._make_action(dock, panel.shortcut))
             for changed in (dock.topLevelChanged, dock.dockLocationChanged, dock.visibilityChanged):
                 changed.connect(lambda *_: self._tidying.start())
         self.restore()
@@ -155,7 +119,7 @@ class Docks(QObject):
         if name:
             self.enter(name)
         else:
-            self.keyboard.give_back()
+            self._keyboard.give_back()
 
     def restore(self) -> None:
         """Move every panel to its initial place."""
@@ -189,6 +153,37 @@ class Docks(QObject):
         for dock in self:
             if dock.isFloating():
                 dock.hide()
+
+    def _make_action(self, dock: QDockWidget, key: str) -> QAction:
+        """Checked while the panel is open; it opens the panel, brings it to the front and gives it the keyboard.
+
+        A panel that is open behind a tab is not seen, so it is raised before it is closed. When a panel with the
+        keyboard closes, the canvas gets it.
+        """
+        action = QAction(dock.windowTitle(), dock, checkable=True)
+        action.setObjectName(f"panel_{dock.objectName()}")
+        action.setStatusTip(tr("Show or hide the panel {title}.").format(title=dock.windowTitle()))
+        action.setShortcut(QKeySequence(key))
+
+        def follow() -> None:
+            action.setChecked(not dock.isHidden())
+
+        def do() -> None:
+            if dock.visibleRegion().isEmpty():  # hidden, or behind the tab of another one
+                self.enter(dock.objectName())
+            else:
+                focused = dock.focusWidget()
+                inside = focused is not None and focused.hasFocus()
+                dock.close()
+                if inside:
+                    self._keyboard.give_back()
+            follow()
+
+        dock.toggleViewAction().toggled.connect(follow)
+        dock.visibilityChanged.connect(follow)
+        action.triggered.connect(do)
+        follow()
+        return action
 
     def _tidy(self) -> None:
         """Show no heading where a tab names a panel, and that of a panel below the canvas upright next to it."""

@@ -119,14 +119,13 @@ def ascii_entries_of(facts: Mapping[str, Any]) -> dict[str, str]:
 def plain_shapes(shapes: Iterable[Shape]) -> tuple[Entries, ...]:
     """Shapes for `Provenance.shapes`, with the kinds and fields that session files have."""
     kinds = {kind: name for name, kind in SHAPES.items()}
-    return tuple({"shape": kinds[type(shape)], **_fields(shape)} for shape in shapes)
-
-
-def _fields(shape: Shape) -> Entries:
-    """The fields of a shape; of a surface, which may have many thousand triangles, their number and the voxels."""
-    if isinstance(shape, EnclosedRegion | EnclosingWall):
-        return {"triangles": len(shape.surface.surface.faces), "voxels": int(shape.limit.mask.sum())}
-    return asdict(shape)
+    found = []
+    for shape in shapes:
+        fields = {}
+        if isinstance(shape, EnclosedRegion | EnclosingWall):  # which may have many thousand triangles
+            fields = {"triangles": len(shape.surface.surface.faces), "voxels": int(shape.limit.mask.sum())}
+        found.append({"shape": kinds[type(shape)], **(fields or asdict(shape))})
+    return tuple(found)
 
 
 def with_shapes(result: Result, shapes: Iterable[Shape], more: Iterable[Mapping[str, Any]] = ()) -> Result:

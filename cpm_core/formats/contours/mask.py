@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from cpm_core.formats.images.decoded import MAXIMUM_PIXELS
-from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Mask
 
 
@@ -40,15 +39,11 @@ def outlines(mask: NDArray[np.generic], row: int = 0, col: int = 0) -> list[tupl
     `row` and `col` are the place of the first pixel. Curves run between the centers of pixels inside and outside.
     """
     padded = np.pad(np.asarray(mask) != 0, 1).astype(np.float64)
-    curves = [curve[:-1] - 1.0 for curve in skimage.measure.find_contours(padded, 0.5, fully_connected="low")]  # type: ignore[no-untyped-call]
     found = []
-    for curve in curves:
-        on_edge = curve[0]
-        low = np.floor(on_edge).astype(int)
-        high = np.ceil(on_edge).astype(int)
-        filled = low if padded[low[0] + 1, low[1] + 1] else high
-        hole = not bool(polyline.inside(curve, filled[None].astype(float))[0])
-        found.append((curve + np.array([row, col]), hole))
+    for curve in skimage.measure.find_contours(padded, 0.5, fully_connected="low"):  # type: ignore[no-untyped-call]
+        (rows, cols), (below, right) = curve[:-1].T, curve[1:].T
+        hole = bool(rows @ right - below @ cols > 0.0)  # which run the other way around
+        found.append((curve[:-1] + np.array([row - 1.0, col - 1.0]), hole))
     return found
 
 

@@ -264,7 +264,7 @@ def _find_places(
         length = _list_near(cells, present, y, x, rule.range, near_y, near_x, index)
         if length == most:
             continue
-        faintest = max(rule.floor, FAINTEST * strength[i])
+        faintest, at = max(rule.floor, FAINTEST * strength[i]), between(packed, y, x)
         for n in range(length + len(turns) if search.ahead[i] else length):
             j, far_y, far_x = i, y, x
             if n < length:
@@ -274,7 +274,9 @@ def _find_places(
                 found = _halfway(near_y, near_x, length, y, x, far_y, far_x, packed, faintest, rule)
             else:
                 down, right = turns[n - length, 0], turns[n - length, 1]
-                if (n - length - turn) % (len(turns) // 2) and not _is_along(packed, y, x, down, right):
+                n_y, n_x = component(packed, 2, at), component(packed, 3, at)
+                across = (down * n_y + right * n_x) ** 2
+                if (n - length - turn) % (len(turns) // 2) and not across <= _ALONG * (n_y**2 + n_x**2):
                     continue
                 found = _ahead(near_y, near_x, length, y, x, down, right, packed, faintest, rule)
                 far_y, far_x = found[1], found[2]
@@ -362,14 +364,6 @@ def _is_flanked(cells: Cells, present: Mask, y: float, x: float, packed: Single,
             before += near & (along > 0.0)
             behind += near & (along < 0.0)
     return before > 0 and behind > 0
-
-
-@compiled
-def _is_along(packed: Single, y: float, x: float, down: float, right: float) -> bool:
-    """Whether a direction is along the edge at a position."""
-    at = between(packed, y, x)
-    n_y, n_x = component(packed, 2, at), component(packed, 3, at)
-    return (down * n_y + right * n_x) ** 2 <= _ALONG * (n_y**2 + n_x**2)
 
 
 @compiled

@@ -22,6 +22,7 @@ from cpm_core.model.equations import (
     Moved,
     damping,
     epsilon,
+    is_fast,
     is_idle,
     is_quiet,
 )
@@ -33,21 +34,18 @@ from cpm_core.model.plane.motion import contact_at, held_back, is_at_rest, mesh_
 from cpm_core.model.plane.repulsion import build_cells, pair_energy
 from cpm_core.model.starts import inside_image
 from cpm_core.model.state import State
-from cpm_core.numerics.types import Array, Index
+from cpm_core.numerics.types import Index
 from cpm_core.parameters import Parameters
 
-_UNDER_WAY, _PATIENCE = 0.3, 2
-"""Fraction of the speed that the field alone gives a particle, above which one outside the coverage map counts as
-under way, and the factor by which it then comes to rest more slowly: it may have far to go."""
+_PATIENCE = 2
+"""Factor by which a particle outside the coverage map that is fast comes to rest more slowly: it may have far to
+go."""
 
 _TRAVELLING = 0.25
 """Fraction of the particles that may be under way at the end of a coarser scale."""
 
 _CERTAIN = 1.25
 """Edge strength, in multiples of the edge floor, that holds particles in any case."""
-
-_LEAST_BETA = 0.1
-"""Damping with which the speed is estimated where there is none."""
 
 _OUTSIDE = -1
 """Value for the idle steps of a particle outside the coverage map."""
@@ -67,7 +65,7 @@ def idle_steps_of(state: State, scale_field: ScaleField, parameters: Parameters)
     away = idle == _OUTSIDE
     if away.any():
         under_way = state.idle // _PATIENCE if state.coverage.size else 0  # before the first coverage there is no limit
-        idle[away] = np.where(_is_fast(state.particles.velocity[away], parameters), under_way, state.idle)
+        idle[away] = np.where(is_fast(state.particles.velocity[away], parameters), under_way, state.idle)
     if state.charges:
         _let_gather(state, scale_field, idle)
     return idle
@@ -80,14 +78,8 @@ def is_travelling(state: State, parameters: Parameters) -> bool:
     to go.
     """
     idle = idle_at(state.coverage, state.particles.position, state.step_of_scale, _OUTSIDE)
-    flying = int(np.count_nonzero(_is_fast(state.particles.velocity[idle == _OUTSIDE], parameters)))
+    flying = int(np.count_nonzero(is_fast(state.particles.velocity[idle == _OUTSIDE], parameters)))
     return flying > _TRAVELLING * state.count
-
-
-def _is_fast(velocity: Array, parameters: Parameters) -> NDArray[np.bool_]:
-    """Which particles of these velocities, shape (N, D), move so fast that the field alone must drive them."""
-    driven = parameters.w2 / max(parameters.beta, _LEAST_BETA)
-    return np.asarray(np.einsum("ni,ni->n", velocity, velocity) > (_UNDER_WAY * driven) ** 2)
 
 
 def _let_gather(state: State, scale_field: ScaleField, idle: Index) -> None:

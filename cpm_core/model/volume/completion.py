@@ -50,7 +50,7 @@ _WORTH_A_THREAD = 2_000
 """Ridges from which a second thread makes the search faster."""
 
 
-def launched(state: State, field: VolumeField, d_min: float) -> State | None:
+def reseed_surface(state: State, field: VolumeField, d_min: float) -> State | None:
     """The state with particles on the stretches that fronts did not reach; None when there are none."""
     if state.reseedings >= LAUNCHES or state.erased:
         return None
@@ -127,7 +127,7 @@ def _find_cover(
                 cover[q] = max(cover[q], _ON if away < _TOUCHED else _NEAR)
 
 
-def settled(state: State, field: VolumeField) -> State:
+def drop_unseated(state: State, field: VolumeField) -> State:
     """The particles on surfaces, each pulled to the ridge; the others are left out."""
     contact = state.particles.contact
     assert contact is not None

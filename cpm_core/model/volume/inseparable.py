@@ -64,7 +64,7 @@ def _enclosed(field: VolumeField, ridges: Ridges, covered: Mask, fitting: Mask) 
     chosen = fitting.copy()
     chosen[ridges.component[covered]] = True
     some = np.flatnonzero(chosen[ridges.component])
-    launched = np.zeros_like(fitting)
+    more = np.zeros_like(fitting)
     rims, near = [], []
     for side in (-1.0, 1.0):
         region = _region_beside(field, regions, ridges.place[some], side * ridges.normal[some])
@@ -73,13 +73,13 @@ def _enclosed(field: VolumeField, ridges: Ridges, covered: Mask, fitting: Mask) 
         near.append(covered[some][inner])
     rim, number = np.unique(np.concatenate(rims), axis=0, return_inverse=True)
     if not len(rim):
-        return launched
+        return more
     number = number.ravel()
     share = np.bincount(number, np.concatenate(near)) / np.bincount(number)
     known = np.zeros(regions.count, np.bool_)
     known[rim[share >= _COVERED, 1]] = True
-    launched[rim[known[rim[:, 1]], 0]] = True
-    return launched & fitting
+    more[rim[known[rim[:, 1]], 0]] = True
+    return more & fitting
 
 
 def _region_beside(field: VolumeField, regions: Parts, place: Array, toward: Array) -> Index:
@@ -95,7 +95,7 @@ def _region_beside(field: VolumeField, regions: Parts, place: Array, toward: Arr
 
 def _linked(field: VolumeField, ridges: Ridges, found: Mask, fitting: Mask) -> Mask:
     """Which fitting boundaries are linked with found ones: closed ways inside the two wind around each other."""
-    launched = np.zeros_like(fitting)
+    more = np.zeros_like(fitting)
     voxels = np.rint(ridges.place / field.pitch).astype(np.int64)
     known = voxels[found[ridges.component]]
     loops_found: list[Array] | None = None
@@ -106,5 +106,5 @@ def _linked(field: VolumeField, ridges: Ridges, found: Mask, fitting: Mask) -> M
         loops = loops_of(boundary)
         if loops and loops_found is None:
             loops_found = [loop for one in np.flatnonzero(found) for loop in loops_of(voxels[ridges.component == one])]
-        launched[number] = any(linking_number(loop, other) for loop in loops for other in loops_found or ())
-    return launched
+        more[number] = any(linking_number(loop, other) for loop in loops for other in loops_found or ())
+    return more

@@ -21,7 +21,7 @@ import numpy as np
 
 from cpm_core.field.placed_charges import NOTHING_PLACED, Placed, placed_at
 from cpm_core.field.volume_field import VolumeField
-from cpm_core.field.volume_surface import GATE, faces_alike, felt_at
+from cpm_core.field.volume_surface import GATE, faces_alike, force_at
 from cpm_core.image.volume_regions import Walls
 from cpm_core.model.coverage import cell_of, cells_at, sorted_by
 from cpm_core.model.equations import Moved, advance, damped_series, damping, is_stuck, repulsion_left
@@ -282,7 +282,7 @@ def _forces_on(
     left = repulsion_left(idle)
     if left > 0.0:
         coulomb = scaled(_repulsion(cells, place, i, normals, was_seated, d_min), w1 * left)
-    pull, normal, here, slope, near = felt_at(*fields, grid[0], grid[1], grid[2], place)
+    pull, normal, here, slope, near = force_at(*fields, grid[0], grid[1], grid[2], place)
     drawn = placed_at(charges, grid[3], place)
     placed = scaled(drawn, w2)
     on_edge, held = is_seated(slope + dot(drawn, normal), near, here, grid[2]), False

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from cpm_core.field.volume_field import edge_strength, pitch_of, smoothed_volume
 from cpm_core.image.image import Image, as_image
-from cpm_core.model.starts import STRONG, centers_between, uniform_grid
+from cpm_core.model.starts import STRONG, above, centers_between, uniform_grid
 from cpm_core.numerics.real_numbers import checked_number, real_numbers, three_numbers, voxel_sides
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import shown
@@ -186,8 +186,7 @@ def on_strong_edges(volume: Image | ArrayLike, fraction: float = STRONG, smoothi
     """
     checked_number("fraction", fraction, lambda share: 0.0 <= share <= 1.0, "from 0 to 1")
     sigma = checked_number("smoothing", smoothing, lambda width: width >= 0.0, "0 or more")
-    strength = strength_of(_volume(volume), sigma)
-    return np.argwhere(strength > fraction * strength.max()).astype(float)
+    return above(strength_of(_volume(volume), sigma), fraction)
 
 
 def strength_of(volume: Image, smoothing: float) -> Array:

@@ -16,12 +16,12 @@ from cpm_core.field.placed_charges import Placed, placed_potential, radius_at
 from cpm_core.field.volume_field import VolumeField
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.coverage import SurfaceCoverage, cover_surfaces, no_surface
-from cpm_core.model.equations import STILL, damping, epsilon
+from cpm_core.model.equations import STILL, damping, epsilon, is_fast
 from cpm_core.model.interventions import start_scale
 from cpm_core.model.measures import PAIR, Energies, Forces, kinetic_energy
 from cpm_core.model.state import Particles, SpaceState, State, SurfaceContact
 from cpm_core.model.volume.births import ROOM, Births, insertion, thinned
-from cpm_core.model.volume.completion import launched, settled
+from cpm_core.model.volume.completion import drop_unseated, reseed_surface
 from cpm_core.model.volume.motion import (
     REACH,
     Cells,
@@ -46,10 +46,6 @@ _OLD_GROUND = 6
 _WOKEN = 3.0
 """Distance from new ground up to which others wake, in the least distances of new particles."""
 
-_UNDER_WAY, _LEAST_BETA = 0.3, 0.1
-"""Fraction of the speed that the field alone gives a particle above which it is under way, and the least damping with
-which that speed is estimated."""
-
 _LEAST_CELL = 4.0
 """Least side of a cell, which limits the memory however small the distances [units]."""
 
@@ -73,7 +69,9 @@ def moved_on(state: State, field: VolumeField, parameters: Parameters) -> State:
     stays = _inside(after.position, extent, space) & (_contact(before).seated | (idle < _PATIENCE))
     if field.walls is not None:
         after = held_back(field.walls, before, after)
-    flying = ~_contact(after).seated & _is_fast(after, parameters) & (step < 2.0 * max(extent) + state.reactivated)
+    flying = (
+        ~_contact(after).seated & is_fast(after.velocity, parameters) & (step < 2.0 * max(extent) + state.reactivated)
+    )
     arrived = _contact(after).seated & ~_contact(before).seated
     after = replace(after, contact=_contact(after).woken_at(step + 1, flying))
     particles, stay, cells = _thinned(after, stays, awake, cells, extent, d_min)
@@ -125,12 +123,6 @@ def _inside(position: Array, extent: Vector, space: SpaceState) -> Mask:
     """Which particles lie in the volume, between the centers of the outermost voxels."""
     last = np.array(extent) - np.array(space.pitch)
     return np.asarray(((position >= 0.0) & (position <= last)).all(axis=1))
-
-
-def _is_fast(particles: Particles, parameters: Parameters) -> Mask:
-    """Which particles move so fast that the field alone must drive them."""
-    driven = parameters.w2 / max(parameters.beta, _LEAST_BETA)
-    return np.asarray(np.einsum("ni,ni->n", particles.velocity, particles.velocity) > (_UNDER_WAY * driven) ** 2)
 
 
 def _thinned(
@@ -200,13 +192,13 @@ def stepped(state: State, field: VolumeField, regions: AnyRegions | None, parame
     if state.scale > 0:
         if state.quiet < _QUIET and not overdue:
             return state
-        return start_scale(settled(state, field), state.scale - 1, regions)
+        return start_scale(drop_unseated(state, field), state.scale - 1, regions)
     if state.quiet >= _QUIET:
-        continued = launched(state, field, parameters.d_min)
+        continued = reseed_surface(state, field, parameters.d_min)
         if continued is not None:
             return continued
     if state.quiet >= _ENDED:
-        return settled(state, field).stopped("at rest: no particle finds anything new", True)
+        return drop_unseated(state, field).stopped("at rest: no particle finds anything new", True)
     return state.stopped(f"not at rest after {most} steps at full size") if overdue else state
 
 

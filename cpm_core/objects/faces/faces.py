@@ -88,7 +88,9 @@ class Faces:
     def boxes(self) -> Index:
         """First row, row behind the last, first column and column behind the last of each face, shape (F, 4)."""
         parts = scipy.ndimage.find_objects(self.labels + 1, self.graph.count)
-        return np.array([(rows.start, rows.stop, cols.start, cols.stop) for rows, cols in parts]).reshape(-1, 4)
+        nowhere = slice(0, 0), slice(0, 0)
+        found = [(rows.start, rows.stop, cols.start, cols.stop) for rows, cols in (part or nowhere for part in parts)]
+        return np.array(found).reshape(-1, 4)
 
 
 def ground(values: Array, strength: Array, contours: Sequence[Array], regions: Regions | None) -> Ground:

@@ -62,7 +62,7 @@ def method_named(name: str) -> AnyMethod:
     return CONTOUR_METHODS[name]
 
 
-FIRST = ("cpm", "gvf", "gac", "chan_vese")
+FIRST = ("cpm", "gvf", "geodesic", "chan_vese")
 """The methods that are compared at first."""
 
 

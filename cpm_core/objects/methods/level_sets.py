@@ -129,22 +129,18 @@ def moved(phi: Array, curvature: Array, pressure: Array, velocity: Array, time: 
 def _next_to_zero(phi: Array, out: Array) -> NDArray[np.bool_]:
     """The pixels between which the sign changes; their distance from the zero is written to `out` [px]."""
     rows, width = phi.shape
-    fixed = np.zeros(phi.shape, dtype=np.bool_)
+    fixed, by = np.zeros(phi.shape, dtype=np.bool_), np.empty(2)
     for row in range(rows):
         for col in range(width):
-            here = phi[row, col]
-            by_row = by_col = _FAR
-            for other in (row - 1, row + 1):
-                if 0 <= other < rows and (phi[other, col] > 0.0) != (here > 0.0):
-                    by_row = min(by_row, abs(here) / max(abs(here - phi[other, col]), 1e-12))
-            for other in (col - 1, col + 1):
-                if 0 <= other < width and (phi[row, other] > 0.0) != (here > 0.0):
-                    by_col = min(by_col, abs(here) / max(abs(here - phi[row, other]), 1e-12))
-            if by_row < _FAR and by_col < _FAR:
-                out[row, col] = by_row * by_col / max(np.sqrt(by_row * by_row + by_col * by_col), 1e-12)
-            else:
-                out[row, col] = min(by_row, by_col)
-            fixed[row, col] = out[row, col] < _FAR
+            here, by[0], by[1] = phi[row, col], _FAR, _FAR
+            for down, right in ((-1, 0), (1, 0), (0, -1), (0, 1)):
+                r, c = row + down, col + right
+                if 0 <= r < rows and 0 <= c < width and (phi[r, c] > 0.0) != (here > 0.0):
+                    by[abs(right)] = min(by[abs(right)], abs(here) / max(abs(here - phi[r, c]), 1e-12))
+            nearest = min(by[0], by[1])
+            if by[0] < _FAR and by[1] < _FAR:
+                nearest = by[0] * by[1] / max(np.sqrt(by[0] * by[0] + by[1] * by[1]), 1e-12)
+            out[row, col], fixed[row, col] = nearest, nearest < _FAR
     return fixed
 
 
@@ -224,7 +220,7 @@ def geodesic(image: Image, start: Start, settings: GeodesicSettings) -> Iterator
 
 
 GEODESIC = ContourMethod(
-    "gac",
+    "geodesic",
     "Geodesic active contour",
     "A level set that edges slow down and pull back, with a balloon that drives it on.",
     "Caselles, Kimmel and Sapiro (1997), doi:10.1023/A:1007979827043",

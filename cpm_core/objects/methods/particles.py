@@ -33,7 +33,7 @@ def _states(
             run.stop(f"stopped after {MOST_STEPS} steps")
         newest = run.moment
         yield ContourState(
-            newest.step, partial(find, newest), newest.stop_reason, newest.converged, newest.points
+            newest.step, partial(find, newest), newest.stop_reason, newest.converged, newest.position
         )  # fmt: skip
 
 

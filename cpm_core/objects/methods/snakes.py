@@ -160,7 +160,10 @@ def evolution(
         if not curves:
             reason = "the curve has collapsed"
         elif step % _EVERY == 0:
-            at_rest = len(curves) == len(before) and all(map(_close, curves, before))
+            at_rest = len(curves) == len(before) and all(
+                SegmentTree(former, np.roll(former, -1, axis=0)).distances(curve).max() < _REST
+                for curve, former in zip(curves, before, strict=True)
+            )
             reason, before = "the curve is at rest" if at_rest else "", curves
         if step == _STEPS and not reason:
             reason = f"stopped after {step} steps"
@@ -183,11 +186,6 @@ def _evened(curve: Array) -> Array:
     if steps.min() >= _UNEVEN[0] * SPACING and steps.max() <= _UNEVEN[1] * SPACING:
         return path
     return resampled(path, SPACING)
-
-
-def _close(curve: Array, before: Array) -> bool:
-    """Whether all points of a curve lie near the line of another."""
-    return bool(SegmentTree(before, np.roll(before, -1, axis=0)).distances(curve).max() < _REST)
 
 
 @dataclass(frozen=True)

@@ -191,7 +191,7 @@ def test_table_picture_and_contours_are_exported(ready, methods, hand, tmp_path,
 
 def test_what_a_method_has_found_is_kept_as_an_object(ready, methods, hand) -> None:
     run(hand, methods)
-    next(view for view in methods.board.tiles if view.tile.method == "gac").click()
+    next(view for view in methods.board.tiles if view.tile.method == "geodesic").click()
     hand.qtbot.mouseClick(methods.take_button, LEFT)
     (item,) = ready.session.document.objects.items
     assert item.name == "Geodesic active contour"
@@ -207,13 +207,13 @@ def test_a_session_keeps_the_comparison_and_undo_takes_a_change_back(ready, meth
     choice = methods.methods
     choice.list.item(names.index("chan_vese")).setCheckState(Qt.CheckState.Unchecked)
     choice.list.item(names.index("morph_gac")).setCheckState(Qt.CheckState.Checked)
-    choice.mark("gac")
+    choice.mark("geodesic")
     type_into(hand, choice.fields["balloon"], "1.5")
     hand.qtbot.mouseClick(choice.around, LEFT, pos=QPoint(8, choice.around.height() // 2))
     compared = ready.session.document.comparison
-    assert set(compared.methods) == {"cpm", "gvf", "gac", "morph_gac"}
-    own = CONTOUR_METHODS["gac"].settings(balloon=1.5)
-    assert compared == Compared(compared.methods, (("gac", own),), around=True)
+    assert set(compared.methods) == {"cpm", "gvf", "geodesic", "morph_gac"}
+    own = CONTOUR_METHODS["geodesic"].settings(balloon=1.5)
+    assert compared == Compared(compared.methods, (("geodesic", own),), around=True)
     file = ready.feature(OpenSaveFeature).document_file
     assert file.unsaved
     assert file.save_at_once(tmp_path / "a.cpm")
@@ -225,7 +225,7 @@ def test_a_session_keeps_the_comparison_and_undo_takes_a_change_back(ready, meth
     again = opened(ready, hand, Qt.KeyboardModifier.ShiftModifier).methods
     assert again.around.isChecked()
     assert again.list.item(names.index("morph_gac")).checkState() == Qt.CheckState.Checked
-    again.mark("gac")
+    again.mark("geodesic")
     assert again.fields["balloon"].value() == 1.5
     hand.qtbot.mouseClick(again.around, LEFT, pos=QPoint(8, again.around.height() // 2))
     ready.session.undo()

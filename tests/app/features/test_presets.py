@@ -22,6 +22,11 @@ pytestmark = pytest.mark.shared_window
 OWN = Preset("Mine & yours ‹1›", Parameters(beta=1.25, smoothing="auto", scales=2), "For tests.")
 
 
+def called(store: PresetStore, name: str):
+    """The preset of a store that has this name."""
+    return next((preset for preset in store.presets if preset.name == name), None)
+
+
 @pytest.fixture
 def store(tmp_path, qapp) -> PresetStore:
     return PresetStore(tmp_path / "presets")
@@ -79,7 +84,7 @@ def test_a_preset_is_saved_found_and_deleted_and_damaged_files_are_ignored(store
     with qtbot.waitSignal(store.changed):
         store.save(OWN)
     (store.folder / "broken.cpmpreset").write_bytes(b"{")
-    assert PresetStore(store.folder).called(OWN.name) == OWN
+    assert called(PresetStore(store.folder), OWN.name) == OWN
     assert len(PresetStore(store.folder).presets) == len(PLANE_PRESETS) + 1
     store.delete(OWN.name)
     assert [preset.own for preset in store.presets] == [False] * len(PLANE_PRESETS)
@@ -116,8 +121,8 @@ def test_own_presets_are_saved_and_deleted(window, presets, monkeypatch) -> None
     assert not presets.delete.isEnabled()
     monkeypatch.setattr(dialogs, "ask_for_text", lambda *_: "Soft")
     presets.save.trigger()
-    assert presets.store.called("Soft").parameters == mine
+    assert called(presets.store, "Soft").parameters == mine
     assert presets.current.name == "Soft"
     monkeypatch.setattr(Question, "ask", lambda _: "delete")
     presets.delete.trigger()
-    assert presets.store.called("Soft") is None
+    assert called(presets.store, "Soft") is None

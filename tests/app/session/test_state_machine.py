@@ -154,13 +154,6 @@ class SessionMachine(RuleBasedStateMachine):
         self.session.redo()
         assert self.session.document == before
 
-    @rule(data=st.data())
-    def go_to(self, data: st.DataObject) -> None:
-        every = [*self.past, self.now, *reversed(self.future)]
-        done = data.draw(st.integers(0, len(every) - 1))
-        self.session.go_to(done)
-        self.past, self.now, self.future = every[:done], every[done], every[done + 1 :][::-1]
-
     # Run, pause, step, reset
 
     @rule()
@@ -287,7 +280,6 @@ class SessionMachine(RuleBasedStateMachine):
         assert self.session.document == self.now
         assert bool(self.session.situation.undo_name) == bool(self.past)
         assert bool(self.session.situation.redo_name) == bool(self.future)
-        assert self.session.history.done == len(self.past)
         assert self.session.selected is None or self.session.selected < len(self.now.shapes)
 
     @invariant()

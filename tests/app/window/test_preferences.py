@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QColor, QKeySequence
+from PySide6.QtGui import QAction, QColor, QKeySequence
 from PySide6.QtWidgets import QPushButton
 
 from app.model.document import edits
@@ -23,7 +23,6 @@ from app.views.features.files import RecoveryFeature
 from app.views.features.help import HelpFeature, PreferencesFeature
 from app.views.theme import theme
 from app.views.theme.theme import look
-from app.views.window.docks import PanelAction
 from cpm_core.shapes import Barrier
 
 KEY = Qt.Key
@@ -146,7 +145,7 @@ def test_a_key_of_another_action_is_told_and_can_be_taken_over(window, dialog, h
 def test_panels_have_keys_too_and_actions_are_found_by_typing(window, dialog, hand) -> None:
     page = dialog.shortcuts
     press_as_new_key(hand, dialog, "panel_timeline", KEY.Key_F9, CTRL | SHIFT)
-    assert window.findChild(PanelAction, "panel_timeline").shortcut() == QKeySequence("Ctrl+Shift+F9")
+    assert window.findChild(QAction, "panel_timeline").shortcut() == QKeySequence("Ctrl+Shift+F9")
     page.search.setFocus()
     hand.qtbot.keyClicks(page.search, "timeline")
     seen = [name for name, item in page._items.items() if not item.isHidden()]

@@ -20,7 +20,7 @@ _SHORT = {
     "cpm": "cpm",
     "snake": "snake",
     "gvf": "gvf",
-    "gac": "gac",
+    "geodesic": "gac",
     "geometric_gvf": "g-gvf",
     "chan_vese": "c-v",
     "morph_gac": "m-gac",

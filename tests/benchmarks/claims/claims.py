@@ -22,7 +22,7 @@ _SAME = 0.005
 """Difference of mean F up to which two methods share a place."""
 
 TIME = "faster than level sets, slower than snakes"
-_LEVEL_SETS, _SNAKES = ("gac", "geometric_gvf", "chan_vese"), ("snake", "gvf")
+_LEVEL_SETS, _SNAKES = ("geodesic", "geometric_gvf", "chan_vese"), ("snake", "gvf")
 
 NO_PART = ("object",)
 """Methods of which the claims say nothing: one outline asks for one object, whatever else the particles find."""

@@ -18,7 +18,7 @@ from cpm_core.shapes import Ellipse
 
 ROW, COL = np.indices((56, 60))
 DISK = np.hypot(ROW - 27, COL - 30) < 14
-QUICK = ("cpm", "gvf", "gac")
+QUICK = ("cpm", "gvf", "geodesic")
 CIRCLE = ("--circle", "27,30,9")
 
 
@@ -45,7 +45,7 @@ def test_methods_are_told_in_the_order_in_which_they_are_named_with_table_and_pi
     assert [row["method"] for row in rows] == list(QUICK)
     with PIL.Image.open(paths[1]) as picture:
         assert picture.width > 4 * 400  # the start and three methods beside one another
-        assert picture.info["Description"] == "cpm, gvf, gac"
+        assert picture.info["Description"] == "cpm, gvf, geodesic"
 
 
 def test_all_methods_are_compared_unless_some_are_named(image, told):
@@ -58,14 +58,14 @@ def test_all_methods_are_compared_unless_some_are_named(image, told):
 
 def test_the_contours_of_each_method_are_written_in_the_formats_of_runs(image, command, tmp_path):
     paths = tmp_path / "a.json", tmp_path / "a.tif", tmp_path / "a.measures.csv"
-    status, out, err = command("compare", image, *CIRCLE, "--methods", "gvf", "gac", "--export", *paths)
+    status, out, err = command("compare", image, *CIRCLE, "--methods", "gvf", "geodesic", "--export", *paths)
     written = [
-        tmp_path / f"a.{name}{suffix}" for suffix in (".json", ".tif", ".measures.csv") for name in ("gvf", "gac")
+        tmp_path / f"a.{name}{suffix}" for suffix in (".json", ".tif", ".measures.csv") for name in ("gvf", "geodesic")
     ]
     assert (status, err) == (0, "")
     assert out.splitlines()[-6:] == [f"Wrote {path}" for path in written]
     assert set(tmp_path.glob("a.*")) == set(written)
-    for name in ("gvf", "gac"):
+    for name in ("gvf", "geodesic"):
         facts = json.loads((tmp_path / f"a.{name}.json").read_text(encoding="utf-8"))
         assert facts["provenance"]["method"] == name
         assert facts["provenance"]["parameters"] == dataclasses.asdict(CONTOUR_METHODS[name].settings())
@@ -76,23 +76,23 @@ def test_the_contours_of_each_method_are_written_in_the_formats_of_runs(image, c
 
 
 def test_a_start_around_the_object_is_one_when_it_is_said_so(image, mask, told):
-    run = ("compare", image, "--circle", "27,30,22", "--methods", "gac", "morph_gac", "--truth", mask)
+    run = ("compare", image, "--circle", "27,30,22", "--methods", "geodesic", "morph_gac", "--truth", mask)
     outwards, inwards = ([row["f"] for row in told(*run, *more)["methods"]] for more in ((), ("--around",)))
     assert max(outwards) < 0.1 and min(inwards) > 0.9
 
 
 def test_a_session_gives_methods_settings_and_the_side_of_the_start(image, told, tmp_path):
-    compared = Compared(("morph_gac", "gac"), around=True).with_settings("gac", GeodesicSettings(balloon=0.4))
+    compared = Compared(("morph_gac", "geodesic"), around=True).with_settings("geodesic", GeodesicSettings(balloon=0.4))
     shapes = (Ellipse((27.0, 30.0), (22.0, 22.0)),)
     session, file = tmp_path / "a.cpm", tmp_path / "a.json"
     save_session(SessionFile(image=None, shapes=shapes, comparison=compared), session)
     assert load_session(session).comparison == compared
     run = ("compare", image, "--session", session, "--max-steps", 2, "--export", file)
     facts = told(*run)
-    assert facts["around"] and [row["method"] for row in facts["methods"]] == ["morph_gac", "gac"]
-    found = json.loads((tmp_path / "a.gac.json").read_text(encoding="utf-8"))
+    assert facts["around"] and [row["method"] for row in facts["methods"]] == ["morph_gac", "geodesic"]
+    found = json.loads((tmp_path / "a.geodesic.json").read_text(encoding="utf-8"))
     assert found["provenance"]["parameters"]["balloon"] == 0.4
-    assert [row["method"] for row in told(*run, "--methods", "gac")["methods"]] == ["gac"]
+    assert [row["method"] for row in told(*run, "--methods", "geodesic")["methods"]] == ["geodesic"]
 
 
 @pytest.fixture

@@ -46,7 +46,7 @@ def apart(points):
 class TestDeletion:
     """What holds for deletion in any dimension."""
 
-    @settings(max_examples=60, deadline=None)
+    @settings(max_examples=24, deadline=None)
     @given(seed=st.integers(0, 10**6), d_min=st.sampled_from([0.5, 1.0, 2.0, 4.5]))
     def test_deletion_leaves_no_two_too_near_and_goes_no_further(self, kernels, shape, seed, d_min):
         points = crowded(shape, seed)
@@ -58,7 +58,7 @@ class TestDeletion:
             assert (near[i] & kept & (strength >= strength[i])).any()
         assert kernels.deletion(points[kept], strength[kept], shape, d_min).all()
 
-    @settings(max_examples=30, deadline=None)
+    @settings(max_examples=12, deadline=None)
     @given(seed=st.integers(0, 10**6))
     def test_deletion_does_not_depend_on_the_order_of_the_particles(self, kernels, shape, seed):
         points, rng = crowded(shape, seed), np.random.default_rng(seed)
@@ -83,7 +83,7 @@ def test_deletion_keeps_the_one_on_the_stronger_edge_and_the_earlier_of_equals()
     assert deletion(pair, np.array([1.0, 2.0]), SHAPE, 1.0).tolist() == [True, True]  # exactly d_min / 2 apart
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=16, deadline=None)
 @given(crowds, crowds, st.integers(0, 10**6))
 def test_among_thinned_particles_only_those_that_have_moved_need_a_search(points, more, seed):
     strength = np.random.default_rng(seed).integers(0, 4, len(points) + len(more)).astype(float)
@@ -147,7 +147,7 @@ def test_a_pair_within_range_on_an_edge_gets_its_midpoint(edge, distance):
     assert sorted([*births.parent, *births.other]) == [0, 1]
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=16, deadline=None)
 @given(st.lists(st.floats(2.3, 8.0), min_size=1, max_size=5), st.floats(0.4, 5.0))
 def test_gaps_within_range_are_filled_and_no_others(edge, gaps, d_max):
     rows = 0.5 + np.cumsum([0.0, *gaps])
@@ -158,7 +158,7 @@ def test_gaps_within_range_are_filled_and_no_others(edge, gaps, d_max):
         np.testing.assert_allclose(np.sort(births.position[:, 0]), truth, atol=1e-12)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=16, deadline=None)
 @given(st.lists(st.floats(0.0, 39.0), min_size=2, max_size=25, unique=True), st.floats(0.0, 3.0))
 def test_new_particles_are_midway_between_parents_within_range_and_apart_from_all(edge, rows, d_max):
     points = np.stack([np.array(rows), np.full(len(rows), EDGE)], axis=1)
@@ -232,7 +232,7 @@ def on_the_ring(seed, count=120):
     return points[deletion(points, np.zeros(count), (60, 64), 2.0)]
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=16, deadline=None)
 @given(st.integers(0, 10**6), st.integers(5, 150), st.floats(0.0, 6.0))
 def test_new_particles_keep_their_distance_from_all_and_from_each_other(curved, seed, count, d_max):
     """Half the distance of two parents, or 0.8 d_min ahead of one; and no more than three are within 1.5 d_min."""
@@ -248,7 +248,7 @@ def test_new_particles_keep_their_distance_from_all_and_from_each_other(curved, 
         there = np.concatenate([there, place[None]])
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(st.integers(0, 10**6))
 def test_places_ahead_are_at_rest_on_the_edge_one_stride_off(curved, seed):
     points = on_the_ring(seed, 12)

@@ -68,7 +68,7 @@ def test_integrator_is_of_second_order_on_the_damped_oscillator(beta):
     assert errors[1] < 1e-3
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(st.integers(0, 10**6), st.floats(0.05, 1.0))
 def test_without_damping_a_step_is_eq_14_and_15(seed, dt):
     rng = np.random.default_rng(seed)
@@ -79,7 +79,7 @@ def test_without_damping_a_step_is_eq_14_and_15(seed, dt):
     np.testing.assert_allclose(after.velocity, v + dt * a + dt**2 / 2.0 * slope, atol=1e-13)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(st.floats(0.02, 30.0), st.floats(0.05, 1.0), st.integers(1, 30), st.integers(0, 10**6))
 def test_force_linear_in_time_is_integrated_exactly(beta, dt, steps, seed):
     """The quadratic of eq. (15) has the slope of a straight line, and damping is integrated in closed form."""
@@ -111,7 +111,7 @@ def test_terminal_velocity_is_force_over_damping(beta):
     np.testing.assert_allclose(now.velocity, force / beta, rtol=1e-12)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(st.floats(0.0, 20.0), st.floats(0.01, 1.0), st.integers(1, 20))
 def test_velocity_decays_exponentially_without_force(beta, dt, steps):
     now = Moving([[3.0, 4.0]], [[1.0, -2.0]])
@@ -121,7 +121,7 @@ def test_velocity_decays_exponentially_without_force(beta, dt, steps):
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(seed=st.integers(0, 10**6), decades=st.floats(-6.0, 6.0))
 def test_normalized_coulomb_keeps_the_direction_and_is_at_most_of_unit_size(dimension, seed, decades):
     rng = np.random.default_rng(seed)
@@ -158,7 +158,7 @@ def test_damping_is_beta_at_first_and_never_falls(beta):
     assert np.isfinite(coefficient).all()
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=24, deadline=None)
 @given(st.floats(0.0, 3.0), st.floats(0.0, 3.0), st.floats(0.1, 5.0), st.integers(0, 300))
 def test_friction_that_holds_holds_whatever_is_slower_pulled_less_or_idle_for_longer(pull, speed, w1, idle):
     if is_stuck(pull, speed, w1, idle):

@@ -14,7 +14,7 @@ T = 4
 histories = st.lists(st.lists(st.floats(0.0, 500.0), min_size=T, max_size=T), min_size=1, max_size=20)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=24, deadline=None)
 @given(histories)
 def test_epsilon_is_eq_23(history):
     total = 0.0
@@ -30,7 +30,7 @@ def test_particles_at_rest_have_no_epsilon_and_steady_motion_has():
     assert epsilon(moving) == pytest.approx(0.2)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=24, deadline=None)
 @given(st.floats(0, 0.01), st.integers(0, 40), st.integers(0, 40), st.integers(1, 5000))
 def test_a_quieter_step_is_never_less_quiet(value, moving, changed, count):
     if is_quiet(value, moving, changed, count):

@@ -79,7 +79,7 @@ def test_the_forces_are_those_of_eq_12(engine, states):
         forces = engine.forces(state, PARAMETERS, CHARGES)
         position, velocity = state.particles.position, state.particles.velocity
         scale_field = engine.scale_field(PARAMETERS, state.scale)
-        idle = idle_steps_of(state, engine.charged(scale_field, state.scale, state.charges), PARAMETERS)
+        idle = idle_steps_of(state, engine._field_with(scale_field, state.scale, state.charges), PARAMETERS)
         left = np.array([repulsion_left(int(steps)) for steps in idle])[:, None]
         beta = np.array([damping(PARAMETERS.beta, int(steps)) for steps in idle])[:, None]
         both = engine.field(PARAMETERS, state.scale, CHARGES)

@@ -66,7 +66,7 @@ heap = st.tuples(st.tuples(coordinate, coordinate), st.lists(st.tuples(st.intege
 crowds = st.tuples(places, heap).map(lambda c: np.array(c[0] + c[1], dtype=float))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=24, deadline=None)
 @given(crowds, st.sampled_from([0.5, 2.0, 6.0]), st.sampled_from([0.0, 1.0, 3.0]), st.sampled_from([0.4, 1.6]))
 def test_force_is_the_normalized_coulomb_force_and_the_lorentz_force(points, d_min, d_max, w1):
     """With any number of particles on the same spot, and of equal distances."""
@@ -184,7 +184,7 @@ def on_edge(before, angle, size, idle):
     return after, whole, normal
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=16, deadline=None)
 @given(st.integers(0, 10**6), st.floats(0.0, 3.0), st.floats(-1.0, 1.0), st.sampled_from([0, 10, 20]))
 def test_friction_takes_what_goes_along_the_edge_or_nothing(seed, angle, size, idle):
     """Of force, velocity and history; for particles on an edge that are slow along it, under a small force along it."""

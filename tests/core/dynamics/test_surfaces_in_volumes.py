@@ -56,7 +56,7 @@ def cells_for(points, side=4.0):
     return build_cells(points, SIZE, side)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=16, deadline=None)
 @given(seeds, spacings)
 def test_of_two_particles_too_near_on_one_sheet_the_one_on_the_weaker_edge_goes(seed, d_min):
     some = crowd(seed)
@@ -83,7 +83,7 @@ def repulsion(some, i, d_min):
     return total * scale / max(1.0, scale * np.linalg.norm(total))
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(seeds, spacings)
 def test_near_pairs_on_one_sheet_repel_each_other_and_no_others(seed, d_min):
     nothing = np.zeros(SHAPE, np.float32)
@@ -97,7 +97,7 @@ def test_near_pairs_on_one_sheet_repel_each_other_and_no_others(seed, d_min):
     np.testing.assert_allclose(force, law.w1 * truth, atol=1e-9)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=16, deadline=None)
 @given(seeds, st.floats(0.3, 6.0))
 def test_of_places_too_near_on_one_sheet_the_first_stays(seed, room):
     some = crowd(seed)
@@ -108,7 +108,7 @@ def test_of_places_too_near_on_one_sheet_the_first_stays(seed, room):
     np.testing.assert_array_equal(apart(some.position, some.contact.normal, room), truth)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(seeds, st.floats(0.3, 6.0))
 def test_new_ground_wakes_all_within_reach(seed, reach):
     points, places = crowds(SHAPE, seed), cloud(SHAPE, 4, seed + 1)
@@ -117,7 +117,7 @@ def test_new_ground_wakes_all_within_reach(seed, reach):
     np.testing.assert_array_equal(woken, (distances(points, places) < reach).any(axis=1))
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(seeds, spacings)
 def test_a_cell_and_side_is_new_ground_once(seed, side):
     coverage, known = no_surface(side), set()
@@ -157,7 +157,7 @@ def test_around_a_single_particle_there_are_six(edge):
     np.testing.assert_allclose(np.diff(angles), np.pi / 3.0, atol=1e-6)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(seed=seeds, d_min=st.sampled_from([1.2, 1.75, 2.6]))
 def test_new_particles_lie_on_the_edge_a_stride_ahead_and_keep_their_room(edge, seed, d_min):
     rng = np.random.default_rng(seed)
@@ -200,7 +200,7 @@ def between(edge, points, d_max, d_min=2.0):
     return both[gap > 1e-6]
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(seed=seeds, d_max=st.sampled_from([0.3, 1.0, 3.0]))
 def test_those_between_halve_a_pair_that_no_other_one_of_the_sheet_is_inside_of(edge, seed, d_max):
     rng = np.random.default_rng(seed)

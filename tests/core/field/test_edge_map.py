@@ -13,7 +13,7 @@ from cpm_core.field.edge_map import automatic_smoothing, background_strength, gr
 from ..scenes import disk
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(st.floats(-20.0, 20.0), st.floats(-20.0, 20.0), st.sampled_from([0.0, 0.5, 1.0, 2.0]))
 def test_gradient_of_a_ramp_is_its_slope(down, right, smoothing):
     row, col = np.indices((40, 44)).astype(float)

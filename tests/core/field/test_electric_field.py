@@ -26,7 +26,7 @@ def charges(shape, seed=0):
     return np.random.default_rng(seed).uniform(0.0, 50.0, shape)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(st.tuples(st.integers(1, 17), st.integers(1, 17)), st.integers(0, 1000), st.booleans())
 def test_field_is_the_direct_sum(shape, seed, sparse):
     """To 1e-12 of the largest vector; seen: 4e-15 at most."""

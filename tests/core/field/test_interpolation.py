@@ -12,7 +12,7 @@ def random_field(shape, channels, seed):
     return np.random.default_rng(seed).normal(size=(channels, *shape))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=16, deadline=None)
 @given(
     st.lists(st.integers(1, 7), min_size=1, max_size=3).map(tuple),
     st.integers(1, 5),
@@ -31,7 +31,7 @@ def felt_at(packed, place):
     return [component(packed, c, corner) for c in range(packed.shape[2])]
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=24, deadline=None)
 @given(st.tuples(st.integers(1, 7), st.integers(1, 7)), st.integers(1, 5), st.integers(0, 10**6))
 def test_the_packed_field_is_bilinear_also_beyond_the_border(shape, channels, seed):
     field = random_field(shape, channels, seed).astype(np.float32)

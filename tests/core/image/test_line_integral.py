@@ -17,7 +17,7 @@ def straight(angle, width=3.0):
     return 100.0 * np.tanh(across / width)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(st.floats(-1.5, 1.5))
 def test_directions_run_along_a_straight_edge_and_are_sure_of_it(angle):
     way = directions(straight(angle), 1.0, 3.0)

@@ -10,7 +10,7 @@ from cpm_core.image.pyramid import most_scales, pyramid, shape_of_scale, to_imag
 shapes = st.tuples(st.integers(32, 75), st.integers(32, 75))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=16, deadline=None)
 @given(shapes, st.integers(0, 3), st.integers(0, 10**6))
 def test_to_image_undoes_to_scale(shape, scale, seed):
     points = np.random.default_rng(seed).uniform(-2.0, 80.0, (20, 2))
@@ -32,7 +32,7 @@ def test_a_ramp_keeps_its_values_at_every_scale(shape):
         np.testing.assert_allclose(reduced[tuple(nodes[within].astype(int).T)], truth, atol=1e-3)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=16, deadline=None)
 @given(shapes)
 def test_as_many_scales_as_leave_eight_pixels(shape):
     most = most_scales(shape)

@@ -73,7 +73,7 @@ def steps(regions, parameters, seeds=GRID, count=30):
         state = after
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(barriers, settings_of_a_run())
 def test_no_particle_ever_crosses_a_barrier(barrier, parameters):
     lines = np.array(barrier)
@@ -86,7 +86,7 @@ def test_no_particle_ever_crosses_a_barrier(barrier, parameters):
             assert not crossing(before.position[old], after.position[new], p, q).any()
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(st.tuples(st.floats(-0.3, 0.3), st.floats(10.0, 45.0)), settings_of_a_run())
 def test_no_particle_gets_or_is_born_beyond_a_barrier_across_the_image(line, parameters):
     slope, offset = line
@@ -96,7 +96,7 @@ def test_no_particle_gets_or_is_born_beyond_a_barrier_across_the_image(line, par
         assert (after.position[:, 1] < offset + slope * after.position[:, 0] + 1e-9).all()
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(st.lists(polygons, min_size=1, max_size=2), settings_of_a_run())
 def test_every_particle_stays_in_the_union_of_the_regions_of_interest(interest, parameters):
     regions = Regions(interest=tuple(interest))
@@ -109,7 +109,7 @@ def test_every_particle_stays_in_the_union_of_the_regions_of_interest(interest, 
         assert in_union(interest, after.position).all()
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=24, deadline=None)
 @given(st.lists(polygons, min_size=1, max_size=3), st.integers(0, 10**6))
 def test_the_rim_parts_the_inside_of_a_union_from_its_outside_and_nothing_else(interest, seed):
     regions = Regions(interest=tuple(interest))

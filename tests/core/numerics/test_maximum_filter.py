@@ -11,7 +11,7 @@ from cpm_core.numerics.grids import running_maximum
 shapes = st.one_of(st.tuples(st.integers(1, 12), st.integers(1, 12)), st.tuples(*[st.integers(1, 6)] * 3))
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=16, deadline=None)
 @given(shapes, st.integers(0, 7), st.integers(0, 10**6))
 def test_it_is_the_maximum_over_a_box(shape, reach, seed):
     values = np.random.default_rng(seed).normal(size=shape)
@@ -21,7 +21,7 @@ def test_it_is_the_maximum_over_a_box(shape, reach, seed):
     np.testing.assert_array_equal(values, before)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(shapes, st.integers(0, 6), st.integers(0, 10**6))
 def test_within_a_distance_of_some_pixels(shape, reach, seed):
     """By the distance transform."""

@@ -7,7 +7,7 @@ from scipy.ndimage import label
 from cpm_core.numerics.grids import parts_of
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=24, deadline=None)
 @given(arrays(bool, st.tuples(*[st.integers(1, 7)] * 3)), st.booleans())
 def test_parts_of_a_mask_are_its_labels(mask, corners):
     labels, count = label(mask, np.ones((3, 3, 3)) if corners else None)

@@ -99,7 +99,7 @@ def speckled():
 places = st.tuples(st.integers(0, 95), st.integers(0, 95))
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(st.lists(places, min_size=1, max_size=4, unique=True), st.lists(places, max_size=3, unique=True))
 def test_an_object_holds_every_place_inside_and_none_outside(speckled, inside, outside):
     outside = [place for place in outside if place not in inside]
@@ -108,7 +108,7 @@ def test_an_object_holds_every_place_inside_and_none_outside(speckled, inside, o
     assert not any(mask[place] for place in outside)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(st.lists(places, min_size=3, max_size=3, unique=True))
 def test_a_place_inside_only_adds_and_one_outside_only_takes_away(speckled, three):
     first, second, third = three

@@ -71,7 +71,7 @@ def described(values, mask):
     return dict(zip(DESCRIPTION, found, strict=True))
 
 
-@settings(deadline=None, max_examples=50)
+@settings(deadline=None, max_examples=20)
 @given(hnp.arrays(np.bool_, st.tuples(st.integers(3, 14), st.integers(3, 14))).filter(lambda mask: mask.any()))
 def test_the_solidity_is_the_share_of_the_convex_hull(mask):
     whole = np.zeros((24, 24), np.bool_)

@@ -28,7 +28,7 @@ def links(shape):
                     yield (r, c), (r + down, c + right), down
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=24)
 @given(seeds)
 def test_a_closed_line_parts_the_pixels_inside_from_those_outside(seed):
     random = np.random.default_rng(seed)
@@ -46,7 +46,7 @@ def test_a_closed_line_parts_the_pixels_inside_from_those_outside(seed):
             assert (found.down if down else found.right)[p] >= 0.0
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=24)
 @given(seeds)
 def test_without_merging_there_is_a_basin_for_each_minimum_and_water_runs_down_in_it(seed):
     random = np.random.default_rng(seed)
@@ -63,7 +63,7 @@ def test_without_merging_there_is_a_basin_for_each_minimum_and_water_runs_down_i
         assert scipy.ndimage.label(found == number)[1] == 1
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=24)
 @given(seeds)
 def test_no_basin_reaches_across_a_closed_line(seed):
     random = np.random.default_rng(seed)
@@ -100,7 +100,7 @@ def scattered(random, shape):
     return Crossings(*(np.where(random.random(shape) < 0.3, 0.5, -1.0).astype(np.float32) for _ in range(2)))
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=24)
 @given(seeds)
 def test_the_graph_has_the_measures_of_its_definition(seed):
     random = np.random.default_rng(seed)
@@ -130,7 +130,7 @@ def test_the_graph_has_the_measures_of_its_definition(seed):
         assert graph.rim[k] == pytest.approx(on_border + np.pi / 8.0 * (outer[0] + outer[4] / np.sqrt(2.0)))
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=24)
 @given(seeds)
 def test_a_face_that_is_cut_is_measured_as_if_it_had_always_been_two(seed):
     random = np.random.default_rng(seed)

@@ -37,7 +37,7 @@ def cut(graph):
     return minimum_cut(arcs(first, second, len(leaving)), price, leaving, entering)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=24)
 @given(graphs(7))
 def test_no_set_is_cheaper_and_none_as_cheap_is_smaller(graph):
     found = cut(graph)
@@ -48,7 +48,7 @@ def test_no_set_is_cheaper_and_none_as_cheap_is_smaller(graph):
         assert total(graph, inside) > least or not (found & ~inside).any()
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=24)
 @given(graphs(60, 1000))
 def test_the_cut_costs_what_the_maximum_flow_carries(graph):
     first, second, price, leaving, entering = graph
@@ -62,7 +62,7 @@ def test_the_cut_costs_what_the_maximum_flow_carries(graph):
     assert total(graph, cut(graph)) == maximum_flow(network, count, count + 1).flow_value
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=24)
 @given(graphs(30), st.integers(0, 2**32 - 1))
 def test_a_cut_of_a_part_is_that_of_the_whole_with_the_others_tied(graph, seed):
     first, second, price, leaving, entering = graph

@@ -27,7 +27,7 @@ def crosses_itself(contour):
     return False
 
 
-@settings(deadline=None, max_examples=30)
+@settings(deadline=None, max_examples=12)
 @given(seeds)
 def test_the_outlines_of_any_mask_contain_exactly_its_pixels_and_never_cross(seed):
     random = np.random.default_rng(seed)

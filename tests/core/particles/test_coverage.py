@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core.model import coverage as plane
-from cpm_core.model.coverage import no_coverage, renewed, renewed_near
+from cpm_core.model.coverage import no_coverage, with_times_reset, with_times_reset_near
 
 from ..dynamics.moving import cloud
 
@@ -50,7 +50,7 @@ class TestCoverage:
             first = first | dict.fromkeys(fresh, step)
         return coverage, first
 
-    @settings(max_examples=60, deadline=None)
+    @settings(max_examples=24, deadline=None)
     @given(seed=seeds)
     def test_first_visits_are_kept_and_counted_once(self, kernels, shape, seed):
         coverage, first = self.visited(kernels, no_coverage(shape), {}, visits(shape, seed))
@@ -58,28 +58,28 @@ class TestCoverage:
         assert {tuple(map(int, c)): int(found[tuple(c)]) for c in np.argwhere(found >= 0)} == first
         assert coverage.size == len(first)
 
-    @settings(max_examples=60, deadline=None)
+    @settings(max_examples=24, deadline=None)
     @given(seed=seeds)
     def test_idle_steps_count_from_the_newest_cells_around(self, kernels, shape, seed):
         coverage, first = self.visited(kernels, no_coverage(shape), {}, visits(shape, seed))
         points = cloud(shape, 8, seed)
         assert kernels.idle_at(coverage, points, 20, 99).tolist() == idle_truth(first, points, 20, 99)
 
-    @settings(max_examples=60, deadline=None)
+    @settings(max_examples=24, deadline=None)
     @given(seed=seeds)
     def test_renewed_coverage_counts_as_newly_covered_and_grows_further(self, kernels, shape, seed):
         coverage, first = self.visited(kernels, no_coverage(shape), {}, visits(shape, seed))
-        coverage, first, points = renewed(coverage, 10), dict.fromkeys(first, 10), cloud(shape, 8, seed)
+        coverage, first, points = with_times_reset(coverage, 10), dict.fromkeys(first, 10), cloud(shape, 8, seed)
         assert kernels.idle_at(coverage, points, 10, 99).tolist() == idle_truth(first, points, 10, 99)
         coverage, first = self.visited(kernels, coverage, first, visits(shape, seed + 1), start=11)
         assert kernels.idle_at(coverage, points, 30, 99).tolist() == idle_truth(first, points, 30, 99)
 
-    @settings(max_examples=40, deadline=None)
+    @settings(max_examples=16, deadline=None)
     @given(seed=seeds, reach=st.floats(0.5, 25.0))
     def test_renewal_near_a_position_changes_the_cells_within_reach_and_no_others(self, kernels, shape, seed, reach):
         """Of all particles there, those whose distance from the place is below the reach; not those a cell beyond."""
         place, points = cloud(shape, 1, seed), cloud(shape, 50, seed + 1)
-        idle = kernels.idle_at(renewed_near(no_coverage(shape), place, reach, 7), points, 9, 99)
+        idle = kernels.idle_at(with_times_reset_near(no_coverage(shape), place, reach, 7), points, 9, 99)
         distance = np.linalg.norm(points - place, axis=1)
         assert np.all(idle[distance < reach] == 2)
         assert np.all(idle[distance > reach + SIDE * len(shape) ** 0.5] == 99)

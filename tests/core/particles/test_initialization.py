@@ -21,7 +21,7 @@ from cpm_core import (
 from ..scenes import DARK, disk, outline_distance, ring, square
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(st.floats(-50, 300), st.floats(-50, 300), st.floats(0.1, 200.0), st.floats(0.5, 10.0))
 def test_circle_has_the_radius_and_an_even_spacing(row, col, radius, spacing):
     points = circle((row, col), radius, spacing)
@@ -49,7 +49,7 @@ def length_of(path):
     return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=24, deadline=None)
 @given(CORNERS, st.floats(0.3, 20.0), st.integers(2, 5))
 def test_stroke_is_evenly_spaced_along_its_line(corners, spacing, parts):
     """Cut at every particle, the line falls into pieces of one length, which is the spacing as nearly as it goes."""
@@ -89,7 +89,7 @@ def test_stroke_of_no_line_is_refused(points, message):
         stroke(points)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(st.tuples(st.integers(1, 70), st.integers(1, 70)), st.floats(0.6, 30.0))
 def test_uniform_grid_is_inside_symmetric_and_evenly_spaced(shape, spacing):
     points = uniform_grid(shape, spacing)

@@ -64,7 +64,7 @@ def test_force_on_curves_is_the_sum_over_all_pairs(points):
     assert error(points) < CURVES
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=24, deadline=None)
 @given(st.floats(1.0, 1e3))
 def test_spline_spreads_a_whole_charge_about_its_own_place(place):
     node, *weights = spline(place)

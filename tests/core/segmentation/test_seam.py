@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import cpm_core as cpm
-from cpm_core import METHODS, PARAMETERS, Parameters, PlacedCharge
+from cpm_core import PARAMETERS, Parameters, PlacedCharge
+from cpm_core.segmentation.method import METHODS
 
 from ..scenes import ring
 

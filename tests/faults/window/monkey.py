@@ -87,10 +87,12 @@ class Monkey(QObject):
         await_true(lambda: time.monotonic() > rested, "resting")
         broken = list(self._watch.troubles)
         session = self.window.session
-        done = session.history.done
-        before = session.document
-        session.go_to(0)
-        session.go_to(done)
+        before, done = session.document, 0
+        while session.history.undo_name:
+            session.undo()
+            done += 1
+        for _ in range(done):
+            session.redo()
         if session.document != before:
             broken.append("to undo all and do it again gives another document")
         await_true(lambda: session.idle, "undoing all and doing it again")

@@ -108,7 +108,7 @@ def test_the_geodesic_contour_leaks_with_a_small_exponent_and_sticks_with_a_larg
     ends = {}
     for exponent in (2.0, 8.0):
         settings = replace(PUBLISHED, exponent=exponent)
-        state = end_of("gac", image, start, settings).state
+        state = end_of("geodesic", image, start, settings).state
         ends[exponent] = state
     assert ends[2.0].stop_reason == "the contour has left the image"
     assert sum(contour.area for contour in ends[8.0].contours) < 0.65 * area

@@ -34,7 +34,7 @@ def off(boundary):
 
 
 @given(st.lists(PLACES, min_size=1, max_size=8), st.floats(1.0, 12.0), st.booleans(), st.booleans())
-@settings(max_examples=30)
+@settings(max_examples=12)
 def test_the_boundary_encloses_the_area_and_what_the_disk_has_gone_over_or_the_area_without_it(
     path, radius, adds, hole
 ):

@@ -55,10 +55,8 @@ CASES = {
     "boxes": cpm.VolumeRegions(interest=[((2, 3, 4), (11, 22, 12)), ((5, 9, 10), (7, 14, 24))]),
     "mask": cpm.VolumeRegions(interest=[~painted((slice(0, 6), slice(10, 14), slice(9, 30)))]),
     "plane": cpm.VolumeRegions(barriers=[((6.5, 12.0, 18.2), (0.4, -1.0, 2.0))]),
-    "painted": cpm.VolumeRegions(barriers=[WALL]),
     "stairs": cpm.VolumeRegions(barriers=[STAIRS]),
     "drawn region": cpm.VolumeRegions([cpm.Extrusion(((3, 4), (3, 20), (22, 22), (20, 3)), 0, 2.0, 11.0)]),
-    "drawn wall": cpm.VolumeRegions(barriers=[cpm.Extrusion(((-3, 15), (9, 20), (30, 16)), 0, 0.0, 13.0, False)]),
     "wall across the rows": cpm.VolumeRegions(
         barriers=[cpm.Extrusion(((-1, 15.2), (14, 19.7)), 1, 3.0, 20.0, closed=False)]
     ),
@@ -130,7 +128,7 @@ def test_limits_hold_at_every_scale():
 moves = st.tuples(*[st.floats(-3.0, 9.0)] * 3)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=24, deadline=None)
 @given(st.integers(0, 2**32 - 1), moves, moves, st.floats(0.0, 1.0))
 @example(1, (0.5, 0.5, 0.0), (0.5, 0.5, 3.0), 0.3)
 def test_a_move_crosses_a_wall_exactly_where_a_sampled_one_does(seed, a, b, filled):
@@ -149,7 +147,7 @@ def test_a_move_crosses_a_wall_exactly_where_a_sampled_one_does(seed, a, b, fill
         assert walls.crossed(one, other)[0] <= beside
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(st.integers(0, 2**32 - 1))
 def test_a_plane_is_a_wall_of_the_voxels_that_it_passes_through(seed):
     random = np.random.default_rng(seed)
@@ -161,7 +159,7 @@ def test_a_plane_is_a_wall_of_the_voxels_that_it_passes_through(seed):
     np.testing.assert_array_equal(walls.closed.ravel(), sides.any(axis=1) & ~sides.all(axis=1))
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(st.integers(0, 2**32 - 1))
 def test_no_move_leads_from_one_room_to_another(seed):
     random = np.random.default_rng(seed)
