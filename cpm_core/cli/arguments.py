@@ -116,7 +116,7 @@ _SIZE = re.compile(rf"({_NUMBER}(?:x{_NUMBER}){{0,2}})(nm|um|µm|μm|mm|cm|m)")
 
 
 def part_of(arguments: argparse.Namespace, *, volume: bool = False, runs: bool = True) -> dict[str, Any]:
-    """What `load_image` or `load_volume` is told in addition to the path.
+    """What `load_image` or `load_volume` takes in addition to the path.
 
     A channel that is a number, or that with the largest contrast, is chosen in reading. One that is named is a
     parameter of a run on an image, and is chosen in reading where the command `runs` nothing, or a volume.

@@ -1,4 +1,4 @@
-"""What commands print: sentences and progress for people, one JSON object for programs, and the files they wrote.
+"""What commands print: sentences and progress for the user, one JSON object for programs, and the files they wrote.
 
 Each object begins with ``command``, ``schema`` (the version of the form) and ``version`` (that of CPM). What follows is
 in `SCHEMA_FILE`, a JSON Schema of all commands; its number is raised when an entry changes its meaning or goes.

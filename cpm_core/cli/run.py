@@ -204,6 +204,7 @@ def _run_image(
     image = (load_volume if volume else load_image)(path, **part)
     parameters = fitted(image, parameters, scales=arguments.scales is None)
     truth = truth_for(arguments, image)
+    _check_places(drawn["object"], image)
     started = time.perf_counter()
     shapes = _shapes(drawn, arguments, image if volume else None)
     starting = _starting(arguments, session, image, shapes)
@@ -226,14 +227,21 @@ def _run_image(
     else:
         result = shown = _contours(made, image, parameters, session, arguments)
         if drawn["object"]:
-            chosen = _chosen(result, image, drawn)
+            chosen = partition(result).select(np.array(drawn["object"]), np.array(drawn["not"]))
+            if not chosen.mask.any():
+                raise ValueError("There is no object at this place: name another one inside it.")
             boundary = objects_result([chosen], image, channel=result.channel)
             drew = (*result.provenance.shapes, *boundary.provenance.shapes)
             shown = replace(boundary, provenance=replace(result.provenance, method="objects", shapes=drew))
     seconds = time.perf_counter() - started
     files = Files()
-    warn = lambda sentence: say(f"{sentence} {_CLOSE[:-1]}, or write SVG, GeoJSON or CSV.")  # noqa: E731
-    files.export(shown, arguments.export, image=path, space=arguments.space or "LPS", warn=warn)
+    files.export(
+        shown,
+        arguments.export,
+        image=path,
+        space=arguments.space or "LPS",
+        warn=lambda sentence: say(f"{sentence} {_CLOSE[:-1]}, or write SVG, GeoJSON or CSV."),
+    )
     if arguments.save_session is not None:
         own = arguments.image is None
         whole = replace(
@@ -353,16 +361,12 @@ def _surface(found: Result, drawn: Drawn, faces: int | None) -> Result:
     return replace(found, surface=surface)
 
 
-def _chosen(result: Result, image: Image, drawn: Drawn) -> Selection:
-    """The object that places lie in; ValueError when there is none."""
-    for place in drawn["object"]:
+def _check_places(places: Sequence[tuple[float, ...]], image: Image) -> None:
+    """Raise ValueError when a place of the object lies outside the image, before the run."""
+    for place in places:
         if not all(-0.5 <= at <= side - 0.5 for at, side in zip(place, image.shape, strict=True)):
             at = ",".join(f"{number:g}" for number in place)
             raise ValueError(f"--object is {at} but lies outside the image, which has {sized(image.shape)}.")
-    chosen: Selection = partition(result).select(np.array(drawn["object"]), np.array(drawn["not"]))
-    if not chosen.mask.any():
-        raise ValueError("There is no object at this place: name another one inside it.")
-    return chosen
 
 
 def _on_contours(result: Result, chosen: Selection | None, seconds: float) -> tuple[dict[str, Any], list[str]]:

@@ -74,8 +74,7 @@ class CenterLayer(Layer):
     tip = "The center of the image."
     shortcut = "Ctrl+Alt+9"
 
-    def __init__(self, view, requests) -> None:
-        super().__init__(view, requests)
+    def make(self) -> None:
         self.cross = Curves("#ff0000", 9.0)
         self.add(self.cross)
         self.center = None

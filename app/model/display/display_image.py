@@ -69,7 +69,7 @@ class DisplayImage:
 
     @staticmethod
     def preview(values: Array, window: IntensityWindow) -> DisplayImage:
-        """Shades of few of the gray values, made at once, until all of them have been made."""
+        """Shades of few of the gray values, made immediately, until all of them have been made."""
         finest = max(0, math.ceil(math.log2(max(values.shape) / _PREVIEW)))
         some = values[:: 2**finest, :: 2**finest]
         return replace(DisplayImage.of(apply_window(some, window)), finest=finest, size=values.shape)
@@ -146,8 +146,8 @@ def percentile_window(values: Array, percent: float) -> tuple[float, float]:
     """
     stride = math.ceil((values.size / _SAMPLE) ** (1.0 / values.ndim))
     some = values[(slice(None, None, stride),) * values.ndim]
-    low, high = np.percentile(some, [percent, 100.0 - percent]) if percent > 0 else (values.min(), values.max())
-    if low == high:
+    low, high = np.percentile(some, [percent, 100.0 - percent])
+    if percent == 0.0 or low == high:
         low, high = values.min(), values.max()
     return float(low), float(high)
 

@@ -45,17 +45,13 @@ class Target:
     anchor: Position
     contour: Contour | None = None
 
-    @property
-    def outline(self) -> Outline:
-        """Where it runs."""
-        return Outline() if self.contour is None else outline_of(self.contour)
-
 
 def judge(document: Document, targets: Iterable[Target], verdict: Verdict) -> Document:
     """The document in which contours are kept as they are now, rejected, or undecided again."""
 
     def amend(mark: Mark, target: Target) -> Mark:
-        return replace(mark, verdict=verdict, outline=target.outline if verdict == "kept" else Outline())
+        kept = target.contour if verdict == "kept" else None
+        return replace(mark, verdict=verdict, outline=Outline() if kept is None else outline_of(kept))
 
     return _amended(document, targets, amend)
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -65,17 +64,8 @@ def _erased(shape: Shape, path: Sequence[Place], radius: float, sides: Array) ->
             return shape
         left = tuple(point for point, gone in zip(shape.positions, near.tolist(), strict=True) if not gone)
         return Points(left) if left else None
-    return None if any(shape.distance(at) <= radius for at in _stops(path, 0.5 * radius)) else shape
-
-
-def _stops(path: Sequence[Place], apart: float) -> list[Place]:
-    """Places on a path no farther apart than `apart`."""
-    stops: list[Place] = [path[0]]
-    for begin, end in pairwise(path):
-        count = max(1, math.ceil(math.dist(begin, end) / apart))
-        share = np.arange(1, count + 1)[:, None] / count
-        stops += map(tuple, (np.array(begin) + share * np.subtract(end, begin)).tolist())
-    return stops
+    stops = polyline.resampled(np.array(path, dtype=float), 0.5 * radius).tolist()
+    return None if any(shape.distance(tuple(at)) <= radius for at in stops) else shape
 
 
 def set_shapes(document: Document, shapes: tuple[Shape, ...]) -> Document:

@@ -59,9 +59,7 @@ class Imported:
     def of_surface(cls, surface: Surface, volume: Image, name: str, notes: tuple[str, ...] = ()) -> Imported:
         """A surface in a volume, with an object for each body inside; ValueError when those are too many."""
         objects = bodies_of(surface, volume) if surface.closed else ()
-        if len(objects) > MOST:
-            message = tr("{name} has {count} objects, but no more than {most} can be taken over.")
-            raise ValueError(message.format(name=name, count=len(objects), most=MOST))
+        _check(tr("{name} has {count} objects, but no more than {most} can be taken over."), name, len(objects))
         return cls(name, 1, (start_on_surface(surface),), objects, int(not surface.closed), notes, "surface")
 
     @classmethod
@@ -73,14 +71,16 @@ class Imported:
     @classmethod
     def of(cls, found: ContourFile, name: str) -> Imported:
         """What a file of contours holds; ValueError when that is too much."""
-        if len(found.contours) > MOST:
-            message = tr("{name} has {count} contours, but no more than {most} can be taken over.")
-            raise ValueError(message.format(name=name, count=len(found.contours), most=MOST))
+        count = len(found.contours)
+        _check(tr("{name} has {count} contours, but no more than {most} can be taken over."), name, count)
         closed = [contour for contour in found.contours if contour.closed]
         starts = starts_along(found.contours, found.places)
-        return cls(
-            name, len(found.contours), starts, objects_of(closed), len(found.contours) - len(closed), found.notes
-        )
+        return cls(name, count, starts, objects_of(closed), count - len(closed), found.notes)
+
+
+def _check(message: str, name: str, count: int) -> None:
+    if count > MOST:
+        raise ValueError(message.format(name=name, count=count, most=MOST))
 
 
 def objects_of(contours: Sequence[Contour]) -> tuple[SegmentedObject, ...]:

@@ -93,7 +93,7 @@ def suited(parameters: Parameters, image: Image) -> Parameters:
 
 def needs_start(mode: Mode) -> bool:
     """Whether a run in a mode needs an initialization."""
-    return METHODS[MODES[mode].method].seeded
+    return bool(METHODS[MODES[mode].method].seeded)
 
 
 def acting_in(mode: Mode, dimension: int = 2) -> frozenset[str]:

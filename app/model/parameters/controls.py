@@ -9,7 +9,7 @@ from types import MappingProxyType
 from typing import Any
 
 from app.model.text.language import from_core, tr, written
-from app.model.text.wording import FORMULAS, Wording, rich
+from app.model.text.wording import FORMULAS, rich
 from cpm_core import PARAMETERS, Parameters
 from cpm_core.parameters import AUTOMATIC, CHOICES, OF_STARTS, Invalidates
 
@@ -142,7 +142,7 @@ class Control:
         """Its symbol as rich text."""
         return rich(self.symbol)
 
-    def label(self, wording: Wording) -> str:
+    def label(self, wording: str) -> str:
         """Label of the slider, as rich text: its name and symbol, or its symbol and name."""
         if wording == "name":
             return f"{self.title} &nbsp;<span style='font-weight: normal'>{self.rich_symbol}</span>"

@@ -7,18 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from types import MappingProxyType
-from typing import Literal, cast, get_args
 
 from app.model.text.language import tr
 
-Wording = Literal["name", "symbol"]
-
-FIRST_WORDING: Wording = "name"
-
-
-def wording_called(name: str) -> Wording:
-    """The wording of this name; the first one if there is none."""
-    return cast("Wording", name) if name in get_args(Wording) else FIRST_WORDING
+FIRST_WORDING = "name"
+"""What comes first in labels of parameters, ``"name"`` or ``"symbol"``."""
 
 
 _FORCES = "<i>F</i> = <i>w</i>₁<i>F</i><sub>c</sub> + <i>w</i>₂<i>F</i><sub>l</sub> − <i>β</i> <i>v</i>"

@@ -35,9 +35,9 @@ class Parts:
     usual : int
         The page that is read when nobody chooses, from 1.
     spacing, unit
-        Size of a voxel that the file tells, along (plane, row, col), and its unit; None where it tells none.
+        Size of a voxel in the file, along (plane, row, col), and its unit; None where it has none.
     deep : bool
-        Whether pages are planes of a volume, as the file tells how far apart they are, or by its kind.
+        Whether pages are planes of a volume, as the file says how far apart they are, or by its kind.
     planes : int
         How many of the pages make a volume.
     doubts : tuple of str

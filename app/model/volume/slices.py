@@ -147,7 +147,7 @@ def flips_of(volume: Image | None, axis: int | None) -> tuple[bool, bool]:
 def edges_of(whole: Image, slices: Slices | None) -> tuple[Ends, Ends] | None:
     """What is written at the top and bottom, and at the left and right, of an image or of a slice of a volume.
 
-    None for an image that does not tell how it lies.
+    None for an image without a place in space.
     """
     if slices is None and whole.geometry is None:
         return None

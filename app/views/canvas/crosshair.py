@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import pyqtgraph as pg
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QCursor
 
 from app.model.text.keys import with_keys
@@ -108,9 +108,10 @@ class Crosshair:
         canvas = self._canvas
         canvas.led_by_keys, self._at = True, at
         point, seen = canvas.point(at), canvas.rect()
+        room = QRectF(seen).adjusted(_MARGIN, _MARGIN, -_MARGIN, -_MARGIN)
         canvas.pan(
-            _beyond(point.x(), seen.left() + _MARGIN, seen.right() - _MARGIN),
-            _beyond(point.y(), seen.top() + _MARGIN, seen.bottom() - _MARGIN),
+            point.x() - min(max(point.x(), room.left()), room.right()),
+            point.y() - min(max(point.y(), room.top()), room.bottom()),
         )
         canvas.hold.set_modifiers(Qt.KeyboardModifier.NoModifier)
         canvas.move_to(at)
@@ -120,8 +121,3 @@ class Crosshair:
     def _draw(self) -> None:
         for marks in self._marks:
             marks.show([] if self._at is None else [self._at])
-
-
-def _beyond(place: float, first: float, last: float) -> float:
-    """Signed distance of a place outside two bounds, negative before the first, 0 between them."""
-    return min(place - first, 0.0) + max(place - last, 0.0)

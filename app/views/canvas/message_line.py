@@ -28,13 +28,13 @@ class MessageLine(QFrame):
         super().__init__()
         self._messages = Messages()
         self._label = ElidedLabel()
-        self._label.fits_changed.connect(self._show_details_button)
         self.details = QToolButton()
         self.details.setText(tr("Details"))
         self.details.setAutoRaise(True)
         self.details.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.details.setToolTip(tr("Read the whole message."))
         self.details.clicked.connect(self._show_details)
+        self._label.fits_changed.connect(lambda: self.details.setVisible(not self._label.fits))
         self._button = QToolButton()
         self._button.setAutoRaise(True)
         self._button.setAccessibleName(tr("Dismiss message"))
@@ -111,9 +111,6 @@ class MessageLine(QFrame):
             self.style().unpolish(widget)
             self.style().polish(widget)
         self._tint()
-        self._show_details_button()
-
-    def _show_details_button(self) -> None:
         self.details.setVisible(not self._label.fits)
 
     def _show_details(self) -> None:

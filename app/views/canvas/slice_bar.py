@@ -41,10 +41,8 @@ class SliceBar(QFrame):
         row.setSpacing(4)
         group = QButtonGroup(self)
         for axis, button in enumerate(self.axes):
-            name = AXES[axis]
-            button.setText(name[:1].upper() + name[1:])
             button.setToolTip(_TIPS[axis])
-            button.setAccessibleName(tr("Slices across the axis: {axis}").format(axis=name))
+            button.setAccessibleName(tr("Slices across the axis: {axis}").format(axis=AXES[axis]))
             button.setCheckable(True)
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
             group.addButton(button, axis)

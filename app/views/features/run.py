@@ -15,7 +15,6 @@ from app.model.preferences.table import TIMELINE_MEMORY, UNIT, WORDING
 from app.model.state.resolve import resolve
 from app.model.state.situation import Situation, can_step, has_image, has_particles, is_running, is_started
 from app.model.text.language import tr, written
-from app.model.text.wording import wording_called
 from app.session.storage.presets import PresetStore
 from app.session.timeline.timeline import MEGABYTE
 from app.session.worker.commands import run_call
@@ -192,9 +191,7 @@ class ParametersFeature(Feature):
         self.presets = Presets(window, PresetStore(parent=window))
         self.panel = ParametersPanel(window.session, self.presets)
         self.panels = (Panel("parameters", "Parameters", self.panel, tab="settings", shortcut="F7"),)
-        window.preferences.follow(
-            WORDING, lambda: self.panel.use_wording(wording_called(window.preferences.value(WORDING)))
-        )
+        window.preferences.follow(WORDING, lambda: self.panel.use_wording(window.preferences.value(WORDING)))
         self.actions = (
             Submenu("presets", "Run", "&Preset", self.presets.fill, gap=True),
             Submenu("channels", "Run", "C&hannel", self._fill_channels),

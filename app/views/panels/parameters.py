@@ -36,7 +36,7 @@ from app.model.parameters.controls import (
     value_of,
 )
 from app.model.text.language import tr, written
-from app.model.text.wording import FIRST_WORDING, Wording
+from app.model.text.wording import FIRST_WORDING
 from app.session.scene import NO_CONTOURS, ReviewedContours
 from app.session.session import Session
 from app.views.theme.icons import icon
@@ -184,7 +184,7 @@ class ParameterRow(QWidget):
         self.effect.setText(words)
         self.effect.setVisible(bool(words))
 
-    def use_wording(self, wording: Wording) -> None:
+    def use_wording(self, wording: str) -> None:
         """Label it by name or by symbol first."""
         self._label.setText(self.control.label(wording))
 
@@ -306,7 +306,7 @@ class ParametersPanel(QWidget):
             self._explained = next(name for name in self.rows if name in acting)
         self._explain(self.rows[self._explained].control)
 
-    def use_wording(self, wording: Wording) -> None:
+    def use_wording(self, wording: str) -> None:
         """Label everything by name or by symbol first."""
         for row in self.rows.values():
             row.use_wording(wording)

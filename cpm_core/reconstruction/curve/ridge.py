@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cpm_core.field.scale_field import SPLINE_MARGIN, ScaleField
-from cpm_core.numerics.jit import compiled, inlined
+from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array
 
 PROBE = 0.3
@@ -90,7 +90,7 @@ def _weights(t: float) -> tuple[float, float, float, float]:
     )
 
 
-@inlined
+@compiled
 def slope(ridge: Ridge, row: float, col: float) -> float:
     """Difference of the edge map on both sides of a position, along the image gradient."""
     down, right = uphill(ridge, row, col)

@@ -258,10 +258,8 @@ def _correct(
     moved = 0.0
     e = _DIFFERENCE
     for _ in range(_ITERATIONS):
-        before, here, after = 0.0, 0.0, 0.0
-        for k in range(3):
-            there = slope(ridge, row + (k - 1) * e * down, col + (k - 1) * e * right)
-            before, here, after = here, after, there
+        before, here = slope(ridge, row - e * down, col - e * right), slope(ridge, row, col)
+        after = slope(ridge, row + e * down, col + e * right)
         change = (after - before) / (2.0 * e)
         if change == 0.0:
             break
@@ -280,13 +278,8 @@ def _correct(
 def _direction(ridge: Ridge, row: float, col: float) -> tuple[bool, float, float]:
     """Direction of the ridge at a position, with the brighter side always on the same hand; False off a ridge."""
     e = _DIFFERENCE
-    down, right = 0.0, 0.0
-    for k in range(4):
-        sign = 1.0 if k < 2 else -1.0
-        along_row, along_col = (sign, 0.0) if k % 2 == 0 else (0.0, sign)
-        there = slope(ridge, row - e * along_row, col - e * along_col)
-        down += along_row * there
-        right += along_col * there
+    down = slope(ridge, row - e, col) - slope(ridge, row + e, col)
+    right = slope(ridge, row, col - e) - slope(ridge, row, col + e)
     size = np.sqrt(down * down + right * right)
     # toward the brighter side the slope decreases on a ridge and increases in a trough
     if down * height(ridge.down, row, col) + right * height(ridge.right, row, col) <= 0.0:

@@ -31,7 +31,7 @@ def test_a_surface_is_written_with_as_many_triangles_as_wanted(folder, told, com
     values = np.load(folder / "ball.npy")
     np.save(tmp_path / "two.npy", np.concatenate([values, values]))  # two surfaces have no fewer than 8 triangles
     other = ("--sphere", "29.5,9.5,9.5,3")
-    _, _, err = command("run", tmp_path / "two.npy", *SPHERE, *other, "--faces", "4")
+    _, _, err = command("run", tmp_path / "two.npy", *SPHERE, *other, "--faces", "4", "--max-steps", 30)
     assert "triangles are left, not 4: with fewer the surface would lose its shape." in err
 
 

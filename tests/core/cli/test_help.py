@@ -69,19 +69,15 @@ def test_the_parser_takes_the_examples_of_each_command():
             assert cli.parser().parse_args(shlex.split(line)[1:]).name == name
 
 
-@pytest.mark.parametrize(
-    ("line", "proposed"),
-    [("cpm run --auto gr", {"grid", "gradient"}), ("cpm run cel", {"cell.png"})],
-)
-def test_a_shell_is_told_what_may_follow(line, proposed, tmp_path):
-    (tmp_path / "cell.png").touch()
+def test_a_shell_is_told_what_may_follow(tmp_path):
+    line = "cpm run --auto gr"
     asked = {
         "_ARGCOMPLETE": "1", "COMP_LINE": line, "COMP_POINT": str(len(line)), "_ARGCOMPLETE_SHELL": "bash",
         "_ARGCOMPLETE_IFS": "\n", "_ARGCOMPLETE_STDOUT_FILENAME": str(tmp_path / "found"), "COMP_TYPE": "9",
         "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
     }  # fmt: skip
-    subprocess.run([sys.executable, "-m", "app"], env=os.environ | asked, cwd=tmp_path, check=True, timeout=60)
-    assert {word.strip() for word in (tmp_path / "found").read_text("utf-8").split("\n")} == proposed
+    subprocess.run([sys.executable, "-m", "app"], env=os.environ | asked, check=True, timeout=60)
+    assert set((tmp_path / "found").read_text("utf-8").split()) == {"grid", "gradient"}
 
 
 def test_a_mistyped_word_opens_no_window(monkeypatch, capsys):

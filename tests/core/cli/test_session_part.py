@@ -65,7 +65,7 @@ def test_a_run_on_another_file_takes_the_part_as_well_and_flags_take_its_place(c
 
 def compared(told, table, *arguments):
     """What a method finds, without its time, and the measures of the contour."""
-    (found,) = told("compare", *arguments, "--methods", "gac", "--export", table)["methods"]
+    (found,) = told("compare", *arguments, "--methods", "geodesic", "--export", table)["methods"]
     with table.open(newline="", encoding="utf-8") as stream:
         measures = [row.get("net_area_um2", row["net_area_px2"]) for row in csv.DictReader(stream)]
     return found | {"seconds": 0.0}, measures

@@ -17,7 +17,7 @@ from cpm_core.numerics import Array, compiled
 Bytes = NDArray[np.uint8]
 
 _BLOCK = 8
-"""Side of the blocks whose maxima are kept [voxels]: one that cannot raise the maximum is passed at once."""
+"""Side of the blocks whose maxima are kept [voxels]: one that cannot raise the maximum is skipped."""
 
 
 @dataclass(frozen=True, eq=False)

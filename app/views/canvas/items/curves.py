@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from itertools import groupby
+from operator import itemgetter
 
 import numpy as np
 import pyqtgraph as pg
@@ -98,9 +100,10 @@ class Curves(OverImage):
         for pen in pens.values() if self._dashed else ():
             pen.setDashPattern(_DASHES)
             pen.setCapStyle(Qt.PenCapStyle.FlatCap)
-        for path, color in seen:
+        for color, alike in groupby(seen, itemgetter(1)):
             painter.setPen(pens[color])
-            painter.drawPath(path)
+            for path, _ in alike:
+                painter.drawPath(path)
 
     def _make_pieces(self, zoom: float) -> None:
         """Make the pieces for `zoom` px of the screen per px of the image, without corners that are invisible there."""

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import pyqtgraph as pg
-
 from app.model.display.lengths import bar, shown_in
 from app.model.text.language import tr
 from app.model.volume.slices import edges_of
 from app.session.scene import Scene
 from app.views.canvas.items.item import INK, Pinned
-from app.views.canvas.layers.layer import Layer, Requests, Switch
+from app.views.canvas.layers.layer import Layer, Switch
 from cpm_core.image import Bar
 
 LONGEST = 160.0
@@ -38,14 +36,14 @@ class ScaleBarLayer(Layer):
         Switch("pixels", tr("In px when the size of a pixel is not known"), False, tr("Show the bar for any image.")),
     )
 
-    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
-        super().__init__(view, requests)
-        self.item = Pinned(view, (0.0, 1.0))
+    def make(self) -> None:
+        """Make its items."""
+        self.item = Pinned(self.view, (0.0, 1.0))
         self.add(self.item)
         self.bar: Bar | None = None
         """The bar shown."""
-        view.sigRangeChanged.connect(self._fit)
-        view.sigResized.connect(self._fit)
+        self.view.sigRangeChanged.connect(self._fit)
+        self.view.sigResized.connect(self._fit)
 
     def show_or_hide(self) -> None:
         """Show the bar where the size of a pixel is known, or on request."""
@@ -79,11 +77,11 @@ class OrientationLayer(Layer):
     _EDGES = ((0.5, 0.0), (0.5, 1.0), (0.0, 0.5), (1.0, 0.5))
     """Top, bottom, left and right, as fractions of width and height."""
 
-    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
-        super().__init__(view, requests)
+    def make(self) -> None:
+        """Make its items."""
         self.letters: tuple[str, ...] = ("",) * 4
         """What is shown at the top, the bottom, the left and the right."""
-        self._letters = [Pinned(view, edge, _LETTER_GAP) for edge in self._EDGES]
+        self._letters = [Pinned(self.view, edge, _LETTER_GAP) for edge in self._EDGES]
         self.add(*self._letters)
         self._draw()
 

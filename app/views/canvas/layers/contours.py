@@ -11,7 +11,7 @@ from app.model.text.language import tr
 from app.session.scene import Item, Scene
 from app.views.canvas.items.curves import Curves, Fills
 from app.views.canvas.items.item import Markers, Names
-from app.views.canvas.layers.layer import Amount, Layer, LegendEntry, Requests, Sign, Switch
+from app.views.canvas.layers.layer import Amount, Layer, LegendEntry, Sign, Switch
 from app.views.theme import theme
 from cpm_core import Truth
 from cpm_core.contours import middle
@@ -54,8 +54,8 @@ class ContourLayer(Layer):
         Switch("junctions", tr("Junctions"), False, tr("Mark the points where contours meet.")),
     )
 
-    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
-        super().__init__(view, requests)
+    def make(self) -> None:
+        """Make its items."""
         self._hovered = Curves(theme.HOVERED, 3.7, width=7.0, halo=0.0)
         self._chosen = Curves(theme.CHOSEN, 3.8, width=6.5, halo=8.5)
         self._areas = Fills(2.9)
@@ -165,8 +165,8 @@ class TruthLayer(Layer):
     in_slices = True
     colors = (theme.TRUTH, theme.MISSING, theme.WRONG)
 
-    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
-        super().__init__(view, requests)
+    def make(self) -> None:
+        """Make its items."""
         self._boundary = Curves(theme.TRUTH, 3.95, width=1.6, halo=0.0)
         self._missing = Curves(theme.MISSING, 4.3, width=3.4, halo=5.0, dashed=True)
         self._wrong = Curves(theme.WRONG, 4.4, width=5.0, halo=7.0)

@@ -17,7 +17,7 @@ from app.session.scene import Scene
 from app.views.canvas.items.curves import Curves
 from app.views.canvas.items.discs import NO_POSITIONS, Discs
 from app.views.canvas.items.item import Markers, OverImage, cached, line_pen, to_xy
-from app.views.canvas.layers.layer import Layer, Requests
+from app.views.canvas.layers.layer import Layer
 from app.views.theme import theme
 from cpm_core.field import RADIUS, REACH
 from cpm_core.numerics import Array, Place
@@ -140,8 +140,8 @@ class DrawingLayer(Layer):
     """Another ring is shown: what `show_ring` takes."""
     colors = (theme.DRAWING, theme.REGION, theme.BARRIER, theme.ATTRACTING, theme.REPELLING)
 
-    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
-        super().__init__(view, requests)
+    def make(self) -> None:
+        """Make its items."""
         self._lines = _shapes(theme.DRAWING, _Z, 1.4)
         self._chosen = _shapes(theme.CHOSEN, _Z + 0.1, 2.2)
         self._areas = _shapes(theme.DRAWING, _Z, 1.2, dashed=True)
@@ -162,7 +162,7 @@ class DrawingLayer(Layer):
         self.add(self._lines, self._areas, self._chosen, *self.computed.values(), self._seeds, self._chosen_points)
         self.add(self._handles, self._dim, self._regions, self._barriers, self._rings, self._reach)
         self.add(self._charges, self._signs)
-        self._draft = Draft(view)
+        self._draft = Draft(self.view)
 
     @property
     def selected(self) -> Section | None:

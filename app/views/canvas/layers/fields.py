@@ -15,7 +15,7 @@ from app.model.text.language import tr
 from app.session.scene import Scene
 from app.views.canvas.items.item import cached, line_pen, to_xy
 from app.views.canvas.items.tiled_image import TiledImage
-from app.views.canvas.layers.layer import Choice, Layer, Requests, Switch
+from app.views.canvas.layers.layer import Choice, Layer, Switch
 from app.views.theme import color_maps, theme
 from cpm_core.numerics import Array
 
@@ -40,8 +40,8 @@ class ScalarOverlay(Layer):
     z: ClassVar[float]
     """Place in the stack of layers."""
 
-    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
-        super().__init__(view, requests)
+    def make(self) -> None:
+        """Make its items."""
         self._item = TiledImage(self.z)
         self._item.setVisible(False)
         cached(self._item)
@@ -117,8 +117,9 @@ class PotentialLayer(ScalarOverlay):
     )
     z = 0.9
 
-    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
-        super().__init__(view, requests)
+    def make(self) -> None:
+        """Make its items."""
+        super().make()
         pen = line_pen("#ffffff", 1.0)
         pen.setColor(QColor(_LINE))
         self.lines = pg.PlotCurveItem(pen=pen, antialias=True, connect="finite")
@@ -167,13 +168,13 @@ class FieldLayer(Layer):
     in_slices = True
     colors = (theme.FIELD,)
 
-    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
-        super().__init__(view, requests)
+    def make(self) -> None:
+        """Make its items."""
         self._item = pg.PlotCurveItem(pen=line_pen(theme.FIELD, 1.0), antialias=True, connect="pairs")
         self._item.setZValue(2)
         cached(self._item)
         self.add(self._item)
-        view.sigRangeChanged.connect(self._draw)
+        self.view.sigRangeChanged.connect(self._draw)
 
     @property
     def drawn(self) -> Array:

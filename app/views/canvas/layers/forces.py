@@ -12,7 +12,7 @@ from app.session.scene import Scene
 from app.session.worker.requests import Probed, probe
 from app.views.canvas.items.item import FAINT, Markers, Pinned, line_pen, to_xy
 from app.views.canvas.layers.fields import arrow_lines
-from app.views.canvas.layers.layer import Amount, Layer, Requests
+from app.views.canvas.layers.layer import Amount, Layer
 from app.views.theme import theme
 from cpm_core.numerics import Position
 
@@ -56,15 +56,15 @@ class ForceLayer(Layer):
     colors = (theme.COULOMB, theme.LORENTZ, theme.DAMPING)
     options = (Amount("length", tr("Length"), 20, 200, 5, 80, tr("Length of the longest arrow, in px of the screen.")),)
 
-    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
-        super().__init__(view, requests)
+    def make(self) -> None:
+        """Make its items."""
         self._ring = Markers(_Z, size=15.0, symbol="o", brush=None, pen=pg.mkPen(theme.CHOSEN, width=1.6))
         halo = line_pen(theme.HALO, 4.6)
         self._arrows = {
             name: pg.PlotCurveItem(pen=line_pen(color, 2.2), shadowPen=halo, antialias=True, connect="pairs")
             for name, (_, color) in KINDS.items()
         }
-        self.legend = Pinned(view, (1.0, 0.0))
+        self.legend = Pinned(self.view, (1.0, 0.0))
         for item in self._arrows.values():
             item.setZValue(_Z)
         self.add(self._ring, *self._arrows.values(), self.legend)
@@ -74,7 +74,7 @@ class ForceLayer(Layer):
         """Name, color and magnitude of each force in the legend."""
         self._pointer: Position | None = None
         self._draw()
-        view.sigRangeChanged.connect(self._draw)
+        self.view.sigRangeChanged.connect(self._draw)
 
     def point_at(self, place: Position | None) -> None:
         """Set the position (row, col) of the pointer, None when it has left."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-import pyqtgraph as pg
 from PySide6.QtCore import QEvent, QObject, QPointF, Qt, Signal
 from PySide6.QtGui import QCursor, QMouseEvent
 from PySide6.QtWidgets import QWidget
@@ -22,9 +21,8 @@ from app.session.scene import Scene
 from app.session.worker.requests import shade
 from app.views.canvas.items.item import cached
 from app.views.canvas.items.tiled_image import TiledImage
-from app.views.canvas.layers.layer import Amount, Choice, Layer, Requests
+from app.views.canvas.layers.layer import Amount, Choice, Layer
 from app.views.theme import color_maps
-from cpm_core import Image
 
 WHOLE, AUTOMATIC, _HAND = "0", "0.1", "hand"
 """Ranges of gray values: all, all but the most extreme, and one chosen by hand."""
@@ -68,8 +66,8 @@ class ImageLayer(Layer):
         Amount("gamma", tr("Gamma"), 0.2, 3.0, 0.05, 1.0, tr("Less brings out what is dark, more what is bright.")),
     )
 
-    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
-        super().__init__(view, requests)
+    def make(self) -> None:
+        """Make its items."""
         self._item = TiledImage(0.0)
         cached(self._item)
         self.add(self._item)
@@ -125,8 +123,9 @@ class ImageLayer(Layer):
         if image is None or scene.display is None:
             return
         channel, last = scene.document.parameters.channel, before.document.parameters.channel
-        if image is not before.image and not _same(scene.whole, before.whole):
-            self.ends = self.window = (scene.whole or image).gray_range
+        whole, former = scene.whole or image, before.whole
+        if image is not before.image and (former is None or whole.values is not former.values):
+            self.ends = self.window = whole.gray_range
             if self.word("range") == _HAND:
                 # a window chosen for another image does not apply to this one
                 self.chosen["range"] = WHOLE
@@ -171,11 +170,6 @@ class ImageLayer(Layer):
         if image is None or (image.colors is not None and self.word("shown") == _IN_COLOR):
             return None
         return image.channel(self.scene.document.parameters.channel)
-
-
-def _same(one: Image | None, other: Image | None) -> bool:
-    """Whether two images have the same gray values, whatever the size of their pixels."""
-    return one is not None and other is not None and one.values is other.values
 
 
 _DRAG_REACH = 400.0

@@ -128,7 +128,7 @@ class NoRequests:
 
 
 class Layer(QObject):
-    """Base class of layers: subclasses set the class variables, add their items with `add`, and draw in `follow`.
+    """Base class of layers: subclasses set the class variables, add items in `make`, and draw in `follow`.
 
     Parameters
     ----------
@@ -172,6 +172,10 @@ class Layer(QObject):
         self.opacity = 1.0
         self.chosen: dict[str, Value] = {option.name: option.first for option in self.options}
         self._items: list[tuple[QGraphicsItem, str]] = []
+        self.make()
+
+    def make(self) -> None:
+        """Make its items."""
 
     def add(self, *items: QGraphicsItem, switch: str = "") -> None:
         """Put items on the canvas, unless they have their place there; they are shown while a `Switch` is on."""

@@ -11,7 +11,7 @@ from app.model.text.language import tr
 from app.session.scene import Scene
 from app.views.canvas.items.curves import Area, Curves, Fills
 from app.views.canvas.items.item import Markers, Names
-from app.views.canvas.layers.layer import Amount, Layer, Requests, Switch
+from app.views.canvas.layers.layer import Amount, Layer, Switch
 from app.views.theme import theme
 from cpm_core import Selection
 from cpm_core.numerics import Array
@@ -38,8 +38,8 @@ class ObjectLayer(Layer):
         Switch("names", tr("Names"), True, tr("Show the names of objects.")),
     )
 
-    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
-        super().__init__(view, requests)
+    def make(self) -> None:
+        """Make its items."""
         self.fills = Fills(3.0)
         self._outlines = Curves(theme.CLOSED, 4.3)
         self._gaps = Curves(theme.HALO, 4.35, halo=0.0, dashed=True)

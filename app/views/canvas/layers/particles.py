@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
 import pyqtgraph as pg
-from pyqtgraph.Qt import internals
-from PySide6.QtCore import QLineF, QUrl
-from PySide6.QtGui import QColor, QPainter, QPen, QTextDocument
-from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
+from PySide6.QtCore import QUrl
+from PySide6.QtGui import QColor, QTextDocument
 
 from app.model.display.coloring import QUANTITIES, SHADES, colored
 from app.model.display.lines import Trails
@@ -18,8 +16,8 @@ from app.model.text.language import tr, written
 from app.session.exchange.messages import Snapshot
 from app.session.scene import Scene
 from app.views.canvas.items.discs import NO_POSITIONS, Discs
-from app.views.canvas.items.item import OverImage, Pinned
-from app.views.canvas.layers.layer import Amount, Choice, Layer, LegendEntry, Requests
+from app.views.canvas.items.item import Pinned, to_xy
+from app.views.canvas.layers.layer import Amount, Choice, Layer, LegendEntry
 from app.views.theme import color_maps, theme
 from cpm_core.numerics import Array
 
@@ -85,12 +83,12 @@ class ParticleLayer(Layer):
         ),
     )
 
-    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
-        super().__init__(view, requests)
+    def make(self) -> None:
+        """Make its items."""
         # Contours lie above the particles at rest and below those that still move.
         self._resting = Discs(theme.RESTING, 7.0, 3.0)
         self._moving = Discs(theme.MOVING, 6.0, _ABOVE)
-        self.legend = Pinned(view, (1.0, 1.0))
+        self.legend = Pinned(self.view, (1.0, 1.0))
         for name in _COLORS:
             strip = color_maps.strip(name, 2 * _WIDTH, 2 * _STRIP, BEGIN)
             self.legend.textItem.document().addResource(QTextDocument.ResourceType.ImageResource, QUrl(name), strip)
@@ -185,16 +183,14 @@ def _palette(name: str) -> list[str]:
 _TRAIL_Z = 2.9
 _LENGTH = 20.0
 _BANDS = 4
-"""Number of opacities of a trail; each needs one call of the painter."""
+"""Number of opacities of a trail."""
 
 _MOST = 24_000
 """Largest number of lines in a frame; beyond it the trails are shorter."""
 
-_TRAIL_RIM = 16.0
-
 
 class TrailLayer(Layer):
-    """Lines along the latest positions of each particle; older ones are fainter."""
+    """Lines along the latest positions of each particle, in bands of decreasing opacity: older ones are fainter."""
 
     name = "trails"
     title = tr("Trails")
@@ -205,24 +201,30 @@ class TrailLayer(Layer):
     colors = (theme.TRAIL,)
     options = (Amount("length", tr("Length"), 2, 100, 1, _LENGTH, tr("Number of moments that a trail shows.")),)
 
-    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
-        super().__init__(view, requests)
+    def make(self) -> None:
+        """Make its items."""
         self.trails = Trails(int(_LENGTH))
-        self._item = Segments(theme.TRAIL, _TRAIL_Z)
-        self.add(self._item)
-        self._item.setVisible(False)
+        self._bands = [pg.PlotCurveItem(connect="pairs", skipFiniteCheck=True) for _ in range(_BANDS)]
+        for age, item in enumerate(self._bands):
+            color = QColor(theme.TRAIL)
+            color.setAlphaF(0.85 * (1.0 - age / _BANDS) + 0.1)
+            item.setPen(pg.mkPen(color))
+            item.setSegmentedLineMode("on")  # thousands of lines take the painter much longer as a path
+            item.setZValue(_TRAIL_Z - 0.01 * age)
+            item.setVisible(False)
+        self.add(*self._bands)
 
     def show_or_hide(self) -> None:
         """Store positions only while the layer is shown."""
         super().show_or_hide()
         if not self.shown:
             self.trails.forget()
-            self._item.show(())
+        self._draw()
 
     def follow_choice(self, name: str) -> None:
         """Change the length."""
         self.trails.keep(int(self.number("length")))
-        self._item.show(self.trails)
+        self._draw()
 
     def follow(self, before: Scene) -> None:
         """Add the newest positions."""
@@ -236,49 +238,17 @@ class TrailLayer(Layer):
             near, identity = self.scene.near, snapshot.state.particles.identity
             self.trails.add(snapshot.state.step, identity if near is None else identity[near.index], snapshot.position)
         if self.shown:
-            self._item.show(self.trails)
+            self._draw()
 
-
-class Segments(OverImage):
-    """Many short lines of one color in bands of decreasing opacity."""
-
-    def __init__(self, color: str, z: float) -> None:
-        super().__init__(z, _TRAIL_RIM)
-        self._color = color
-        self._bands: list[Array] = []
-        self._lines = internals.PrimitiveArray(QLineF, 4)
-
-    def show(self, newest_first: Iterable[Array]) -> None:
-        """Show pairs of positions, each of shape (M, 2, 2), newest first."""
-        pieces: list[Array] = []
+    def _draw(self) -> None:
+        newest_first: list[Array] = []
         room = _MOST
-        for pairs in newest_first:
-            if len(pairs) > room and pieces:
+        for pairs in self.trails:
+            if len(pairs) > room and newest_first:
                 break
-            pieces.append(pairs[:: len(pairs) // _MOST + 1])
+            newest_first.append(pairs[:: len(pairs) // _MOST + 1].reshape(-1, 2))
             room -= len(pairs)
-        bands = np.array_split(np.arange(len(pieces)), _BANDS)
-        self._bands = [np.concatenate([pieces[i] for i in band]) for band in bands if len(band)]
-        self.update()
-
-    def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
-        """Draw the oldest first."""
-        transform = painter.worldTransform()
-        painter.save()
-        painter.resetTransform()
         # A thousand lines look better with antialiasing; for ten thousand it would take several frames.
-        painter.setRenderHint(QPainter.RenderHint.Antialiasing, sum(map(len, self._bands)) < _MOST // 10)
-        color = QColor(self._color)
-        for age in range(len(self._bands) - 1, -1, -1):
-            pairs = self._bands[age]
-            if not len(pairs):
-                continue
-            self._lines.resize(len(pairs))
-            table = self._lines.ndarray()
-            for end in (0, 1):
-                table[:, 2 * end] = transform.dx() + pairs[:, end, 1] * transform.m11()
-                table[:, 2 * end + 1] = transform.dy() + pairs[:, end, 0] * transform.m22()
-            color.setAlphaF(0.85 * (1.0 - age / _BANDS) + 0.1)
-            painter.setPen(QPen(color, 1.0))
-            painter.drawLines(*self._lines.drawargs())
-        painter.restore()
+        few = room > _MOST - _MOST // 10
+        for item, band in zip(self._bands, np.array_split(np.arange(len(newest_first)), _BANDS), strict=True):
+            item.setData(*to_xy(np.concatenate([NO_POSITIONS, *(newest_first[i] for i in band)])), antialias=few)

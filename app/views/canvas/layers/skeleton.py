@@ -6,12 +6,11 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 import numpy as np
-import pyqtgraph as pg
 
 from app.model.text.language import tr
 from app.session.scene import Scene
 from app.views.canvas.items.curves import Curves
-from app.views.canvas.layers.layer import Layer, Requests
+from app.views.canvas.layers.layer import Layer
 from app.views.theme import theme
 from cpm_core import Skeleton
 from cpm_core.numerics import Array
@@ -32,8 +31,8 @@ class SkeletonLayer(Layer):
     in_slices = True
     colors = (theme.THICKNESSES[0], theme.THICKNESSES[-1])
 
-    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
-        super().__init__(view, requests)
+    def make(self) -> None:
+        """Make its items."""
         self.branches = Curves(theme.THICKNESSES[0], 4.6, width=2.6, halo=4.4)
         self.disks = Curves(theme.DISK, 4.5, width=1.0, halo=0.0)
         self.add(self.disks, self.branches)

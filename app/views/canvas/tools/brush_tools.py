@@ -11,7 +11,7 @@ import scipy
 from app.model.text.language import tr
 from app.session.features.object_list import ObjectBrush
 from app.session.undo_history import Erasure
-from app.views.canvas.tools.tool import CONTOUR, SELECT, START, TAKING_AWAY, ShapeTool, ToolContext
+from app.views.canvas.tools.tool import CONTOUR, SELECT, START, TAKING_AWAY, ShapeTool
 from app.views.theme import theme
 from cpm_core.numerics import Array, Place
 from cpm_core.shapes import Points
@@ -38,8 +38,9 @@ class RingTool(ShapeTool):
     color: str
     sized = True
 
-    def __init__(self, context: ToolContext) -> None:
-        super().__init__(context)
+    def set_up(self) -> None:
+        """Set what it keeps between events."""
+        super().set_up()
         self._chosen: float | None = None
         self._at: Place | None = None
         self._last: Place | None = None
@@ -100,8 +101,9 @@ class SprayTool(RingTool):
     guidance = tr("Drag to spray points; < and > make the ring smaller and larger.")
     by_keys = tr("Enter begins to spray, arrow keys continue, Enter ends; < and > change the ring.")
 
-    def __init__(self, context: ToolContext) -> None:
-        super().__init__(context)
+    def set_up(self) -> None:
+        """Set what it keeps between events."""
+        super().set_up()
         self._random = np.random.default_rng(0)
         self._taken: Array = np.empty((0, 2))
         """The points so far, in sides of the smallest voxel."""
@@ -141,8 +143,9 @@ class EraserTool(RingTool):
     guidance = tr("Drag over points, shapes or particles to erase them; < and > make the ring smaller and larger.")
     by_keys = tr("Enter begins to erase, arrow keys continue, Enter ends; < and > change the ring.")
 
-    def __init__(self, context: ToolContext) -> None:
-        super().__init__(context)
+    def set_up(self) -> None:
+        """Set what it keeps between events."""
+        super().set_up()
         self._erasure: Erasure | None = None
         self._erased = False
 
@@ -180,9 +183,10 @@ class BrushTool(RingTool):
     guidance = tr("Drag from an object to add to it, Shift-drag to erase it, elsewhere for a new one; < and > resize.")
     by_keys = tr("Enter begins to paint, Shift+Enter to erase, arrow keys continue, Enter ends; < and > resize.")
 
-    def __init__(self, context: ToolContext) -> None:
-        super().__init__(context)
-        self._brush = ObjectBrush(self._session, context.workspace.object_list)
+    def set_up(self) -> None:
+        """Set what it keeps between events."""
+        super().set_up()
+        self._brush = ObjectBrush(self._session, self._workspace.object_list)
         self._adds = True
         self._objects = self._session.document.objects
 

@@ -9,7 +9,7 @@ from PySide6.QtCore import Qt
 
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
-from app.views.canvas.tools.tool import CONTOUR, Cursor, Tool, ToolContext
+from app.views.canvas.tools.tool import CONTOUR, Cursor, Tool
 from app.views.theme import theme
 from cpm_core.numerics import Position
 
@@ -37,9 +37,9 @@ class ContourTool(Tool):
     clicks = True
     by_keys = tr("Enter selects the contour under it.")
 
-    def __init__(self, context: ToolContext) -> None:
-        super().__init__(context)
-        self._review = context.workspace.review
+    def set_up(self) -> None:
+        """Set what it keeps between events."""
+        self._review = self._workspace.review
         self._reach = 0.0
         self._corner: Position | None = None
         """Where a frame begins."""

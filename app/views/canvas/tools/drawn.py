@@ -12,7 +12,7 @@ from app.model.document.document import ImageReference
 from app.model.text.language import from_core, tr
 from app.model.volume.slices import Slice
 from app.session.signals import EDITING
-from app.views.canvas.tools.tool import CHARGE, START, ShapeTool, ToolContext
+from app.views.canvas.tools.tool import CHARGE, START, ShapeTool
 from cpm_core.numerics import Place, Position
 from cpm_core.shapes import SMALLEST_RADIUS, Box, Charge, Circle, Ellipse, Points, Shape, Sphere
 from cpm_core.shapes.solids import SMALLEST
@@ -43,8 +43,9 @@ class DraggedTool(ShapeTool):
     slip_in_volume: str
     """The same in a volume."""
 
-    def __init__(self, context: ToolContext) -> None:
-        super().__init__(context)
+    def set_up(self) -> None:
+        """Set what it keeps between events."""
+        super().set_up()
         self._start: Position = (0.0, 0.0)
 
     def shape(self, begin: Position, at: Position) -> Shape:

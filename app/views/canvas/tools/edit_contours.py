@@ -10,7 +10,7 @@ from PySide6.QtCore import Qt
 
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
-from app.views.canvas.tools.tool import CONTOUR, TAKING_AWAY, Cursor, Tool, ToolContext
+from app.views.canvas.tools.tool import CONTOUR, TAKING_AWAY, Cursor, Tool
 from app.views.theme import theme
 from cpm_core.contours import HandEdit
 from cpm_core.numerics import Array, Position
@@ -33,9 +33,9 @@ class EditContoursTool(Tool):
     tip = tr("Drag an end of a contour to another end to join them, or a stretch to move it; Shift-click cuts.")
     by_keys = tr("Enter picks up, arrow keys move, Enter puts down; twice on one place marks it.")
 
-    def __init__(self, context: ToolContext) -> None:
-        super().__init__(context)
-        self._editing, self._review = context.workspace.hand_editing, context.workspace.review
+    def set_up(self) -> None:
+        """Set what it keeps between events."""
+        self._editing, self._review = self._workspace.hand_editing, self._workspace.review
         self._held: Contact | None = None
         self._pressed: Position | None = None
         self._pointer: Position | None = None

@@ -6,7 +6,7 @@ import math
 
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
-from app.views.canvas.tools.tool import OBJECT, TAKING_AWAY, Cursor, Tool, ToolContext
+from app.views.canvas.tools.tool import OBJECT, TAKING_AWAY, Cursor, Tool
 from app.views.theme import theme
 from cpm_core.numerics import Place
 
@@ -33,9 +33,9 @@ class ObjectTool(Tool):
     clicks = True
     lasting = True
 
-    def __init__(self, context: ToolContext) -> None:
-        super().__init__(context)
-        self._selection, self._list = context.workspace.object_selection, context.workspace.object_list
+    def set_up(self) -> None:
+        """Set what it keeps between events."""
+        self._selection, self._list = self._workspace.object_selection, self._workspace.object_list
         self._path: list[Place] = []
 
     @property

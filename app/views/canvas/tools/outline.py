@@ -11,7 +11,7 @@ from PySide6.QtCore import Qt
 from app.model.text.language import tr
 from app.session.features.hand_editing import Way
 from app.session.signals import EDITING
-from app.views.canvas.tools.tool import CONTOUR, Cursor, Tool, ToolContext
+from app.views.canvas.tools.tool import CONTOUR, Cursor, Tool
 from app.views.theme import theme
 from cpm_core.numerics import Array, Position, polyline
 from cpm_core.reconstruction import Contact, connect, outline
@@ -50,9 +50,9 @@ class OutlineTool(Tool):
     clicks = True
     by_keys = tr("Enter sets an anchor; Enter once more on the first anchor closes the line, on the last one ends it.")
 
-    def __init__(self, context: ToolContext) -> None:
-        super().__init__(context)
-        self._editing = context.workspace.hand_editing
+    def set_up(self) -> None:
+        """Set what it keeps between events."""
+        self._editing = self._workspace.hand_editing
         self._anchors: list[_Anchor] = []
         self._freehand: list[Position] = []
         self._begin: Contact | None = None

@@ -13,7 +13,7 @@ from app.model.text.language import tr
 from app.model.volume.slices import Slice
 from app.session.signals import EDITING
 from app.views.canvas.tools.drawn import box_between
-from app.views.canvas.tools.tool import LIMIT, START, Tool, ToolContext
+from app.views.canvas.tools.tool import LIMIT, START, Tool
 from app.views.theme import theme
 from cpm_core.numerics import Place, Position, polyline
 from cpm_core.shapes import (
@@ -59,8 +59,8 @@ class PathTool(Tool):
     spatial = False
     """Whether it is a path in space in a volume, and not one in a slice."""
 
-    def __init__(self, context: ToolContext) -> None:
-        super().__init__(context)
+    def set_up(self) -> None:
+        """Set what it keeps between events."""
         self._corners: list[Place] = []
         self._pointer: Place | None = None
         self._pressed: Place | None = None

@@ -7,7 +7,7 @@ import operator
 from app.model.document.edits import Hit
 from app.model.text.language import from_core, tr
 from app.session.features.slices import hit_in
-from app.views.canvas.tools.tool import SELECT, Cursor, ShapeTool, ToolContext
+from app.views.canvas.tools.tool import SELECT, Cursor, ShapeTool
 from cpm_core.numerics import Place
 from cpm_core.shapes import Circle
 
@@ -22,8 +22,9 @@ class SelectTool(ShapeTool):
     tip = tr("Select, move and reshape what is drawn.")
     by_keys = tr("Enter picks up what lies under the cross-hair, arrow keys move it, Enter puts it down.")
 
-    def __init__(self, context: ToolContext) -> None:
-        super().__init__(context)
+    def set_up(self) -> None:
+        """Set what it keeps between events."""
+        super().set_up()
         self._part = ""
         self._anchor: Place = (0.0, 0.0)
         self._crossing = False

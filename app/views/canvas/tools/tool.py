@@ -83,6 +83,10 @@ class Tool:
         self._workspace, self._drawing, self._advised = context.workspace, context.drawing, context.advised
         self._session = context.workspace.session
         self.used = False
+        self.set_up()
+
+    def set_up(self) -> None:
+        """Set what it keeps between events."""
 
     @property
     def volume(self) -> ImageReference | None:
@@ -160,8 +164,8 @@ class ShapeTool(Tool):
 
     by_keys = tr("Enter picks up, arrow keys move, Enter puts down.")
 
-    def __init__(self, context: ToolContext) -> None:
-        super().__init__(context)
+    def set_up(self) -> None:
+        """Set what it keeps between events."""
         self._index: int | None = None
         self._before: Shape | None = None
         self._gesture = ""
