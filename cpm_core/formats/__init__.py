@@ -6,6 +6,7 @@ from cpm_core.formats.animation import check_encoder as check_encoder
 from cpm_core.formats.animation import write_picture as write_picture
 from cpm_core.formats.common.atomic import remove_abandoned as remove_abandoned
 from cpm_core.formats.common.atomic import write_together as write_together
+from cpm_core.formats.common.content import UnreadableError as UnreadableError
 from cpm_core.formats.common.content import differ as differ
 from cpm_core.formats.common.content import fingerprint as fingerprint
 from cpm_core.formats.common.plain import NAMES as NAMES
@@ -40,7 +41,6 @@ from cpm_core.formats.contours.points_csv import load_points
 from cpm_core.formats.images.dicom import dicom_files_beside as dicom_files_beside
 from cpm_core.formats.images.readers import READABLE, holds_volume, load_image, load_pages, load_volume, open_stack
 from cpm_core.formats.images.reading import Reading as Reading
-from cpm_core.formats.images.reading import UnchosenError as UnchosenError
 from cpm_core.formats.images.stack import ONLY_THESE as ONLY_THESE
 from cpm_core.formats.images.stack import Pages as Pages
 from cpm_core.formats.images.stack import Stack as Stack

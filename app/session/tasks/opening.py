@@ -20,7 +20,7 @@ from cpm_core.formats import (
     READABLE,
     SUFFIX,
     Reading,
-    UnchosenError,
+    UnreadableError,
     dicom_files_beside,
     find_image,
     load_session,
@@ -90,7 +90,7 @@ def parts_of(path: Path, reading: Reading) -> tuple[Parts | None, Reading]:
             # the folder, where both the file and enough files next to it are DICOM
             series = path.parent if len(dicom_files_beside(path, MINIMUM_SIDE)) >= MINIMUM_SIDE else None
             return Parts.of(stack, paged, series), reading
-        except UnchosenError as error:
+        except UnreadableError as error:
             if not error.images:
                 raise
             first = replace(reading, series=error.images[0] + 1)

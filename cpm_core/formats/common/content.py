@@ -1,4 +1,4 @@
-"""Content of a file: how it is read, what is said when it cannot be, and the hash by which it is known again."""
+"""Content of a file: how it is read, the error when it cannot be, and the hash by which it is known again."""
 
 from __future__ import annotations
 
@@ -34,7 +34,17 @@ _LOG = logging.getLogger(__name__)
 
 
 class UnreadableError(ValueError):
-    """A file cannot be used; the message is a sentence for users."""
+    """A file cannot be used; the message is a sentence for users.
+
+    Attributes
+    ----------
+    images : tuple of int
+        Which parts of a file with several of them are images or volumes, from 0, where none was chosen; else empty.
+    """
+
+    def __init__(self, message: str, images: tuple[int, ...] = ()) -> None:
+        super().__init__(message)
+        self.images = images
 
 
 def content_of(file: Path, most: int = MOST, part: int = -1) -> bytes:

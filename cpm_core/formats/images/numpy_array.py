@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.printable import printable
 from cpm_core.formats.images.decoded import Decoded, check_size, from_bands
-from cpm_core.formats.images.reading import Reading, UnchosenError, series_of
+from cpm_core.formats.images.reading import Reading, series_of
 from cpm_core.formats.images.stack import Stack, check_content, check_memory
 from cpm_core.image.image import MINIMUM_SIDE
 
@@ -84,10 +84,9 @@ def _header(path: Path, reading: Reading, name: str) -> tuple[tuple[int, ...], n
     names = tuple(info.filename.removesuffix(_SUFFIX) for info in members)
     images = [at for at, (shape, kind) in enumerate(headers) if _is_image(shape, kind)]
     if reading.series is None and len(images) != 1:
-        raise UnchosenError(
+        raise UnreadableError(
             f"{name} holds {len(images)} images and volumes, of {len(names)} arrays: choose one by series, "
             "a number or a name.",
-            names,
             tuple(images),
         )
     at = series_of(reading.series, names, images[0] if images else 0, name)

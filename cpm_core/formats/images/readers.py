@@ -98,7 +98,7 @@ def load_image(
         What gray levels are made of color: how bright it is to the eye, one of its channels, or the channel whose gray
         levels vary the most.
     spacing : float or sequence of float, optional
-        Size of a pixel, or along (row, col), in place of what the file tells.
+        Size of a pixel, or along (row, col), in place of what the file states.
     unit : str, optional
         Unit of `spacing`: nm, µm, mm, cm or m.
 
@@ -144,7 +144,7 @@ def load_volume(
     go_on, channel, time, series, color, unit
         As for `load_image`.
     spacing : float or sequence of float, optional
-        Size of a voxel, or along (plane, row, col), in place of what the file tells.
+        Size of a voxel, or along (plane, row, col), in place of what the file states.
 
     Returns
     -------
@@ -253,7 +253,7 @@ def open_stack(path: AnyPath, series: int | str | None = None) -> Stack:
     Raises
     ------
     ValueError
-        As for `load_volume`; `UnchosenError` when an archive holds several images and none is chosen.
+        As for `load_volume`; `UnreadableError` when an archive holds several images and none is chosen.
     """
     file = Path(path)
     with _decoding(file):

@@ -39,7 +39,7 @@ class Reading:
     color : str
         One of `COLORS`.
     spacing : tuple of float or None
-        Size of a pixel along each axis, in place of what the file tells.
+        Size of a pixel along each axis, in place of what the file states.
     unit : str or None
         Unit of `spacing`.
 
@@ -87,23 +87,6 @@ DEFAULT = Reading()
 """All is left to the reader."""
 
 _DEFAULTS = {field.name: field.default for field in dataclasses.fields(Reading)}
-
-
-class UnchosenError(UnreadableError):
-    """A file holds several images, and none of them was chosen.
-
-    Attributes
-    ----------
-    names : tuple of str
-        All that it holds.
-    images : tuple of int
-        Which of them are images or volumes, from 0.
-    """
-
-    def __init__(self, message: str, names: tuple[str, ...], images: tuple[int, ...]) -> None:
-        super().__init__(message)
-        self.names = names
-        self.images = images
 
 
 def index_of(what: str, wanted: int | None, count: int, otherwise: int, name: str) -> int:
