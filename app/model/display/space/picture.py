@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image
 
 from app.model.display.space.camera import Seen
 from cpm_core.numerics import compiled, share
@@ -44,9 +45,9 @@ class Picture:
 
     def covered_by(self, other: Picture, opacity: float) -> None:
         """Lay another picture of the same size over this one, with this opacity, where what it shows is nearer."""
-        nearer = other.depths < self.depths
-        mixed = self.colors[nearer] * np.float32(1.0 - opacity) + other.colors[nearer] * np.float32(opacity)
-        self.colors[nearer] = np.rint(mixed).astype(np.uint8)
+        own = Image.fromarray(self.colors)
+        mixed = Image.blend(own, Image.fromarray(other.colors), opacity)
+        self.colors[:] = np.asarray(Image.composite(mixed, own, Image.fromarray(other.depths < self.depths)))
 
     def draw(self, kernel: Callable[..., None], *drawn: Any) -> None:
         """Let a compiled function draw what is given into parts of the rows, on several threads."""
