@@ -159,7 +159,7 @@ def _rims(interest: tuple[Line, ...]) -> Array:
 
 
 def _line(points: Array) -> Line:
-    return tuple((row, col) for row, col in points.tolist())
+    return tuple(map(tuple, points.tolist()))
 
 
 _SAMPLING = 0.5

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -27,6 +27,14 @@ from cpm_core.shapes import Circle
 pytestmark = pytest.mark.shared_window
 
 FRESH = PRESETS["shape"]
+
+
+@pytest.fixture(autouse=True)
+def forgetful(window: MainWindow) -> Iterator[None]:
+    """Let no test keep parameters for the next one."""
+    yield
+    window.preferences.choose(KEEP_PARAMETERS, False)
+    window.session.keeps_parameters = False
 
 
 @pytest.fixture
@@ -76,8 +84,10 @@ def draw(window: MainWindow) -> None:
 
 
 def open_image(window: MainWindow, hand, path: Path) -> None:
+    before = window.session.image
     window.open_image(str(path))
-    hand.wait(lambda: window.session.document.image.name == path.name and window.session.idle)
+    hand.wait(lambda: window.session.image is not before and window.session.idle)
+    assert window.session.document.image.name == path.name
 
 
 def test_a_new_image_begins_with_the_parameters_of_its_mode_not_with_those_of_the_last_one(window, hand, other) -> None:

@@ -172,3 +172,16 @@ def test_an_interrupt_ends_the_run_cleanly_and_writes_nothing(disk, command, tmp
     status, _, err = command("run", disk, *START, "--export", tmp_path / "out.svg")
     assert (status, err) == (130, "cpm: interrupted.\n")
     assert not (tmp_path / "out.svg").exists()
+
+
+def test_the_size_of_a_pixel_goes_from_the_image_into_the_table(tmp_path, command):
+    row, col = np.mgrid[:80, :100]
+    values = (200 * (np.hypot(row - 40, col - 50) < 22.0)).astype(np.uint8)
+    tifffile.imwrite(tmp_path / "a.tif", values, imagej=True, resolution=(4, 2), metadata={"unit": "um"})
+    assert "0.5 x 0.25 µm" in command("info", tmp_path / "a.tif")[1]
+    assert command("run", tmp_path / "a.tif", *START, "--export", tmp_path / "a.csv")[0] == 0
+    lines = (tmp_path / "a.csv").read_text(encoding="utf-8").splitlines()
+    assert ",row,col,x_um,y_um,contrast,program," in lines[0]
+    rows, columns, across, down = np.array([line.split(",")[5:9] for line in lines[1:]], dtype=float).T
+    assert np.allclose(across, 0.25 * columns, atol=1e-4)
+    assert np.allclose(down, 0.5 * rows, atol=1e-4)
