@@ -83,7 +83,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     },
     "--pixel-size": {
         "metavar": "SIZE",
-        "help": "size of a pixel where the file does not tell, such as 0.25um, of rows and columns 0.5x0.25um, "
+        "help": "size of a pixel where the file does not state, such as 0.25um, of rows and columns 0.5x0.25um, "
         "of planes, rows and columns 2x0.5x0.5mm",
     },
     "--preset": {"choices": tuple(PRESETS)},

@@ -92,7 +92,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _on_result(result: Result | Centerlines, source: Path) -> tuple[dict[str, Any], str]:
-    """What is said of a result, as plain JSON and as a line."""
+    """The report on a result, as plain JSON and as a line."""
     facts: dict[str, Any] = {"contours": len(result.contours), "closed": sum(one.closed for one in result.contours)}
     if isinstance(result, Centerlines):
         facts[ENTRY] = facts_on(result.source, result.provenance)
@@ -143,7 +143,7 @@ def _in_plane(source: Path, arguments: argparse.Namespace) -> Result:
         corners = np.concatenate([contour.points for contour in found.contours])
         rows, cols = (np.ceil(corners.max(axis=0)) + 1).astype(int).tolist()
         shape = (max(rows, 1), max(cols, 1))
-        say(f"{source.name} does not tell the size of its image: {rows} x {cols} px is taken; name it with --image.")
+        say(f"{source.name} does not state the size of its image: {rows} x {cols} px is taken; name it with --image.")
     return replace(_read(source, image, shape), contours=found.contours)
 
 

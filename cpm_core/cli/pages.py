@@ -146,8 +146,8 @@ def _report(found: StackResult, files: Files, seconds: float, *, as_json: bool) 
             facts = facts_of_run(page.result, 0.0)
             del facts["seconds"]  # that of one page is not known
             lines.append(f"page {page.number}: {contours_of(page.result)}")
-        told = [event.sentence for event in page.events]
-        plain.append({"page": page.number, **facts, "events": told, "trouble": page.trouble})
+        events = [event.sentence for event in page.events]
+        plain.append({"page": page.number, **facts, "events": events, "trouble": page.trouble})
     tracks, failed = len(found.tracks), len(found.pages) - len(found.results)
     counts = f"{counted(len(found.pages), 'page')}, {counted(tracks, 'track')} in {seconds:.2f} s"
     last = f"{found.source}: {counts}" + (f", {failed} failed" if failed else "")

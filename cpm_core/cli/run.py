@@ -370,7 +370,7 @@ def _check_places(places: Sequence[tuple[float, ...]], image: Image) -> None:
 
 
 def _on_contours(result: Result, chosen: Selection | None, seconds: float) -> tuple[dict[str, Any], list[str]]:
-    """What is said of contours, as values by name and as sentences."""
+    """The report on contours, as values by name and as sentences."""
     facts: dict[str, Any] = {**facts_of_run(result, seconds), "bridges": len(result.bridges), ENTRY: facts_of(result)}
     lines = [f"{result.source}: {contours_of(result)}"]
     lines += longest(
@@ -401,7 +401,7 @@ def _on_contours(result: Result, chosen: Selection | None, seconds: float) -> tu
 
 
 def _on_surface(result: Result, seconds: float) -> tuple[dict[str, Any], list[str]]:
-    """What is said of a surface, as values by name and as sentences."""
+    """The report on a surface, as values by name and as sentences."""
     surface = result.surface
     vertices, faces = (0, 0) if surface is None else (len(surface.vertices), len(surface.faces))
     facts: dict[str, Any] = {

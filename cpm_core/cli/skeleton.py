@@ -88,7 +88,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _outcome(found: Skeleton | Centerlines, seconds: float) -> tuple[dict[str, Any], list[str]]:
-    """What is said of a skeleton, or of center lines in a volume, as values by name and as sentences."""
+    """The report on a skeleton, or of center lines in a volume, as values by name and as sentences."""
     if isinstance(found, Centerlines):
         lengths, unit = found.lengths.tolist(), found.unit or "voxels"
         facts: dict[str, Any] = {"unit": found.unit, ENTRY: facts_on(found.source, found.provenance)}

@@ -24,7 +24,7 @@ Reached = Literal["", "flight", "weak", "junction", "launched"]
 or by being launched elsewhere; empty where it is not known."""
 
 MOST_LETTERS = 1000
-"""Letters that a name may have: a name stands in tables and on the image."""
+"""Letters that a name may have: a name appears in tables and on the image."""
 
 
 def check_name(what: str, name: str) -> None:

@@ -207,7 +207,7 @@ class Result(drawing.Pictured):
 
 
 def remaining(result: Result, stays: Sequence[bool]) -> Result:
-    """The result with some of its contours, and the bridges on them; `stays` tells which, one value each."""
+    """The result with some of its contours, and the bridges on them; `stays` marks which, one value each."""
     if all(stays):
         return result
     kept = tuple(contour for contour, stay in zip(result.contours, stays, strict=True) if stay)

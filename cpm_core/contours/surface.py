@@ -1,4 +1,4 @@
-"""A surface in a volume: triangles, and what tells whether to trust them."""
+"""A surface in a volume: triangles, and what decides whether to trust them."""
 
 from __future__ import annotations
 

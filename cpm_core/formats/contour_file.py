@@ -130,7 +130,7 @@ def read_contours(path: AnyPath, plane: Plane = UNKNOWN, *, page: int | None = N
 
 
 def decode_contours(content: bytes, name: str, plane: Plane = UNKNOWN, *, page: int | None = None) -> ContourFile:
-    """The same of the content of a file, or of the clipboard; without a known suffix the content tells its kind."""
+    """The same of the content of a file, or of the clipboard; without a known suffix the content decides its kind."""
     known = f"{', '.join(CONTOURS_READABLE)}, or a label mask"
     with decoding(name, f"is damaged or holds no contours of a known kind: choose contours as {known}."):
         found = _contents(content, name, plane)

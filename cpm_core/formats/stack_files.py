@@ -119,7 +119,7 @@ def tracks_on(result: Result, shape: tuple[int, ...]) -> Labels:
 _ENCODERS: dict[str, tuple[str, Callable[[StackResult], bytes]]] = {
     ".measures.csv": ("a table of the measures of all contours on all pages", contour_csv.encode_measures_of_pages),
     ".csv": ("a table of the vertices of all contours on all pages", contour_csv.encode_pages),
-    ".json": ("everything, with tracks and what happens to them; --resume goes on from it", contour_json.encode_pages),
+    ".json": ("everything, with tracks and what happens to them", contour_json.encode_pages),
     ".geojson": ("contours as annotations for QuPath, each on its page", encode_geojson),
     ".zip": ("contours as a set of selections of ImageJ and Fiji, each on its page", encode_set),
 }

@@ -156,7 +156,7 @@ def luminance(channels: NDArray[Any]) -> NDArray[np.float64]:
 
 
 def in_color(luminance: NDArray[Any], colors: Colors, color: str) -> tuple[Array, str]:
-    """Gray levels of one of `COLORS`, and a sentence that tells it.
+    """Gray levels of one of `COLORS`, and a sentence that states it.
 
     Raises
     ------

@@ -121,7 +121,7 @@ def frame(ax: Axes, shape: tuple[int, ...], spacing: Sequence[float] = (1.0, 1.0
 
 
 def show_curves(ax: Axes, curves: Sequence[Curve], width: float = 1.5) -> None:
-    """Lines with a dark halo, closed ones in blue and open ones in orange, but for those with a color of their own."""
+    """Lines with a dark halo, closed ones in blue and open ones in orange, except those with a color of their own."""
     for halo in (True, False):
         for curve in curves:
             row, col = curve.path.T
@@ -209,18 +209,18 @@ def encoded_figure(figure: Figure, suffix: str, about: str, dpi: int = _DPI) -> 
     import matplotlib as mpl
 
     stream = io.BytesIO()
-    told: dict[str, dict[str, Any]] = {
+    metadata: dict[str, dict[str, Any]] = {
         ".svg": {"Date": None, "Description": about},
         ".png": {"Description": about},
         ".pdf": {"CreationDate": None, "Subject": about},
     }
     with mpl.rc_context({"svg.hashsalt": "cpm", "svg.fonttype": "none"}):
-        figure.savefig(stream, format=FIGURES[suffix], dpi=dpi, metadata=told[suffix])
+        figure.savefig(stream, format=FIGURES[suffix], dpi=dpi, metadata=metadata[suffix])
     return stream.getvalue()
 
 
 METRIC = {"nm": 1e-9, "µm": 1e-6, "mm": 1e-3, "m": 1.0}
-"""Units in which a length is told, and what they are worth [m]."""
+"""Units in which a length is given, and what they are worth [m]."""
 
 KNOWN = {**METRIC, "um": 1e-6, "cm": 1e-2}
 """Units that images have."""
@@ -238,7 +238,7 @@ def longest_bar(most: float, spacing: float, unit: str | None, *, keep_unit: boo
     """The longest scale bar of round length, 1, 2 or 5 times a power of ten, in a readable unit.
 
     `most` is its maximum length [px of the image], `spacing` the size of a pixel [unit], px without a unit. With
-    `keep_unit` the length is told in this very unit.
+    `keep_unit` the length is given in this very unit.
     """
     size, name = (most * spacing, unit) if unit else (most, "px")
     if not keep_unit:

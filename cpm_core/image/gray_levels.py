@@ -57,7 +57,7 @@ def usable(values: Array) -> Usable:
 
 
 def no_data_note(count: int) -> str:
-    """What is said of so many pixels without data."""
+    """The note on so many pixels without data."""
     what = "1 pixel has" if count == 1 else f"{count} pixels have"
     return f"{what} no data, filled from around: contours there mean nothing."
 

@@ -199,7 +199,7 @@ class Image(drawing.Pictured):
     def sized(self, spacing: tuple[float, ...], unit: str | None, factor: float = 1.0) -> Image:
         """The same gray levels, which are shared, with another size of a pixel; ValueError as for an image.
 
-        `factor` is how many of the unit one of the former is: the place in space is told in the unit.
+        `factor` is how many of the unit one of the former is: the place in space is given in the unit.
         """
         sizes = _sizes(self.source, spacing, self.ndim)
         geometry = None if self.geometry is None else self.geometry.scaled(factor)

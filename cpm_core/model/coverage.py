@@ -129,7 +129,7 @@ def with_times_reset_near(coverage: Coverage, places: Array, reach: float, step:
 
 
 _SIDE = np.array([1.0, 0.37, 0.21])
-"""Direction that tells the sides of a surface apart: in no plane of a usual grid."""
+"""Direction that distinguishes the sides of a surface: in no plane of a usual grid."""
 
 _SPAN = 1 << 20
 """Cells along an axis that a number has room for."""

@@ -21,7 +21,7 @@ STEPS = _ROW, _COL = np.array([0, 1, 0, -1]), np.array([1, 0, -1, 0])
 """Rows and columns of the steps to the right, down, left and up."""
 
 FREE, ON_LINE, ON_BORDER = 0, 1, 2
-"""What a vertex lies on: only the edge map tells its place, on a line that crosses the link, on the image border."""
+"""What a vertex lies on: only the edge map gives its place, on a line that crosses the link, on the image border."""
 
 _LEAST, _MOST = 0.02, 0.98
 """Where on a link a vertex may lie, as fractions of it."""

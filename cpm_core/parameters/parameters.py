@@ -80,7 +80,7 @@ class Parameters:
         What the edges are taken from: the gray levels, or a vessel measure.
     accuracy : {"standard", "exact"}
         How exactly the field of the fixed charges of a volume is computed: from blocks of two voxels, or from every
-        voxel; that of an image is always exact. `cpm_core.field.electric_field` tells the error of blocks.
+        voxel; that of an image is always exact. `cpm_core.field.electric_field` documents the error of blocks.
     channel : {"luminance", "red", "green", "blue", "hematoxylin", "eosin", "dab"}
         What gives the gray levels of a color image; of no effect on a gray one.
 

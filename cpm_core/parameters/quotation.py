@@ -1,4 +1,4 @@
-"""Quotation: a value as it stands in the sentence that refuses it, and an object on the one line that shows it."""
+"""Quotation: a value as it appears in the sentence that refuses it, and an object on the one line that shows it."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ def described(kind: str, *facts: str) -> str:
     >>> described("Image", "cells.png", "", "240 x 320 px")
     '<Image cells.png, 240 x 320 px>'
     """
-    told = ", ".join(fact for fact in facts if fact)
-    line = "".join(letter if letter.isprintable() else "?" for letter in f"{kind} {told}".strip())
+    shown_facts = ", ".join(fact for fact in facts if fact)
+    line = "".join(letter if letter.isprintable() else "?" for letter in f"{kind} {shown_facts}".strip())
     return f"<{line}>" if len(line) <= _WIDEST - 2 else f"<{line[: _WIDEST - 3]}…>"
 
 
 def call(name: str, arguments: Sequence[str]) -> str:
-    """A call on one line; the arguments that have no room are left out, which is said."""
+    """A call on one line; the arguments that have no room are left out, which is marked."""
     text, room = f"{name}({', '.join(arguments)})", len(arguments)
     while len(text) > _WIDEST:
         room -= 1

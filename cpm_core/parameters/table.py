@@ -1,4 +1,4 @@
-"""What is said of every parameter that is a number: symbol, unit, range, meaning, what a change makes out of date."""
+"""Every parameter that is a number: symbol, unit, range, meaning, what a change makes out of date."""
 
 from __future__ import annotations
 

@@ -125,7 +125,7 @@ def truth_in(truth: Truth | VolumeTruth | None, here: Slice) -> Truth | None:
 
 
 def differences_in(apart: Iterable[Apart], here: Slice) -> tuple[Difference, ...]:
-    """What a slice shows of the parts that differ; how far they are apart is not told there."""
+    """What a slice shows of the parts that differ; how far they are apart is not shown there."""
     return tuple(
         Difference(each.kind, line.path, 0.0, (float(line.points[0, 0]), float(line.points[0, 1])))
         for each in apart

@@ -180,7 +180,7 @@ class Document:
 
     @property
     def nothing_to_start_from(self) -> str:
-        """What is said when a run has no start."""
+        """The sentence for a run without a start."""
         return NOTHING_TO_START_FROM_IN_VOLUME if self.is_about_volume else NOTHING_TO_START_FROM
 
     @property

@@ -138,7 +138,7 @@ def _hint(situation: Situation) -> str:
         message = tr("A start or the scales have changed: Run starts again from them.")
     elif status.started and status.steered:
         message = tr(
-            "The parameters have changed: Resume ({key:run}) goes on with them, Reset ({key:reset}) starts over."
+            "The parameters have changed: Resume ({key:run}) continues with them, Reset ({key:reset}) starts over."
         )
     elif isinstance(shape, Charge):
         message = tr(

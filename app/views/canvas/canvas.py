@@ -107,7 +107,7 @@ class Pointer(QObject):
     """
 
     moved = Signal(object)
-    """It has moved to a position (row, col), and no drag goes on but one of the tool."""
+    """It has moved to a position (row, col), during no drag except one of the tool."""
     dragged = Signal(object, object)
     """A drag of another button: QMouseEvent, and by how much it is to pan [px of the screen], QPointF."""
     menu_wanted = Signal(object)

@@ -156,7 +156,7 @@ class StackFeature(Feature):
             )
             offer(sentence, (tr("Open the series"), self._open_series))
         elif parts.doubts and (volume or not parts.fit_a_volume):
-            # What is wrong with a volume is said as long as nobody works on it.
+            # What is wrong with a volume is reported as long as nobody works on it.
             if parts.planes == parts.pages:  # all were taken, and only how far apart they are is in doubt
                 answers.insert(0, (tr("Size of a voxel…"), partial(self.window.do, "pixel_size")))
             offer(f"{opened.path.name}: {' '.join(map(from_core, parts.doubts))}", *answers)
@@ -187,7 +187,7 @@ class StackFeature(Feature):
 
 
 class PixelSizeFeature(Feature):
-    """Asks for the size, offers to where a volume tells none, and makes it an edit that can be undone."""
+    """Asks for the size, offers to where a volume has none, and makes it an edit that can be undone."""
 
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
@@ -203,11 +203,11 @@ class PixelSizeFeature(Feature):
         )  # fmt: skip
 
     def _offer(self, opened: Opened) -> None:
-        """Offer to set the size where a volume tells none: the particles take its voxels for cubes."""
+        """Offer to set the size where a volume has none: the particles take its voxels for cubes."""
         parts, ndim = opened.parts, opened.image.ndim
         self._told = None if parts is None else (parts.spacing[-ndim:], parts.unit)
         if ndim == 3 and opened.image.unit is None and opened.saved is None:
-            sentence = tr("{name} does not tell the size of a voxel: its voxels are taken for cubes. Set the size?")
+            sentence = tr("{name} does not state the size of a voxel: its voxels are taken for cubes. Set the size?")
             self.window.offers.offer(sentence.format(name=opened.path.name), (tr("Set the size…"), self.ask))
 
     def ask(self) -> None:
@@ -215,8 +215,8 @@ class PixelSizeFeature(Feature):
         image = self.window.session.document.image
         if image is None:
             return
-        told = "" if self._told is None or self._told[1] is None else size_text(*self._told)
-        self.dialog = PixelSizeDialog(self.window, image.spacing, image.unit, told)
+        stated = "" if self._told is None or self._told[1] is None else size_text(*self._told)
+        self.dialog = PixelSizeDialog(self.window, image.spacing, image.unit, stated)
         self.dialog.reset_button.setEnabled(self._told is not None and image.reading.spacing is not None)
         self.dialog.chosen.connect(self._use)
         self.dialog.reset.connect(self._reset)
@@ -230,7 +230,7 @@ class PixelSizeFeature(Feature):
     def _reset(self) -> None:
         if self._told is not None:
             spacing, unit = self._told
-            name = tr("size as the file tells")
+            name = tr("size from the file")
             self.window.session.edit(
                 name, lambda document: edits.set_pixel_size(document, spacing, unit, by_hand=False)
             )

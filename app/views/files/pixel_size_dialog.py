@@ -34,16 +34,16 @@ class PixelSizeDialog(QDialog):
         Size of a pixel along each axis now.
     unit : str or None
         Its unit; None where it is not known.
-    told : str
-        What the file tells, in words; empty where it tells nothing.
+    stated : str
+        The size in the file, in words; empty where it has none.
     """
 
     chosen = Signal(object, str)
     """The user has chosen: a size along each axis, and the unit."""
     reset = Signal()
-    """The user wants what the file tells."""
+    """The user wants the size in the file."""
 
-    def __init__(self, parent: QWidget, spacing: tuple[float, ...], unit: str | None, told: str) -> None:
+    def __init__(self, parent: QWidget, spacing: tuple[float, ...], unit: str | None, stated: str) -> None:
         super().__init__(parent)
         volume = len(spacing) == 3
         self.setWindowTitle(tr("Size of a voxel") if volume else tr("Size of a pixel"))
@@ -58,13 +58,13 @@ class PixelSizeDialog(QDialog):
         form.addRow(tr("Unit"), self.unit)
         buttons = AcceptButtons(self, tr("Use"))
         self.use_button = buttons.accept_button
-        self.reset_button = buttons.addButton(tr("As the file tells"), QDialogButtonBox.ButtonRole.ResetRole)
+        self.reset_button = buttons.addButton(tr("As in the file"), QDialogButtonBox.ButtonRole.ResetRole)
         self.reset_button.clicked.connect(self.reset)
         self.reset_button.clicked.connect(self.reject)
         self.accepted.connect(
             lambda: self.chosen.emit(tuple(field.value() for field in self.sides), self.unit.currentText())
         )
-        text = tr("The file tells {size}.").format(size=told) if told else tr("The file does not tell the size.")
+        text = tr("The file states {size}.").format(size=stated) if stated else tr("The file does not state the size.")
         layout = QVBoxLayout(self)
         layout.setSpacing(12)
         layout.addWidget(QLabel(text))

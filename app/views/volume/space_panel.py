@@ -128,7 +128,7 @@ def specs(panel: SpacePanel, session: Session) -> Iterator[ActionSpec]:
         session.say(tr("The picture in space is on the clipboard."), topic=EXPORTING)
 
     def along(axis: int) -> ActionSpec:
-        """A view along an axis, in words of a patient where the volume tells how it lies."""
+        """A view along an axis, in words of a patient where it is known how the volume lies."""
         plain = tr("Along the &{axis}").format(axis=AXES[axis])
 
         def text(_: Situation) -> str:

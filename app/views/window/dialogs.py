@@ -70,7 +70,7 @@ class Question(QMessageBox):
 
 
 def ask_about_unsaved(parent: QWidget, name: str, lost: Sequence[str]) -> Answer:
-    """What to do with unsaved work called `name`; `lost` tells what would be lost."""
+    """What to do with unsaved work called `name`; `lost` names what would be lost."""
     buttons = (
         Button("save", tr("&Save"), "accept"),
         Button("discard", tr("&Discard changes"), "discard"),

@@ -57,7 +57,7 @@ def drafts_of(*paths: Path) -> Iterator[list[Path]]:
     ------
     ValueError
         When one cannot be written, is read-only or not an ordinary file; then no target is changed, unless the move of
-        a later one fails, which the message tells.
+        a later one fails, which the message reports.
     """
     moves: list[tuple[Path, Path]] = []
     try:
@@ -189,7 +189,7 @@ def interrupts_put_off() -> Iterator[None]:
         yield
         return
     came: list[tuple[int, FrameType | None]] = []
-    with interrupts_handled(lambda *told: came.append(told)):
+    with interrupts_handled(lambda *given: came.append(given)):
         yield
     if came:
         before(*came[0])

@@ -123,7 +123,7 @@ def read(content: bytes, plane: Plane) -> Contents:
         places = np.array([(place.x, place.y) for place in vertices]).reshape(-1, 2)
         lines.append((entity, places * scale / spacing[::-1], closed))
     if shape is None:
-        found.notes.append("The drawing does not tell the height of the image: its own is taken.")
+        found.notes.append("The drawing does not state the height of the image: its own is taken.")
     height = shape[0] if shape else max((places[:, 1].max() for _, places, _ in lines if len(places)), default=0.0)
     for entity, places, closed in lines:
         layer = entity.dxf.layer

@@ -37,7 +37,7 @@ class Decoded:
     colors : Colors or None
         Red, green and blue of each pixel; None where the file is gray.
     geometry : Geometry or None
-        Where it lies in space; None when the file does not tell.
+        Where it lies in space; None when the file does not state.
     """
 
     values: NDArray[Any]

@@ -30,7 +30,7 @@ Position = tuple[Triple, str | None, Geometry | None, tuple[str, ...]]
 """Size of a voxel, its unit, where the volume lies, where the file gives them, and notes on them."""
 
 ONLY_THESE = "Only these were taken."
-"""What is said behind the sentence on the longest even part of a file."""
+"""What follows the sentence on the longest even part of a file."""
 
 _MOST_PACKED = 1100
 """How many times its size a packed file may hold: deflate packs 1032 equal bytes in one."""
@@ -74,7 +74,7 @@ class Stack:
     number : int
         Which of them this is, from 0.
     deep : bool
-        Whether the file tells how far apart its planes are: they are then those of a volume.
+        Whether the file states how far apart its planes are: they are then those of a volume.
     """
 
     name: str

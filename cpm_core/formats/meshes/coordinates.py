@@ -144,7 +144,7 @@ def place_of(head: str, image: Image | None, space: Convention | None) -> tuple[
         if named := _SPACE.search(head):
             space = "LPS" if named[1] == "LPS" else "RAS"
         else:
-            notes.append("It does not tell where x, y and z point: LPS is taken; the other choice is RAS.")
+            notes.append("It does not state where x, y and z point: LPS is taken; the other choice is RAS.")
     named = _UNIT.search(head)
     unit = known_unit(named[1]) if named else None
     spacing: tuple[float, ...] = (1.0, 1.0, 1.0)
@@ -160,6 +160,6 @@ def place_of(head: str, image: Image | None, space: Convention | None) -> tuple[
     if unit is not None and length is not None:
         scale = factor(unit, length)
     elif image is not None and length is not None:
-        notes.append(f"It does not tell its unit of length: {own}, that of the volume, is taken.")
+        notes.append(f"It does not state its unit of length: {own}, that of the volume, is taken.")
     matrix = geometry.scaled(1.0 / scale).affine(tuple(side / scale for side in spacing), space or "LPS")
     return Place(spacing, own, matrix, scale), tuple(notes)

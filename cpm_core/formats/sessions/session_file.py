@@ -396,7 +396,7 @@ def part_for(path: Path, reading: Reading) -> dict[str, Any]:
     """What `load_image` needs besides the path to read another file as a session reads its own.
 
     Page, channel and point in time are chosen of a file that holds several. The size of a pixel that was set by hand
-    holds where a file tells none.
+    holds where a file has none.
 
     Raises
     ------

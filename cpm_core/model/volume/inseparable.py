@@ -35,7 +35,7 @@ _REACH, _REACH_SMOOTHING = 3.0, 2.0
 def inseparable(field: VolumeField, ridges: Ridges, reached: Mask, covered: Mask) -> Mask:
     """Which boundaries cannot be moved apart from those found, by their numbers `Ridges.component`.
 
-    `reached` tells which boundaries have a particle on them, `covered`, shape (M,), which ridge voxels have one of
+    `reached` marks which boundaries have a particle on them, `covered`, shape (M,), which ridge voxels have one of
     their sheet near them.
     """
     none = np.zeros_like(reached)

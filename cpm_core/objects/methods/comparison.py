@@ -1,4 +1,4 @@
-"""All methods by name, a choice of them with settings, whole runs, and what is said of a run."""
+"""All methods by name, a choice of them with settings, whole runs, and the report on a run."""
 
 from __future__ import annotations
 
@@ -230,7 +230,7 @@ class Facts:
 
 
 def facts_of(moment: Moment, truth: Truth | VolumeTruth | None = None) -> Facts:
-    """What is said of a moment of a run, with its agreement with a ground truth where one is known.
+    """The report on a moment of a run, with its agreement with a ground truth where one is known.
 
     Examples
     --------

@@ -190,7 +190,7 @@ class Settings:
 
     @classmethod
     def table(cls) -> Mapping[str, ParameterInfo]:
-        """What is said of each parameter, by name."""
+        """The description of each parameter, by name."""
         return MappingProxyType({one.name: replace(one.metadata["info"], name=one.name) for one in fields(cls)})
 
 

@@ -31,7 +31,7 @@ def well_supported(
     spacing: tuple[float, ...],
     unit: str | None,
 ) -> Surface:
-    """Surface of the components that are not left out; `supported` tells which vertices have a particle near.
+    """Surface of the components that are not left out; `supported` marks which vertices have a particle near.
 
     A particle belongs to the component of the vertex next to it.
     """

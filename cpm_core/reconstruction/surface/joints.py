@@ -36,7 +36,7 @@ DEEPEST = 1.5
 """How far a saddle may lie below the threshold at most [steps of the slope of the edges around]."""
 
 _SHALLOW = 0.85
-"""The same where no ridge tells a neck."""
+"""The same where no ridge marks a neck."""
 
 _RIDGE, _STEEP = 0.7, 0.2
 """Least curvature across a neck: as a share of that along it, and of the slope of the edges around [1 / side]."""

@@ -1,4 +1,4 @@
-"""The size of a voxel is shown, and set by hand where a file does not tell it."""
+"""The size of a voxel is shown, and set by hand where a file does not state it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Provenance: every file tells the program, the image, its hash, the method and what it was given, and no time."""
+"""Provenance: every file names the program, the image, its hash, the method and what it was given, and no time."""
 
 import contextlib
 import csv

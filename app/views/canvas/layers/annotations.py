@@ -67,7 +67,7 @@ class ScaleBarLayer(Layer):
 
 
 class OrientationLayer(Layer):
-    """A letter in the middle of each edge: R, L, A, P, S or I where the file tells how the image lies."""
+    """A letter in the middle of each edge: R, L, A, P, S or I where the file states how the image lies."""
 
     name = "orientation"
     title = tr("Orientation")

@@ -120,9 +120,9 @@ def test_a_file_that_tells_no_coordinates_is_taken_as_lps_and_says_so():
         decode_surface(content, "a.obj", result.image)
     found, notes = decode_surface(content, "a.obj", result.image, "RAS")
     assert np.abs(found.vertices - SURFACE.vertices).max() < NEAR
-    assert notes == ("It does not tell its unit of length: mm, that of the volume, is taken.",)
+    assert notes == ("It does not state its unit of length: mm, that of the volume, is taken.",)
     _, notes = decode_surface(content, "a.obj")
-    assert notes == ("It does not tell where x, y and z point: LPS is taken; the other choice is RAS.",)
+    assert notes == ("It does not state where x, y and z point: LPS is taken; the other choice is RAS.",)
 
 
 @pytest.mark.parametrize("suffix", [".nii", ".tif"])
@@ -187,7 +187,7 @@ def test_what_was_assumed_of_a_tree_is_told(tmp_path, caplog):
     (tmp_path / "cell.swc").write_text("# made by hand\n1 1 0 0 0 2 -1\n2 3 5 0 0 1 1\n3 3 5 4 0 1 2\n4 3 9 0 0 1 2\n")
     with caplog.at_level(logging.WARNING):
         found = load_centerlines(tmp_path / "cell.swc")
-    assert "cell.swc: It does not tell where x, y and z point" in caplog.text
+    assert "cell.swc: It does not state where x, y and z point" in caplog.text
     assert sorted(found.lengths.tolist()) == [4.0, 4.0, 5.0]
     assert found.branches[0].points.tolist() == [[0, 0, 0], [0, 0, 5]]
 

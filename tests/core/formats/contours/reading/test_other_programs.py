@@ -330,7 +330,7 @@ def test_units_layers_and_colors_of_cad_are_read():
 
 def test_a_drawing_without_an_image_tells_that_its_own_height_is_taken():
     content = cad(lambda space: space.add_line((0, 0), (10, 20)))
-    assert "does not tell the height" in " ".join(read(content, "a.dxf").notes)
+    assert "does not state the height" in " ".join(read(content, "a.dxf").notes)
 
 
 # napari
