@@ -27,9 +27,14 @@ def cell_of(place: float, size: float, along: int) -> int:
     return int(min(max(int((place + 0.5) / size), 0), along - 1))
 
 
+@compiled
 def cells_at(positions: Array, size: float, shape: tuple[int, ...]) -> Index:
     """Cells of positions, shape (N, D), of so many along each axis; see `cell_of`."""
-    return np.clip(((positions + 0.5) / size).astype(np.int64), 0, np.array(shape) - 1)
+    found = np.empty(positions.shape, np.int64)
+    for i in range(len(positions)):
+        for axis in range(len(shape)):
+            found[i, axis] = cell_of(positions[i, axis], size, shape[axis])
+    return found
 
 
 @compiled
@@ -85,7 +90,7 @@ def no_coverage(shape: tuple[int, ...]) -> Coverage:
 def cover(coverage: Coverage, positions: Array, on_edge: Mask, step: int) -> tuple[Coverage, int]:
     """Mark the cells of particles on edges as covered at a step.
 
-    `positions`, shape (N, D) [px], are the particles, `on_edge`, shape (N,), is their edge contact. Returns the
+    `positions`, shape (N, 2) [px], are the particles, `on_edge`, shape (N,), is their edge contact. Returns the
     coverage after it, the same one if no cell is new, and the number of newly covered cells.
     """
     cells = cells_at(positions[on_edge], CELL, coverage.found.shape)
@@ -96,10 +101,16 @@ def cover(coverage: Coverage, positions: Array, on_edge: Mask, step: int) -> tup
     cells = np.stack(np.unravel_index(cells[:, 0], coverage.found.shape), axis=1)
     found, latest = coverage.found.copy(), coverage.latest.copy()
     found[tuple(cells.T)] = step
-    near = np.indices((2 * REACH + 1,) * found.ndim).reshape(found.ndim, -1) - REACH
-    around = cells[:, :, None] + near
-    latest[tuple(np.clip(around[:, axis], 0, n - 1) for axis, n in enumerate(latest.shape))] = step
+    _mark_near(latest, cells, step)
     return Coverage(found, latest, coverage.size + len(cells)), len(cells)
+
+
+@compiled
+def _mark_near(latest: Steps, cells: Index, step: int) -> None:
+    """Set the step of all cells near some, shape (K, 2)."""
+    for k in range(len(cells)):
+        row, col = cells[k]
+        latest[max(row - REACH, 0) : row + REACH + 1, max(col - REACH, 0) : col + REACH + 1] = step
 
 
 def idle_at(coverage: Coverage, positions: Array, step: int, elsewhere: int) -> Index:
