@@ -92,5 +92,6 @@ def test_each_command_stands_on_one_line_and_the_continuous_check_runs_those_tha
     patterns = re.findall(r"grep -m 1 '(.*)' README.md", script)
     assert [[line for line in TEXT.splitlines() if re.search(pattern, line)] for pattern in patterns] == [
         ["python3 -m venv .venv && .venv/bin/pip install -e '.[test]' && .venv/bin/python -m pytest"],
+        [".venv/bin/python -m mypy"],
     ]
     assert len(re.findall(r"^sudo apt-get install -y ", TEXT, flags=re.MULTILINE)) == 1

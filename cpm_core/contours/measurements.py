@@ -187,7 +187,7 @@ def moments(path: Array) -> Array:
     one, other = path[:-1] - middle, path[1:] - middle
     twice, both = one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0], one + other
     area, (row, col) = 0.5 * twice.sum(), both.T @ twice / 6.0
-    second = sum((some.T * twice) @ some for some in (one, other, both)) / 24.0
+    second = np.asarray(sum((some.T * twice) @ some for some in (one, other, both))) / 24.0
     down, right = middle
     about = (
         second[0, 0] + 2.0 * row * down + area * down**2,

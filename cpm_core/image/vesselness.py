@@ -65,4 +65,4 @@ def _curvatures(values: Array, sigma: float) -> tuple[Array, Array]:
         apart = np.sqrt(half * half + mixed * mixed)
         eigenvalues = np.stack([middle - apart, middle + apart], axis=-1)
     eigenvalues *= sigma**_NORMALIZATION
-    return eigenvalues[..., axes - 2], eigenvalues[..., 1 - axes]
+    return np.asarray(eigenvalues[..., axes - 2], float), np.asarray(eigenvalues[..., 1 - axes], float)

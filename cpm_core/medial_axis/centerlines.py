@@ -179,7 +179,7 @@ def centerlines(
     chains = _pruned(thinned(part, depth), depth, size, pruning)
     walls = scipy.spatial.KDTree(np.argwhere(~part & scipy.ndimage.binary_dilation(part)) * size)
     sides = depth / size.min()
-    branches = [_branch(chain, sides, walls, size, low - 1) for chain in chains]
+    branches = [_branch(chain, sides, walls, size, (low - 1).astype(float)) for chain in chains]
     found = Centerlines(tuple(branches), tuple(spacing), unit)
     order = np.argsort(-found.lengths, kind="stable")
     return Centerlines(tuple(branches[k] for k in order), tuple(spacing), unit)

@@ -10,6 +10,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import PurePosixPath
 
 import numpy as np
+import roifile
 from roifile import ROI_OPTIONS, ROI_SUBTYPE, ROI_TYPE, ImagejRoi
 
 from cpm_core.contours.contour import Contour, numbers_of
@@ -19,6 +20,9 @@ from cpm_core.formats.common.provenance import Outcome, ascii_entries_of, facts_
 from cpm_core.formats.contours.contents import PIXEL, Contents, rgb, title
 from cpm_core.formats.contours.curves import bezier, ellipse, nested, rectangle
 from cpm_core.numerics.types import Array
+
+_COUNTS_CHARACTERS = tuple(map(int, roifile.__version__.split(".")[:2])) < (2026, 11)
+"""Whether this release of roifile writes names with their number of characters."""
 
 _MAGIC = b"Iout"
 _LARGEST = 32767
@@ -96,8 +100,8 @@ def selection(contour: Contour, number: int, properties: str, **place: int) -> b
     left, top = np.clip(np.floor(xy.min(axis=0)), -_LARGEST, _LARGEST).astype(int).tolist()
     right, bottom = np.clip(np.ceil(xy.max(axis=0)), -_LARGEST, _LARGEST).astype(int).tolist()
     name = title(contour, number)
-    # roifile counts characters, the file UTF-16 units: a zero makes up for each character of two units
-    name += "\0" * sum(ord(letter) > 0xFFFF for letter in name)
+    if _COUNTS_CHARACTERS:  # the file counts UTF-16 units: a zero makes up for each character of two units
+        name += "\0" * sum(ord(letter) > 0xFFFF for letter in name)
     roi = ImagejRoi(
         version=228,
         roitype=ROI_TYPE.POLYGON if areal else ROI_TYPE.POLYLINE if len(points) > 1 else ROI_TYPE.POINT,

@@ -213,8 +213,9 @@ def _basins(strength: Array, pieces: Labels, shut: Mask) -> tuple[Labels, Labels
     enclosed, the piece lies in the open, and everything else belongs to its basin. Pieces in one basin get one number.
     """
     flat, count = scipy.ndimage.label((strength <= _EVEN * float(strength.max())) & ~shut)
-    size = np.bincount((pieces * (count + 1) + flat).ravel(), minlength=(pieces.max() + 1) * (count + 1))
-    size = size.reshape(-1, count + 1)
+    size = np.bincount((pieces * (count + 1) + flat).ravel(), minlength=(pieces.max() + 1) * (count + 1)).reshape(
+        -1, count + 1
+    )
     large = size >= np.maximum(_LARGE * size.sum(axis=1, keepdims=True), 1)
     large[0], large[:, 0] = False, False
     open_ = np.zeros(count + 1, bool)

@@ -63,7 +63,7 @@ def certain_edges(strength: Array, ridge: Mask, area: Mask) -> Mask:
     if not held.any() or 2 * held.max() <= np.count_nonzero(area):
         return found
     number = int(held.argmax())
-    sides = scipy.ndimage.find_objects(regions, number)[number - 1]
+    sides = scipy.ndimage.find_objects(regions, number)[number - 1] or ()
     if any(side.start == 0 or side.stop == length for side, length in zip(sides, ridge.shape, strict=True)):
         return found
     box = tuple(slice(max(side.start - _BESIDE, 0), side.stop + _BESIDE) for side in sides)
