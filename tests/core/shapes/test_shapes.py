@@ -26,6 +26,7 @@ from cpm_core.shapes import (
     Points,
     Polygon,
     Region,
+    Sphere,
     Stroke,
     Threshold,
 )
@@ -208,3 +209,10 @@ def test_an_invalid_shape_is_refused_in_one_sentence(make, sentence) -> None:
 @pytest.mark.parametrize("shape", [Polygon(CORNERS), Region(CORNERS), Barrier(CORNERS[:2]), Grid(CORNERS, 4.0)])
 def test_a_corner_dragged_onto_another_leaves_a_valid_shape(shape) -> None:
     assert shape.with_handle_at(CORNERS[0], CORNERS[1]) == shape
+
+
+@pytest.mark.parametrize("shape", [Circle((10.0, 20.0), 5.0), Sphere((10.0, 20.0, 30.0), 5.0)])
+@pytest.mark.parametrize("away", [0.0, 3.0, 5.0, 9.0])
+def test_a_line_or_surface_is_as_far_as_its_radius_from_its_center(shape, away) -> None:
+    position = (*shape.center[:-1], shape.center[-1] + away)
+    assert shape.distance(position) == pytest.approx(abs(away - 5.0))

@@ -60,6 +60,13 @@ def test_surfaces_are_read_back_as_they_were():
     assert "SPACE=LPS" in notes and "UNIT=mm" in notes and "CPM" in notes
 
 
+def test_normals_have_the_length_of_one_in_a_sheared_volume_too():
+    place = Geometry(directions=((0.0, 0.6, 0.8), (0.0, 1.0, 0.0), (1.0, 0.0, 0.0)))
+    sheared = replace(RESULT, image=Image(VALUES, spacing=SPACING, unit="mm", geometry=place))
+    normals = read_ply(encoded(sheared, ".ply"))[2]
+    assert np.linalg.norm(normals, axis=1) == pytest.approx(1.0, abs=1e-4)
+
+
 def test_triangles_for_printing_are_read_back():
     content = encoded(RESULT, ".stl")
     assert not content.startswith(b"solid") and b"SPACE=LPS UNIT=mm" in content[:80]
