@@ -239,11 +239,11 @@ class Selector:
 
     def selection(self, clicks: tuple[Click, ...]) -> AnySelection | None:
         """The object that clicks select; None while none of them is inside."""
-        if clicks not in self._known:
-            if len(self._known) == _MOST_SELECTIONS:
-                self._known.clear()
-            self._known[clicks] = self._select(clicks)
-        return self._known[clicks]
+        selection = self._known.pop(clicks) if clicks in self._known else self._select(clicks)
+        if len(self._known) == _MOST_SELECTIONS:
+            del self._known[next(iter(self._known))]  # the one that has not been asked for the longest
+        self._known[clicks] = selection
+        return selection
 
     def _select(self, clicks: tuple[Click, ...]) -> AnySelection | None:
         inside, outside = places_of(clicks, inside=True), places_of(clicks, inside=False)
