@@ -132,15 +132,21 @@ def number(value: object, where: str, largest: float = LARGEST) -> float:
 
 def items(value: object, where: str = "runs") -> list[Any]:
     """A list, else ValueError."""
-    if not isinstance(value, list):
-        raise ValueError(f"{where} is {shown(value)} but must be a list.")
-    return value
+    return _checked(value, list, "a list", where)
 
 
 def text(value: object, where: str) -> str:
     """Text, else ValueError."""
-    if not isinstance(value, str):
-        raise ValueError(f"{where} is {shown(value)} but must be text.")
+    return _checked(value, str, "text", where)
+
+
+def _truth(value: object, where: str) -> bool:
+    return _checked(value, bool, "true or false", where)
+
+
+def _checked(value: object, kind: type[T], what: str, where: str) -> T:
+    if not isinstance(value, kind):
+        raise ValueError(f"{where} is {shown(value)} but must be {what}.")
     return value
 
 
@@ -149,12 +155,6 @@ def _whole(value: object, where: str) -> int:
     if found != value:
         raise ValueError(f"{where} is {shown(value)} but must be a whole number.")
     return found
-
-
-def _truth(value: object, where: str) -> bool:
-    if not isinstance(value, bool):
-        raise ValueError(f"{where} is {shown(value)} but must be true or false.")
-    return value
 
 
 def _value(hint: Any, plain: object, where: str) -> Any:
