@@ -114,7 +114,17 @@ from cpm_core.model.measures import Energies, Forces
 from cpm_core.model.starts import circle, divergence_centers, gradient_threshold, stroke, uniform_grid
 from cpm_core.model.state import Particles, State
 from cpm_core.model.volume.starts import at_centers, box, everywhere, in_slice, on_strong_edges, sphere
-from cpm_core.objects import Partition, Selection, VolumePartition, VolumeSelection, objects_result, partition, similar
+from cpm_core.objects import (
+    Partition,
+    Selection,
+    VolumePartition,
+    VolumeSelection,
+    objects_result,
+    partition,
+    select,
+    select_all,
+    similar,
+)
 from cpm_core.objects.methods import (
     CONTOUR_METHODS,
     ContourMethod,
@@ -219,6 +229,8 @@ __all__ = [
     "reconstruct_surface",
     "run_method",
     "segment",
+    "select",
+    "select_all",
     "similar",
     "skeleton",
     "sphere",

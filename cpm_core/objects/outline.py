@@ -14,8 +14,8 @@ from cpm_core.field.region_contrast import Sides
 from cpm_core.numerics import polyline
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask, Single
-from cpm_core.objects.faces.crossings import Crossings
-from cpm_core.objects.faces.faces import Ground
+from cpm_core.objects.boundaries.crossings import Crossings
+from cpm_core.objects.boundaries.ground import Ground
 
 STEPS = _ROW, _COL = np.array([0, 1, 0, -1]), np.array([1, 0, -1, 0])
 """Rows and columns of the steps to the right, down, left and up."""

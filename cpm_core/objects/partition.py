@@ -1,18 +1,19 @@
-"""The partition of an image into faces, and the choice of an object among them by clicks.
+"""An image with the contours that were found in it, and the choice of an object by clicks, strokes, boxes and starts.
 
-Contours, closed and open, and the ridges of the edge map between them cut the image into faces (`faces`). An object is
-what the best of many candidates encloses (`candidates`): sets of faces with the cheapest boundary (`boundary`,
-`minimum_cut`) between what has been said to be inside and what to be outside, and regions of like gray levels.
+Where particles have closed a contour beyond doubt, what it encloses is the object (`boundaries.closed_regions`).
+Elsewhere a prior learned from outlined images answers (`prior`).
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 import scipy
+import skimage
 from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
@@ -23,20 +24,20 @@ from cpm_core.image.image import Image, as_image, as_plane
 from cpm_core.image.regions import Regions
 from cpm_core.model.starts import uniform_grid
 from cpm_core.model.volume.starts import everywhere
-from cpm_core.numerics.types import Array, Mask
-from cpm_core.objects.candidates.appearance import Appearance, appearance
-from cpm_core.objects.candidates.choice import chosen
-from cpm_core.objects.candidates.clicks import as_places, clicked
-from cpm_core.objects.faces.basins import Labels
-from cpm_core.objects.faces.closed_regions import ClosedRegions
-from cpm_core.objects.faces.faces import Faces, Ground, find_faces, ground
+from cpm_core.numerics import polyline
+from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.objects.boundaries.closed_regions import ClosedRegions
+from cpm_core.objects.boundaries.crossings import crossings
+from cpm_core.objects.boundaries.ground import Ground, ground
 from cpm_core.objects.outline import SMOOTHING, outlines
+from cpm_core.objects.prior.prior import Prior, Prompt
 from cpm_core.objects.selection import Selection, confidence_of
 from cpm_core.objects.volume_partition import VolumePartition
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.quotation import counted, described, sized
 from cpm_core.segmentation.evolve import segment
 from cpm_core.segmentation.reach.bounding import thing_within
+from cpm_core.segmentation.reach.drawn_area import LEAST_PLACES, drawn_area, hollow_part
 
 NOWHERE = np.empty((0, 2))
 """No places."""
@@ -44,6 +45,11 @@ NOWHERE = np.empty((0, 2))
 EVERYWHERE = Parameters(smoothing=1.5)
 """Parameters of the run from everywhere that finds the contours of an image."""
 
+
+_MARGIN = 10
+"""Pixels around an object that its outline depends on: twice the reach of its edge map [px]."""
+
+NOTHING_NEW = np.empty(0, np.bool_)
 
 _NOTHING = "No object was found around these places: only their own pixels are chosen."
 
@@ -100,13 +106,15 @@ class Partition(drawing.Pictured):
     regions : Regions or None
         Outside the regions of interest nothing is selected; barriers are boundaries.
     channel : str
-        Channel of a color image that is cut.
+        Channel of a color image whose edges count.
+    prior : bool
+        Whether a prior learned from outlined images answers where no contour is certain.
 
     Examples
     --------
     >>> partition = cpm.partition(cpm.example("disks"))
-    >>> partition.shape, partition.labels.shape, len(partition.means) > 1, partition.values.shape
-    ((64, 64), (64, 64), True, (64, 64))
+    >>> partition.shape, partition.values.shape, bool(partition.interest.all()), len(list(partition.certain()))
+    ((64, 64), (64, 64), True, 2)
     >>> chosen = partition.select([(32, 18)], outside=[(32, 46)])
     >>> again = partition.selection_of(chosen.mask, chosen.inside)
     >>> int(chosen.mask.sum()), bool((again.mask == chosen.mask).all())
@@ -118,33 +126,40 @@ class Partition(drawing.Pictured):
     contours: tuple[Contour, ...]
     regions: Regions | None = None
     channel: str = "luminance"
+    prior: bool = True
 
     @property
     def shape(self) -> tuple[int, ...]:
         """Shape of the image."""
         return self.image.shape
 
-    @property
-    def labels(self) -> Labels:
-        """Face of every pixel, shape (H, W); -1 outside the regions of interest."""
-        return self._faces.labels
-
-    @property
-    def means(self) -> Array:
-        """Mean gray level of each face, shape (F,)."""
-        return self._faces.graph.mean
-
-    def select(self, inside: ArrayLike, outside: ArrayLike = (), *, previous: Selection | None = None) -> Selection:
+    def select(
+        self,
+        inside: ArrayLike = (),
+        outside: ArrayLike = (),
+        *,
+        stroke: ArrayLike = (),
+        box: ArrayLike = (),
+        previous: Selection | None = None,
+        areas: Sequence[float] = (),
+    ) -> Selection:
         """Choose the object that some places lie in, and others do not.
 
         Parameters
         ----------
         inside, outside : array_like, shape (M, 2) and (K, 2)
             Places (row, col) [px]. A place outside the image counts as the nearest one in it. The first places inside
-            may be a closed line around the object, such as the seeds of a circle.
+            may be a closed line in the object, or around it, such as the seeds of a circle.
+        stroke : array_like, shape (N, 2)
+            A line that lies in the object.
+        box : array_like, shape (2, 2)
+            Two opposite corners of a box around the object; its sides may be a few pixels off.
         previous : Selection, optional
             What was chosen before the last places were added. A new place inside only adds to it, and one outside only
             takes away.
+        areas : sequence of float
+            Areas of objects of this image that have been accepted [px²]: where it is not clear what a place lies in, an
+            object of similar size is meant.
 
         Returns
         -------
@@ -154,35 +169,129 @@ class Partition(drawing.Pictured):
         Raises
         ------
         ValueError
-            When the places are not rows and columns.
+            When the places are not rows and columns, or the box has not two corners.
         """
-        within, beyond = as_places(inside), as_places(outside)
+        within, beyond, line, corners = (as_places(given) for given in (inside, outside, stroke, box))
+        if len(corners) not in (0, 2):
+            raise ValueError(f"the box has {len(corners)} corners: give two opposite ones.")
         former = previous.mask if previous is not None and previous.mask.any() else None
-        if former is None:
-            former = thing = self._closed.around(within)
-            if thing is None and not len(beyond):
-                thing = thing_within(self.values, within, ~self._ground.interest)
-            if thing is not None and thing.any() and not len(beyond):
-                return self.selection_of(thing, within)
+        if former is None and not len(line) and not len(corners):
+            former = self._closed.around(within)
+            if former is None and not len(beyond):
+                former = thing_within(self.values, within, ~self.interest)
+            if former is not None and former.any() and not len(beyond):
+                return self.selection_of(former, within)
         meant = within if previous is None else _not_around(within, previous)
-        newer = None if previous is None else ~_among(meant, previous.inside)
-        found = clicked(self._faces, self._ground, meant, beyond, newer)
+        newer = np.zeros(len(meant), np.bool_) if previous is None else ~_among(meant, previous.inside)
+        pixels, remark = self._pixels(meant, beyond, newer)
+        start = meant if former is None and len(meant) >= LEAST_PLACES else NOWHERE
+        pixels = replace(pixels, former=former, **self._drawn(start, line, corners, pixels))
         mask = np.zeros(self.shape, np.bool_)
-        if len(found.within):
-            mask = chosen(self._look, found, self._ground.strong, former, self._closed)
-        selection = self.selection_of(mask, within, beyond, found.remark)
+        if len(pixels.inside) or pixels.drawn is not None or pixels.box is not None:
+            mask = self._object(pixels, np.asarray(areas, float))
+        elif not remark:
+            remark = "No place has been said to be inside."
+        selection = self.selection_of(mask, within, beyond, remark)
         if selection.only_places and not selection.remark:
             return replace(selection, remark=_NOTHING)
         return selection
+
+    def _drawn(self, start: Array, line: Array, corners: Array, pixels: Prompt) -> dict[str, Any]:
+        """Fields of a prompt for a start, a stroke and the corners of a box."""
+        fields: dict[str, Any] = {}
+        if len(start):
+            area = drawn_area(start, self.shape)
+            if hollow_part(start, area).any():
+                fields = {"drawn": area, "inside": pixels.inside[:0]}
+        if len(line):
+            along = self._pixels(polyline.sampled(line, 1.0) if len(line) > 1 else line, NOWHERE, NOTHING_NEW)[0]
+            fields["inside"] = np.concatenate([fields.get("inside", pixels.inside), along.inside])
+        if len(corners):
+            low, high = corners.min(axis=0), corners.max(axis=0)
+            fields["box"] = low[0], high[0], low[1], high[1]
+        return fields
+
+    def _pixels(self, inside: Array, outside: Array, newer: Mask) -> tuple[Prompt, str]:
+        """The pixels of places, and one sentence on what is unusual about them.
+
+        Where the same pixel has been said to be both, what is `newer`, shape (M,), counts.
+        """
+        remark = ""
+        limit = np.array(self.shape) - 1
+        every = np.concatenate([inside, outside])
+        within, beyond = (np.rint(np.clip(places, 0, limit)).astype(np.int64) for places in (inside, outside))
+        interest = self.interest
+        if ((every < -0.5) | (every > limit + 0.5)).any():
+            remark = "A place outside the image counts as the nearest one in it."
+        elif not interest[tuple(np.concatenate([within, beyond]).T)].all():
+            remark = "A place outside the regions of interest counts for nothing."
+        same = (within[:, None] == beyond[None]).all(axis=2)
+        if same.any():
+            remark = "The same place has been said to be inside and outside; what was said last counts."
+            within, beyond = within[newer | ~same.any(axis=1)], beyond[~(same & newer[:, None]).any(axis=0)]
+        return Prompt(*(pixels[interest[tuple(pixels.T)]] for pixels in (within, beyond))), remark
+
+    def _object(self, prompt: Prompt, areas: Array) -> Mask:
+        """The object, shape (H, W), that a prompt means."""
+        mask = prompt.former
+        while mask is not None:  # what is certain about places that contradict the object so far
+            wrong = [(place, True) for place in prompt.inside if not mask[tuple(place)]]
+            wrong += [(place, False) for place in prompt.outside if mask[tuple(place)]]
+            if not wrong:
+                return self._tied(mask, prompt)
+            kept = prompt.outside, prompt.inside
+            certain = (self._closed.changed(mask, place, adds, kept[not adds]) for place, adds in wrong)
+            better = next((found for found in certain if found is not None), None)
+            if better is None:
+                break
+            mask = better
+        return self._tied(self._likely(replace(prompt, former=mask), areas), prompt)
+
+    def _likely(self, prompt: Prompt, areas: Array) -> Mask:
+        """The object, shape (H, W), that is most likely, by the prior."""
+        former = prompt.former
+        if not self.prior:
+            return np.zeros(self.shape, np.bool_) if former is None else former.copy()
+        mask = self._prior.probability(prompt, areas) > 0.5
+        if former is None:
+            return mask
+        # places inside only add, and those outside only take away
+        adds, takes = not former[tuple(prompt.inside.T)].all(), former[tuple(prompt.outside.T)].any()
+        return mask | former if adds and not takes else mask & former if takes and not adds else mask
+
+    def _tied(self, mask: Mask, prompt: Prompt) -> Mask:
+        """What of a mask is linked with what a prompt holds inside; with all places inside, and none outside."""
+        mask = mask & self.interest
+        mask[tuple(prompt.inside.T)] = True
+        mask[tuple(prompt.outside.T)] = False
+        box, corner = _box_of(mask)
+        part = mask[box]
+        held = [prompt.inside - corner]
+        if prompt.drawn is not None:
+            held.append(np.argwhere(prompt.drawn[box] & part))
+        if prompt.box is not None:
+            held.append(np.argwhere(part))
+        mask[box] = _linked(part, np.concatenate(held), crossings(self._barriers(corner), part.shape).pixels)
+        return mask
+
+    def certain(self) -> Iterator[Selection]:
+        """The objects that closed contours enclose beyond doubt, the largest first; none lies in another one."""
+        return map(self.selection_of, self._closed.objects())
 
     def selection_of(
         self, mask: Mask, inside: Array = NOWHERE, outside: Array = NOWHERE, remark: str = ""
     ) -> Selection:
         """Make an object of a set of pixels, shape (H, W); its boundary follows the contours that pass next to it."""
-        found = outlines(mask, self._ground)
+        if not mask.any():
+            return Selection(mask, (), (), 0.0, inside, outside, remark)
+        box, corner = _box_of(mask)
+        there = self._ground(box, corner)
+        found = outlines(mask[box], there)
+        confidence = confidence_of(found, there)
+        found = tuple(replace(one, contour=replace(one.contour, points=one.contour.points + corner)) for one in found)
         contours = tuple(outline.contour for outline in found)
         gaps = tuple(gap for outline in found for gap in outline.gaps)
-        return Selection(mask, contours, gaps, confidence_of(found, self._ground), inside, outside, remark)
+        return Selection(mask, contours, gaps, confidence, inside, outside, remark)
 
     @cached_property
     def values(self) -> Array:
@@ -190,14 +299,26 @@ class Partition(drawing.Pictured):
         return self.image.gray(self.channel)
 
     @cached_property
-    def _ground(self) -> Ground:
-        values = self.values
-        paths = [contour.path for contour in self.contours]
-        return ground(values, edge_map(values, SMOOTHING), paths, self.regions)
+    def interest(self) -> Mask:
+        """Pixels in the regions of interest, shape (H, W)."""
+        return (self.regions or Regions()).pixels(self.shape)
 
-    @cached_property
-    def _faces(self) -> Faces:
-        return find_faces(self._ground)
+    def _ground(self, box: tuple[slice, slice], corner: Index) -> Ground:
+        """What an outline follows in a part of the image."""
+        values, high = self.values[box], corner + [part.stop - part.start for part in box]
+        near = (one for one in self.contours if (one.box[1] >= corner).all() and (one.box[0] <= high).all())
+        regions = self.regions or Regions()
+        return ground(
+            values,
+            edge_map(values, SMOOTHING),
+            [contour.path - corner for contour in near],
+            self._barriers(corner),
+            list(regions.rims().reshape(-1, 2, 2) - corner),
+            self.interest[box],
+        )
+
+    def _barriers(self, corner: Index) -> list[Array]:
+        return [np.array(line) - corner for line in self.regions.barriers] if self.regions is not None else []
 
     @cached_property
     def _closed(self) -> ClosedRegions:
@@ -205,8 +326,9 @@ class Partition(drawing.Pictured):
         return ClosedRegions(self.contours if free else (), self.values, edge_map(self.values, "auto"))
 
     @cached_property
-    def _look(self) -> Appearance:
-        return appearance(self._ground.values, self._ground.strength)
+    def _prior(self) -> Prior:
+        colors = self.image.colors if self.channel == "luminance" else None
+        return Prior(self.values if colors is None else colors.samples)
 
     def __repr__(self) -> str:
         return described("Partition", self.image.source, sized(self.shape), counted(len(self.contours), "contour"))
@@ -217,6 +339,41 @@ class Partition(drawing.Pictured):
         drawing.show_image(ax, self.image.values, self.image.spacing)
         drawing.show_curves(ax, self.contours)
         return ax
+
+
+def as_places(given: ArrayLike) -> Array:
+    """Places as an array of shape (N, 2); `ValueError` when they are none."""
+    places = np.asarray(given, dtype=float)
+    if places.size == 0:
+        return NOWHERE
+    places = np.atleast_2d(places)
+    if places.ndim != 2 or places.shape[1] != 2:
+        raise ValueError(f"the places have the shape {places.shape} but must be (N, 2), rows and columns.")
+    if not np.isfinite(places).all():
+        raise ValueError("some places are not finite: give numbers of rows and columns.")
+    return places
+
+
+def _box_of(mask: Mask) -> tuple[tuple[slice, slice], Index]:
+    """Rows and columns of the true pixels of a mask, with those around them, and the first of them."""
+    box, corner = [], []
+    for axis in (1, 0):
+        on = np.flatnonzero(mask.any(axis=axis))
+        low, high = (int(on[0]), int(on[-1])) if len(on) else (0, 0)
+        corner.append(max(low - _MARGIN, 0))
+        box.append(slice(corner[-1], min(high + _MARGIN + 1, mask.shape[1 - axis])))
+    return (box[0], box[1]), np.array(corner)
+
+
+def _linked(mask: Mask, pixels: Index, barred: Mask) -> Mask:
+    """The parts of a mask, shape (H, W), that hold pixels, shape (N, 2), without what lies across a barrier."""
+    parts, _ = scipy.ndimage.label(mask & ~barred, np.ones((3, 3), bool))
+    if barred.any():
+        parts = np.where(mask, skimage.segmentation.expand_labels(parts, 2.0), 0)  # type: ignore[no-untyped-call]
+    held = np.zeros(int(parts.max()) + 1, np.bool_)
+    held[parts[tuple(pixels.T)]] = True
+    held[0] = False
+    return np.asarray(held[parts])
 
 
 def _among(places: Array, others: Array) -> Mask:

@@ -11,7 +11,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.field.interpolation import interpolate
 from cpm_core.image import drawing
 from cpm_core.numerics.types import Array, Mask
-from cpm_core.objects.faces.faces import Ground
+from cpm_core.objects.boundaries.ground import Ground
 from cpm_core.objects.outline import Outline
 from cpm_core.parameters.quotation import counted, described
 

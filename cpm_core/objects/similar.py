@@ -13,6 +13,9 @@ from cpm_core.objects.selection import Selection
 _CONTRAST = 0.4, 3.0
 """How far from its surroundings, towards the gray level of the chosen object and beyond, those of others are."""
 
+_SMOOTHING = 1.5
+"""Sigma of the smoothing of gray levels [px], at most a fifth of the radius."""
+
 _SIZE = 0.2, 4.0
 """Area of others, as fractions of that of the chosen one."""
 
@@ -39,7 +42,7 @@ def similar(partition: Partition, selection: Selection) -> tuple[Selection, ...]
     Parameters
     ----------
     partition : Partition
-        Faces of the image.
+        Of the image.
     selection : Selection
         The chosen object.
 
@@ -82,14 +85,14 @@ def similar(partition: Partition, selection: Selection) -> tuple[Selection, ...]
 
 
 def _alike(partition: Partition, selection: Selection, radius: float) -> Mask:
-    """Pixels of the faces whose gray level is like that of the chosen object, without small holes."""
+    """Pixels whose gray level is like that of the chosen object, without small holes."""
     values, mask = partition.values, selection.mask
     away = scipy.ndimage.distance_transform_edt(~mask)
     ring = (away > 1.0) & (away <= max(2.0, _AROUND * radius) + 1.0)
     own, around = float(np.median(values[mask])), float(np.median(values[ring])) if ring.any() else 0.0
-    share = (partition.means - around) / (own - around) if own != around else np.zeros(len(partition.means))
-    faces = (share >= _CONTRAST[0]) & (share <= _CONTRAST[1])
-    alike = np.append(faces, False)[partition.labels]
+    smooth = scipy.ndimage.gaussian_filter(values, min(_SMOOTHING, 0.2 * radius))
+    share = (smooth - around) / (own - around) if own != around else np.zeros_like(smooth)
+    alike = (share >= _CONTRAST[0]) & (share <= _CONTRAST[1]) & partition.interest
     holes, _ = scipy.ndimage.label(~alike)
     sizes = np.bincount(holes.ravel())
     return np.asarray(alike | (sizes < 0.1 * radius**2)[holes] | mask)

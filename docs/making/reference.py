@@ -30,7 +30,8 @@ GROUPS: dict[str, tuple[str, tuple[str, ...]]] = {
     ),
     "objects": (
         "Objects chosen by places",
-        ("partition", "Partition", "Selection", "VolumePartition", "VolumeSelection", "similar", "objects_result"),
+        ("select", "select_all", "partition", "Partition", "Selection", "VolumePartition", "VolumeSelection", "similar",
+         "objects_result"),
     ),
     "skeletons": ("Skeletons", ("skeleton", "Skeleton", "centerlines", "Centerlines", "write_swc")),
     "files": (

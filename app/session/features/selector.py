@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import cast
@@ -112,7 +113,11 @@ class Partitions(QObject):
             self._asked_for = source
             self._end_task()
             if isinstance(source, Everywhere):
-                self._run(source)
+                if self.partition is None:  # answers at once; contours follow
+                    self.partition = Partition(source.image, (), source.regions, source.parameters.channel)
+                    self.changed.emit()
+                if math.prod(source.image.shape) <= _MOST_EVERYWHERE:
+                    self._run(source)
             else:
                 self._latest.ask(lambda: Prepared(source, _ready(partition(source))), self._take)
 
@@ -197,6 +202,9 @@ def _ready(made: AnyPartition) -> AnyPartition:
     return made
 
 
+_MOST_EVERYWHERE = 1 << 23
+"""Pixels up to which a run from everywhere is begun without being asked for."""
+
 _MOST_PLACES = 20
 """Places of a start by which its body is found."""
 
@@ -259,9 +267,10 @@ class Selector:
         if self._changed is not None and clicks == self._changed.clicks:
             return selection_of(self._changed, self.partition.shape)
         previous = cast("Selection | None", self.selection(clicks[:-1]))
+        areas = [item.area for item in self.items if item.number != self.edited]
         if previous is None and len(self._elsewhere):  # frozen objects only take away
-            previous = self.partition.select(inside, outside)
-        return self.partition.select(inside, np.concatenate([outside, self._elsewhere]), previous=previous)
+            previous = self.partition.select(inside, outside, areas=areas)
+        return self.partition.select(inside, np.concatenate([outside, self._elsewhere]), previous=previous, areas=areas)
 
     def proposals(self, starts: Sequence[Array]) -> tuple[Proposal, ...]:
         """The objects in which runs were started, given the seeds of each start; of frozen objects there are none.

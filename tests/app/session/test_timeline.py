@@ -121,6 +121,7 @@ class TimelineMachine(RuleBasedStateMachine):
         state = self.timeline.go(branch, step)
         assert same(state, self.book[branch][step])
         self.state = state
+        self._forget_removed()  # the run that it came from is the current one no longer
 
     @precondition(lambda self: len(self.book) > 1)
     @rule(data=st.data())

@@ -9,7 +9,7 @@ import tifffile
 
 from cpm_core import Image, encoded, objects_result
 from cpm_core.contours.rasterize import inside, paint
-from cpm_core.objects.faces.faces import ground
+from cpm_core.objects.boundaries.ground import ground
 from cpm_core.objects.outline import outlines
 from cpm_core.objects.selection import Selection
 
@@ -19,7 +19,7 @@ ROW, COL = np.indices((40, 60))
 def selection(mask):
     """A mask as an object; nothing of its boundary follows a contour."""
     flat = np.zeros(mask.shape)
-    found = outlines(mask, ground(flat, flat, [], None))
+    found = outlines(mask, ground(flat, flat))
     gaps = tuple(gap for outline in found for gap in outline.gaps)
     return Selection(mask, tuple(outline.contour for outline in found), gaps, 0.5, np.empty((0, 2)), np.empty((0, 2)))
 

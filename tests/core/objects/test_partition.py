@@ -4,8 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import scipy.ndimage as ndi
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from cpm_core import Regions, circle, partition, segment, similar
+from cpm_core import Image, Partition, Regions, circle, partition, segment, similar
 
 from ..scenes import antialiased, disk, ring
 
@@ -39,14 +42,6 @@ def test_a_click_in_a_disk_gives_the_disk(disk_scene, disk_partition):
     assert chosen.gaps == ()
     assert chosen.confidence == pytest.approx(1.0)
     assert chosen.remark == ""
-
-
-def test_every_pixel_has_a_face_and_no_face_lies_on_both_sides_of_the_contour(disk_scene, disk_partition):
-    labels, truth = disk_partition.labels, truth_of(disk_scene)
-    assert labels.shape == SHAPE == disk_partition.shape
-    assert labels.min() == 0
-    away = disk_scene.distance(np.indices(SHAPE).reshape(2, -1).T.astype(float)).reshape(SHAPE)
-    assert not set(labels[truth & (away > 1.5)]) & set(labels[~truth & (away > 1.5)])
 
 
 def test_a_hole_that_is_said_to_be_outside_stays_one():
@@ -153,13 +148,65 @@ def test_all_like_this_finds_the_others_and_parts_those_that_touch():
     assert np.sum([other.mask for other in found], axis=0).max() == 1
 
 
-def test_places_on_both_sides_of_all_edges_choose_no_more_than_themselves_and_that_is_told():
+def test_lines_from_border_to_border_enclose_an_object_with_it():
     values = np.zeros((64, 64))
     values[:, 26:38] = 200.0
-    seeds = circle(center=(32.0, 32.0), radius=14.0)
-    chosen = partition(values).select(seeds)
+    for inside in (circle(center=(32.0, 32.0), radius=14.0), [(32, 32)]):
+        assert np.array_equal(partition(values).select(inside).mask, values > 100.0)
+
+
+def test_where_nothing_is_found_the_places_alone_are_chosen_and_that_is_told():
+    chosen = Partition(Image(np.zeros((64, 64))), (), prior=False).select([(32, 32)])
     assert chosen.only_places
     assert chosen.remark.startswith("No object was found")
-    one = partition(values).select([(32, 32)])
-    assert not one.only_places
-    assert one.remark == ""
+
+
+def test_a_stroke_and_a_box_choose_the_object_of_a_click(disk_scene, disk_partition):
+    for drawn in ({"stroke": [(40, 40), (52, 52)]}, {"box": [(21, 24), (73, 70)]}):
+        assert overlap(disk_partition.select(**drawn).mask, truth_of(disk_scene)) > 0.9
+
+
+@pytest.fixture(scope="module")
+def speckled():
+    """A partition of an image of blobs with noise."""
+    noise = np.random.default_rng(3).normal(0.0, 1.0, (96, 96))
+    values = 100.0 + 60.0 * (ndi.gaussian_filter(noise, 7.0) > 0.01) + 6.0 * noise
+    return partition(values)
+
+
+places = st.tuples(st.integers(0, 95), st.integers(0, 95))
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.lists(places, min_size=1, max_size=4, unique=True), st.lists(places, max_size=3, unique=True))
+def test_an_object_holds_every_place_inside_and_none_outside(speckled, inside, outside):
+    outside = [place for place in outside if place not in inside]
+    mask = speckled.select(inside, outside).mask
+    assert all(mask[place] for place in inside)
+    assert not any(mask[place] for place in outside)
+
+
+@settings(max_examples=10, deadline=None)
+@given(st.lists(places, min_size=3, max_size=3, unique=True))
+def test_a_place_inside_only_adds_and_one_outside_only_takes_away(speckled, three):
+    first, second, third = three
+    before = speckled.select([first])
+    larger = speckled.select([first, second], previous=before)
+    assert not (before.mask & ~larger.mask).any()
+    smaller = speckled.select([first, second], [third], previous=larger)
+    assert not (smaller.mask & ~larger.mask).any()
+
+
+def test_taking_back_a_click_gives_the_object_before_it(speckled):
+    one = speckled.select([(20, 20)])
+    speckled.select([(20, 20), (60, 70)])
+    assert np.array_equal(speckled.select([(20, 20)]).mask, one.mask)
+
+
+def test_a_circle_in_a_noisy_disk_with_a_streak_gives_the_disk():
+    row, col = np.indices(SHAPE)
+    mask = np.hypot(row - 48, col - 44) <= 20.0
+    streak = (abs(row - 48) < 3) & (col > 44) & (col < 84)
+    shade = ndi.gaussian_filter(np.maximum(1.0 * mask, 0.6 * streak), 1.0)
+    values = 160.0 - 100.0 * shade + np.random.default_rng(4).normal(0.0, 12.0, mask.shape)
+    assert overlap(partition(values).select(circle((48, 44), 9)).mask, mask) > 0.85

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 import scipy
@@ -23,6 +24,12 @@ from cpm_core.segmentation.reach.drawn_area import LEAST_PLACES, drawn_area
 
 _MOST = 0.5
 """Share of a start above which it lies in a region, and of a contour above which it lies in another one."""
+
+_AT_BORDER = 1.5
+"""Distance from the border of the image up to which an open contour ends at it [px]."""
+
+_NECK = 0.7
+"""Width of a neck between two bodies, as a fraction of that of the narrower one."""
 
 _AT_CONTOUR = 2
 """Distance from a certain contour up to which a place is at odds with the contour rather than beyond it [px]."""
@@ -56,6 +63,67 @@ class ClosedRegion:
         place = place[((place >= 0) & (place < self.mask.shape)).all(axis=1)]
         return float(np.count_nonzero((self.filled if filled else self.mask)[tuple(place.T)])) / len(pixels)
 
+    def body_of(self, pixel: Index, others: Index) -> Mask | None:
+        """What lies on one side of a neck between a pixel and others, of the shape of the box; None without a neck."""
+        markers = np.zeros(self.mask.shape, np.int32)
+        for number, pixels in ((2, others), (1, pixel[None])):
+            place = pixels - (self.box[0].start, self.box[1].start)
+            markers[tuple(place[((place >= 0) & (place < markers.shape)).all(axis=1)].T)] = number
+        depth = scipy.ndimage.distance_transform_edt(np.pad(self.mask, 1))[1:-1, 1:-1]
+        parts = skimage.segmentation.watershed(-depth, markers, mask=self.mask)  # type: ignore[no-untyped-call]
+        own, other = parts == 1, parts == 2
+        if not own.any() or not other.any():
+            return None
+        neck = depth[own & scipy.ndimage.binary_dilation(other)].max(initial=0.0)
+        return own if neck <= _NECK * min(depth[own].max(), depth[other].max()) else None
+
+
+class _Ring(NamedTuple):
+    """A closed line, shape (K, 2), and that part of it, shape (M, 2), that runs along an edge [px]."""
+
+    points: Array
+    path: Array
+
+    @property
+    def area(self) -> float:
+        """What it encloses [px²]."""
+        return abs(polyline.area(self.points))
+
+    @property
+    def box(self) -> tuple[Array, Array]:
+        """Lowest and highest row and column."""
+        return self.points.min(axis=0), self.points.max(axis=0)
+
+
+def _closed_along_border(points: Array, shape: tuple[int, ...]) -> list[_Ring]:
+    """The two rings that a line from border to border of an image makes with the border; none of any other line."""
+    last = np.array(shape, float) - 1.0
+    ends = points[[0, -1]]
+    if np.minimum(ends, last - ends).min(axis=1).max() > _AT_BORDER:
+        return []
+    place = [_along_border(end, last) for end in ends]
+    corners = np.array([(0.0, 0.0), (0.0, last[1]), last, (last[0], 0.0)])
+    places = np.array([_along_border(corner, last) for corner in corners])
+    around = 2.0 * float(last.sum())
+    rings = []
+    for sign in (1.0, -1.0):  # from the end of the line back to its beginning, in both directions
+        between = sign * (places - place[1]) % around
+        order = np.argsort(between)
+        way = corners[order[between[order] < sign * (place[0] - place[1]) % around]]
+        whole = np.concatenate([points, way])
+        near = (whole <= _AT_BORDER) * -1.0 + (whole >= last - _AT_BORDER)
+        near[1 : len(points) - 1] = 0.0
+        rings.append(_Ring(whole + _AT_BORDER * near, points))
+    return rings
+
+
+def _along_border(place: Array, last: Array) -> float:
+    """How far along the border of the image a place near it lies, clockwise from the first corner [px]."""
+    row, col = place
+    side = int(np.argmin([row, last[1] - col, last[0] - row, col]))
+    along = (col, last[1] + row, last.sum() + last[1] - col, last.sum() + last[1] + last[0] - row)
+    return float(along[side])
+
 
 class ClosedRegions:
     """The certain regions among closed contours.
@@ -63,14 +131,17 @@ class ClosedRegions:
     Parameters
     ----------
     contours : sequence of Contour
-        Contours; open ones enclose nothing.
+        Contours. One that runs from border to border of the image encloses what it parts on both of its sides.
     values, strength : ndarray, shape (H, W)
         Image, and its edge map, smooth enough that noise is no evidence against a contour.
     """
 
     def __init__(self, contours: Sequence[Contour], values: Array, strength: Array) -> None:
-        closed = [contour for contour in contours if contour.closed and len(contour.points) > 2]
-        self._contours = sorted(closed, key=lambda contour: contour.area)
+        closed = [_Ring(contour.points, contour.path) for contour in contours if contour.closed]
+        for contour in contours:
+            if not contour.closed and len(contour.points) > 2:
+                closed += _closed_along_border(contour.points, values.shape)
+        self._contours = sorted((ring for ring in closed if len(ring.points) > 2), key=lambda ring: ring.area)
         self._values, self._strength = values, strength
         self._known: dict[int, ClosedRegion | None] = {}
 
@@ -88,6 +159,17 @@ class ClosedRegions:
                 return None
             found[region.box] |= region.mask
         return found
+
+    def objects(self) -> Iterator[Mask]:
+        """What certain contours enclose, each of shape (H, W), the largest first; none lies in another one."""
+        taken = np.zeros(self._values.shape, np.bool_)
+        for index in reversed(range(len(self._contours))):
+            region = self._region(index)
+            if region is not None and not (taken[region.box] & region.filled).any():
+                taken[region.box] |= region.filled
+                mask = np.zeros_like(taken)
+                mask[region.box] = region.mask
+                yield mask
 
     def changed(self, mask: Mask, pixel: Index, adds: bool, kept: Index) -> Mask | None:
         """An object, shape (H, W), after a place that contradicts it; None unless it is certain what that means.
@@ -120,6 +202,11 @@ class ClosedRegions:
             stays = np.array_equal(changed[tuple(kept.T)], mask[tuple(kept.T)])
             if changed[tuple(pixel)] == adds and stays and changed.any():
                 return changed
+            part = region.body_of(pixel, kept) if not stays else None
+            if part is not None:
+                changed = mask.copy()
+                changed[region.box][part] = adds
+                return changed if changed.any() else None
         return None
 
     def _pieces(self, places: Array) -> Iterator[Index]:
@@ -157,7 +244,7 @@ class ClosedRegions:
         inside = (self._boxes[:index, 0] >= low).all(axis=1) & (self._boxes[:index, 1] <= high).all(axis=1)
         return np.flatnonzero(inside).tolist()
 
-    def _made(self, contour: Contour, within: Sequence[int]) -> ClosedRegion | None:
+    def _made(self, contour: _Ring, within: Sequence[int]) -> ClosedRegion | None:
         margin = int(MARGIN) + 1
         low = np.maximum(np.floor(contour.box[0]).astype(int) - margin, 0)
         high = np.minimum(np.ceil(contour.box[1]).astype(int) + margin + 1, self._values.shape)
@@ -187,7 +274,7 @@ class ClosedRegions:
         return ClosedRegion(box, filled, mask, rises) if is_certain(along, inside) else None
 
 
-def _pixels(contour: Contour, corner: Index, shape: tuple[int, ...]) -> tuple[Index, ...]:
+def _pixels(contour: _Ring, corner: Index, shape: tuple[int, ...]) -> tuple[Index, ...]:
     """Rows and columns of the pixels that a contour runs through, in a box of some shape at a corner."""
     points = np.rint(polyline.sampled(contour.path, 0.5)).astype(np.int64) - corner
     return tuple(np.clip(points, 0, np.array(shape) - 1).T)

@@ -1,0 +1,69 @@
+"""The ground of an outline: a part of an image with the lines along which the boundary of an object may run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from cpm_core.numerics.grids import running_maximum
+from cpm_core.numerics.types import Array, Mask
+from cpm_core.objects.boundaries.crossings import Crossings, crossings
+
+STRONG_PERCENTILE = 95.0
+"""Percentile of the edge map above which an edge is strong."""
+
+
+@dataclass(frozen=True, eq=False)
+class Ground:
+    """What the boundary of an object follows.
+
+    Attributes
+    ----------
+    values, strength : ndarray, shape (H, W)
+        Image, and its edge map.
+    strong : float
+        Edge strength that counts as strong.
+    contours, barriers, rims : Crossings
+        Where contours, barriers, and the boundary of the regions of interest pass between pixels.
+    interest : ndarray of bool, shape (H, W)
+        Pixels in the regions of interest.
+    """
+
+    values: Array
+    strength: Array
+    strong: float
+    contours: Crossings
+    barriers: Crossings
+    rims: Crossings
+    interest: Mask
+
+    @cached_property
+    def lines(self) -> Crossings:
+        """Where any of these lines passes."""
+        return self.contours.with_others(self.barriers).with_others(self.rims)
+
+    @cached_property
+    def near(self) -> Mask:
+        """Pixels within about 1.5 px of a line, shape (H, W)."""
+        return running_maximum(self.lines.pixels, 1)
+
+
+def ground(
+    values: Array,
+    strength: Array,
+    contours: Iterable[Array] = (),
+    barriers: Iterable[Array] = (),
+    rims: Iterable[Array] = (),
+    interest: Mask | None = None,
+) -> Ground:
+    """Prepare to outline objects in an image along lines, each of shape (K, 2); see `Ground`."""
+    shape = values.shape
+    if interest is None or not interest.any():
+        interest = np.ones(shape, np.bool_)
+    strong = max(float(np.percentile(strength[interest], STRONG_PERCENTILE)), 1e-300)
+    return Ground(
+        values, strength, strong, *(crossings(lines, shape) for lines in (contours, barriers, rims)), interest
+    )

@@ -1,0 +1,90 @@
+"""Objects without a run: chosen by places, strokes and boxes, and all at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cpm_core.image.image import Image, as_plane
+from cpm_core.objects.partition import Partition, partition
+from cpm_core.objects.selection import Selection
+from cpm_core.objects.similar import similar
+
+
+def select(
+    values: ArrayLike | Image,
+    inside: ArrayLike = (),
+    outside: ArrayLike = (),
+    start: ArrayLike = (),
+    box: ArrayLike = (),
+    stroke: ArrayLike = (),
+    previous: Selection | None = None,
+    prior: bool = True,
+) -> Selection:
+    """Choose an object of an image at once, without a run of the particles before.
+
+    Parameters
+    ----------
+    values : array_like, shape (H, W), or Image
+        Image.
+    inside, outside, box, stroke, previous
+        As for `Partition.select`.
+    start : array_like, shape (N, 2)
+        A closed line in the object, such as the seeds of a circle; with `inside`, these are further places.
+    prior : bool
+        Whether the prior answers. Without it, particles find the contours of the whole image first, which takes about
+        a second, and what they enclose is chosen.
+
+    Returns
+    -------
+    Selection
+        The object.
+
+    Examples
+    --------
+    >>> cpm.select(cpm.example("disks"), [(32, 18)]).holds(np.array([(32.0, 18.0), (32.0, 46.0)])).tolist()
+    [True, False]
+    """
+    image = as_plane(values)
+    cut = Partition(image, ()) if prior else Partition(image, partition(image).contours, prior=False)
+    first, more = (np.asarray(places, float).reshape(-1, 2) for places in (start, inside))
+    return cut.select(np.concatenate([first, more]), outside, stroke=stroke, box=box, previous=previous)
+
+
+def select_all(values: ArrayLike | Image | Partition, like: Sequence[Selection] = ()) -> tuple[Selection, ...]:
+    """Choose all objects of an image that are like some, or all that are beyond doubt.
+
+    Parameters
+    ----------
+    values : array_like, shape (H, W), or Image, or Partition
+        Image.
+    like : sequence of Selection
+        Some of them. Without any, particles find the contours of the whole image, and all that closed ones enclose
+        beyond doubt are chosen.
+
+    Returns
+    -------
+    tuple of Selection
+        The objects, those that are given first; none overlap.
+
+    Examples
+    --------
+    >>> image = cpm.example("disks")
+    >>> len(cpm.select_all(image, [cpm.select(image, [(32, 18)])])), len(cpm.select_all(image))
+    (2, 2)
+    """
+    if not like:
+        cut: Any = values if isinstance(values, Partition) else partition(values)
+        return tuple(cut.certain())
+    cut = values if isinstance(values, Partition) else Partition(as_plane(values), ())
+    found = list(like)
+    taken = np.any([one.mask for one in like], axis=0)
+    for one in like:
+        for other in similar(cut, one)[1:]:
+            if not (other.mask & taken).any():
+                found.append(other)
+                taken |= other.mask
+    return tuple(found)

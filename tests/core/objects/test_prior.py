@@ -1,0 +1,79 @@
+"""The prior: its network against sums over pixels, its windows against what they show, its answers on drawn objects."""
+
+from importlib.resources import files
+
+import numpy as np
+import pytest
+import scipy.ndimage as ndi
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import cpm_core as cpm
+from cpm_core.objects.prior.network import Network
+from cpm_core.objects.prior.prior import Prior, Prompt
+from cpm_core.objects.prior.windows import LUMINANCE, Views, Window, sampled
+
+SIDE = 128
+ROW, COL = np.indices((SIDE, SIDE))
+
+
+def overlap(one, other):
+    return np.count_nonzero(one & other) / np.count_nonzero(one | other)
+
+
+@settings(deadline=None, max_examples=10)
+@given(st.integers(0, 2**32 - 1))
+def test_a_convolution_is_the_rectified_sum_over_the_neighbors(seed):
+    random = np.random.default_rng(seed)
+    maps = random.normal(size=(3, 5, 7)).astype(np.float32)
+    weights = random.normal(size=(2, 3, 3, 3)).astype(np.float32)
+    network = Network({"layer": weights.reshape(2, -1), "layer.offset": np.float32([0.5, -0.5])})
+    sums = [
+        sum(ndi.correlate(each, kernel[..., k], mode="constant") for k, each in enumerate(maps)) + offset
+        for kernel, offset in zip(weights, (0.5, -0.5), strict=True)
+    ]
+    np.testing.assert_allclose(network._convolved(maps, "layer"), np.maximum(sums, 0.0), atol=1e-4)
+
+
+def test_the_weights_are_small_and_their_origin_is_stated():
+    there = files("cpm_core.objects.prior")
+    assert len(there.joinpath("weights.npz").read_bytes()) <= 2_000_000
+    origin = there.joinpath("weights.md").read_text("utf-8")
+    assert all(word in origin for word in ("Data", "Terms", "Seed", "grow.py"))
+
+
+@settings(deadline=None, max_examples=20)
+@given(st.floats(48, 80), st.floats(48, 80), st.floats(20, 90))
+def test_what_goes_into_a_window_comes_back(row, col, side):
+    ramp = (ROW + 2.0 * COL).astype(np.float32)
+    window = Window(np.array([row, col]), side)
+    box, back = window.back(sampled(ramp[..., None], *window.lines)[..., 0], ramp.shape)
+    inner = np.s_[2:-2, 2:-2]
+    np.testing.assert_allclose(back[inner], ramp[box][inner], atol=0.02)
+
+
+@settings(deadline=None, max_examples=10)
+@given(st.floats(1e-3, 1e4), st.floats(-1e4, 1e4))
+def test_what_is_seen_does_not_depend_on_the_units_of_gray_levels(factor, offset):
+    values = ndi.gaussian_filter(np.random.default_rng(1).normal(size=(SIDE, SIDE)), 3.0)
+    window = Window(np.array([60.0, 50.0]), 60.0)
+    np.testing.assert_allclose(
+        Views(factor * values + offset).through(window), Views(values).through(window), rtol=1e-2, atol=2e-2
+    )
+
+
+@pytest.mark.parametrize("bright", [True, False])
+@pytest.mark.parametrize("axes", [(9.0, 9.0), (20.0, 14.0), (30.0, 25.0)])
+def test_a_click_in_an_ellipse_finds_it_without_any_contour(axes, bright):
+    mask = ((ROW - 60.0) / axes[0]) ** 2 + ((COL - 55.0) / axes[1]) ** 2 <= 1.0
+    values = 100.0 + (60.0 if bright else -60.0) * ndi.gaussian_filter(1.0 * mask, 1.0)
+    values += np.random.default_rng(0).normal(0.0, 3.0, mask.shape)
+    assert overlap(Prior(values).probability(Prompt(np.array([[60, 55]]))) > 0.5, mask) > 0.85
+
+
+def test_objects_of_one_brightness_are_told_apart_by_color():
+    mask = np.hypot(ROW - 60.0, COL - 60.0) < 25.0
+    color = np.where(mask[..., None], [180.0, 90.0, 110.0], [60.0, 153.0, 97.0])
+    image = cpm.Image(np.clip(color + np.random.default_rng(2).normal(0.0, 4.0, color.shape), 0, 255).astype(np.uint8))
+    assert np.ptp(ndi.gaussian_filter(image.colors.samples @ LUMINANCE, 4.0)) < 3.0
+    assert overlap(cpm.select(image, [(60, 60)]).mask, mask) > 0.8
