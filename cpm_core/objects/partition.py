@@ -252,7 +252,7 @@ class Partition(drawing.Pictured):
         former = prompt.former
         if not self.prior:
             return np.zeros(self.shape, np.bool_) if former is None else former.copy()
-        mask = self._prior.probability(prompt, areas) > 0.5
+        mask = self._prior.object_of(prompt, areas)
         if former is None:
             return mask
         # places inside only add, and those outside only take away

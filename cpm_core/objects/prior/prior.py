@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
@@ -26,9 +26,11 @@ in sides of the image."""
 _AROUND, _CLOSEST = 1.35, 24.0
 """Side of a window around an answer, as a multiple of it, and the least one [px]."""
 
-_LARGER = 0.1
-"""Overlap that a window may promise less when its answer is larger by a factor of e: what the smallest windows show
-lies in an object more often than it is one."""
+_ROUNDS, _MOST_ROUNDS, _RIM = 2, 6, 2.0
+"""Windows around answers; and at most, while they reach within so many pixels of the rim of the window."""
+
+_LIKELY = 0.5
+"""Probability above which a pixel is said to lie in the object."""
 
 _UNLIKE = 0.2
 """Overlap that counts as much as a factor of e between the area of an answer and those of other objects."""
@@ -62,6 +64,49 @@ class Prompt:
     former: Mask | None = None
 
 
+class Answer(NamedTuple):
+    """What the network makes of a window.
+
+    Attributes
+    ----------
+    window : Window
+        The window.
+    seen : ndarray of float32, shape (size, size)
+        Probability of each of its pixels to lie in the object.
+    overlap : float
+        Overlap with the object that the network expects.
+    """
+
+    window: Window
+    seen: Single
+    overlap: float
+
+    def any(self) -> bool:
+        """Whether anything is more likely in the object than not."""
+        return bool((self.seen > _LIKELY).any())
+
+    @property
+    def places(self) -> Array:
+        """First and last row and column of the object in the image, shape (2, 2)."""
+        on = [np.flatnonzero((self.seen > _LIKELY).any(axis=axis))[[0, -1]] for axis in (1, 0)]
+        return np.stack([line[each] for line, each in zip(self.window.lines, on, strict=True)], axis=1)
+
+    def touches(self, shape: tuple[int, ...]) -> bool:
+        """Whether it reaches the rim of the window inside of an image of this shape."""
+        near = _RIM * self.window.scale
+        ends = np.array([line[[0, -1]] for line in self.window.lines]).T
+        low, high = self.places
+        past = np.array(shape) - 1
+        return bool(((low > 0) & (low <= ends[0] + near)).any() or ((high < past) & (high >= ends[1] - near)).any())
+
+    def promise(self, areas: Array) -> float:
+        """What it is worth among those of other windows, where objects of these areas are known."""
+        if not len(areas):
+            return self.overlap
+        area = np.count_nonzero(self.seen > _LIKELY) * self.window.scale**2
+        return self.overlap - _UNLIKE * float(np.abs(np.log(np.maximum(areas, 1.0) / max(area, 1.0))).min())
+
+
 @dataclass(frozen=True, eq=False)
 class Prior:
     """What the network makes of prompts on an image.
@@ -77,8 +122,8 @@ class Prior:
     values: NDArray[Any]
     network: Network = field(default_factory=trained)
 
-    def probability(self, prompt: Prompt, areas: Array = _NO_AREAS) -> Single:
-        """Probability of each pixel that it lies in the object.
+    def object_of(self, prompt: Prompt, areas: Array = _NO_AREAS) -> Mask:
+        """The object that a prompt means: where that is more likely than not.
 
         Parameters
         ----------
@@ -89,32 +134,29 @@ class Prior:
 
         Returns
         -------
-        ndarray of float32, shape (H, W)
-            0 beyond the window that has been looked at last.
+        ndarray of bool, shape (H, W)
+            Its pixels.
         """
         shape = self.values.shape[:2]
-        former = None if prompt.former is None or not prompt.former.any() else prompt.former.astype(np.float32)
-        rounds = 1
-        if former is None:
-            if prompt.box is not None:
-                windows = [_around(np.array(prompt.box).reshape(2, 2).T, np.empty((0, 2)))]
-            else:
-                windows = list(self._first_windows(prompt))
-            answers = [(window, *self._answer(window, prompt, None)) for window in windows]
-            window, seen, _ = max(answers, key=lambda answer: _promise(*answer, areas))
-            former = _spread(window, seen, shape)
-            rounds = 2
-        given = np.concatenate([prompt.inside, prompt.outside])
-        for _ in range(rounds):
-            found = np.argwhere(former > 0.5) if former.any() else given[:0]
-            if not len(found):
-                break
-            window = _around(found, given)
-            former = _spread(window, self._answer(window, prompt, former)[0], shape)
-        return former
+        found = np.zeros(shape, np.bool_)
+        if prompt.former is not None and prompt.former.any():
+            places = np.array([np.flatnonzero(prompt.former.any(axis=axis))[[0, -1]] for axis in (1, 0)]).T
+            answer, rounds = self._answer(_around(places, prompt), prompt, None), _ROUNDS
+        else:
+            answers = (self._answer(window, prompt, None) for window in self._first_windows(prompt))
+            answer, rounds = max(answers, key=lambda answer: answer.promise(areas)), 0
+        while rounds < _MOST_ROUNDS and answer.any() and (rounds < _ROUNDS or answer.touches(shape)):
+            answer = self._answer(_around(answer.places, prompt), prompt, answer)
+            rounds += 1
+        box, part = answer.window.back(answer.seen, shape)
+        found[box] = part > _LIKELY
+        return found
 
     def _first_windows(self, prompt: Prompt) -> Iterator[Window]:
         """Windows around a prompt, the smallest first, and one of the whole image."""
+        if prompt.box is not None:
+            yield _around(np.array(prompt.box).reshape(2, 2).T, prompt)
+            return
         shape = np.array(self.values.shape[:2])
         largest = _MOST * float(shape.max())
         if prompt.drawn is None or not prompt.drawn.any():
@@ -129,14 +171,14 @@ class Prior:
         yield Window(middle, largest)
         yield Window(0.5 * shape, largest)
 
-    def _answer(self, window: Window, prompt: Prompt, former: Single | None) -> tuple[Single, float]:
-        """Probability in a window, shape (size, size), and its estimated overlap."""
+    def _answer(self, window: Window, prompt: Prompt, former: Answer | None) -> Answer:
+        """What the network makes of a window, after a former answer or that of the prompt."""
         seen = self._views.through(window)
         slope = np.hypot(*(scipy.ndimage.sobel(seen[0], axis, mode="mirror") for axis in range(2)))
         inside, outside = window.holding(prompt.inside), window.holding(prompt.outside)
         drawn = np.zeros(seen.shape[1:], np.float32)
         if prompt.drawn is not None:
-            drawn = window.of(prompt.drawn.astype(np.float32))
+            drawn = window.of(prompt.drawn)
         elif prompt.box is not None:
             rows, cols = window.lines
             top, bottom, left, right = prompt.box
@@ -145,36 +187,24 @@ class Prior:
         like = np.zeros_like(drawn)
         if sure.any():
             like = np.exp(-np.abs(seen - np.median(seen[:, sure], axis=1)[:, None, None]).sum(axis=0))
-        before = np.zeros_like(drawn) if former is None else window.of(former)
+        before = np.zeros_like(drawn)
+        if former is not None:
+            before = window.of_window(former.window, former.seen)
+        elif prompt.former is not None:
+            before = window.of(prompt.former)
         maps = [*seen, 0.5 * slope, like, _nearness(inside), _nearness(outside), drawn, before]
-        return self.network(np.stack(maps, dtype=np.float32))
+        return Answer(window, *self.network(np.stack(maps, dtype=np.float32)))
 
     @cached_property
     def _views(self) -> Views:
         return Views(self.values)
 
 
-def _promise(window: Window, seen: Single, overlap: float, areas: Array) -> float:
-    """What the answer in a window is worth."""
-    size = float(np.log(max(np.count_nonzero(seen > 0.5) * window.scale**2, 1.0)))
-    if not len(areas):
-        return overlap + _LARGER * size
-    return overlap - _UNLIKE * float(np.abs(np.log(areas) - size).min())
-
-
-def _around(found: Array | Index, given: Array | Index) -> Window:
-    """A window around an answer and what has been given, pixels of shape (N, 2) and (M, 2)."""
-    places = np.concatenate([found.min(axis=0)[None], found.max(axis=0)[None], given])
+def _around(found: Array | Index, prompt: Prompt) -> Window:
+    """A window around an answer, pixels of shape (N, 2), and what has been clicked."""
+    places = np.concatenate([found, prompt.inside, prompt.outside])
     low, high = places.min(axis=0), places.max(axis=0)
     return Window(0.5 * (low + high), max(_AROUND * float((high - low).max()), _CLOSEST))
-
-
-def _spread(window: Window, seen: Single, shape: tuple[int, ...]) -> Single:
-    """The map of a window in an image of this shape; zeros beyond."""
-    out = np.zeros(shape, np.float32)
-    box, part = window.back(seen, shape)
-    out[box] = part
-    return out
 
 
 def _nearness(on: Mask) -> Single:

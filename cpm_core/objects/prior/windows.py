@@ -63,13 +63,15 @@ class Window:
         on[tuple(place[((place >= 0) & (place < self.size)).all(axis=1)].T)] = True
         return on
 
-    def of(self, values: Single) -> Single:
+    def of(self, values: Mask | Single) -> Single:
         """A map of the image, shape (H, W), in the window; zeros beyond the image."""
-        seen = sampled(values[..., None], *self.lines)[..., 0]
-        for axis, line in enumerate(self.lines):
-            within = (line >= -0.5) & (line <= values.shape[axis] - 0.5)
-            seen = seen * np.expand_dims(within, 1 - axis)
-        return seen
+        return _sampled_within(values, *self.lines)
+
+    def of_window(self, other: Window, seen: Single) -> Single:
+        """The map of another window, of the shape of that one, in this one; zeros beyond."""
+        return _sampled_within(
+            seen, *((line - m) / other.scale + other.size / 2 for line, m in zip(self.lines, other.middle, strict=True))
+        )
 
     def back(self, seen: Single, shape: tuple[int, ...]) -> tuple[tuple[slice, slice], Single]:
         """Rows and columns of an image of this shape that the window holds, and its map, shape (size, size), there."""
@@ -146,7 +148,16 @@ class Views:
         return {}
 
 
-def sampled(values: Single, rows: Array, cols: Array) -> Single:
+def _sampled_within(values: Mask | Single, rows: Array, cols: Array) -> Single:
+    """Samples of (H, W) at the crossings of rows and columns, bilinear; zeros beyond the border."""
+    seen = sampled(values[..., None], rows, cols)[..., 0]
+    for axis, line in enumerate((rows, cols)):
+        within = (line >= -0.5) & (line <= values.shape[axis] - 0.5)
+        seen = seen * np.expand_dims(within, 1 - axis)
+    return seen
+
+
+def sampled(values: Mask | Single, rows: Array, cols: Array) -> Single:
     """Samples of (H, W, C) at the crossings of rows and columns, bilinear; beyond the border as at the border."""
     for axis, line in enumerate((rows, cols)):
         last = values.shape[axis] - 1
