@@ -59,6 +59,9 @@ reconstructed (`medial_axis`). It needs no seeds. In a volume it is the center l
 of vessels (`medial_axis.centerlines`). Contours and skeletons both come from a `Method`, which the same loop
 runs step by step.
 
+**Objects** are chosen by places, strokes and boxes, with `select` and `select_all`: they are what a closed contour
+encloses beyond doubt, elsewhere what a prior expects that was learned from outlined images (`objects`).
+
 The **classical methods** that the publication argues against, snakes and level sets, stand beside the charged particles
 in `CONTOUR_METHODS`: from the same image and the same drawn `Start` each gives the states of a run, one after the other
 (`objects.methods`). `METHODS` has all methods by name.

@@ -54,12 +54,12 @@ def contours_once() -> None:
 
 
 def objects_once() -> None:
-    """Run the kernels of the choice of objects: of clicks, of a face that they cut, of a start."""
-    faces = partition(_contours())
-    mask = faces.select([(15.0, 15.0)]).mask
+    """Run the kernels of the choice of objects: of clicks, of places that correct it, of a start."""
+    cut = partition(_contours())
+    mask = cut.select([(15.0, 15.0)]).mask
     missing, wrong = np.argwhere(~mask)[0], np.argwhere(mask)[-1]
-    faces.select([(15.0, 15.0), missing], [wrong, (15.0, 19.0)])
-    faces.select(circle((15.5, 15.5), 5.0))
+    cut.select([(15.0, 15.0), missing], [wrong, (15.0, 19.0)])
+    cut.select(circle((15.5, 15.5), 5.0))
 
 
 def extras_once() -> None:

@@ -55,7 +55,7 @@ _NOTHING = "No object was found around these places: only their own pixels are c
 
 
 def partition(values: ArrayLike | Image | Result, params: Parameters | None = None) -> Any:
-    """Cut an image into faces along its contours, or a volume into the bodies that its surface encloses.
+    """Prepare an image with its contours, or a volume with the bodies of its surface, to select objects from.
 
     Parameters
     ----------
@@ -95,18 +95,18 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
 
 @dataclass(frozen=True, eq=False)
 class Partition(drawing.Pictured):
-    """An image that contours cut into faces.
+    """An image with its contours, to select objects from.
 
     Attributes
     ----------
     image : Image
         The image.
     contours : tuple of Contour
-        The contours along which it is cut.
+        Closed ones are objects where they are certain; outlines follow all that pass next to them.
     regions : Regions or None
         Outside the regions of interest nothing is selected; barriers are boundaries.
     channel : str
-        Channel of a color image whose edges count.
+        Channel of a color image whose edges count; the prior sees colors where it is the luminance.
     prior : bool
         Whether a prior learned from outlined images answers where no contour is certain.
 
@@ -295,7 +295,7 @@ class Partition(drawing.Pictured):
 
     @cached_property
     def values(self) -> Array:
-        """Gray levels that are cut, shape (H, W)."""
+        """Gray levels that boundaries are judged by, shape (H, W)."""
         return self.image.gray(self.channel)
 
     @cached_property

@@ -18,7 +18,7 @@ from cpm_core.parameters.quotation import counted, described
 
 @dataclass(frozen=True, eq=False)
 class Selection(drawing.Pictured):
-    """An object: a set of faces with its closed boundary.
+    """An object: a set of pixels with its closed boundary.
 
     Attributes
     ----------

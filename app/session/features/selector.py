@@ -67,6 +67,8 @@ class Prepared:
 class Partitions(QObject):
     """Makes partitions on other threads: of the contours of the run, or without a run, of one from everywhere.
 
+    Until the latter ends, one without contours answers.
+
     `wanted` returns whether a partition is needed now; call `look` when its answer may have changed.
     """
 
@@ -144,7 +146,7 @@ class Partitions(QObject):
             )
             return Prepared(source, _ready(partition(found)))
 
-        name = tr("Finding contours everywhere, to select objects from…")
+        name = tr("Finding contours everywhere, to outline objects exactly…")
         activity = tr("preparing the selection of objects")
         self._task = self._session.tasks.start(name, work, activity, then=self._take)
         self.changed.emit()

@@ -1,1 +1,1 @@
-"""Faces: the small regions that contours, barriers and the ridges of the edge map cut an image into."""
+"""Boundaries: closed contours that are certain, and the lines that the outline of an object follows."""

@@ -47,8 +47,6 @@ class ObjectTool(Tool):
     def advice(self) -> str:
         """What to do next."""
         if not self._selection.ready:
-            if self._selection.partitions.preparing:
-                return tr("Finding contours everywhere. Clicks are answered as soon as that is done.")
             if self.volume is not None and self._session.status.surface is None:
                 return tr("Let a run find the surface first: objects are the bodies that it encloses.")
             return ""
