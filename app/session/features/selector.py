@@ -115,10 +115,11 @@ class Partitions(QObject):
             self._asked_for = source
             self._end_task()
             if isinstance(source, Everywhere):
-                if self.partition is None:  # answers at once; contours follow
-                    self.partition = Partition(source.image, (), source.regions, source.parameters.channel)
-                    self.changed.emit()
-                if math.prod(source.image.shape) <= _MOST_EVERYWHERE:
+                large = math.prod(source.image.shape) > _MOST_EVERYWHERE
+                if self.partition is None or large:  # answers at once; contours follow
+                    cut = Partition(source.image, (), source.regions, source.parameters.channel)
+                    self._use(Prepared(source, cut))
+                if not large:
                     self._run(source)
             else:
                 self._latest.ask(lambda: Prepared(source, _ready(partition(source))), self._take)

@@ -39,7 +39,7 @@ def objects(window, hand):
     selection = window.workspace.object_selection
     hand.canvas.setFocus()
     hand.key(KEY.Key_W)
-    hand.wait(lambda: selection.ready)
+    hand.wait(lambda: selection.ready and selection.idle)
     return selection
 
 
