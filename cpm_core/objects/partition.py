@@ -323,7 +323,7 @@ class Partition(drawing.Pictured):
     @cached_property
     def _closed(self) -> ClosedRegions:
         free = self.regions is None or not (self.regions.interest or self.regions.barriers)
-        return ClosedRegions(self.contours if free else (), self.values, edge_map(self.values, "auto"))
+        return ClosedRegions(self.contours if free else (), self.values)
 
     @cached_property
     def _prior(self) -> Prior:

@@ -16,6 +16,7 @@ import scipy
 import skimage
 
 from cpm_core.contours.contour import Contour
+from cpm_core.field.edge_map import edge_map
 from cpm_core.field.interpolation import interpolate
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Index, Mask
@@ -132,17 +133,17 @@ class ClosedRegions:
     ----------
     contours : sequence of Contour
         Contours. One that runs from border to border of the image encloses what it parts on both of its sides.
-    values, strength : ndarray, shape (H, W)
-        Image, and its edge map, smooth enough that noise is no evidence against a contour.
+    values : ndarray, shape (H, W)
+        Image.
     """
 
-    def __init__(self, contours: Sequence[Contour], values: Array, strength: Array) -> None:
+    def __init__(self, contours: Sequence[Contour], values: Array) -> None:
         closed = [_Ring(contour.points, contour.path) for contour in contours if contour.closed]
         for contour in contours:
             if not contour.closed and len(contour.points) > 2:
                 closed += _closed_along_border(contour.points, values.shape)
         self._contours = sorted((ring for ring in closed if len(ring.points) > 2), key=lambda ring: ring.area)
-        self._values, self._strength = values, strength
+        self._values = values
         self._known: dict[int, ClosedRegion | None] = {}
 
     def around(self, places: Array) -> Mask | None:
@@ -226,6 +227,11 @@ class ClosedRegions:
             region = self._region(index)
             if region is not None:
                 yield region
+
+    @cached_property
+    def _strength(self) -> Array:
+        """Edge map, smooth enough that noise is no evidence against a contour."""
+        return edge_map(self._values, "auto")
 
     @cached_property
     def _boxes(self) -> Array:
