@@ -1,0 +1,95 @@
+"""The network while it learns, and its weights as `cpm_core/objects/prior/network.py` reads them."""
+
+from __future__ import annotations
+
+import re
+from itertools import pairwise
+
+import numpy as np
+import torch
+from numpy.typing import NDArray
+from torch import Tensor, nn
+from torch.nn import functional
+
+from tests.benchmarks.prior.prompts import MAPS
+
+WIDTHS = (16, 32, 64, 96, 128)
+"""Maps at each resolution, the finest first."""
+
+_HIDDEN = 32
+"""Values between the coarsest maps and the estimate of the overlap."""
+
+
+class Block(nn.Sequential):
+    """A convolution of 3 x 3 pixels, normalized over the batch and rectified."""
+
+    def __init__(self, inputs: int, outputs: int) -> None:
+        super().__init__(
+            nn.Conv2d(inputs, outputs, 3, padding=1, bias=False),
+            nn.BatchNorm2d(outputs, momentum=0.03),
+            nn.ReLU(inplace=True),
+        )
+
+
+class UNet(nn.Module):
+    """The network; its parts have the names that they have in the file of the weights."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        coarsest = WIDTHS[-1]
+        self.down = nn.ModuleList([nn.Sequential(Block(MAPS, WIDTHS[0]))])
+        self.down.extend(nn.Sequential(Block(finer, width), Block(width, width)) for finer, width in pairwise(WIDTHS))
+        self.context = nn.Conv2d(coarsest, coarsest, 1)
+        self.overlap = nn.ModuleList([nn.Linear(2 * coarsest, _HIDDEN), nn.Linear(_HIDDEN, 1)])
+        levels = range(len(WIDTHS) - 2, -1, -1)
+        self.mix = nn.ModuleDict({str(level): nn.Conv2d(WIDTHS[level + 1], WIDTHS[level], 1) for level in levels})
+        self.up = nn.ModuleDict({str(level): _joined(level) for level in levels})
+        self.out = nn.Conv2d(WIDTHS[0], 1, 1)
+
+    def forward(self, maps: Tensor) -> tuple[Tensor, Tensor]:
+        """Logits of each pixel, shape (B, H, W), and of the overlap, shape (B,), for maps of shape (B, C, H, W)."""
+        finer: list[Tensor] = []
+        for level, blocks in enumerate(self.down):
+            if level:
+                finer.append(maps)
+                maps = functional.max_pool2d(maps, 2)
+            maps = blocks(maps)
+        maps = maps + functional.relu(self.context(maps.mean((2, 3), keepdim=True)))
+        summary = torch.cat([maps.mean((2, 3)), maps.amax((2, 3))], 1)
+        overlap = self.overlap[1](functional.relu(self.overlap[0](summary)))
+        for level, blocks in self.up.items():
+            mixed = self.mix[level](maps)
+            doubled = functional.interpolate(mixed, scale_factor=2, mode="bilinear", align_corners=False)
+            maps = blocks(torch.cat([doubled, finer[int(level)]], 1))
+        return self.out(maps)[:, 0], overlap[:, 0]
+
+
+def _joined(level: int) -> nn.Sequential:
+    """What follows where finer maps join again: two convolutions, only one at the two finest resolutions."""
+    width = WIDTHS[level]
+    blocks = [Block(2 * width, width)]
+    if level >= 2:
+        blocks.append(Block(width, width))
+    return nn.Sequential(*blocks)
+
+
+def weights(network: UNet) -> dict[str, NDArray[np.float16]]:
+    """Matrices and offsets of all layers, with the normalization as a part of the convolutions."""
+    found = {}
+    inner = {layer for block in network.modules() if isinstance(block, Block) for layer in block}
+    for name, layer in network.named_modules():
+        if isinstance(layer, Block):
+            convolution, normalization = layer[0], layer[1]
+            factor = normalization.weight / torch.sqrt(normalization.running_var + normalization.eps)
+            # rows, columns, maps: the order in which the products of the program want them
+            matrix = (convolution.weight * factor[:, None, None, None]).permute(0, 2, 3, 1).flatten(1)
+            offset = normalization.bias - normalization.running_mean * factor
+        elif isinstance(layer, nn.Conv2d | nn.Linear) and layer not in inner:
+            matrix, offset = layer.weight.flatten(1), layer.bias
+        else:
+            continue
+        stored = re.sub(r"^(down|mix|up)\.", r"\1", name)
+        found[stored], found[stored + ".offset"] = (
+            part.detach().numpy().astype(np.float16) for part in (matrix, offset)
+        )
+    return found

@@ -1,0 +1,54 @@
+"""Pools: as many scenes as are needed to grow the prior, made up beforehand."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Sequence
+from pathlib import Path
+
+import cv2
+import numpy as np
+
+from tests.benchmarks.prior.drawn import drawn
+from tests.benchmarks.prior.nested import nested
+from tests.benchmarks.prior.pictures import Example, drawings, photographs, samples
+from tests.benchmarks.prior.scenes import made_up, regions
+
+REGIONS, REGIONS_OF_SAMPLES, MADE_UP, DRAWN, NESTED = 1400, 300, 3000, 7000, 2500
+"""How many there are of each."""
+
+SEED, SEED_OF_SAMPLES, SEED_OF_DRAWINGS = 5, 6, 11
+"""Seeds of scenes without drawings, of the regions of scikit-image's samples, and of scenes with drawings."""
+
+_GROUND = 200
+"""Pixels along each side of photographs that become grounds."""
+
+
+def pools(outlined: Sequence[Path], folder_of_drawings: Path) -> dict[str, list[Example]]:
+    """All scenes that are made up, by their kind.
+
+    Parameters
+    ----------
+    outlined : sequence of Path
+        Folders of images. Those held out are among them, as their outlines are not read here.
+    folder_of_drawings : Path
+        Folder of drawings.
+    """
+    images = photographs(outlined)
+    grounds = [cv2.resize(image, (_GROUND, _GROUND)) for image in images]
+    clips = drawings(folder_of_drawings, random.Random(SEED_OF_DRAWINGS))
+    found = regions(images, REGIONS, np.random.default_rng(SEED))
+    found += regions(samples(), REGIONS_OF_SAMPLES, np.random.default_rng(SEED_OF_SAMPLES))
+    rng = np.random.default_rng(SEED)
+    shapes = [made_up(rng) for _ in range(MADE_UP)]
+    rng = np.random.default_rng(SEED_OF_DRAWINGS)
+    pasted = [_slim(drawn(clips, grounds, rng)) for _ in range(DRAWN)]
+    rng = np.random.default_rng(SEED_OF_DRAWINGS)
+    seen_through = [_slim(nested(clips, grounds, rng)) for _ in range(NESTED)]
+    return {"regions": found, "made_up": shapes, "drawn": pasted, "nested": seen_through}
+
+
+def _slim(example: Example) -> Example:
+    """An example of one channel, a third of the memory, if all its channels are equal."""
+    gray = not np.ptp(example.image, axis=-1).any()
+    return example._replace(image=example.image[..., :1].copy()) if gray else example
