@@ -64,6 +64,5 @@ def ground(
     if interest is None or not interest.any():
         interest = np.ones(shape, np.bool_)
     strong = max(float(np.percentile(strength[interest], STRONG_PERCENTILE)), 1e-300)
-    return Ground(
-        values, strength, strong, *(crossings(lines, shape) for lines in (contours, barriers, rims)), interest
-    )
+    lines = [crossings(paths, shape) for paths in (contours, barriers, rims)]
+    return Ground(values, strength, strong, lines[0], lines[1], lines[2], interest)

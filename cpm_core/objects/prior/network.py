@@ -101,4 +101,4 @@ def _doubled(maps: Single, axis: int) -> Single:
     before = np.concatenate([maps.take([0], axis), maps.take(range(last), axis)], axis)
     after = np.concatenate([maps.take(range(1, last + 1), axis), maps.take([last], axis)], axis)
     pairs = np.stack([0.75 * maps + 0.25 * before, 0.75 * maps + 0.25 * after], axis + 1)
-    return pairs.reshape(*maps.shape[:axis], -1, *maps.shape[axis + 1 :])
+    return np.asarray(pairs.reshape(*maps.shape[:axis], -1, *maps.shape[axis + 1 :]), np.float32)

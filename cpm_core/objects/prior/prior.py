@@ -176,7 +176,7 @@ class Prior:
         seen = self._views.through(window)
         slope = np.hypot(*(scipy.ndimage.sobel(seen[0], axis, mode="mirror") for axis in range(2)))
         inside, outside = window.holding(prompt.inside), window.holding(prompt.outside)
-        drawn = np.zeros(seen.shape[1:], np.float32)
+        drawn: Single = np.zeros(seen.shape[1:], np.float32)
         if prompt.drawn is not None:
             drawn = window.of(prompt.drawn)
         elif prompt.box is not None:
@@ -184,10 +184,10 @@ class Prior:
             top, bottom, left, right = prompt.box
             drawn = -np.outer((rows >= top) & (rows <= bottom), (cols >= left) & (cols <= right)).astype(np.float32)
         sure = inside if inside.any() else drawn > 0.0
-        like = np.zeros_like(drawn)
+        like: Single = np.zeros_like(drawn)
         if sure.any():
             like = np.exp(-np.abs(seen - np.median(seen[:, sure], axis=1)[:, None, None]).sum(axis=0))
-        before = np.zeros_like(drawn)
+        before: Single = np.zeros_like(drawn)
         if former is not None:
             before = window.of_window(former.window, former.seen)
         elif prompt.former is not None:

@@ -111,7 +111,7 @@ class Views:
         red, green, blue = np.moveaxis(np.broadcast_to(seen, (*seen.shape[:2], 3)), -1, 0)
         gray = np.asarray(np.tensordot(LUMINANCE, [red, green, blue], 1))
         deviation = gray.std() + _LEAST_DEVIATION
-        return np.stack([gray - gray.mean(), red - green, 0.5 * (red + green) - blue]) / deviation
+        return np.asarray(np.stack([gray - gray.mean(), red - green, 0.5 * (red + green) - blue]) / deviation)
 
     @property
     def _coarsest(self) -> int:
@@ -159,10 +159,11 @@ def _sampled_within(values: Mask | Single, rows: Array, cols: Array) -> Single:
 
 def sampled(values: Mask | Single, rows: Array, cols: Array) -> Single:
     """Samples of (H, W, C) at the crossings of rows and columns, bilinear; beyond the border as at the border."""
+    seen = np.asarray(values)
     for axis, line in enumerate((rows, cols)):
         last = values.shape[axis] - 1
         inner = np.clip(line, 0, last)
         low = np.minimum(inner.astype(np.int64), max(last - 1, 0))
         part = (inner - low).astype(np.float32).reshape(-1, *[1] * (2 - axis))
-        values = values.take(low, axis) * (1 - part) + values.take(np.minimum(low + 1, last), axis) * part
-    return values
+        seen = seen.take(low, axis) * (1 - part) + seen.take(np.minimum(low + 1, last), axis) * part
+    return np.asarray(seen)
