@@ -23,6 +23,7 @@ from cpm_core import (
     Image,
     Parameters,
     Partition,
+    Regions,
     Result,
     Selection,
     VolumePartition,
@@ -117,7 +118,7 @@ class Partitions(QObject):
             if isinstance(source, Everywhere):
                 large = math.prod(source.image.shape) > _MOST_EVERYWHERE
                 if self.partition is None or large:  # answers at once; contours follow
-                    cut = Partition(source.image, (), source.regions, source.parameters.channel)
+                    cut = Partition(source.image, (), _in_plane(source.regions), source.parameters.channel)
                     self._use(Prepared(source, cut))
                 if not large:
                     self._run(source)
@@ -186,6 +187,10 @@ class Partitions(QObject):
         self._quiet.stop()
         self.partition = self._made_from = self._asked_for = self._everywhere = None
         self.changed.emit()
+
+
+def _in_plane(regions: AnyRegions | None) -> Regions | None:
+    return regions if isinstance(regions, Regions) else None
 
 
 def parameters_everywhere(document: Document) -> Parameters:

@@ -23,6 +23,9 @@ _DARKEST, _BRIGHTEST = 0.1, 99.9
 _LEAST_DEVIATION = 8.0
 """What is added to the standard deviation of gray levels in a window, so that noise is not made an object."""
 
+_MOST_COLOR = 0.5
+"""Share of the standard deviation of differences of colors that counts where that of the brightness is smaller."""
+
 _SAMPLES = 100_000
 """About so many pixels by which the gray levels of an image are measured."""
 
@@ -110,8 +113,9 @@ class Views:
         seen = sampled(part, rows - top, cols - left)
         red, green, blue = np.moveaxis(np.broadcast_to(seen, (*seen.shape[:2], 3)), -1, 0)
         gray = np.asarray(np.tensordot(LUMINANCE, [red, green, blue], 1))
-        deviation = gray.std() + _LEAST_DEVIATION
-        return np.asarray(np.stack([gray - gray.mean(), red - green, 0.5 * (red + green) - blue]) / deviation)
+        colors = red - green, 0.5 * (red + green) - blue
+        deviation = max(gray.std() + _LEAST_DEVIATION, *(_MOST_COLOR * color.std() for color in colors))
+        return np.asarray(np.stack([gray - gray.mean(), *colors]) / deviation)
 
     @property
     def _coarsest(self) -> int:
