@@ -32,6 +32,7 @@ from cpm_core.objects.boundaries.ground import Ground, ground
 from cpm_core.objects.outline import SMOOTHING, outlines
 from cpm_core.objects.prior.prior import Prior, Prompt
 from cpm_core.objects.selection import Selection, confidence_of
+from cpm_core.objects.vessels import vessel_tree
 from cpm_core.objects.volume_partition import VolumePartition
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.quotation import counted, described, sized
@@ -181,6 +182,13 @@ class Partition(drawing.Pictured):
                 former = thing_within(self.values, within, ~self.interest)
             if former is not None and former.any() and not len(beyond):
                 return self.selection_of(former, within)
+        if self.prior and previous is None and former is None and not len(beyond) and not len(corners):
+            drawn = polyline.sampled(line, 1.0) if len(line) > 1 else line
+            tree = vessel_tree(
+                self.values, self._pixels(np.concatenate([within, drawn]), NOWHERE, NOTHING_NEW)[0].inside
+            )
+            if tree is not None:
+                return self.selection_of(tree & self.interest, within)
         meant = within if previous is None else _not_around(within, previous)
         newer = np.zeros(len(meant), np.bool_) if previous is None else ~_among(meant, previous.inside)
         pixels, remark = self._pixels(meant, beyond, newer)
