@@ -33,6 +33,7 @@ from cpm_core.objects.boundaries.snapping import snapped
 from cpm_core.objects.outline import SMOOTHING, outlines
 from cpm_core.objects.prior.prior import Prior, Prompt
 from cpm_core.objects.selection import Selection, confidence_of
+from cpm_core.objects.vessels import vessel_tree
 from cpm_core.objects.volume_partition import VolumePartition
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.quotation import counted, described, sized
@@ -253,6 +254,9 @@ class Partition(drawing.Pictured):
         former = prompt.former
         if not self.prior:
             return np.zeros(self.shape, np.bool_) if former is None else former.copy()
+        mask = vessel_tree(self.values, prompt.inside) if prompt.places_alone else None
+        if mask is not None:
+            return mask
         mask = self._prior.object_of(prompt, areas)
         if self.contours:
             box, corner = _box_of(mask)

@@ -186,7 +186,7 @@ PRESETS: dict[str, Parameters] = {
         w1=0.6, w2=0.7, beta=0.4, smoothing=2.5, gamma="auto", edge_floor=0.2, max_border=0.08, sure_edge=0.3
     ),
     "vessels": Parameters(
-        w1=0.6, w2=0.7, beta=0.4, smoothing=1.5, edge_floor=0.2, max_border=0.08, sure_edge=0.3, edges="vessels"
+        w1=0.6, w2=0.7, beta=0.4, smoothing=1.5, edge_floor=0.05, max_border=0.08, min_length=30.0, edges="vessels"
     ),
     "noisy": Parameters(smoothing="auto"),
     "fluorescence": Parameters(

@@ -63,6 +63,11 @@ class Prompt:
     box: tuple[float, float, float, float] | None = None
     former: Mask | None = None
 
+    @property
+    def places_alone(self) -> bool:
+        """Whether nothing is known but places inside."""
+        return not len(self.outside) and self.drawn is None and self.box is None and self.former is None
+
 
 class Answer(NamedTuple):
     """What the network makes of a window.
