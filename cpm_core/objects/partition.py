@@ -38,7 +38,7 @@ from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.quotation import counted, described, sized
 from cpm_core.segmentation.evolve import segment
 from cpm_core.segmentation.reach.bounding import thing_within
-from cpm_core.segmentation.reach.drawn_area import LEAST_PLACES, drawn_area, hollow_part
+from cpm_core.segmentation.reach.drawn_area import LEAST_PLACES, drawn_area
 
 NOWHERE = np.empty((0, 2))
 """No places."""
@@ -202,7 +202,7 @@ class Partition(drawing.Pictured):
         fields: dict[str, Any] = {}
         if len(start):
             area = drawn_area(start, self.shape)
-            if hollow_part(start, area).any():
+            if np.count_nonzero(area) > 2 * len(start):  # a closed line; of an open one, only its places
                 fields = {"drawn": area, "inside": pixels.inside[:0]}
         if len(line):
             along = self._pixels(polyline.sampled(line, 1.0) if len(line) > 1 else line, NOWHERE, NOTHING_NEW)[0]

@@ -35,6 +35,10 @@ _LIKELY = 0.5
 _UNLIKE = 0.2
 """Overlap that counts as much as a factor of e between the area of an answer and those of other objects."""
 
+_MOST_TIMES = 40
+"""Area of an object, in areas of what has been drawn in it, from which it is less likely the larger it is: of objects
+that people outlined, none was 20 times as large as a disk of half the radius of the largest one in it."""
+
 _NO_AREAS = np.empty(0)
 
 _FADES = 6.0
@@ -104,12 +108,13 @@ class Answer(NamedTuple):
         past = np.array(shape) - 1
         return bool(((low > 0) & (low <= ends[0] + near)).any() or ((high < past) & (high >= ends[1] - near)).any())
 
-    def promise(self, areas: Array) -> float:
-        """What it is worth among those of other windows, where objects of these areas are known."""
-        if not len(areas):
-            return self.overlap
-        area = np.count_nonzero(self.seen > _LIKELY) * self.window.scale**2
-        return self.overlap - _UNLIKE * float(np.abs(np.log(np.maximum(areas, 1.0) / max(area, 1.0))).min())
+    def promise(self, areas: Array, drawn: Mask | None) -> float:
+        """What it is worth among those of other windows, given areas of other objects, and what has been drawn."""
+        area = np.log(max(np.count_nonzero(self.seen > _LIKELY) * self.window.scale**2, 1.0))
+        off = float(np.abs(np.log(np.maximum(areas, 1.0)) - area).min()) if len(areas) else 0.0
+        if drawn is not None:
+            off += max(float(area - np.log(_MOST_TIMES * max(np.count_nonzero(drawn), 1))), 0.0)
+        return self.overlap - _UNLIKE * off
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,7 +154,7 @@ class Prior:
             answer, rounds = self._answer(_around(places, prompt), prompt, None), _ROUNDS
         else:
             answers = (self._answer(window, prompt, None) for window in self._first_windows(prompt))
-            answer, rounds = max(answers, key=lambda answer: answer.promise(areas)), 0
+            answer, rounds = max(answers, key=lambda answer: answer.promise(areas, prompt.drawn)), 0
         while rounds < _MOST_ROUNDS and answer.any() and (rounds < _ROUNDS or answer.touches(shape)):
             answer = self._answer(_around(answer.places, prompt), prompt, answer)
             rounds += 1
