@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 import scipy
@@ -25,9 +24,6 @@ from cpm_core.segmentation.reach.drawn_area import LEAST_PLACES, drawn_area
 
 _MOST = 0.5
 """Share of a start above which it lies in a region, and of a contour above which it lies in another one."""
-
-_AT_BORDER = 1.5
-"""Distance from the border of the image up to which an open contour ends at it [px]."""
 
 _NECK = 0.7
 """Width of a neck between two bodies, as a fraction of that of the narrower one."""
@@ -79,70 +75,20 @@ class ClosedRegion:
         return own if neck <= _NECK * min(depth[own].max(), depth[other].max()) else None
 
 
-class _Ring(NamedTuple):
-    """A closed line, shape (K, 2), and that part of it, shape (M, 2), that runs along an edge [px]."""
-
-    points: Array
-    path: Array
-
-    @property
-    def area(self) -> float:
-        """What it encloses [px²]."""
-        return abs(polyline.area(self.points))
-
-    @property
-    def box(self) -> tuple[Array, Array]:
-        """Lowest and highest row and column."""
-        return self.points.min(axis=0), self.points.max(axis=0)
-
-
-def _closed_along_border(points: Array, shape: tuple[int, ...]) -> list[_Ring]:
-    """The two rings that a line from border to border of an image makes with the border; none of any other line."""
-    last = np.array(shape, float) - 1.0
-    ends = points[[0, -1]]
-    if np.minimum(ends, last - ends).min(axis=1).max() > _AT_BORDER:
-        return []
-    place = [_along_border(end, last) for end in ends]
-    corners = np.array([(0.0, 0.0), (0.0, last[1]), last, (last[0], 0.0)])
-    places = np.array([_along_border(corner, last) for corner in corners])
-    around = 2.0 * float(last.sum())
-    rings = []
-    for sign in (1.0, -1.0):  # from the end of the line back to its beginning, in both directions
-        between = sign * (places - place[1]) % around
-        order = np.argsort(between)
-        way = corners[order[between[order] < sign * (place[0] - place[1]) % around]]
-        whole = np.concatenate([points, way])
-        near = (whole <= _AT_BORDER) * -1.0 + (whole >= last - _AT_BORDER)
-        near[1 : len(points) - 1] = 0.0
-        rings.append(_Ring(whole + _AT_BORDER * near, points))
-    return rings
-
-
-def _along_border(place: Array, last: Array) -> float:
-    """How far along the border of the image a place near it lies, clockwise from the first corner [px]."""
-    row, col = place
-    side = int(np.argmin([row, last[1] - col, last[0] - row, col]))
-    along = (col, last[1] + row, last.sum() + last[1] - col, last.sum() + last[1] + last[0] - row)
-    return float(along[side])
-
-
 class ClosedRegions:
     """The certain regions among closed contours.
 
     Parameters
     ----------
     contours : sequence of Contour
-        Contours. One that runs from border to border of the image encloses what it parts on both of its sides.
+        Contours; open ones enclose nothing.
     values : ndarray, shape (H, W)
         Image.
     """
 
     def __init__(self, contours: Sequence[Contour], values: Array) -> None:
-        closed = [_Ring(contour.points, contour.path) for contour in contours if contour.closed]
-        for contour in contours:
-            if not contour.closed and len(contour.points) > 2:
-                closed += _closed_along_border(contour.points, values.shape)
-        self._contours = sorted((ring for ring in closed if len(ring.points) > 2), key=lambda ring: ring.area)
+        closed = [contour for contour in contours if contour.closed and len(contour.points) > 2]
+        self._contours = sorted(closed, key=lambda contour: contour.area)
         self._values = values
         self._known: dict[int, ClosedRegion | None] = {}
 
@@ -250,7 +196,7 @@ class ClosedRegions:
         inside = (self._boxes[:index, 0] >= low).all(axis=1) & (self._boxes[:index, 1] <= high).all(axis=1)
         return np.flatnonzero(inside).tolist()
 
-    def _made(self, contour: _Ring, within: Sequence[int]) -> ClosedRegion | None:
+    def _made(self, contour: Contour, within: Sequence[int]) -> ClosedRegion | None:
         margin = int(MARGIN) + 1
         low = np.maximum(np.floor(contour.box[0]).astype(int) - margin, 0)
         high = np.minimum(np.ceil(contour.box[1]).astype(int) + margin + 1, self._values.shape)
@@ -280,7 +226,7 @@ class ClosedRegions:
         return ClosedRegion(box, filled, mask, rises) if is_certain(along, inside) else None
 
 
-def _pixels(contour: _Ring, corner: Index, shape: tuple[int, ...]) -> tuple[Index, ...]:
+def _pixels(contour: Contour, corner: Index, shape: tuple[int, ...]) -> tuple[Index, ...]:
     """Rows and columns of the pixels that a contour runs through, in a box of some shape at a corner."""
     points = np.rint(polyline.sampled(contour.path, 0.5)).astype(np.int64) - corner
     return tuple(np.clip(points, 0, np.array(shape) - 1).T)

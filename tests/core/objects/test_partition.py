@@ -148,13 +148,6 @@ def test_all_like_this_finds_the_others_and_parts_those_that_touch():
     assert np.sum([other.mask for other in found], axis=0).max() == 1
 
 
-def test_lines_from_border_to_border_enclose_an_object_with_it():
-    values = np.zeros((64, 64))
-    values[:, 26:38] = 200.0
-    for inside in (circle(center=(32.0, 32.0), radius=14.0), [(32, 32)]):
-        assert np.array_equal(partition(values).select(inside).mask, values > 100.0)
-
-
 def test_where_nothing_is_found_the_places_alone_are_chosen_and_that_is_told():
     chosen = Partition(Image(np.zeros((64, 64))), (), prior=False).select([(32, 32)])
     assert chosen.only_places

@@ -110,7 +110,7 @@ def test_the_object_of_the_particles_is_closed_across_a_gap_in_the_line_around_i
     line, enclosed = (facts_of(run_method(CONTOUR_METHODS[name], image, START), inside) for name in ("cpm", "object"))
     assert line.dice < 0.2  # the contour runs along both sides of the line
     assert (enclosed.contours, enclosed.closed) == (1, 1)
-    assert enclosed.dice > 0.95
+    assert enclosed.dice > 0.85
 
 
 def test_a_region_at_the_border_has_a_closed_contour():
