@@ -113,7 +113,7 @@ class Answer(NamedTuple):
         area = np.log(max(np.count_nonzero(self.seen > _LIKELY) * self.window.scale**2, 1.0))
         off = float(np.abs(np.log(np.maximum(areas, 1.0)) - area).min()) if len(areas) else 0.0
         if drawn is not None:
-            off += max(float(area - np.log(_MOST_TIMES * max(np.count_nonzero(drawn), 1))), 0.0)
+            off += max(float(area - np.log(_MOST_TIMES * max(int(np.count_nonzero(drawn)), 1))), 0.0)
         return self.overlap - _UNLIKE * off
 
 
