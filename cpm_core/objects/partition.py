@@ -29,6 +29,7 @@ from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.objects.boundaries.closed_regions import ClosedRegions
 from cpm_core.objects.boundaries.crossings import crossings
 from cpm_core.objects.boundaries.ground import Ground, ground
+from cpm_core.objects.boundaries.snapping import snapped
 from cpm_core.objects.outline import SMOOTHING, outlines
 from cpm_core.objects.prior.prior import Prior, Prompt
 from cpm_core.objects.selection import Selection, confidence_of
@@ -256,7 +257,10 @@ class Partition(drawing.Pictured):
         mask = vessel_tree(self.values, prompt.inside) if prompt.places_alone else None
         if mask is not None:
             return mask
-        mask = self._prior.object_of(prompt, areas)
+        mask, coarseness = self._prior.object_of(prompt, areas)
+        if coarseness > 1.0 and self.contours:  # what particles found is more exact
+            box, corner = _box_of(mask)
+            mask[box] = snapped(mask[box], crossings(self._paths(box, corner), mask[box].shape), coarseness)
         if former is None:
             return mask
         # places inside only add, and those outside only take away
@@ -309,16 +313,21 @@ class Partition(drawing.Pictured):
 
     def _ground(self, box: tuple[slice, slice], corner: Index) -> Ground:
         """What an outline follows in a part of the image."""
-        values, regions, last = self.values[box], self.regions or Regions(), [part.stop for part in box]
-        near = (one for one in self.contours if (one.box[1] >= corner).all() and (one.box[0] <= last).all())
+        values, regions = self.values[box], self.regions or Regions()
         return ground(
             values,
             edge_map(values, SMOOTHING),
-            [contour.path - corner for contour in near],
+            self._paths(box, corner),
             self._barriers(corner),
             list(regions.rims().reshape(-1, 2, 2) - corner),
             self.interest[box],
         )
+
+    def _paths(self, box: tuple[slice, slice], corner: Index) -> list[Array]:
+        """Contours in a part of the image, from its first pixel on."""
+        last = [part.stop for part in box]
+        near = (one for one in self.contours if (one.box[1] >= corner).all() and (one.box[0] <= last).all())
+        return [contour.path - corner for contour in near]
 
     def _barriers(self, corner: Index) -> list[Array]:
         return [np.array(line) - corner for line in self.regions.barriers] if self.regions is not None else []

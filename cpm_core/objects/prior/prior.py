@@ -132,7 +132,7 @@ class Prior:
     values: NDArray[Any]
     network: Network = field(default_factory=trained)
 
-    def object_of(self, prompt: Prompt, areas: Array = _NO_AREAS) -> Mask:
+    def object_of(self, prompt: Prompt, areas: Array = _NO_AREAS) -> tuple[Mask, float]:
         """The object that a prompt means: where that is more likely than not.
 
         Parameters
@@ -144,8 +144,8 @@ class Prior:
 
         Returns
         -------
-        ndarray of bool, shape (H, W)
-            Its pixels.
+        tuple of ndarray of bool, shape (H, W), and float
+            Its pixels, and how many of them, along each axis, one pixel of what the network saw last stands for.
         """
         shape = self.values.shape[:2]
         found = np.zeros(shape, np.bool_)
@@ -160,7 +160,7 @@ class Prior:
             rounds += 1
         box, part = answer.window.back(answer.seen, shape)
         found[box] = part > _LIKELY
-        return found
+        return found, answer.window.scale
 
     def _first_windows(self, prompt: Prompt) -> Iterator[Window]:
         """Windows around a prompt, the smallest first, and one of the whole image."""
