@@ -13,3 +13,4 @@ from cpm_core.image.kind import Kind as Kind
 from cpm_core.image.kind import guessed_kind as guessed_kind
 from cpm_core.image.pyramid import most_scales as most_scales
 from cpm_core.image.volume_regions import AnyRegions as AnyRegions
+from cpm_core.image.volume_regions import of_plane as of_plane

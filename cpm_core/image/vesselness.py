@@ -2,7 +2,7 @@
 
 Sato et al., "Three-dimensional multi-scale line filter for segmentation and visualization of curvilinear structures in
 medical images", Medical Image Analysis 2 (1998), https://doi.org/10.1016/S1361-8415(98)80009-1. It differs from
-`skimage.filters.sato`, whose import alone takes longer than a run, by the weight of the widths, and is 0 beside edges.
+`skimage.filters.sato` by the weight of the widths, and is 0 next to edges.
 """
 
 from __future__ import annotations

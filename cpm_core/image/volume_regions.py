@@ -427,3 +427,8 @@ def _limit(what: str, form: str, given: ArrayLike | Voxels | Extrusion) -> Limit
         raise ValueError(f"{what} has coordinates that are not finite: give numbers of planes, rows and columns.")
     one, other = ((float(p), float(r), float(c)) for p, r, c in pair.tolist())
     return one, other
+
+
+def of_plane(regions: AnyRegions | None) -> Regions | None:
+    """The regions of an image; None for those of a volume."""
+    return regions if isinstance(regions, Regions) else None

@@ -108,3 +108,9 @@ def join_corners(values: Single, raised: float) -> None:
     for (plane, row, col), corner in zip(_CORNERS[:4], _CORNERS[:3:-1], strict=True):
         joint = np.argwhere(two & corners[plane, row, col] & corners[corner]) + np.array((1 - plane, row, col))
         values[tuple(joint.T)] = raised
+
+
+def ends(mask: Mask) -> Index:
+    """First and last row and column that hold a true pixel of a mask, which has one; shape (2, 2)."""
+    lines = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
+    return np.array([[line[0], line[-1]] for line in lines]).T

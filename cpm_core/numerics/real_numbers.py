@@ -34,6 +34,23 @@ def real_numbers(values: ArrayLike) -> Array:
     return given.astype(np.float64, copy=False)
 
 
+def as_places(given: ArrayLike, axes: str) -> Array:
+    """Places as an array of shape (N, D), one column for each of the named axes; ValueError when they are none.
+
+    `axes` are their names in the plural, such as ``"rows and columns"``.
+    """
+    count = len(axes.replace(" and ", ", ").split(", "))
+    places = real_numbers(given)
+    if places.size == 0:
+        return np.empty((0, count))
+    places = np.atleast_2d(places)
+    if places.ndim != 2 or places.shape[1] != count:
+        raise ValueError(f"the places have the shape {places.shape} but must be (N, {count}), {axes}.")
+    if not np.isfinite(places).all():
+        raise ValueError(f"some places are not finite: give numbers of {axes}.")
+    return places
+
+
 def checked_number(name: str, value: Any, fits: Callable[[float], bool], wanted: str) -> float:
     """A number that a caller gives; ValueError, which says what is wanted, unless it is a finite one that fits."""
     number = math.nan

@@ -22,9 +22,12 @@ from cpm_core.field.edge_map import edge_map
 from cpm_core.image import drawing
 from cpm_core.image.image import Image, as_image, as_plane
 from cpm_core.image.regions import Regions
+from cpm_core.image.volume_regions import of_plane
 from cpm_core.model.starts import uniform_grid
 from cpm_core.model.volume.starts import everywhere
 from cpm_core.numerics import polyline
+from cpm_core.numerics.grids import ends
+from cpm_core.numerics.real_numbers import as_places
 from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.objects.boundaries.closed_regions import ClosedRegions
 from cpm_core.objects.boundaries.crossings import crossings
@@ -50,8 +53,6 @@ EVERYWHERE = Parameters(smoothing=1.5)
 
 _MARGIN = 10
 """Pixels around an object that its outline depends on: twice the reach of its edge map [px]."""
-
-NOTHING_NEW = np.empty(0, np.bool_)
 
 _NOTHING = "No object was found around these places: only their own pixels are chosen."
 
@@ -91,8 +92,7 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
         raise ValueError("the result does not know its image: make a partition of the image itself.")
     if values.surface is not None:
         return VolumePartition(values.image, values.surface)
-    regions = values.regions if isinstance(values.regions, Regions) else None
-    return Partition(as_plane(values.image), tuple(values.contours), regions, values.channel)
+    return Partition(as_plane(values.image), tuple(values.contours), of_plane(values.regions), values.channel)
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,7 +173,9 @@ class Partition(drawing.Pictured):
         ValueError
             When the places are not rows and columns, or the box has not two corners.
         """
-        within, beyond, line, corners = (as_places(given) for given in (inside, outside, stroke, box))
+        within, beyond, line, corners = (
+            as_places(given, "rows and columns") for given in (inside, outside, stroke, box)
+        )
         if len(corners) not in (0, 2):
             raise ValueError(f"the box has {len(corners)} corners: give two opposite ones.")
         former = previous.mask if previous is not None and previous.mask.any() else None
@@ -184,13 +186,13 @@ class Partition(drawing.Pictured):
             if former is not None and former.any() and not len(beyond):
                 return self.selection_of(former, within)
         meant = within if previous is None else _not_around(within, previous)
-        newer = np.zeros(len(meant), np.bool_) if previous is None else ~_among(meant, previous.inside)
-        pixels, remark = self._pixels(meant, beyond, newer)
+        newer = None if previous is None else ~_among(meant, previous.inside)
+        places, remark = self._pixels(meant, beyond, newer)
         start = meant if former is None and len(meant) >= LEAST_PLACES else NOWHERE
-        pixels = replace(pixels, former=former, **self._drawn(start, line, corners, pixels))
+        prompt = replace(self._with_drawn(places, start, line, corners), former=former)
         mask = np.zeros(self.shape, np.bool_)
-        if len(pixels.inside) or pixels.drawn is not None or pixels.box is not None:
-            mask = self._object(pixels, np.asarray(areas, float))
+        if len(prompt.inside) or prompt.drawn is not None or prompt.box is not None:
+            mask = self._object(prompt, np.asarray(areas, float))
         elif not remark:
             remark = "No place has been said to be inside."
         selection = self.selection_of(mask, within, beyond, remark)
@@ -198,25 +200,25 @@ class Partition(drawing.Pictured):
             return replace(selection, remark=_NOTHING)
         return selection
 
-    def _drawn(self, start: Array, line: Array, corners: Array, pixels: Prompt) -> dict[str, Any]:
-        """Fields of a prompt for a start, a stroke and the corners of a box."""
-        fields: dict[str, Any] = {}
+    def _with_drawn(self, places: Prompt, start: Array, line: Array, corners: Array) -> Prompt:
+        """A prompt of places, and of a start in place of those inside, a stroke and the corners of a box."""
+        prompt = places
         if len(start):
             area = drawn_area(start, self.shape)
             if np.count_nonzero(area) > 2 * len(start):  # a closed line; of an open one, only its places
-                fields = {"drawn": area, "inside": pixels.inside[:0]}
+                prompt = replace(prompt, drawn=area, inside=prompt.inside[:0])
         if len(line):
-            along = self._pixels(polyline.sampled(line, 1.0) if len(line) > 1 else line, NOWHERE, NOTHING_NEW)[0]
-            fields["inside"] = np.concatenate([fields.get("inside", pixels.inside), along.inside])
+            along, _ = self._pixels(polyline.sampled(line, 1.0) if len(line) > 1 else line)
+            prompt = replace(prompt, inside=np.concatenate([prompt.inside, along.inside]))
         if len(corners):
-            low, high = corners.min(axis=0), corners.max(axis=0)
-            fields["box"] = low[0], high[0], low[1], high[1]
-        return fields
+            (top, left), (bottom, right) = corners.min(axis=0), corners.max(axis=0)
+            prompt = replace(prompt, box=(top, bottom, left, right))
+        return prompt
 
-    def _pixels(self, inside: Array, outside: Array, newer: Mask) -> tuple[Prompt, str]:
+    def _pixels(self, inside: Array, outside: Array = NOWHERE, newer: Mask | None = None) -> tuple[Prompt, str]:
         """The pixels of places, and one sentence on what is unusual about them.
 
-        Where the same pixel has been said to be both, what is `newer`, shape (M,), counts.
+        Where the same pixel has been said to be both, those inside count that are `newer`, shape (M,).
         """
         remark = ""
         limit = np.array(self.shape) - 1
@@ -230,6 +232,7 @@ class Partition(drawing.Pictured):
         same = (within[:, None] == beyond[None]).all(axis=2)
         if same.any():
             remark = "The same place has been said to be inside and outside; what was said last counts."
+            newer = np.zeros(len(within), np.bool_) if newer is None else newer
             within, beyond = within[newer | ~same.any(axis=1)], beyond[~(same & newer[:, None]).any(axis=0)]
         return Prompt(*(pixels[interest[tuple(pixels.T)]] for pixels in (within, beyond))), remark
 
@@ -260,7 +263,9 @@ class Partition(drawing.Pictured):
         mask, coarseness = self._prior.object_of(prompt, areas)
         if coarseness > 1.0 and self.contours:  # what particles found is more exact
             box, corner = _box_of(mask)
-            mask[box] = snapped(mask[box], crossings(self._paths(box, corner), mask[box].shape), coarseness)
+            paths = self._paths(box, corner)
+            if paths:
+                mask[box] = snapped(mask[box], crossings(paths, mask[box].shape), coarseness)
         if former is None:
             return mask
         # places inside only add, and those outside only take away
@@ -353,28 +358,12 @@ class Partition(drawing.Pictured):
         return ax
 
 
-def as_places(given: ArrayLike) -> Array:
-    """Places as an array of shape (N, 2); `ValueError` when they are none."""
-    places = np.asarray(given, dtype=float)
-    if places.size == 0:
-        return NOWHERE
-    places = np.atleast_2d(places)
-    if places.ndim != 2 or places.shape[1] != 2:
-        raise ValueError(f"the places have the shape {places.shape} but must be (N, 2), rows and columns.")
-    if not np.isfinite(places).all():
-        raise ValueError("some places are not finite: give numbers of rows and columns.")
-    return places
-
-
 def _box_of(mask: Mask) -> tuple[tuple[slice, slice], Index]:
     """Rows and columns of the true pixels of a mask, with those around them, and the first of them."""
-    box, corner = [], []
-    for axis in (1, 0):
-        on = np.flatnonzero(mask.any(axis=axis))
-        low, high = (int(on[0]), int(on[-1])) if len(on) else (0, 0)
-        corner.append(max(low - _MARGIN, 0))
-        box.append(slice(corner[-1], min(high + _MARGIN + 1, mask.shape[1 - axis])))
-    return (box[0], box[1]), np.array(corner)
+    low, high = ends(mask) if mask.any() else np.zeros((2, 2), np.int64)
+    corner = np.maximum(low - _MARGIN, 0)
+    rows, cols = map(slice, corner.tolist(), np.minimum(high + _MARGIN + 1, mask.shape).tolist())
+    return (rows, cols), corner
 
 
 def _linked(mask: Mask, pixels: Index, barred: Mask) -> Mask:

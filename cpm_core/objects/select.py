@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.image.image import Image, as_plane
+from cpm_core.numerics.real_numbers import as_places
 from cpm_core.objects.partition import Partition, partition
 from cpm_core.objects.selection import Selection
 from cpm_core.objects.similar import similar
@@ -50,8 +51,8 @@ def select(
     """
     image = as_plane(values)
     cut = Partition(image, ()) if prior else Partition(image, partition(image).contours, prior=False)
-    first, more = (np.asarray(places, float).reshape(-1, 2) for places in (start, inside))
-    return cut.select(np.concatenate([first, more]), outside, stroke=stroke, box=box, previous=previous)
+    places = np.concatenate([as_places(given, "rows and columns") for given in (start, inside)])
+    return cut.select(places, outside, stroke=stroke, box=box, previous=previous)
 
 
 def select_all(values: ArrayLike | Image | Partition, like: Sequence[Selection] = ()) -> tuple[Selection, ...]:

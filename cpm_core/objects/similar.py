@@ -42,7 +42,7 @@ def similar(partition: Partition, selection: Selection) -> tuple[Selection, ...]
     Parameters
     ----------
     partition : Partition
-        Of the image.
+        The image.
     selection : Selection
         The chosen object.
 

@@ -7,6 +7,7 @@ import scipy
 import skimage
 
 from cpm_core.image.vesselness import lines
+from cpm_core.numerics.grids import ends
 from cpm_core.numerics.types import Array, Index, Mask
 
 _NEAR, _REACH = 40, 500
@@ -49,7 +50,7 @@ def _line_around(values: Array, pixels: Index, slender: float, thin: float) -> M
         middle = skimage.morphology.skeletonize(part)  # type: ignore[no-untyped-call]
         area, length = np.count_nonzero(part), np.count_nonzero(middle)
         slope = scipy.ndimage.gaussian_gradient_magnitude(values, 1.0)[middle]
-        across = sum(float(np.ptp(np.flatnonzero(part.any(axis=axis)))) ** 2 for axis in (0, 1))
+        across = float(np.square(np.diff(ends(part), axis=0)).sum())
         # in the middle of a line the image is level; the rim of a disk, which bends, is steepest there
         if (
             np.median(slope) < np.median(kind.contrast[middle])

@@ -18,7 +18,7 @@ from cpm_core.contours.packed_surface import PackedSurface
 from cpm_core.contours.surface import Surface, inside_of
 from cpm_core.image.image import Image
 from cpm_core.numerics.grids import Parts, parts_of
-from cpm_core.numerics.real_numbers import real_numbers
+from cpm_core.numerics.real_numbers import as_places
 from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.parameters.quotation import counted, described, sized
 
@@ -114,7 +114,7 @@ class VolumePartition:
         ValueError
             When the places are not planes, rows and columns.
         """
-        within, beyond = _as_places(inside), _as_places(outside)
+        within, beyond = (as_places(given, "planes, rows and columns") for given in (inside, outside))
         if previous is not None:
             within = np.concatenate([previous.inside, within])
             beyond = np.concatenate([previous.outside, beyond])
@@ -248,19 +248,6 @@ class VolumeSelection:
     def holds(self, places: Array) -> Mask:
         """Which of places, shape (N, 3) [voxels], lie in it; one outside the volume counts as the nearest one in it."""
         return np.isin(self.partition.bodies_at(places), self.bodies)
-
-
-def _as_places(given: ArrayLike) -> Array:
-    """Places as an array of shape (N, 3); `ValueError` when they are none."""
-    places = real_numbers(given)
-    if places.size == 0:
-        return np.empty((0, 3))
-    places = np.atleast_2d(places)
-    if places.ndim != 2 or places.shape[1] != 3:
-        raise ValueError(f"the places have the shape {places.shape} but must be (N, 3), planes, rows and columns.")
-    if not np.isfinite(places).all():
-        raise ValueError("some places are not finite: give numbers of planes, rows and columns.")
-    return places
 
 
 def _most_frequent(group: Index, value: Index) -> Index:

@@ -18,8 +18,7 @@ from cpm_core.contours.result import Result
 from cpm_core.field.placed_charges import PlacedCharge, placed_in
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.image import Image
-from cpm_core.image.regions import Regions
-from cpm_core.image.volume_regions import AnyRegions
+from cpm_core.image.volume_regions import AnyRegions, of_plane
 from cpm_core.model import interventions
 from cpm_core.model.coverage import no_coverage, no_surface
 from cpm_core.model.image_fields import ImageFields
@@ -87,12 +86,12 @@ class Engine(ImageFields):
     ) -> None:
         super().__init__(values, parameters, regions)
         self._laws = _LAWS[self.image.ndim]
-        self._local_fields = LocalFields(self.scale_field, _of_plane(regions))
+        self._local_fields = LocalFields(self.scale_field, of_plane(regions))
 
     def with_regions(self, regions: AnyRegions | None) -> Self:
         """The same with other regions; see `ImageFields.with_regions`."""
         other = super().with_regions(regions)
-        other._local_fields = LocalFields(other.scale_field, _of_plane(regions))
+        other._local_fields = LocalFields(other.scale_field, of_plane(regions))
         return other
 
     def reach_map(self, start: Array, parameters: Parameters) -> ReachMap | None:
@@ -303,8 +302,3 @@ def _provenance(image: Image, state: State, parameters: Parameters) -> Provenanc
         sha256=image.sha256,
         of_file=bool(image.file_sha256),
     )
-
-
-def _of_plane(regions: AnyRegions | None) -> Regions | None:
-    """The regions of an image; None for those of a volume, where a start does not limit a run."""
-    return regions if isinstance(regions, Regions) else None

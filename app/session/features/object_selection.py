@@ -16,7 +16,7 @@ from app.model.document.document import Document
 from app.model.document.objects import AnySelection
 from app.model.text.language import tr
 from app.session.features.background import LatestOnlyWorker
-from app.session.features.selector import Partitions, Selector
+from app.session.features.selector import MOST_OFFERED, Partitions, Selector
 from app.session.scene import Proposal
 from app.session.session import Session
 from app.session.tasks.tasks import Task
@@ -27,9 +27,6 @@ from cpm_core.shapes import Everywhere, ImageStart
 
 _COVERED = 0.5
 """Share of an object that others cover from which it counts as one of them."""
-
-MOST_OFFERED = 1 << 23
-"""Pixels up to which the objects of the starts are offered; a partition takes some 200 bytes for each, and time."""
 
 
 @dataclass(frozen=True, slots=True)

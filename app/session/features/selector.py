@@ -23,7 +23,6 @@ from cpm_core import (
     Image,
     Parameters,
     Partition,
-    Regions,
     Result,
     Selection,
     VolumePartition,
@@ -32,7 +31,7 @@ from cpm_core import (
     segment,
     uniform_grid,
 )
-from cpm_core.image import AnyRegions
+from cpm_core.image import AnyRegions, of_plane
 from cpm_core.numerics import Array, Mask
 from cpm_core.objects import EVERYWHERE
 from cpm_core.objects.segmented import Click, SegmentedObject, places_of, selection_of
@@ -116,9 +115,9 @@ class Partitions(QObject):
             self._asked_for = source
             self._end_task()
             if isinstance(source, Everywhere):
-                large = math.prod(source.image.shape) > _MOST_EVERYWHERE
+                large = math.prod(source.image.shape) > MOST_OFFERED
                 if self.partition is None or large:  # answers at once; contours follow
-                    cut = Partition(source.image, (), _in_plane(source.regions), source.parameters.channel)
+                    cut = Partition(source.image, (), of_plane(source.regions), source.parameters.channel)
                     self._use(Prepared(source, cut))
                 if not large:
                     self._run(source)
@@ -189,10 +188,6 @@ class Partitions(QObject):
         self.changed.emit()
 
 
-def _in_plane(regions: AnyRegions | None) -> Regions | None:
-    return regions if isinstance(regions, Regions) else None
-
-
 def parameters_everywhere(document: Document) -> Parameters:
     """Parameters of a run from everywhere: those of a partition, with what differs from the preset of the mode."""
     preset, chosen = PRESETS[MODES[document.mode].preset], document.parameters
@@ -210,8 +205,8 @@ def _ready(made: AnyPartition) -> AnyPartition:
     return made
 
 
-_MOST_EVERYWHERE = 1 << 23
-"""Pixels up to which a run from everywhere is begun without being asked for."""
+MOST_OFFERED = 1 << 23
+"""Pixels up to which a run from everywhere is begun, and objects of starts are offered, without being asked for."""
 
 _MOST_PLACES = 20
 """Places of a start by which its body is found."""

@@ -15,6 +15,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from cpm_core.numerics.grids import ends
 from cpm_core.numerics.types import Array, Index, Mask, Single
 from cpm_core.objects.prior.network import Network, trained
 from cpm_core.objects.prior.windows import Views, Window
@@ -80,7 +81,7 @@ class Answer(NamedTuple):
     ----------
     window : Window
         The window.
-    seen : ndarray of float32, shape (size, size)
+    seen : ndarray of float32, shape (SIDE, SIDE)
         Probability of each of its pixels to lie in the object.
     overlap : float
         Overlap with the object that the network expects.
@@ -97,16 +98,16 @@ class Answer(NamedTuple):
     @property
     def places(self) -> Array:
         """First and last row and column of the object in the image, shape (2, 2)."""
-        on = [np.flatnonzero((self.seen > _LIKELY).any(axis=axis))[[0, -1]] for axis in (1, 0)]
-        return np.stack([line[each] for line, each in zip(self.window.lines, on, strict=True)], axis=1)
+        on = ends(self.seen > _LIKELY)
+        return np.stack([line[on[:, axis]] for axis, line in enumerate(self.window.lines)], axis=1)
 
     def touches(self, shape: tuple[int, ...]) -> bool:
         """Whether it reaches the rim of the window inside of an image of this shape."""
         near = _RIM * self.window.scale
-        ends = np.array([line[[0, -1]] for line in self.window.lines]).T
+        first, last = np.array([line[[0, -1]] for line in self.window.lines]).T
         low, high = self.places
-        past = np.array(shape) - 1
-        return bool(((low > 0) & (low <= ends[0] + near)).any() or ((high < past) & (high >= ends[1] - near)).any())
+        border = np.array(shape) - 1
+        return bool(((low > 0) & (low <= first + near)).any() or ((high < border) & (high >= last - near)).any())
 
     def promise(self, areas: Array, drawn: Mask | None) -> float:
         """What it is worth among those of other windows, given areas of other objects, and what has been drawn."""
@@ -150,8 +151,7 @@ class Prior:
         shape = self.values.shape[:2]
         found = np.zeros(shape, np.bool_)
         if prompt.former is not None and prompt.former.any():
-            places = np.array([np.flatnonzero(prompt.former.any(axis=axis))[[0, -1]] for axis in (1, 0)]).T
-            answer, rounds = self._answer(_around(places, prompt), prompt, None), _ROUNDS
+            answer, rounds = self._answer(_around(ends(prompt.former), prompt), prompt, None), _ROUNDS
         else:
             answers = (self._answer(window, prompt, None) for window in self._first_windows(prompt))
             answer, rounds = max(answers, key=lambda answer: answer.promise(areas, prompt.drawn)), 0

@@ -17,6 +17,7 @@ SIDE = 96
 
 LUMINANCE = np.array([0.299, 0.587, 0.114], np.float32)
 """Share of red, green and blue in the brightness that the network sees (ITU-R BT.601)."""
+
 _DARKEST, _BRIGHTEST = 0.1, 99.9
 """Percentiles of the image that become 0 and 255."""
 
@@ -40,30 +41,27 @@ class Window:
         Its middle (row, col) [px].
     side : float
         Length of its sides [px]; it may extend beyond the image.
-    size : int
-        Pixels along each side that it is brought to.
     """
 
     middle: Array
     side: float
-    size: int = SIDE
 
     @property
     def scale(self) -> float:
         """Pixels of the image for one of the window."""
-        return self.side / self.size
+        return self.side / SIDE
 
     @property
     def lines(self) -> tuple[Array, Array]:
-        """Rows and columns of the image at its pixels, each of shape (size,) [px]."""
-        steps = (np.arange(self.size) - self.size / 2) * self.scale
+        """Rows and columns of the image at its pixels, each of shape (SIDE,) [px]."""
+        steps = (np.arange(SIDE) - SIDE / 2) * self.scale
         return self.middle[0] + steps, self.middle[1] + steps
 
     def holding(self, pixels: Index) -> Mask:
-        """Its pixels that hold some of the image, shape (N, 2); shape (size, size)."""
-        on = np.zeros((self.size, self.size), np.bool_)
-        place = np.rint((pixels - self.middle) / self.scale + self.size / 2).astype(np.int64)
-        on[tuple(place[((place >= 0) & (place < self.size)).all(axis=1)].T)] = True
+        """Its pixels that hold some of the image, shape (N, 2); shape (SIDE, SIDE)."""
+        on = np.zeros((SIDE, SIDE), np.bool_)
+        place = np.rint((pixels - self.middle) / self.scale + SIDE / 2).astype(np.int64)
+        on[tuple(place[((place >= 0) & (place < SIDE)).all(axis=1)].T)] = True
         return on
 
     def of(self, values: Mask | Single) -> Single:
@@ -71,16 +69,16 @@ class Window:
         return _sampled_within(values, *self.lines)
 
     def of_window(self, other: Window, seen: Single) -> Single:
-        """The map of another window, of the shape of that one, in this one; zeros beyond."""
+        """The map of another window in this one; zeros beyond."""
         return _sampled_within(
-            seen, *((line - m) / other.scale + other.size / 2 for line, m in zip(self.lines, other.middle, strict=True))
+            seen, *((line - m) / other.scale + SIDE / 2 for line, m in zip(self.lines, other.middle, strict=True))
         )
 
     def back(self, seen: Single, shape: tuple[int, ...]) -> tuple[tuple[slice, slice], Single]:
-        """Rows and columns of an image of this shape that the window holds, and its map, shape (size, size), there."""
+        """Rows and columns of an image of this shape that the window holds, and its map, shape (SIDE, SIDE), there."""
         lines = [np.arange(n) for n in shape]
         lines = [line[(line >= of[0]) & (line <= of[-1])] for line, of in zip(lines, self.lines, strict=True)]
-        place = [(line - m) / self.scale + self.size / 2 for line, m in zip(lines, self.middle, strict=True)]
+        place = [(line - m) / self.scale + SIDE / 2 for line, m in zip(lines, self.middle, strict=True)]
         rows, cols = (slice(int(line[0]), int(line[-1]) + 1) if len(line) else slice(0, 0) for line in lines)
         return (rows, cols), sampled(seen[..., None], *place)[..., 0]
 
@@ -98,14 +96,14 @@ class Views:
     values: NDArray[Any]
 
     def through(self, window: Window) -> Single:
-        """Brightness and two differences of colors in a window, shape (3, size, size), of about unit variance."""
+        """Brightness and two differences of colors in a window, shape (3, SIDE, SIDE), of about unit variance."""
         number = int(np.clip(np.log2(max(window.scale, 1.0)), 0, self._coarsest))
         level, coarseness = self._level(number), window.scale / 2**number
         rows, cols = ((line + 0.5) / 2**number - 0.5 for line in window.lines)
         top, left = (max(int(line[0]) - 3, 0) for line in (rows, cols))
         part = level[top : max(int(rows[-1]) + 5, top + 1), left : max(int(cols[-1]) + 5, left + 1)]
         if not part.size:
-            return np.zeros((3, window.size, window.size), np.float32)
+            return np.zeros((3, SIDE, SIDE), np.float32)
         if number == 0:
             part = self._normalized(part)
         if coarseness > 1.6:
