@@ -20,7 +20,7 @@ from cpm_core.formats.contours.contents import PIXEL, Contents, pairs
 from cpm_core.formats.contours.curves import ellipse, nested, rectangle
 from cpm_core.formats.contours.mask import opened, outlines
 from cpm_core.numerics.polyline import inside
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Position
 
 _CONTOUR = "contour"
 """Label of a contour without a name."""
@@ -101,13 +101,15 @@ def _turns(curve: Array) -> bool:
 
 def _rings(corners: Array) -> list[Array]:
     """The closed curves of a polygon: one that comes to a corner twice goes around holes by way of slits."""
-    if len(np.unique(corners, axis=0)) == len(corners):
-        return [corners]
-    import shapely  # noqa: PLC0415 - takes long to load
-
-    parts = shapely.get_parts(shapely.make_valid(shapely.Polygon(corners)))
-    rings = [ring for part in parts if part.geom_type == "Polygon" for ring in (part.exterior, *part.interiors)]
-    return [shapely.get_coordinates(ring)[:-1] for ring in rings] or [corners]
+    rings: list[list[Position]] = []
+    way: list[Position] = []
+    for row, col in corners.tolist():
+        if (row, col) in way:
+            first = way.index((row, col))
+            rings.append(way[first:])
+            del way[first:]
+        way.append((row, col))
+    return [np.array(ring) for ring in (way, *rings) if len(ring) > 2] or [corners]
 
 
 def _kind(contour: Contour) -> str:
