@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.spatial.distance import cdist
+import scipy
 
 from cpm_core.contours.contour import Contour
 from cpm_core.formats.common.plain import Entries, encoded_json
@@ -83,7 +83,7 @@ def _around(outline: Array, holes: Sequence[Array]) -> Array:
     """An outline that goes around the holes inside it, too, the other way, there and back by the shortest slits."""
     left = [hole for hole in holes if inside(outline, hole).mean() > 0.5]
     while left:
-        apart = [cdist(outline, hole) for hole in left]
+        apart = [scipy.spatial.distance.cdist(outline, hole) for hole in left]
         nearest = min(range(len(left)), key=lambda number: apart[number].min())
         here, there = np.unravel_index(apart[nearest].argmin(), apart[nearest].shape)
         hole = np.roll(left.pop(nearest), -there, axis=0)
