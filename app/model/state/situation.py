@@ -167,9 +167,7 @@ _BATCH = tr("Many images are run at once; volumes are run one by one.")
 NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
     {
         **dict.fromkeys(
-            ("contours", "edit_contours", "outline", "close_contours", "join_contours", "cut_contour",
-             "contour_skeleton", "next_contour", "all_contours", "other_contours",
-             "show_rejected"), _CONTOUR),
+            ("edit_contours", "outline", "close_contours", "show_rejected"), _CONTOUR),
         "brush": _BRUSH,
         "objects_alike": _ALIKE,
         "mosaic": _MOSAIC,

@@ -25,14 +25,11 @@ from PySide6.QtGui import QKeyEvent, QResizeEvent, QShowEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QBoxLayout,
-    QGridLayout,
     QHeaderView,
     QLineEdit,
     QMenu,
-    QSizePolicy,
     QStyledItemDelegate,
     QTableView,
-    QToolButton,
     QVBoxLayout,
     QWidget,
 )
@@ -79,8 +76,8 @@ class Column(Generic[Row]):
         The widest usual text.
     power : int
         1 for lengths, 2 for areas, 3 for volumes, which are shown in the preferred unit.
-    form : str
-        Format of a number; empty for three significant digits.
+    form, suffix : str
+        Format of a number, empty for three significant digits, and what follows it.
     key : callable, optional
         What rows are sorted by if not by the value.
     """
@@ -92,6 +89,7 @@ class Column(Generic[Row]):
     sample: str
     power: int = 0
     form: str = ""
+    suffix: str = ""
     key: Callable[[Row], float] | None = None
 
     @property
@@ -108,7 +106,7 @@ class Column(Generic[Row]):
             return NONE
         value *= factor**self.power
         if self.form:
-            return written(format(value, self.form))
+            return written(format(value, self.form)) + self.suffix
         return written(f"{value:,.0f}" if value >= 1000 else f"{value:.0f}" if value >= 100 else f"{value:.3g}")
 
     def sort_key(self, row: Row) -> float | str:
@@ -145,7 +143,7 @@ class TableModel(QAbstractTableModel, Generic[Row]):
         self.columns = columns
         self.items: list[Row] = []
         self._key, self._look, self._rename = key, look, rename
-        self._unit, self._factor = "px", 1.0
+        self.unit, self.factor = "px", 1.0
 
     def key(self, row: int) -> Any:
         """Key of the item in a row."""
@@ -157,7 +155,7 @@ class TableModel(QAbstractTableModel, Generic[Row]):
         """Show these items, new ones at the end, with lengths in the unit of a size of a pixel."""
         if size is not None:
             square = set(size.spacing) == {1.0}
-            self._unit, self._factor = size.unit or ("px" if square else tr("units")), size.factor
+            self.unit, self.factor = size.unit or ("px" if square else tr("units")), size.factor
         self.columns = columns or self.columns
         present = {self._key(item): item for item in items}
         for row in reversed(range(len(self.items))):
@@ -189,7 +187,7 @@ class TableModel(QAbstractTableModel, Generic[Row]):
         if orientation == Qt.Orientation.Vertical:
             return None
         if role == Role.DisplayRole:
-            return self.columns[section].title.format(unit=self._unit)
+            return self.columns[section].title.format(unit=self.unit)
         return with_keys(self.columns[section].tip) if role == Role.ToolTipRole else None
 
     def data(self, index: Index, role: int = Role.DisplayRole) -> Any:
@@ -197,7 +195,7 @@ class TableModel(QAbstractTableModel, Generic[Row]):
         item, column = self.items[index.row()], self.columns[index.column()]
         match role:
             case Role.DisplayRole | Role.ToolTipRole:
-                return column.text(item, self._factor)
+                return column.text(item, self.factor)
             case Role.EditRole:
                 return column.value(item)
             case Role.UserRole:
@@ -265,6 +263,12 @@ class Table(QTableView):
         number = self.number(name)
         return [str(self._sorted.index(row, number).data()) for row in range(self._sorted.rowCount())]
 
+    def said(self, row: Any, column: Column[Any]) -> tuple[str, str]:
+        """The name of a column without its unit, and its text for a row with the unit."""
+        heading, _, unit = column.title.format(unit=self.rows.unit).partition(" [")
+        text = column.text(row, self.rows.factor)
+        return heading, f"{text} {unit.rstrip(']')}".rstrip() if text != NONE else NONE
+
     def row_at(self, index: Index) -> int:
         """The row of the model in a row of the table."""
         return self._sorted.mapToSource(index).row()
@@ -329,9 +333,9 @@ class Selection:
 
     item: str
     refresh: Callable[[], None]
-    hover: Callable[[int | None], None]
-    choose: Callable[[Iterable[int]], None]
-    chosen: Callable[[], Set[int]]
+    hover: Callable[[Any], None]
+    choose: Callable[[Iterable[Any]], None]
+    chosen: Callable[[], Set[Any]]
     remove: Callable[[], None]
 
 
@@ -484,35 +488,3 @@ class TablePanel(QWidget, Generic[AnyTable]):
         self._layout.setDirection(QBoxLayout.Direction.TopToBottom if narrow else QBoxLayout.Direction.LeftToRight)
         self._content.setMaximumWidth(16_777_215 if narrow else _BESIDE)
         super().resizeEvent(event)
-
-
-def wide_button(text: str, do: Callable[[], object] | None = None) -> QToolButton:
-    """A button as wide as its place."""
-    button = QToolButton()
-    button.setText(text)
-    button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
-    if do is not None:
-        button.clicked.connect(lambda _=False: do())
-    return button
-
-
-def menu_button(text: str, fill: Callable[[QMenu], None]) -> QToolButton:
-    """A wide button that opens a menu, which is filled each time."""
-    button = wide_button(text)
-    menu = QMenu(button)
-    menu.aboutToShow.connect(menu.clear)
-    menu.aboutToShow.connect(partial(fill, menu))
-    button.setMenu(menu)
-    button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
-    return button
-
-
-def button_grid(buttons: Iterable[QWidget]) -> QWidget:
-    """Buttons in two columns."""
-    widget = QWidget()
-    grid = QGridLayout(widget)
-    grid.setContentsMargins(0, 0, 0, 0)
-    grid.setSpacing(4)
-    for place, button in enumerate(buttons):
-        grid.addWidget(button, *divmod(place, 2))
-    return widget

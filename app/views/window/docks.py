@@ -52,7 +52,7 @@ _RIGHT, _BOTTOM = Qt.DockWidgetArea.RightDockWidgetArea, Qt.DockWidgetArea.Botto
 _LOW_AREAS = (_BOTTOM, Qt.DockWidgetArea.TopDockWidgetArea)
 _UPRIGHT = QDockWidget.DockWidgetFeature.DockWidgetVerticalTitleBar
 
-_AROUND = ("parameters", "contours", "objects", "timeline")
+_AROUND = ("parameters", "objects", "timeline")
 """The panels that the keyboard visits after the canvas, in this order."""
 
 _WIDTH = 330

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from app.views.panels.contours import COLUMNS, ContourTable
 from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtWidgets import QLineEdit, QMenu
 
@@ -16,7 +17,6 @@ from app.model.document import edits
 from app.session.exchange.contour_tracking import ContourTracker
 from app.session.scene import ReviewedContours
 from app.views.features.contours import ContoursFeature
-from app.views.panels.contours import COLUMNS, ContourTable
 from app.views.window.window import MainWindow
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import Circle
