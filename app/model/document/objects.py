@@ -77,9 +77,10 @@ def accept(document: Document, given: Iterable[SegmentedObject], *, ends: bool =
     New ones get the next numbers, rejected ones keep theirs. The selection in progress is over where it `ends`.
     """
     objects = document.objects
-    items, rejected = {item.number: item for item in objects.items}, {item.number for item in objects.rejected}
+    known, rejected = {item.number: item for item in objects.items}, {item.number for item in objects.rejected}
+    items = dict(known)
     for one in given:
-        old = items.get(one.number)
+        old = known.get(one.number)
         if old is not None:
             new = replace(one, name=old.name, color=old.color, category=old.category)
             items[old.number] = replace(new, frozen=old.frozen, hidden=old.hidden)

@@ -537,8 +537,9 @@ class ObjectList(QObject):
 
     def _measure(self) -> None:
         """Measure what has not been measured, on another thread: large objects have many pixels."""
-        image = self._session.image
-        missing = [row.item for row in self.rows if row.item is not None and row.figures is None]
+        image, known = self._session.image, self.objects
+        offered = self._parts.get(_as_objects, self._session.scene.objects.proposals, known)
+        missing = [item for item in (*known.items, *known.rejected, *offered) if self.figures(item) is None]
         if image is None or not missing:
             return
 

@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QMenu
 from app.model.document.modes import use_skeleton
 from app.model.document.objects import class_title, listed_classes
 from app.model.preferences.table import UNIT
-from app.model.state.situation import Situation
+from app.model.state.situation import Situation, has_contours, has_image
 from app.model.text.language import tr
 from app.session.features.object_list import Key, Kind, Row
 from app.views.canvas.naming import NameField
@@ -116,16 +116,16 @@ class ObjectsFeature(Feature):
             ActionSpec("skeleton", "Objects", "Ske&leton",
                        "Find the center lines of the chosen objects or closed contours, or of all closed contours.",
                        self._find_skeleton, icon="mode_skeleton",
-                       when=lambda _: bool(objects.chosen or self._closed())),
+                       when=lambda now: bool(objects.chosen) or has_contours(now)),
             ActionSpec("delete_object", "Objects", "&Delete", "Remove what is selected; so does the key Delete.",
                        objects.delete, gap=True, when=some),
             ActionSpec("all_objects", "Objects", "Select &all", "Select all that the table shows and is not rejected.",
-                       lambda: objects.select(self._shown()), "Ctrl+A", gap=True, when=lambda _: bool(objects.rows)),
+                       lambda: objects.select(self._shown()), "Ctrl+A", gap=True, when=has_image),
             ActionSpec("other_objects", "Objects", "In&vert the selection", "Select what is not selected.",
                        lambda: objects.select(self._shown() - objects.selected), "Ctrl+I",
-                       when=lambda _: bool(objects.rows)),
+                       when=has_image),
             ActionSpec("next_object", "Objects", "Select ne&xt", "Select one row of the table after the other.",
-                       self.select_next, "Shift+N", when=lambda _: bool(objects.rows)),
+                       self.select_next, "Shift+N", when=has_image),
             ActionSpec("show_rejected", "Objects", "&Show rejected", "Show what has been rejected, faint, or hide it.",
                        lambda: layer.choose("rejected", not layer.chosen["rejected"]), gap=True,
                        holds=lambda _: bool(layer.chosen["rejected"])),
@@ -243,6 +243,9 @@ class ObjectsFeature(Feature):
         outlined = Outlined(objects=tuple(sorted(chosen)))
         if not chosen:
             outlined = Outlined(contours=tuple(tuple(map(tuple, line)) for line in lines))
+        if not (chosen or outlined.contours):
+            self.window.session.say(tr("There is no closed contour to find a skeleton in."))
+            return
         find_skeleton(self.window, tr("skeleton of objects") if chosen else tr("skeleton of contours"), outlined)
 
 

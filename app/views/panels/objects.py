@@ -114,25 +114,25 @@ def columns_of(shown: _Shown) -> tuple[Column[Row], ...]:
     return (
         Column("number", tr("#"), tr("Number; it stays the same."),
                lambda row: row.contour.measures.number if row.contour else row.key[1] if row.key[1] > 0 else None,
-               "0000", form=".0f", key=lambda row: list(_KIND).index(row.kind) * 1e7 + abs(row.key[1])),
+               "000", form=".0f", key=lambda row: list(_KIND).index(row.kind) * 1e7 + abs(row.key[1])),
         Column("name", tr("Name"), tr("Name and color; double-click or press {key:name_object} to rename."),
                lambda row: row.name, "nerve"),
         Column("class", tr("Class"), tr("Class of an object, which the digits 1 to 9 set; what else it is."), kind,
                "1 nucleus",
                key=lambda row: 10 * list(_KIND).index(row.kind) + (row.item.category if row.item else 0)),
-        Column("area", tr("Volume [{unit}³]"), tr("Volume without hollows."), _figure(lambda found: found.volume),
-               "00,000,000", 3)
+        Column("area", tr("Volume"), tr("Volume without hollows."), _figure(lambda found: found.volume),
+               "00,000", 3)
         if solid else
-        Column("area", tr("Area [{unit}²]"), tr("Area without holes."),
+        Column("area", tr("Area"), tr("Area without holes."),
                _of(area, lambda found: found.net_area_in_units if found.closed else None), "00,000", 2),
         Column("confidence", tr("Conf."), CONFIDENCE,
                lambda row: row.item.confidence * 100 if row.item is not None and row.item.confidence else None,
                "00 %", form=".0f", suffix=" %"),
-        Column("length", tr("Area [{unit}²]"), tr("Area of the surface, that of hollows included."),
-               _figure(lambda found: found.area), "000,000", 2)
+        Column("length", tr("Area"), tr("Area of the surface, that of hollows included."),
+               _figure(lambda found: found.area), "00,000", 2)
         if solid else
-        Column("length", tr("Length [{unit}]"),
-               tr("Length of the boundary, that of holes included, or of the contour."), length, "000,000", 1),
+        Column("length", tr("Length"),
+               tr("Length of the boundary, that of holes included, or of the contour."), length, "0,000", 1),
         Column("gray", tr("Mean gray"), tr("Mean gray value inside."), _figure(lambda found: found.gray), "000.0"),
         Column("strength", tr("Strength"), tr("Mean edge strength along the boundary or contour [gray levels/px]."),
                _of(lambda item: item.strength or None, lambda found: found.strength), "000.0"),
@@ -141,7 +141,7 @@ def columns_of(shown: _Shown) -> tuple[Column[Row], ...]:
         Column("gaps", tr("Surfaces"), tr("Number of closed surfaces that bound it: one more for each hollow."),
                _figure(lambda found: found.parts), "0,000", form=".0f")
         if solid else
-        Column("gaps", tr("Bridged [{unit}]"), tr("Length of the boundary that follows no contour; dashed."),
+        Column("gaps", tr("Bridged"), tr("Length of the boundary that follows no contour; dashed."),
                lambda row: row.item.bridged(spacing) if row.item is not None and row.item.gaps else None, "0,000", 1),
         Column("euler", tr("Euler char."),
                tr("Euler characteristic of its surface: 2 for each ball, less by 2 for each handle."),
@@ -152,7 +152,7 @@ def columns_of(shown: _Shown) -> tuple[Column[Row], ...]:
                _measure(lambda found: None if found.closed else found.junctions), "0", form=".0f"),
         Column("contrast", tr("Contrast"), tr("Contrast between both sides, 0 to 1; measured at rest."),
                _measure(lambda found: found.contrast), "0.00", form=".2f"),
-        Column("by_hand", tr("By hand [{unit}]"), tr("Length that was drawn by hand."),
+        Column("by_hand", tr("By hand"), tr("Length that was drawn by hand."),
                _measure(lambda found: found.by_hand * found.length_in_units / found.length if found.by_hand else None),
                "000.0", 1),
         Column("reached", tr("Reached"), tr("How particles came to it: in free flight from the start, beyond a weak "
@@ -412,14 +412,10 @@ class ObjectPanel(QWidget):
             self.classes[number].show_class()
 
     def _said(self, row: Row) -> str:
-        """Area, length and confidence of a row."""
-        wanted = {column.name: column for column in self.table.rows.columns}
-        said = []
-        for name in ("class", "area", "length", "confidence"):
-            title, text = self.table.said(row, wanted[name])
-            if text != "–":
-                said.append(text if name == "class" else f"{title} {text}")
-        return " · ".join(said)
+        """What a row is, its area, length and confidence."""
+        columns = {column.name: column for column in self.table.rows.columns}
+        kind, *rest = (columns[name] for name in ("class", "area", "length", "confidence"))
+        return " · ".join(filter(None, (kind.text(row, 1.0), *(self.table.said(row, column) for column in rest))))
 
     def _rename(self) -> None:
         rows = self._list.selected_rows

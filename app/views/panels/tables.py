@@ -51,7 +51,7 @@ ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
 _ALONG = (Qt.Key.Key_Up, Qt.Key.Key_Down)
 
-_LEAST, _BESIDE, _PAD = 48, 236, 18
+_LEAST, _BESIDE, _PAD = 48, 236, 12
 """Minimum height of a table, width of what is placed next to it, and margins of a column [px]."""
 
 _NARROW, _LEAST_WIDTH = 640, 260
@@ -172,6 +172,10 @@ class TableModel(QAbstractTableModel, Generic[Row]):
             self.items += present.values()
             self.endInsertRows()
 
+    def unit_of(self, column: Column[Row]) -> str:
+        """Unit of the numbers in a column, with a space before it; empty for what has none."""
+        return f" {self.unit}{('', '', '²', '³')[column.power]}" if column.power else ""
+
     # Qt interface
 
     def rowCount(self, parent: Index = QModelIndex()) -> int:  # noqa: B008  # as Qt declares it
@@ -188,7 +192,8 @@ class TableModel(QAbstractTableModel, Generic[Row]):
             return None
         if role == Role.DisplayRole:
             return self.columns[section].title.format(unit=self.unit)
-        return with_keys(self.columns[section].tip) if role == Role.ToolTipRole else None
+        column = self.columns[section]
+        return f"{with_keys(column.tip)}{self.unit_of(column)}" if role == Role.ToolTipRole else None
 
     def data(self, index: Index, role: int = Role.DisplayRole) -> Any:
         """The text, sort key, alignment and look of a cell."""
@@ -252,7 +257,7 @@ class Table(QTableView):
         header.setSectionResizeMode(self._wide, QHeaderView.ResizeMode.Stretch)
         self._asked: dict[int, bool] = {}
         self._widths = [self.fontMetrics().horizontalAdvance(column.sample) + _PAD for column in rows.columns]
-        self._widths[self._wide] += 2 * _PAD
+        self._widths[self._wide] += _PAD  # the color
 
     def number(self, column: str) -> int:
         """Number of a column."""
@@ -263,11 +268,10 @@ class Table(QTableView):
         number = self.number(name)
         return [str(self._sorted.index(row, number).data()) for row in range(self._sorted.rowCount())]
 
-    def said(self, row: Any, column: Column[Any]) -> tuple[str, str]:
-        """The name of a column without its unit, and its text for a row with the unit."""
-        heading, _, unit = column.title.format(unit=self.rows.unit).partition(" [")
+    def said(self, row: Any, column: Column[Any]) -> str:
+        """The text of a column for a row, with its name and the unit; empty where there is none."""
         text = column.text(row, self.rows.factor)
-        return heading, f"{text} {unit.rstrip(']')}".rstrip() if text != NONE else NONE
+        return f"{column.title} {text}{self.rows.unit_of(column)}" if text != NONE else ""
 
     def row_at(self, index: Index) -> int:
         """The row of the model in a row of the table."""
