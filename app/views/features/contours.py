@@ -41,7 +41,7 @@ class ContoursFeature(Feature):
         self._review = review = window.workspace.review
         layer = canvas.layers.contours
         self.panel = ContourPanel(review, self._fill_colors)
-        self.panels = (Panel("contours", "Contours", self.panel, "below", False, 160, "F11"),)
+        self.panels = (Panel("contours", "Contours", self.panel, "F11"),)
         window.preferences.follow(UNIT, self.panel.table.show_items)
         self.name_field = NameField(canvas, tr("Name of the contour"))
         session.image_changed.connect(self.name_field.leave)
@@ -169,7 +169,7 @@ class TruthFeature(Feature):
         self.truth = truth = window.workspace.truth
         self.panel = TruthPanel(truth, self._load, self._jump)
         self.panels = (
-            Panel("truth", "Ground truth", self.panel, tab="settings", shown=False, shortcut="F12"),
+            Panel("truth", "Ground truth", self.panel, "F12", shown=False),
         )  # fmt: skip
         truth.changed.connect(window.refresh)
         truth.compared.connect(window.refresh)

@@ -84,7 +84,7 @@ def test_a_kept_result_is_compared_with_a_later_one(rested, feature, hand) -> No
 def test_branches_are_compared_with_particles_and_contours(rested, feature, hand) -> None:
     rested.workspace.navigation.go(rested.workspace.navigation.place[0], 5)
     hand.wait(lambda: rested.session.status.step == 5 and rested.session.idle)
-    row = rested.panels["parameters"].rows["beta"]
+    row = rested.panels["run"].parameters.rows["beta"]
     row.changed.emit("beta", 1.7)
     hand.key(KEY.Key_Period)
     hand.wait(lambda: len(rested.workspace.navigation.outline.branches) == 2 and rested.session.idle)

@@ -65,7 +65,7 @@ def test_a_shifted_disc_has_the_overlap_and_the_distances_of_geometry(compared) 
     assert figure(compared, "jaccard") == pytest.approx(common / (2 * area - common), abs=0.03)
     assert figure(compared, "hausdorff") == pytest.approx(SHIFT, abs=0.8)
     assert "mask.npy" in compared.panels["truth"].source.text()
-    assert compared.docks["truth"].isVisible()
+    assert compared.panels["truth"].isVisible()
 
 
 def test_differences_are_drawn_and_vanish_with_a_larger_tolerance(compared, hand) -> None:

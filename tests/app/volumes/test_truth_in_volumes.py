@@ -62,7 +62,7 @@ def test_overlap_and_distances_are_those_of_geometry(compared) -> None:
     assert "Objects: 1 found, 1 missed" in panel.objects.text()
     assert "labels.npy" in panel.source.text()
     assert not panel.holes.isVisible()
-    assert compared.docks["truth"].isVisible()
+    assert compared.panels["truth"].isVisible()
 
 
 def test_each_slice_shows_the_truth_and_where_the_surface_differs(compared, hand) -> None:
