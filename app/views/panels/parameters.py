@@ -47,7 +47,7 @@ from app.views.widgets.fields import DecimalField, MarkedSlider, WheelWithFocus
 
 _SAME = 1e-9
 
-_WIDTH = 78
+_WIDTH = 72
 """Width of the field of a number [px]."""
 
 
@@ -201,7 +201,7 @@ class ParameterRow(QWidget):
         grid = QGridLayout(self)
         grid.setContentsMargins(0, 2, 0, 2)
         grid.setVerticalSpacing(0)
-        grid.setHorizontalSpacing(6)
+        grid.setHorizontalSpacing(4)
         grid.addWidget(self._label, 0, 0)
         grid.addWidget(self.slider, 1, 0, 1, 3 if beside else 4)  # before the number, so that Tab reaches it first
         if self._automatic is not None:

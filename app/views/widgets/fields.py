@@ -210,7 +210,7 @@ class SpeedControl(QWidget):
         self.label.setMinimumWidth(self.label.fontMetrics().horizontalAdvance(max(map(pace_text, PACES), key=len)) + 8)
         name = QLabel(tr("Speed"))
         name.setObjectName("dim")
-        self.setToolTip(tr("Largest number of steps per second ([ slower, ] faster)."))
+        self.setToolTip(tr("Largest number of steps per second."))
         arrange(QHBoxLayout(self), name, self.slider, self.label, margins=(6, 0, 6, 0))
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Preferred)
         self.slider.valueChanged.connect(self._change)

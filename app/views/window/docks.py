@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
 
-from PySide6.QtCore import QByteArray, QEvent, QObject, QSize, Qt
+from PySide6.QtCore import QByteArray, QEvent, QObject, Qt
 from PySide6.QtGui import QAction, QKeySequence
 from PySide6.QtWidgets import QApplication, QBoxLayout, QDockWidget, QMainWindow, QTabWidget, QWidget
 
@@ -42,19 +42,11 @@ class Panel:
     below: bool = False
 
 
-_WIDTH, _LEAST, _SHARE = 300, 284, 0.3
+_WIDTH, _LEAST, _SHARE = 300, 280, 0.29
 """Initial and least width of the column [px], and the part of the window that it may have."""
 
 _VERSION = 2
 """Version of the stored layout."""
-
-
-class _Tabs(QTabWidget):
-    """Tabs of an initial width, whatever is in them."""
-
-    def sizeHint(self) -> QSize:
-        """The initial width."""
-        return QSize(_WIDTH, super().sizeHint().height())
 
 
 class Docks(QObject):
@@ -62,9 +54,9 @@ class Docks(QObject):
 
     def __init__(self, window: QMainWindow, panels: Iterable[Panel], keyboard: Keyboard, below: QBoxLayout) -> None:
         super().__init__(window)
-        self._window, self._keyboard = window, keyboard
+        self._window, self._keyboard, self._laid_out = window, keyboard, False
         self._panels = {panel.name: panel for panel in panels}
-        self.tabs = _Tabs()
+        self.tabs = QTabWidget()
         self.tabs.setDocumentMode(True)
         self.tabs.setMinimumWidth(_LEAST)
         self.tabs.tabBar().setExpanding(False)
@@ -135,12 +127,15 @@ class Docks(QObject):
 
     def restore_layout(self, layout: QByteArray) -> None:
         """Use a stored layout."""
-        self._window.restoreState(layout, _VERSION)
+        self._laid_out = self._window.restoreState(layout, _VERSION)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Let the column not take more than its share of a smaller window."""
         if event.type() == QEvent.Type.Resize:
             self.tabs.setMaximumWidth(max(round(_SHARE * self._window.width()), _LEAST))
+        if event.type() == QEvent.Type.Show and not self._laid_out:
+            self._laid_out = True
+            self._window.resizeDocks([self.column], [_WIDTH], Qt.Orientation.Horizontal)
         return False
 
     def _there(self, name: str, there: bool) -> None:

@@ -135,9 +135,7 @@ class Keyboard(QObject):
     def _is_mine(self, widget: QWidget) -> bool:
         """Whether a widget is in the window, and is not the canvas."""
         return (
-            widget.window() is self._window
-            and widget is not self._canvas
-            and not isinstance(widget, QMenuBar | QMenu)
+            widget.window() is self._window and widget is not self._canvas and not isinstance(widget, QMenuBar | QMenu)
         )
 
     def _claim(self, widget: QWidget, event: QKeyEvent) -> bool:

@@ -25,7 +25,6 @@ from app.session.storage.preferences import Preferences
 from app.session.storage.session_file import DocumentFile
 from app.views.canvas.canvas_area import FIRST_TOOL, CanvasArea
 from app.views.canvas.status_fields import PointerReadout, ZoomField
-from app.views.canvas.tools.tool import CONTOUR, OBJECT, SELECT
 from app.views.theme import theme
 from app.views.widgets.actions import Actions, ActionSpec, Submenu
 from app.views.widgets.fields import SpeedControl
@@ -222,8 +221,7 @@ class MainWindow(QMainWindow):
 
     def _follow_tool(self) -> None:
         """Show the tab of the tool, once it has changed: the user may look at another one since."""
-        tool = self.canvas_area.canvas.hold.tool
-        self.docks.bring(getattr(tool, "panel", "objects" if tool.group in (OBJECT, SELECT, CONTOUR) else "run"))
+        self.docks.bring(self.canvas_area.canvas.hold.tool.panel)
         self.refresh()
 
     def _add_menus(self, specs: Sequence[ActionSpec | Submenu]) -> ContextMenus:

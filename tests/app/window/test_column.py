@@ -41,8 +41,8 @@ def test_the_image_has_its_room_in_small_windows(ready, hand) -> None:
         hand.key(Qt.Key.Key_R)
         hand.wait_for_phase("ready")
         for _ in range(2):
-            hand.wait(lambda: picture().width() >= 0.6 * width)
-            hand.wait(lambda: picture().height() >= 0.65 * height)
+            hand.wait(lambda: picture().width() >= 0.6 * ready.width())
+            hand.wait(lambda: picture().height() >= 0.65 * ready.height())
             hand.key(Qt.Key.Key_Space)
             hand.wait_for_phase("finished")
 

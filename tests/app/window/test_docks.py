@@ -37,19 +37,14 @@ def test_the_timeline_is_there_while_a_run_is(ready, hand) -> None:
     hand.wait(lambda: not timeline.isVisible())
 
 
-def test_the_column_keeps_its_width_and_can_be_hidden(qtbot, workspace, window, hand) -> None:
-    window.resize(1400, 800)
-    window.resizeDocks([window.docks.column], [380], Qt.Orientation.Horizontal)
-    hand.wait(lambda: window.docks.tabs.width() == 380)
-    hand.key(KEY.Key_B, Qt.KeyboardModifier.ControlModifier)
-    assert not window.docks.tabs.isVisible()
-    hand.key(KEY.Key_B, Qt.KeyboardModifier.ControlModifier)
-    hand.wait(lambda: window.docks.tabs.width() == 380)
+def test_the_column_can_be_hidden_and_stays_hidden_at_the_next_start(qtbot, workspace, window, hand) -> None:
+    for visible in (False, True, False):
+        hand.key(KEY.Key_B, Qt.KeyboardModifier.ControlModifier)
+        assert window.docks.tabs.isVisible() is visible
     window.close()
     again = make_window(workspace, Preferences())
     qtbot.addWidget(again)
-    again.show()
-    hand.wait(lambda: again.docks.tabs.width() == 380)
+    assert again.docks.column.isHidden()
     again.close()
 
 
