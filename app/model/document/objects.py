@@ -227,7 +227,13 @@ def objects_result(document: Document) -> Result | None:
         return None
     surface = surface_of(shown, image.spacing, image.unit)
     contours = [
-        replace(contour, name=title(objects, item), color=objects.color(item), group=item.number)
+        replace(
+            contour,
+            name=title(objects, item),
+            color=objects.color(item),
+            group=item.number,
+            category=class_title(objects, item.category),
+        )
         for item in shown
         for contour in contours_of(item)
     ]

@@ -178,36 +178,36 @@ NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
 
 OTHERWISE_IN_VOLUMES: Mapping[str, tuple[str, str]] = MappingProxyType(
     {
-        "circle": (tr("Sphe&re tool"), tr("Drag from the center to draw a sphere.")),
+        "circle": (tr("Sphe&re"), tr("Drag from the center to draw a sphere.")),
         "add_circle": (
             tr("Add sphere in the &middle"),
             tr("Add a sphere in the middle of the visible part of the slice."),
         ),
         "ellipse": (
-            tr("Bo&x tool"),
+            tr("Bo&x"),
             tr("Drag from corner to corner to draw a box, as deep as its shorter side; Shift makes it a square."),
         ),
         "grid_area": (
-            tr("&Grid tool"),
-            tr("Drag a box, as deep as its shorter side, to fill with an even grid; < and > change its spacing."),
+            tr("&Grid"),
+            tr("Drag a box, as deep as its shorter side, to fill with an even grid; [ and ] change its spacing."),
         ),
         "threshold": (
-            tr("T&hreshold tool"),
+            tr("T&hreshold"),
             tr(
-                "Drag a box, as deep as its shorter side, in which to start on strong edges; < and > change how strong."
+                "Drag a box, as deep as its shorter side, in which to start on strong edges; [ and ] change how strong."
             ),
         ),
-        "points": (tr("&Point tool"), tr("Click to place a point in the slice.")),
+        "points": (tr("&Points"), tr("Click to place a point in the slice.")),
         "import_contours": (
             tr("&Import surface…"),
             tr("Read a surface, labels or center lines, as a start, as objects or as ground truth."),
         ),
         "region": (
-            tr("Region of &interest tool"),
+            tr("Region of &interest"),
             tr("Drag a box, or click corner by corner around what particles are to stay in, through all slices."),
         ),
         "barrier": (
-            tr("&Barrier tool"),
+            tr("&Barrier"),
             tr("Drag, or click corner by corner, where no particle is to cross, through all slices."),
         ),
     }

@@ -35,7 +35,7 @@ _ARROWS = {
     Qt.Key.Key_Left: (0.0, -1.0),
     Qt.Key.Key_Right: (0.0, 1.0),
 }
-_SIZES = {Qt.Key.Key_Less: -1.0, Qt.Key.Key_Greater: 1.0}
+_SIZES = {Qt.Key.Key_BracketLeft: -1.0, Qt.Key.Key_BracketRight: 1.0}
 _DRAFT_KEYS = (Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Backspace)
 _PAN = 40.0
 _MIDDLE_FRACTION = 0.2

@@ -60,8 +60,8 @@ class RunControlFeature(Feature):
                        when=can_step),
             ActionSpec("reset", "Run", "&Reset", "Go back to the start; the run stays on the timeline.",
                        session.reset, "R", short=tr("Reset"), icon="reset", when=is_started),
-            ActionSpec("faster", "Run", "&Faster", "Allow more steps per second.", speed.faster, "]", gap=True),
-            ActionSpec("slower", "Run", "S&lower", "Allow fewer steps per second.", speed.slower, "["),
+            ActionSpec("faster", "Run", "&Faster", "Allow more steps per second.", speed.faster, "Ctrl+]", gap=True),
+            ActionSpec("slower", "Run", "S&lower", "Allow fewer steps per second.", speed.slower, "Ctrl+["),
         )  # fmt: skip
 
     def close(self) -> bool:
