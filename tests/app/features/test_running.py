@@ -158,7 +158,7 @@ def test_overlays_appear_on_request_and_follow_the_smoothing(window, hand, recor
 
 @pytest.mark.parametrize("name", MOTION)
 def test_at_rest_a_moved_slider_continues_the_run_and_undo_brings_the_rest_back(ready, hand, name) -> None:
-    session, row = ready.session, ready.panels["parameters"].rows[name]
+    session, row = ready.session, ready.panels["run"].parameters.rows[name]
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
     hand.wait(lambda: session.idle)
@@ -186,7 +186,7 @@ def test_at_rest_a_moved_slider_continues_the_run_and_undo_brings_the_rest_back(
 
 
 def test_what_the_sliders_of_the_motion_change_is_shown_next_to_them(ready, hand) -> None:
-    rows = ready.panels["parameters"].rows
+    rows = ready.panels["run"].parameters.rows
     hand.key(KEY.Key_Period)
     hand.wait(lambda: ready.session.idle)
     assert rows["beta"].effect.text().endswith("px per step")
