@@ -109,14 +109,6 @@ def add(document: Document, selections: Iterable[Selection], category: int) -> D
     return accept(document, (made(each, (Click(inside),), fresh, category) for each, inside in places if each.found))
 
 
-def add_region(document: Document, contours: Iterable[Contour], name: str) -> Document:
-    """The document with one more object, whose boundary is closed contours that something else has found."""
-    closed = [contour for contour in contours if contour.closed]
-    if not closed:
-        raise ValueError(tr("There is no closed contour to keep: wait until the method has found one."))
-    return accept(document, (replace(bounded(document.objects, closed), name=name),))
-
-
 def bounded(objects: SegmentedObjects, contours: Sequence[Contour], bridges: Iterable[Bridge] = ()) -> SegmentedObject:
     """An object, not yet one of them, that closed contours bound, with gaps where they bridge some."""
     boundary = tuple(line_of(contour.points) for contour in contours)
@@ -261,7 +253,13 @@ def objects_result(document: Document) -> Result | None:
         return None
     surface = surface_of(shown, image.spacing, image.unit)
     contours = [
-        replace(contour, name=title(objects, item), color=objects.color(item), group=item.number)
+        replace(
+            contour,
+            name=title(objects, item),
+            color=objects.color(item),
+            group=item.number,
+            category=class_title(objects, item.category),
+        )
         for item in shown
         for contour in contours_of(item)
     ]

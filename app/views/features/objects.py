@@ -43,7 +43,7 @@ class ObjectsFeature(Feature):
         self._editing = editing = window.workspace.hand_editing
         layer = area.canvas.layers.contours
         self.panel = ObjectPanel(session, objects, lambda name: window.actions_by_name.get(name))  # noqa: PLW0108  # made later
-        self.panels = (Panel("objects", "Objects", self.panel, "settings", shortcut="Ctrl+Shift+O"),)
+        self.panels = (Panel("objects", "Objects", self.panel, "Ctrl+Shift+O"),)
         window.preferences.follow(UNIT, self.panel.table.show_items)
         self.name_field, self.class_field = (
             NameField(area.canvas, title) for title in (tr("Name of the object"), tr("Name of the class"))
@@ -121,10 +121,11 @@ class ObjectsFeature(Feature):
                        objects.delete, gap=True, when=some),
             ActionSpec("all_objects", "Objects", "Select &all", "Select all that the table shows and is not rejected.",
                        lambda: objects.select(self._shown()), "Ctrl+A", gap=True, when=has_image),
-            ActionSpec("other_objects", "Objects", "In&vert the selection", "Select what is not selected.",
+            ActionSpec("other_objects", ">" + tr("Objects"), "In&vert the selection", "Select what is not selected.",
                        lambda: objects.select(self._shown() - objects.selected), "Ctrl+I",
                        when=has_image),
-            ActionSpec("next_object", "Objects", "Select ne&xt", "Select one row of the table after the other.",
+            ActionSpec("next_object", ">" + tr("Objects"), "Select ne&xt",
+                       "Select one row of the table after the other.",
                        self.select_next, "Shift+N", when=has_image),
             ActionSpec("show_rejected", "Objects", "&Show rejected", "Show what has been rejected, faint, or hide it.",
                        lambda: layer.choose("rejected", not layer.chosen["rejected"]), gap=True,

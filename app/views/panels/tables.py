@@ -492,3 +492,24 @@ class TablePanel(QWidget, Generic[AnyTable]):
         self._layout.setDirection(QBoxLayout.Direction.TopToBottom if narrow else QBoxLayout.Direction.LeftToRight)
         self._content.setMaximumWidth(16_777_215 if narrow else _BESIDE)
         super().resizeEvent(event)
+
+
+def wide_button(text: str, do: Callable[[], object] | None = None) -> QToolButton:
+    """A button as wide as its place."""
+    button = QToolButton()
+    button.setText(text)
+    button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+    if do is not None:
+        button.clicked.connect(lambda _=False: do())
+    return button
+
+
+def menu_button(text: str, fill: Callable[[QMenu], None]) -> QToolButton:
+    """A wide button that opens a menu, which is filled each time."""
+    button = wide_button(text)
+    menu = QMenu(button)
+    menu.aboutToShow.connect(menu.clear)
+    menu.aboutToShow.connect(partial(fill, menu))
+    button.setMenu(menu)
+    button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+    return button

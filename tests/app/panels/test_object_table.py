@@ -351,9 +351,10 @@ def test_new_contours_preserve_the_selection_and_a_name_being_edited(window, han
     hand.qtbot.keyClick(editor, KEY.Key_Escape)
 
 
-def test_the_panel_opens_with_the_present_rows_and_its_key_shows_and_hides_it(window, hand, panel, drawn) -> None:
-    dock = window.docks["objects"]
-    dock.hide()
+def test_the_panel_opens_with_the_present_rows_and_its_key_gives_it_the_keyboard_and_takes_it_back(
+    window, hand, panel, drawn
+) -> None:
+    window.docks.bring("run")
     window.workspace.object_list.select([("contour", 0)])
     window.workspace.object_list.reject()
     hand.canvas.setFocus()
@@ -361,8 +362,9 @@ def test_the_panel_opens_with_the_present_rows_and_its_key_shows_and_hides_it(wi
     hand.wait(panel.isVisible)
     assert drawn.column("class").count("rejected") == 1
     assert len(drawn.selectionModel().selectedRows()) == 1
+    assert drawn.hasFocus()
     hand.key(KEY.Key_O, CONTROL | SHIFT)
-    hand.wait(lambda: not panel.isVisible())
+    assert hand.canvas.hasFocus()
 
 
 def test_the_layer_draws_objects_in_the_color_of_their_class_and_gaps_dashed(window, hand, table) -> None:
