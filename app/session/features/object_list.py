@@ -317,11 +317,13 @@ class ObjectList(QObject):
         self.taken.emit(numbers)
 
     def reject(self) -> None:
-        """Dismiss the selected proposals, mark contours as rejected, and remove objects; none is proposed again."""
+        """Dismiss the selected proposals, remove objects, and mark contours as rejected, those around them too."""
         rows = [row for row in self.selected_rows if row.kind != "rejected"]
         offered = [row.item for row in rows if row.item is not None and row.kind == "proposal"]
         numbers = [row.key[1] for row in rows if row.kind == "object"]
-        lines = [self._review.target(row.contour) for row in rows if row.contour is not None]
+        own = _own(self._session.scene.contours, [row.item for row in rows if row.item is not None])
+        kept = {item.key for item in own} - {row.contour.key for row in rows if row.contour is not None}
+        lines = [self._review.target(item) for item in self._review.items if item.key not in kept]
 
         def edit(document: Document) -> Document:
             marked = contours.judge(document, lines, "rejected")
@@ -435,9 +437,9 @@ class ObjectList(QObject):
         return [row for row in self.rows if row.key[0] == "object" and row.key[1] in numbers]
 
     def _open_rows(self) -> list[Row]:
-        """The selected rows that can be accepted; all proposals without a selected row."""
+        """The selected rows that can be accepted, or else all proposals."""
         selected = [row for row in self.selected_rows if row.kind != "object"]
-        return selected or [row for row in self.rows if row.kind == "proposal" and not self.selected]
+        return selected or [row for row in self.rows if row.kind == "proposal"]
 
     def _with_objects(
         self,
@@ -451,6 +453,9 @@ class ObjectList(QObject):
         given += [objects.bounded(known, *outline) for outline in self._outlines(rows)]
         kept = [row.contour for row in rows if row.kind == "open" and row.contour is not None]
         undecided = [row.contour for row in rows if row.kind == "rejected" and row.contour is not None]
+        back = [row.item for row in rows if row.kind == "rejected" and row.item is not None]
+        left = {item.key for item in _own(self._session.scene.contours, back)}
+        undecided += [item for item in self._review.items if item.key not in left]
         marks = [(self._review.target(item), item in kept) for item in (*kept, *undecided)]
         old = {row.key[1] for row in rows if row.kind == "object"}
         numbers: list[int] = []

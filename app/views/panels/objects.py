@@ -92,7 +92,7 @@ def _state(row: Row) -> str | None:
     return ", ".join(word for holds, word in words if holds) or None
 
 
-CONFIDENCE = tr("Estimated probability that the object is right: that it covers most of the true one and little else.")
+CONFIDENCE = tr("Confidence: the estimated probability that the object is right, most of the true one and little else.")
 
 
 def columns_of(shown: _Shown) -> tuple[Column[Row], ...]:
@@ -116,7 +116,7 @@ def columns_of(shown: _Shown) -> tuple[Column[Row], ...]:
                lambda row: row.contour.measures.number if row.contour else row.key[1] if row.key[1] > 0 else None,
                "000", form=".0f", key=lambda row: list(_KIND).index(row.kind) * 1e7 + abs(row.key[1])),
         Column("name", tr("Name"), tr("Name and color; double-click or press {key:name_object} to rename."),
-               lambda row: row.name, "nerve"),
+               lambda row: row.name, "name"),
         Column("class", tr("Class"), tr("Class of an object, which the digits 1 to 9 set; what else it is."), kind,
                "1 nucleus",
                key=lambda row: 10 * list(_KIND).index(row.kind) + (row.item.category if row.item else 0)),
@@ -125,7 +125,7 @@ def columns_of(shown: _Shown) -> tuple[Column[Row], ...]:
         if solid else
         Column("area", tr("Area"), tr("Area without holes."),
                _of(area, lambda found: found.net_area_in_units if found.closed else None), "00,000", 2),
-        Column("confidence", tr("Conf."), CONFIDENCE,
+        Column("confidence", tr("%"), CONFIDENCE,
                lambda row: row.item.confidence * 100 if row.item is not None and row.item.confidence else None,
                "00 %", form=".0f", suffix=" %"),
         Column("length", tr("Area"), tr("Area of the surface, that of hollows included."),
@@ -352,7 +352,7 @@ class ObjectPanel(QWidget):
         self.summary = wrapped(dim=True)
         row = arrange(QHBoxLayout(), self.summary, self.shown, spacing=6, wide=self.summary)
         arrange(QVBoxLayout(self), self.name, self.figures, self.histogram, self._classes, self._grid, row, self.table,
-                margins=(10, 6, 10, 6), spacing=6, wide=self.table)  # fmt: skip
+                margins=(4, 6, 4, 6), spacing=6, wide=self.table)  # fmt: skip
         for changed in (object_list.changed, object_list.selection_changed, session.image_changed):
             changed.connect(self.show_chosen)
         self.show_chosen()
@@ -414,8 +414,10 @@ class ObjectPanel(QWidget):
     def _said(self, row: Row) -> str:
         """What a row is, its area, length and confidence."""
         columns = {column.name: column for column in self.table.rows.columns}
-        kind, *rest = (columns[name] for name in ("class", "area", "length", "confidence"))
-        return " · ".join(filter(None, (kind.text(row, 1.0), *(self.table.said(row, column) for column in rest))))
+        said = [columns["class"].text(row, 1.0), *(self.table.said(row, columns[name]) for name in ("area", "length"))]
+        if row.item is not None and row.item.confidence:
+            said.append(tr("{share} sure").format(share=columns["confidence"].text(row, 1.0)))
+        return " · ".join(filter(None, said))
 
     def _rename(self) -> None:
         rows = self._list.selected_rows
