@@ -118,7 +118,7 @@ def columns_of(shown: _Shown) -> tuple[Column[Row], ...]:
         Column("name", tr("Name"), tr("Name and color; double-click or press {key:name_object} to rename."),
                lambda row: row.name, "name"),
         Column("class", tr("Class"), tr("Class of an object, which the digits 1 to 9 set; what else it is."), kind,
-               "1 nucleus",
+               "proposal",
                key=lambda row: 10 * list(_KIND).index(row.kind) + (row.item.category if row.item else 0)),
         Column("area", tr("Volume"), tr("Volume without hollows."), _figure(lambda found: found.volume),
                "00,000", 3)
@@ -352,7 +352,7 @@ class ObjectPanel(QWidget):
         self.summary = wrapped(dim=True)
         row = arrange(QHBoxLayout(), self.summary, self.shown, spacing=6, wide=self.summary)
         arrange(QVBoxLayout(self), self.name, self.figures, self.histogram, self._classes, self._grid, row, self.table,
-                margins=(4, 6, 4, 6), spacing=6, wide=self.table)  # fmt: skip
+                margins=(2, 6, 2, 6), spacing=6, wide=self.table)  # fmt: skip
         for changed in (object_list.changed, object_list.selection_changed, session.image_changed):
             changed.connect(self.show_chosen)
         self.show_chosen()

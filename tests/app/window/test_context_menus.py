@@ -89,7 +89,7 @@ def test_a_right_click_on_a_shape_selects_it(window, hand, menus, shape, thing) 
 def test_the_menu_of_a_table_row_selects_the_row_and_is_that_of_the_canvas(ready, hand, menus) -> None:
     run(ready, hand)
     ready.resize(1400, 900)
-    hand.key(KEY.Key_O, MODIFIER.ControlModifier | MODIFIER.ShiftModifier)
+    ready.docks.enter("objects")
     table = ready.panels["objects"].table
     hand.wait(table.isVisible)
     row = table.visualRect(table.model().index(0, 0)).center()
