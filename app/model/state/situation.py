@@ -159,6 +159,7 @@ def can_step(situation: Situation) -> bool:
 
 _CONTOUR = tr("Contours are found in images; a run in a volume finds a surface.")
 _BRUSH = tr("Objects are painted in images; in a volume they are bodies that a surface encloses.")
+_SPLIT = tr("Objects are split in images; in a volume they are bodies that a surface encloses.")
 _ALIKE = tr("Objects that are alike are found in images by their gray values and size, not in volumes.")
 _METHODS = tr("In a volume methods are compared by cpm compare VOLUME --sphere PLANE,ROW,COL,RADIUS.")
 _MOSAIC = tr("A mosaic shows runs with different parameters side by side; in a volume each of them takes too long.")
@@ -171,6 +172,7 @@ NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
              "contour_skeleton", "next_contour", "all_contours", "other_contours",
              "show_rejected"), _CONTOUR),
         "brush": _BRUSH,
+        "split": _SPLIT,
         "objects_alike": _ALIKE,
         "mosaic": _MOSAIC,
         "compare_methods": _METHODS,
