@@ -37,7 +37,7 @@ class ContoursFeature(Feature):
         self._review = review = window.workspace.review
         layer = canvas.layers.contours
         self.panel = ContourPanel(review, self._fill_colors)
-        self.panels = (Panel("contours", "Contours", self.panel, "below", False, 160, "F11"),)
+        self.panels = (Panel("contours", "Contours", self.panel, "F11"),)
         window.preferences.follow(UNIT, self.panel.table.show_items)
         self.name_field = NameField(canvas, tr("Name of the contour"))
         session.image_changed.connect(self.name_field.leave)
