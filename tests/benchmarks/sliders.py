@@ -1,7 +1,7 @@
 """What each slider changes: moved before, in the middle of, and after a run, from a circle and from everywhere.
 
-Run ``python -m tests.benchmarks.sliders [IMAGE ROW COL RADIUS]...``; without images it measures coins, a photograph and a
-cell of scikit-image. Each row has the mean motion of the first twenty steps after the change [px], steps to rest,
+Run ``python -m tests.benchmarks.sliders [IMAGE ROW COL RADIUS]...``; without images it measures coins, a photograph and
+a cell of scikit-image. Each row has the mean motion of the first twenty steps after the change [px], steps to rest,
 particles, their mean distance from the nearest one [px], number and length of contours [px], and their F with those of
 the unchanged run within 2 px: 1 means that the slider changes no contour.
 """
