@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, Qt
+from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, Qt, Signal
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QGridLayout, QVBoxLayout, QWidget
 
 from app.model.document import edits
 from app.model.text.keys import with_keys
 from app.model.text.language import from_core, tr
+from app.session.features.comparison import NOW
 from app.session.features.workspace import Workspace
 from app.session.signals import OF_THE_PROGRAM, OPENING
 from app.views.canvas.canvas import Canvas, ToolInUse
@@ -42,6 +43,9 @@ _MIDDLE_FRACTION = 0.2
 
 class CanvasArea(QWidget):
     """Shows the scene of a session on the canvas, and lets the tools edit its document and select contours."""
+
+    tool_changed = Signal()
+    """Another tool is in use."""
 
     def __init__(self, workspace: Workspace) -> None:
         super().__init__()
@@ -77,7 +81,6 @@ class CanvasArea(QWidget):
             layer.changed.connect(self._follow_layers)
         session.status_changed.connect(self.refresh)
         session.scene_changed.connect(self._draw)
-        workspace.other_result.changed.connect(self._draw)
         self._selection.changed.connect(self.refresh)
         workspace.object_list.selection_changed.connect(self.refresh)
         self._draw()
@@ -87,12 +90,15 @@ class CanvasArea(QWidget):
 
         A drawing tool deselects the shape, because its handles would be in the way.
         """
+        changed = self.canvas.hold.tool.name != name
         self.canvas.use(self._tools[name])
         if name != "select":
             self._session.select(None)
         self.crosshair.move(0.0, 0.0)
         self.canvas.setFocus()
         self.refresh()
+        if changed:
+            self.tool_changed.emit()
 
     def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
         """What lies at a point, or at the cross-hair, or is chosen; see `MenuOwner`."""
@@ -116,8 +122,8 @@ class CanvasArea(QWidget):
             self.canvas.hold.cancel()
         elif self.crosshair.at is not None:
             self.crosshair.hide()
-        elif self._workspace.other_result.chosen is not None:
-            self._workspace.other_result.choose(None)
+        elif self._workspace.comparison.chosen:
+            self._workspace.comparison.choose(NOW)
         else:
             self.messages.dismiss()
             self._session.select(None)
@@ -166,7 +172,7 @@ class CanvasArea(QWidget):
         return super().eventFilter(watched, event)
 
     def _draw(self) -> None:
-        self.canvas.draw(self._workspace.other_result.near(self._session.scene))
+        self.canvas.draw(self._session.scene)
         self.strip.legend.refresh()
 
     def _follow_layers(self) -> None:

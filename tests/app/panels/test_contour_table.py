@@ -55,8 +55,7 @@ def found(window: MainWindow, hand: Hand, tmp_path: Path) -> MainWindow:
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
     hand.wait(lambda: session.idle)
-    window.docks["contours"].show()
-    window.docks["contours"].raise_()
+    window.docks.reveal("contours")
     assert len(window.workspace.review.items) == 4
     return window
 
@@ -288,15 +287,14 @@ def test_a_reconstruction_preserves_selection_order_and_a_name_being_edited(foun
 
 
 def test_a_table_that_is_opened_later_shows_the_present_selection_and_review(found, table, hand) -> None:
-    dock = found.docks["contours"]
-    dock.hide()
+    found.docks.bring("run")
     hand.canvas.setFocus()
     hand.key(KEY.Key_V)
     pick(hand, SINGLE)
     hand.key(KEY.Key_X)
     assert table.column("verdict") == ["–"] * 4, "a hidden table is not updated"
     hand.key(KEY.Key_T, Qt.KeyboardModifier.ControlModifier)
-    assert dock.isVisible()
+    assert table.isVisible()
     assert table.column("verdict") == ["–", "✗ rejected", "–", "–"]
     assert [index.row() for index in table.selectionModel().selectedRows()] == [1]
 

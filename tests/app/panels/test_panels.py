@@ -8,43 +8,46 @@ from PySide6.QtCore import QPoint, QRectF, Qt
 from PySide6.QtWidgets import QCheckBox, QLabel, QToolButton
 
 from app.model.display.plots import RunMetrics
-from app.model.parameters.controls import controls
+from app.model.parameters.controls import controls, value_of
 from app.views.canvas.layers.fields import ARROW_SPACING, arrow_lines, arrows
 from app.views.panels.run import PlotPanel
-from cpm_core import Parameters
 from cpm_core.parameters.choices import CHOICES
 
 pytestmark = pytest.mark.shared_window
 
 
-def test_every_tooltip_has_symbol_range_default_and_effect(window) -> None:
-    rows = window.panels["parameters"].rows
-    assert [row.control for row in rows.values()] == list(controls())
+def test_every_tooltip_has_symbol_effect_default_and_the_range_of_its_slider(window) -> None:
+    rows = window.panels["run"].parameters.rows
+    assert list(rows) == [control.name for control in controls()]
     for name, row in rows.items():
-        tip = row.toolTip()
-        for part in (row.control.symbol, row.control.meaning, row.control.more, "default"):
-            assert part in tip, name
+        control, ends = row.control, []
+        row.slider.moved_to.connect(ends.append)
+        row.slider.setValue(row.slider.minimum())
+        row.slider.setValue(row.slider.maximum())
+        row.slider.setValue(row.slider.minimum())
+        assert (min(ends), max(ends)) == pytest.approx((control.slider_low, control.slider_high)), name
+        span = f"{control.slider_low:g} to {control.slider_high:.3g}"
+        for part in (control.symbol, control.meaning, control.more, span, "default"):
+            assert part in row.toolTip(), name
 
 
 def test_a_double_click_on_a_slider_and_the_button_restore_the_default(window, hand, cases) -> None:
-    panel = window.panels["parameters"]
-    panel.advanced.fold.click()
-    for name in cases(["beta", "ratio", "annealing", "w2", "time_step", "d_min", "edge_floor"]):
+    panel = window.panels["run"].parameters
+    panel.more.fold.click()
+    begun = window.session.document.parameters
+    for name in cases(["reach", "beta", "ratio", "annealing", "w2", "time_step", "d_min", "edge_floor"]):
         row = panel.rows[name]
         button = row.findChild(QToolButton, "restore")
         hand.wait(lambda button=button: button.height() > 8)
         for click, target in ((hand.qtbot.mouseDClick, row.slider), (hand.qtbot.mouseClick, button)):
             row.slider.setValue(row.slider.maximum())
-            assert window.session.document.parameters != Parameters()
+            assert window.session.document.parameters != begun
             click(target, Qt.MouseButton.LeftButton)
-            parameters = window.session.document.parameters
-            assert getattr(parameters, name if name != "ratio" else "w1") == pytest.approx(
-                getattr(Parameters(), name if name != "ratio" else "w1")
-            )
+            assert value_of(window.session.document.parameters, name) == pytest.approx(value_of(begun, name))
 
 
 def test_automatic_smoothing_can_be_turned_on_and_off(window, hand) -> None:
-    row = window.panels["parameters"].rows["smoothing"]
+    row = window.panels["run"].parameters.rows["smoothing"]
     row.findChild(QCheckBox).click()
     assert window.session.document.parameters.smoothing == "auto"
     assert not row.slider.isEnabled()
@@ -54,8 +57,8 @@ def test_automatic_smoothing_can_be_turned_on_and_off(window, hand) -> None:
 
 
 def test_a_choice_is_taken_with_the_keys_undone_and_explained(window, hand) -> None:
-    row = window.panels["parameters"].choices["edges"]
-    window.panels["parameters"].advanced.fold.click()
+    row = window.panels["run"].parameters.choices["edges"]
+    window.panels["run"].parameters.more.fold.click()
     assert row.box.currentText() == "gray levels"
     row.box.setFocus()
     hand.qtbot.keyClick(row.box, Qt.Key.Key_Down)
@@ -78,7 +81,7 @@ def test_layers_are_switched_from_panel_menu_and_key_alike(window, hand) -> None
 def test_no_label_is_cut_off(window, hand) -> None:
     size = (1280, 720)
     window.resize(*size)
-    window.panels["parameters"].advanced.fold.click()
+    window.panels["run"].parameters.more.fold.click()
     hand.wait(lambda: (window.width(), window.height()) == size)
     for label in window.findChildren(QLabel):
         if label.isVisible() and label.text() and not label.wordWrap():
@@ -121,9 +124,9 @@ def test_arrows_neither_crowd_nor_leave_the_visible_part() -> None:
 
 
 def test_a_change_of_a_parameter_is_shown_once(window, monkeypatch) -> None:
-    panel = window.panels["parameters"]
+    panel = window.panels["run"].parameters
     shown = []
     show = panel.rows["beta"].show_value
     monkeypatch.setattr(panel.rows["beta"], "show_value", lambda *values: (shown.append(values), show(*values)))
     panel.rows["beta"].slider.setValue(panel.rows["beta"].slider.maximum())
-    assert [value for value, _ in shown] == [window.session.document.parameters.beta]
+    assert [value for (value,) in shown] == [window.session.document.parameters.beta]
