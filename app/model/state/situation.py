@@ -161,7 +161,7 @@ NOT_IN_VOLUMES = frozenset(
     (
         *("contours", "edit_contours", "outline", "brush", "close_contours", "join_contours", "cut_contour"),
         *("contour_skeleton", "next_contour", "all_contours", "other_contours", "show_rejected"),
-        *("objects_alike", "apply_to_folder"),
+        *("split", "objects_alike", "apply_to_folder"),
     )
 )
 """Names of actions and of tools that are hidden while a volume is open."""

@@ -67,7 +67,7 @@ class ContoursFeature(Feature):
                        when=found),
             ActionSpec("keep", "Contours", "&Keep",
                        "Keep the selected contours through all sliders and runs; press again to undo.",
-                       partial(review.judge, "kept"), "K", gap=True, when=selected),
+                       partial(review.judge, "kept"), "Shift+K", gap=True, when=selected),
             ActionSpec("reject", "Contours", "&Reject",
                        "Exclude the selected contours from exports; press again to undo.",
                        partial(review.judge, "rejected"), "X", when=selected),
