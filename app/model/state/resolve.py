@@ -34,7 +34,6 @@ PACES: tuple[float | None, ...] = (1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0, 120.0,
 FIRST_PACE = 6
 
 _LEADING = (
-    tr("Step"),
     tr("Particles"),
     tr("Contours"),
     tr("Branches"),
@@ -114,16 +113,16 @@ def _state(situation: Situation) -> str:
         case "empty":
             return tr("No image is open.")
         case "running":
-            return tr("Running")
+            return tr("Running, step {step}").format(step=written(f"{status.step:,}"))
         case "paused":
-            return tr("Paused")
+            return tr("Paused at step {step}").format(step=written(f"{status.step:,}"))
         case "finished":
-            message = tr("Done – {reason}") if status.converged else tr("Stopped – {reason}")
-            text = message.format(reason=from_core(status.stop_reason))
-            return text if text.endswith((".", "!", "?")) else f"{text}."
+            message = tr("Finished: {reason}") if status.converged else tr("Stopped – {reason}")
+            return message.format(reason=from_core(status.stop_reason))
     if document.starts or not needs_start(document.mode):
         return tr("Ready")
-    return tr("Nothing to start from yet") if document.shapes else tr("Nothing drawn yet")
+    count = len(document.objects.items)
+    return (tr("1 object") if count == 1 else tr("{count} objects").format(count=count)) if count else tr("No start yet")
 
 
 def _hint(situation: Situation) -> str:

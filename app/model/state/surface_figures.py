@@ -8,7 +8,7 @@ from app.model.display.lengths import shown_in
 from app.model.text.language import tr, written
 from cpm_core import Surface
 
-SURFACE, CLOSED, EULER = tr("Surface"), tr("Closed"), tr("Euler char.")
+SURFACE, CLOSED, EULER = tr("Surface"), tr("Closed"), tr("Euler characteristic")
 AREA, VOLUME, SUPPORT = tr("Area"), tr("Volume"), tr("Support")
 
 

@@ -14,11 +14,12 @@ from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QToolButton, QVB
 
 from app.model.display.plots import PLOTS, Plot, RunMetrics, Series, figure
 from app.model.state.resolve import Resolved
+from app.model.state.surface_figures import EULER
 from app.model.text.language import tr, written
 from app.views.panels.parameters import ParametersPanel
 from app.views.widgets.containers import ElidedLabel, Scrolled, Section, arrange
 
-_WIDE = (tr("Contours"), tr("Bridged"), tr("Skeleton of"))
+_WIDE = (tr("Contours"), tr("Bridged"), tr("Skeleton of"), EULER)
 """Numbers that need a row of their own."""
 
 _LOWEST = 120
@@ -307,8 +308,7 @@ class StatusPanel(QWidget):
         """Show a state and its numbers."""
         if resolved.state != self.state:
             # what follows a colon explains the rest, and is in the tip
-            head, colon, _ = resolved.state.partition(": ")
-            self._label.setText(f"{head}." if colon else head)
+            self._label.setText(resolved.state.partition(": ")[0])
             self._label.setToolTip(resolved.state)
             self._label.setAccessibleName(resolved.state)
         self.leading.show_numbers([number for number in resolved.numbers if number[0] in resolved.leading])
