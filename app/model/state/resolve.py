@@ -132,9 +132,9 @@ def _hint(situation: Situation) -> str:
     if status.phase == "empty":
         message = tr("Open an image ({key:open}) or drop one here.")
     elif status.started and status.stale and status.phase == "running":
-        message = tr("A start or the scales have changed: Reset ({key:reset}) to begin from them.")
+        message = tr("The starts or scales have changed: Reset ({key:reset}) to use them.")
     elif status.started and status.stale:
-        message = tr("A start or the scales have changed: Run starts again from them.")
+        message = tr("The starts or scales have changed: Run starts over with them.")
     elif status.started and status.steered:
         message = tr(
             "The parameters have changed: Resume ({key:run}) continues with them, Reset ({key:reset}) starts over."
@@ -151,16 +151,16 @@ def _hint(situation: Situation) -> str:
         message = usual
     elif not document.shapes and in_volume:
         message = tr(
-            "Drag to draw a sphere in or around an object; {key:previous_slice} and {key:next_slice} go through "
-            "the slices."
+            "Drag to draw a sphere in or around an object; {key:previous_slice} and {key:next_slice} move "
+            "through the slices."
         )
     elif not document.shapes:
         message = tr("Drag on the image to draw a circle in or around an object.")
     elif not document.starts and in_volume:
-        message = tr("Now draw where particles start: a sphere, a box, a stroke or points.")
+        message = tr("Now draw a start for the particles: a sphere, a box, a stroke or points.")
     elif not document.starts:
         message = tr(
-            "Now draw where particles start: a circle, a stroke or points; or start everywhere ({key:start_grid})."
+            "Now draw a start for the particles: a circle, a stroke or points; or start everywhere ({key:start_grid})."
         )
     else:
         return with_keys(usual or tr("Press {key:run} to run.")) if shape is None else _what_can_be_done_to(shape)
@@ -208,8 +208,8 @@ def _numbers(status: RunStatus, image: ImageReference | None) -> _Numbers:
     speed = written(f"{status.steps_per_second:.0f}") if status.phase == "running" else "–"
     numbers = (
         (tr("Step"), written(f"{status.step:,}"), tr("Steps taken over all scales.")),
-        (tr("Particles"), written(f"{status.count:,}"), tr("Free particles there are now.")),
-        (tr("Scale"), scale, tr("Level of the image pyramid; at 1:4 a pixel stands for 4 by 4.")),
+        (tr("Particles"), written(f"{status.count:,}"), tr("Current number of free particles.")),
+        (tr("Scale"), scale, tr("Level of the image pyramid; at 1:4 each pixel represents 4 by 4.")),
         ("ε", "–" if math.isnan(status.epsilon) else epsilon,
          tr("How much the particles still move, eq. (23); small at rest.")),
         (tr("Steps/s"), speed, tr("Speed of the run.")),
@@ -240,8 +240,8 @@ def _numbers_of_skeleton(status: RunStatus, image: ImageReference | None) -> _Nu
     numbers = (
         (tr("Branches"), written(f"{len(found.contours):,}"), tr("Center lines between tips and forks.")),
         (tr("Length"), _length(found.length, image, 0), tr("Length of all branches together.")),
-        (tr("Thickness"), thickness, tr("Thickness that 95 % of the length stays below.")),
-        (tr("Skeleton of"), skeleton_of(found.polarity, found.width), tr("What has a skeleton in the image.")),
+        (tr("Thickness"), thickness, tr("95 % of the length is thinner than this.")),
+        (tr("Skeleton of"), skeleton_of(found.polarity, found.width), tr("The objects whose skeleton is shown.")),
     )
     return _known(bool(found.contours), numbers)
 
