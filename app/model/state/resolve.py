@@ -121,8 +121,9 @@ def _state(situation: Situation) -> str:
             return message.format(reason=from_core(status.stop_reason))
     if document.starts or not needs_start(document.mode):
         return tr("Ready")
-    count = len(document.objects.items)
-    return (tr("1 object") if count == 1 else tr("{count} objects").format(count=count)) if count else tr("No start yet")
+    if items := document.objects.items:
+        return tr("1 object") if len(items) == 1 else tr("{count} objects").format(count=len(items))
+    return tr("No start yet")
 
 
 def _hint(situation: Situation) -> str:
