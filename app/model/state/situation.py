@@ -158,7 +158,10 @@ def can_step(situation: Situation) -> bool:
 
 
 NOT_IN_VOLUMES = frozenset(
-    (*("edit_contours", "outline", "brush", "close_contours", "show_rejected", "objects_alike", "apply_to_folder"),)
+    (
+        *("edit_contours", "outline", "brush", "close_contours", "show_rejected"),
+        *("split", "objects_alike", "apply_to_folder"),
+    )
 )
 """Names of actions and of tools that are hidden while a volume is open."""
 

@@ -23,7 +23,7 @@ from app.session.session import Session
 from cpm_core import Bridge, Contour, Image, Surface
 from cpm_core.contours import bridges_on
 from cpm_core.numerics import Array, PathTree, Place, Position, polyline
-from cpm_core.objects.segmented import Line, SegmentedObject, SegmentedObjects, painted, union
+from cpm_core.objects.segmented import Halves, Line, SegmentedObject, SegmentedObjects, painted, union
 
 BINS = 32
 """Number of bars of a histogram."""
@@ -413,6 +413,13 @@ class ObjectList(QObject):
                 self._merging.ask(lambda: reduce(union, items), partial(self._use_merged, items))
         elif len(rows) > 1:
             self._with_objects(tr("merge {what}"), rows, objects.merge)
+
+    def split(self, whole: SegmentedObject, halves: Halves) -> None:
+        """Put the halves of an object, or of one that is not accepted yet, in its place, and choose them."""
+        before = {item.number for item in self.objects.items} - {whole.number}
+        words = tr("split {what}").format(what=self.title(whole))
+        self._session.edit(words, lambda document: objects.split(document, whole, halves))
+        self.choose(item.number for item in self.objects.items if item.number not in before)
 
     def as_starts(self) -> None:
         """Start the next run on their outlines too."""

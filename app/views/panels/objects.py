@@ -143,8 +143,8 @@ def columns_of(shown: _Shown) -> tuple[Column[Row], ...]:
         if solid else
         Column("gaps", tr("Bridged"), tr("Length of the boundary that follows no contour; dashed."),
                lambda row: row.item.bridged(spacing) if row.item is not None and row.item.gaps else None, "0,000", 1),
-        Column("euler", tr("Euler char."),
-               tr("Euler characteristic of its surface: 2 for each ball, less by 2 for each handle."),
+        Column("euler", tr("Euler number"),
+               tr("Euler characteristic of its surface: 2 for a sphere, 2 less for each handle."),
                _figure(lambda found: found.euler if solid else None), "000", form=".0f"),
         Column("inside", tr("Inside"), tr("Number of the closed contour that encloses it."),
                _measure(lambda found: found.inside or None), "0000", form=".0f"),

@@ -30,7 +30,7 @@ def test_space_runs_to_rest_and_shows_one_closed_contour_around_the_disc(ready, 
     hand.wait_for_phase("finished")
     hand.wait(lambda: ready.session.idle)
     assert hand.canvas.layers.contours.counts == (1, 0)
-    assert ready.panels["run"].status.state.startswith("Done")
+    assert ready.panels["run"].status.state.startswith("Finished")
     assert ready.panels["run"].status.value("Contours") == "1 closed, 0 open"
     assert hand.canvas.layers.particles.count == int(ready.panels["run"].status.value("Particles").replace(",", ""))
 
@@ -163,6 +163,7 @@ def test_at_rest_a_moved_slider_continues_the_run_and_undo_brings_the_rest_back(
     hand.wait_for_phase("finished")
     hand.wait(lambda: session.idle)
     before, parameters = session.scene.snapshot, session.document.parameters
+    outline = session.scene.reconstruction.result.contours[0].points
     row.slider.setFocus()
     for _ in range(3):
         hand.qtbot.keyClick(row.slider, KEY.Key_PageDown)
@@ -178,6 +179,7 @@ def test_at_rest_a_moved_slider_continues_the_run_and_undo_brings_the_rest_back(
     assert session.document.parameters == parameters
     assert session.status.phase == "finished"
     np.testing.assert_array_equal(session.scene.snapshot.position, before.position)
+    np.testing.assert_array_equal(session.scene.reconstruction.result.contours[0].points, outline)
     hand.key(KEY.Key_Z, CONTROL | Qt.KeyboardModifier.ShiftModifier)
     hand.wait_for_phase("finished")
     hand.wait(lambda: session.idle)

@@ -116,7 +116,7 @@ def test_the_timeline_shows_the_step_under_the_pointer_and_opens_its_menu(ready,
     hand.wait(lambda: view.visibleRegion().contains(view.point(branch, last // 2).toPoint()))
     ask(view, view.point(branch, last // 2).toPoint())
     hand.wait(lambda: abs(navigation.place[1] - last // 2) <= 2)  # as exact as a pixel
-    assert texts(menus.menu)[:2] == ["Rename the branch…", "Compare the branch with"]
+    assert texts(menus.menu)[0] == "Rename the branch…"
     assert "timeline_parameters" in names(ready, menus.menu)
 
 

@@ -9,6 +9,7 @@ from app.views.canvas.tools.objects import ObjectTool
 from app.views.canvas.tools.outline import OutlineTool
 from app.views.canvas.tools.path import BarrierTool, GridTool, PolygonTool, RegionTool, StrokeTool, ThresholdTool
 from app.views.canvas.tools.select import SelectTool
+from app.views.canvas.tools.split import SplitTool
 from app.views.canvas.tools.tool import Tool
 
 TOOLS: tuple[type[Tool], ...] = (
@@ -18,6 +19,7 @@ TOOLS: tuple[type[Tool], ...] = (
     EraserTool,
     EditContoursTool,
     BrushTool,
+    SplitTool,
     CircleTool,
     EllipseTool,
     PolygonTool,
