@@ -161,7 +161,8 @@ class Session(QObject):
         """Change the document in a way that can be undone.
 
         `name` is what follows "Undo" in the menu. Edits in a row with the same gesture are undone together, and with
-        them the `erasure` of particles. A `ValueError` of `edit` is shown to the user and changes nothing.
+        them the `erasure` of particles. A gesture that changes what particles at rest feel, such as the drag of a
+        slider, wakes them. A `ValueError` of `edit` is shown to the user and changes nothing.
         """
         before = self.document
         try:
@@ -170,8 +171,11 @@ class Session(QObject):
             self.say(reason(error), True, EDITING)
             return
         if after != before or erasure is not None:
-            self.history.push(Change(name, before, after, gesture, erasure))
+            rest = self._rest_before(after) if gesture else None
+            self.history.push(Change(name, before, after, gesture, erasure, rest))
             self._use(after, complete=not gesture)
+            if rest is not None:
+                self.run()
 
     def seal(self) -> None:
         """End a gesture: the next edit is undone separately."""
@@ -366,6 +370,22 @@ class Session(QObject):
                 self._board.phase("running")
                 self.post(run_call(self._board.generation, Run.go))
         self._use(change.before if back else change.after)
+        if change.rest is None:
+            return
+        generation, branch, step = change.rest
+        if back and generation == self.generation:
+            self.hold(run_call(generation, Run.go_to, branch, step, lambda: True))
+        elif self.status.phase == "paused" or self.status.steered:
+            self.run()
+
+    def _rest_before(self, after: Document) -> tuple[int, int, int] | None:
+        """Where the run is at rest, if another document makes it continue; see `Change`."""
+        status, shown = self.status, self.scene.snapshot
+        if shown is None or status.phase != "finished" or status.stale:
+            return None
+        if status.steering == METHODS[status.method].steering(after.parameters):
+            return None
+        return self.generation, shown.timeline.branch, shown.state.step
 
     def _use(self, document: Document, complete: bool = True, before: Document | None = None) -> None:
         """Show another document, or the same one after the history has changed."""

@@ -160,8 +160,6 @@ def can_step(situation: Situation) -> bool:
 _CONTOUR = tr("Contours are found in images; a run in a volume finds a surface.")
 _BRUSH = tr("Objects are painted in images; in a volume they are bodies that a surface encloses.")
 _ALIKE = tr("Objects that are alike are found in images by their gray values and size, not in volumes.")
-_METHODS = tr("In a volume methods are compared by cpm compare VOLUME --sphere PLANE,ROW,COL,RADIUS.")
-_MOSAIC = tr("A mosaic shows runs with different parameters side by side; in a volume each of them takes too long.")
 _BATCH = tr("Many images are run at once; volumes are run one by one.")
 
 NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
@@ -172,8 +170,6 @@ NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
              "show_rejected"), _CONTOUR),
         "brush": _BRUSH,
         "objects_alike": _ALIKE,
-        "mosaic": _MOSAIC,
-        "compare_methods": _METHODS,
         "apply_to_folder": _BATCH,
     }
 )  # fmt: skip

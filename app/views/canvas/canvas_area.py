@@ -10,6 +10,7 @@ from PySide6.QtWidgets import QGridLayout, QVBoxLayout, QWidget
 from app.model.document import edits
 from app.model.text.keys import with_keys
 from app.model.text.language import from_core, tr
+from app.session.features.comparison import NOW
 from app.session.features.workspace import Workspace
 from app.session.signals import OF_THE_PROGRAM, OPENING
 from app.views.canvas.canvas import Canvas, ToolInUse
@@ -77,7 +78,6 @@ class CanvasArea(QWidget):
             layer.changed.connect(self._follow_layers)
         session.status_changed.connect(self.refresh)
         session.scene_changed.connect(self._draw)
-        workspace.other_result.changed.connect(self._draw)
         self._selection.changed.connect(self.refresh)
         workspace.object_list.selection_changed.connect(self.refresh)
         self._draw()
@@ -116,8 +116,8 @@ class CanvasArea(QWidget):
             self.canvas.hold.cancel()
         elif self.crosshair.at is not None:
             self.crosshair.hide()
-        elif self._workspace.other_result.chosen is not None:
-            self._workspace.other_result.choose(None)
+        elif self._workspace.comparison.chosen:
+            self._workspace.comparison.choose(NOW)
         else:
             self.messages.dismiss()
             self._session.select(None)
@@ -166,7 +166,7 @@ class CanvasArea(QWidget):
         return super().eventFilter(watched, event)
 
     def _draw(self) -> None:
-        self.canvas.draw(self._workspace.other_result.near(self._session.scene))
+        self.canvas.draw(self._session.scene)
         self.strip.legend.refresh()
 
     def _follow_layers(self) -> None:
