@@ -173,12 +173,8 @@ class ExportDialog(QDialog):
 
     def accept(self) -> None:
         """Name the classes, keep the choice for the next time, and order the files."""
-        order, image = self.order, self._session.document.image
-        there = [file.path for file in order.files if file.path.exists()]
-        if image is not None and any(path.resolve() == Path(image.path).resolve() for path in there):
-            self.summary.setText(tr("A file would replace the image: choose another name."))
-            return
-        asked = [path.name for path in there if path not in self._there.written]
+        order, written_before = self.order, self._there.written
+        asked = [file.path.name for file in order.files if file.path.exists() and file.path not in written_before]
         if not order.files or (asked and not ask_to_replace(self, ", ".join(asked))):
             return
         named = {number: field.text() for number, field in self.classes.items() if field.text()}
@@ -340,7 +336,7 @@ class ExportDialog(QDialog):
                 straight = ExportOrder(closing="straight" if order.closing else "")
                 result = closed(result, straight, self._image, document.parameters)
             parts.append(summary_text(result, what, suffixes[0], order))
-            if not result.contours or all(left_out(result, suffix) == len(result.contours) for suffix in suffixes):
+            if not self._volume and all(left_out(result, suffix) == len(result.contours) for suffix in suffixes):
                 trouble = tr("Nothing can be written: {what}.").format(what=parts[-1])
             vertices[0] += sum(len(contour.points) for contour in result.contours)
             if order.tolerance:
