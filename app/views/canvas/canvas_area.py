@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, Qt
+from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, Qt, Signal
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QGridLayout, QVBoxLayout, QWidget
 
@@ -44,6 +44,9 @@ _MIDDLE_FRACTION = 0.2
 class CanvasArea(QWidget):
     """Shows the scene of a session on the canvas, and lets the tools edit its document and select contours."""
 
+    tool_changed = Signal()
+    """Another tool is in use."""
+
     def __init__(self, workspace: Workspace) -> None:
         super().__init__()
         self._workspace = workspace
@@ -59,7 +62,7 @@ class CanvasArea(QWidget):
         self.offers, self.controls, self.views = OfferBar(), QVBoxLayout(), QGridLayout()
         """The line above the canvas, lines below it, and views next to it, which features add."""
         self.views.setSpacing(2)
-        self.views.addWidget(self.canvas, 0, 0, 2, 1)  # as high as two views next to it
+        self.views.addWidget(self.canvas, 0, 0)
         layout.addWidget(self.offers)
         layout.addLayout(self.views, 1)
         layout.addLayout(self.controls)
@@ -87,12 +90,15 @@ class CanvasArea(QWidget):
 
         A drawing tool deselects the shape, because its handles would be in the way.
         """
+        changed = self.canvas.hold.tool.name != name
         self.canvas.use(self._tools[name])
         if name != "select":
             self._session.select(None)
         self.crosshair.move(0.0, 0.0)
         self.canvas.setFocus()
         self.refresh()
+        if changed:
+            self.tool_changed.emit()
 
     def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
         """What lies at a point, or at the cross-hair, or is chosen; see `MenuOwner`."""

@@ -83,8 +83,8 @@ _OF_BODIES: tuple[Column[ObjectRow], ...] = (
            _figure(lambda found: found.area), "000,000", 2),
     Column("gaps", tr("Surfaces"), tr("Number of closed surfaces that bound it: one more for each hollow."),
            _figure(lambda found: found.parts), "0,000", form=".0f"),
-    Column("confidence", tr("Euler char."),
-           tr("Euler characteristic of its surface: 2 for each ball, less by 2 for each handle."),
+    Column("confidence", tr("Euler number"),
+           tr("Euler characteristic of its surface: 2 for a sphere, 2 less for each handle."),
            _figure(lambda found: found.euler), "0.00", form=".0f"),
 )  # fmt: skip
 

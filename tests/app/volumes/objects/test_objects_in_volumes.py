@@ -157,7 +157,7 @@ def test_the_table_measures_objects_in_units_of_the_volume(found, hand) -> None:
     row = dict(zip(heads, (model.index(0, k).data() for k in range(model.columnCount())), strict=True))
     assert float(row["Volume [px³]"].replace(",", "")) == pytest.approx(BALL, rel=0.08)
     assert float(row["Area [px²]"].replace(",", "")) == pytest.approx(4.0 * np.pi * RADIUS**2, rel=0.08)
-    assert (row["Surfaces"], row["Euler char."]) == ("1", "2")
+    assert (row["Surfaces"], row["Euler number"]) == ("1", "2")
     assert 150.0 < float(row["Mean gray"]) <= 200.0
 
 
