@@ -96,10 +96,9 @@ THINGS: Mapping[str, tuple[str, ...]] = {
                "merge_objects", "", "freeze_object", "hide_object", "", "object_start", "object_region",
                "object_barrier", "object_skeleton", "", "delete_object", "object_table", "export"),
     "proposal": ("take_object", "escape"),
-    "step": ("timeline_parameters", "timeline_delete", "", "export_animation"),
+    "step": ("timeline_parameters", "timeline_delete", "", "export"),
     "space": ("space_whole", "space_along_0", "space_along_1", "space_along_2", "", "space_particles", "space_surface",
-              "space_objects", "space_slices", "space_projection", "space_box", "", "copy_space", "export_space",
-              "export_turntable"),
+              "space_objects", "space_slices", "space_projection", "space_box", "", "copy_space", "export"),
     "parameter": (),
 }  # fmt: skip
 """Names of actions and submenus by thing; an empty name is a line between groups. An action is a thing, too."""

@@ -13,6 +13,7 @@ from PySide6.QtCore import QPoint, QRect, Qt
 from PySide6.QtWidgets import QLineEdit, QMenu
 
 from app.model.document import edits
+from app.model.export import ExportOrder
 from app.session.exchange.contour_tracking import ContourTracker
 from app.session.scene import ReviewedContours
 from app.views.features.contours import ContoursFeature
@@ -93,7 +94,7 @@ def exported(hand: Hand, window: MainWindow, tmp_path: Path) -> list[dict]:
     """The contours of a file that is exported now."""
     path = tmp_path / "out.json"
     path.unlink(missing_ok=True)
-    window.session.export(path)
+    window.session.export(ExportOrder.of(path))
     hand.wait(path.exists)
     hand.wait(lambda: window.session.idle)
     return json.loads(path.read_text(encoding="utf-8"))["contours"]
