@@ -133,5 +133,5 @@ def test_a_guard_counts_the_objects_that_are_not_saved() -> None:
     none = Document(IMAGE)
     two = accepted(accepted(none, FRAME, (HERE,)), selected((2.0, 3.5)), (THERE,))
     assert changed_parts(two, none) == ("2 objects",)
-    assert changed_parts(objects.rename(two, 2, "spot"), two) == ("1 object",)
+    assert changed_parts(objects.rename(two, (2,), "spot"), two) == ("1 object",)
     assert changed_parts(objects.delete(two, [1]), two) == ("the objects",)
