@@ -11,7 +11,6 @@ from typing import Any, TypeVar
 
 from PySide6.QtCore import QObject, Signal
 
-from app.model.export import summary_text
 from app.model.state.situation import Phase, RunStatus
 from app.model.text.language import shortened, tr
 from app.session.exchange.messages import (
@@ -31,7 +30,7 @@ from app.session.exchange.messages import (
 )
 from app.session.scene import NO_CONTOURS, ReviewedContours, Scene
 from app.session.worker.commands import RunsRestored
-from app.session.worker.requests import Compared, Probed, Shaded
+from app.session.worker.requests import Probed, Shaded
 from app.session.worker.worker_thread import WorkerThread
 
 R = TypeVar("R", bound=Report)
@@ -172,7 +171,7 @@ class Board(QObject):
         """Clear what is shown of the previous run; `method` is the name of the next one's method."""
         self._known = RunStatus(phase="ready", method=method)
         self.trouble("", CONTOURS)
-        self._show(snapshot=None, reconstruction=None, contours=NO_CONTOURS, probed=None, compared=None)
+        self._show(snapshot=None, reconstruction=None, contours=NO_CONTOURS, probed=None)
         self.show_status()
 
     def look(self) -> None:
@@ -249,7 +248,7 @@ class Board(QObject):
                     self._show(image_seeds=image_seeds)
             case Exported(path, counts):
                 written = tr("Written: {path}").format(path=path)
-                self.say(written if counts is None else f"{written} ({summary_text(counts)})", topic=EXPORTING)
+                self.say(f"{written} ({counts})" if counts else written, topic=EXPORTING)
             case CommandFailed(sentence, topic):
                 self.say(sentence, True, topic)
             case Compiling(percent) if "preparing" in self._busy:
@@ -257,8 +256,6 @@ class Board(QObject):
             case Probed():
                 self.trouble(report.trouble, "forces")
                 self._show(probed=report)
-            case Compared(generation) if generation == self.generation:
-                self._show(compared=report)
             case Shaded():
                 self._show(shaded=report)
             case Finished(then):

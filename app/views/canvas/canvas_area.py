@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, Qt
+from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, Qt, Signal
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import QGridLayout, QVBoxLayout, QWidget
 
 from app.model.document import edits
 from app.model.text.keys import with_keys
 from app.model.text.language import from_core, tr
+from app.session.features.comparison import NOW
 from app.session.features.workspace import Workspace
 from app.session.signals import OF_THE_PROGRAM, OPENING
 from app.views.canvas.canvas import Canvas, ToolInUse
@@ -41,7 +42,10 @@ _MIDDLE_FRACTION = 0.2
 
 
 class CanvasArea(QWidget):
-    """Shows the scene of a session on the canvas, and lets the tools edit its document and select contours."""
+    """Shows the scene of a session on the canvas, and lets the tools edit its document and select."""
+
+    tool_changed = Signal()
+    """Another tool is in use."""
 
     def __init__(self, workspace: Workspace) -> None:
         super().__init__()
@@ -58,7 +62,7 @@ class CanvasArea(QWidget):
         self.offers, self.controls, self.views = OfferBar(), QVBoxLayout(), QGridLayout()
         """The line above the canvas, lines below it, and views next to it, which features add."""
         self.views.setSpacing(2)
-        self.views.addWidget(self.canvas, 0, 0, 2, 1)  # as high as two views next to it
+        self.views.addWidget(self.canvas, 0, 0)
         layout.addWidget(self.offers)
         layout.addLayout(self.views, 1)
         layout.addLayout(self.controls)
@@ -77,7 +81,6 @@ class CanvasArea(QWidget):
             layer.changed.connect(self._follow_layers)
         session.status_changed.connect(self.refresh)
         session.scene_changed.connect(self._draw)
-        workspace.other_result.changed.connect(self._draw)
         self._selection.changed.connect(self.refresh)
         workspace.object_list.selection_changed.connect(self.refresh)
         self._draw()
@@ -87,12 +90,15 @@ class CanvasArea(QWidget):
 
         A drawing tool deselects the shape, because its handles would be in the way.
         """
+        changed = self.canvas.hold.tool.name != name
         self.canvas.use(self._tools[name])
         if name != "select":
             self._session.select(None)
         self.crosshair.move(0.0, 0.0)
         self.canvas.setFocus()
         self.refresh()
+        if changed:
+            self.tool_changed.emit()
 
     def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
         """What lies at a point, or at the cross-hair, or is chosen; see `MenuOwner`."""
@@ -116,12 +122,12 @@ class CanvasArea(QWidget):
             self.canvas.hold.cancel()
         elif self.crosshair.at is not None:
             self.crosshair.hide()
-        elif self._workspace.other_result.chosen is not None:
-            self._workspace.other_result.choose(None)
+        elif self._workspace.comparison.chosen:
+            self._workspace.comparison.choose(NOW)
         else:
             self.messages.dismiss()
             self._session.select(None)
-            self._workspace.review.select(())
+            self._workspace.review.choose()
             self._selection.dismiss()
 
     def refresh(self) -> None:
@@ -166,7 +172,7 @@ class CanvasArea(QWidget):
         return super().eventFilter(watched, event)
 
     def _draw(self) -> None:
-        self.canvas.draw(self._workspace.other_result.near(self._session.scene))
+        self.canvas.draw(self._session.scene)
         self.strip.legend.refresh()
 
     def _follow_layers(self) -> None:
@@ -196,16 +202,18 @@ class CanvasArea(QWidget):
                 by = by if slices is None else slices.current.along(by)
                 name = tr("move {shape}").format(shape=from_core(self._session.document.shapes[index].title))
                 self._session.edit(name, lambda document: edits.move_shape(document, index, by), f"nudge {index}")
-        elif key in _SIZES and index is not None:
-            self.grow(index, _SIZES[key])
-        elif key in _SIZES and tool.sized:
-            tool.resize(_SIZES[key])
+        elif key in _SIZES and (index is not None or tool.sized):
+            self.enlarge(_SIZES[key])
         else:
             return False
         return True
 
-    def grow(self, index: int, by: float) -> None:
-        """Make a shape larger, or smaller for `by` below 0."""
+    def enlarge(self, by: float) -> None:
+        """Make the selected shape larger, or what the tool works with, or smaller for `by` below 0."""
+        index = self._session.selected
+        if index is None:
+            self.canvas.hold.tool.resize(by)
+            return
         shape = self._session.document.shapes[index]
         verb = tr("resize {shape}") if shape.outline.size else tr("change {shape}")
         name, resized = verb.format(shape=from_core(shape.title)), shape.resized(by)

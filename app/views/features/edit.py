@@ -8,7 +8,7 @@ from app.model.document import edits
 from app.model.document.document import Mode
 from app.model.document.modes import MODES, use_mode
 from app.model.state.resolve import resolve
-from app.model.state.situation import can_redo, can_undo, has_image, has_selection, has_shapes
+from app.model.state.situation import Situation, can_redo, can_undo, has_image, has_selection, has_shapes
 from app.model.text.language import from_core, tr
 from app.views.canvas.canvas_area import FIRST_TOOL
 from app.views.canvas.tools import TOOLS
@@ -24,7 +24,7 @@ class DrawFeature(Feature):
         super().__init__(window)
         area = window.canvas_area
         tools = [
-            ActionSpec(tool.name, "Draw", tool.text, tool.tip, partial(area.use_tool, tool.name), tool.shortcut,
+            ActionSpec(tool.name, "Tools", tool.text, tool.tip, partial(area.use_tool, tool.name), tool.shortcut,
                        icon=tool.name, group="tool", checked=tool.name == FIRST_TOOL,
                        gap=index > 0 and tool.group != TOOLS[index - 1].group, when=has_image)
             for index, tool in enumerate(TOOLS)
@@ -37,12 +37,12 @@ class DrawFeature(Feature):
                         tr("Start where the gradient is large; choose again to remove it."), tr("Edges")),
             self._start("centers", tr("Ce&nters"), "Ctrl+Shift+C",
                         tr("Start at the centers of regions enclosed by edges; choose again to remove it.")),
-            ActionSpec("add_circle", "Draw", "Add circle in the &middle",
-                       "Add a circle in the middle of the visible part.", area.add_circle, "Ctrl+K", gap=True,
+            ActionSpec("add_circle", ">" + tr("Tools"), "Add circle in the &middle",
+                       "Add a circle in the middle of the visible part.", area.add_circle, "Ctrl+K",
                        when=has_image),
-            ActionSpec("cross_hair", "Draw", "Draw by &keys",
+            ActionSpec("cross_hair", "Tools", "Draw by &keys",
                        "Draw with the current tool by a cross-hair that arrow keys move; or press Enter on the image.",
-                       area.crosshair.toggle, when=has_image),
+                       area.crosshair.toggle, gap=True, when=has_image),
         )  # fmt: skip
 
     def _start(self, kind: Kind, text: str, keys: str, tip: str, short: str = "") -> ActionSpec:
@@ -57,7 +57,7 @@ class DrawFeature(Feature):
             # The action must show the state of the document even if it has not changed.
             self.window.refresh()
 
-        return ActionSpec(f"start_{kind}", "Draw", text, tip, toggle, keys, icon=kind, gap=kind == "grid",
+        return ActionSpec(f"start_{kind}", "Tools", text, tip, toggle, keys, icon=kind, gap=kind == "grid",
                           short=short, when=has_image, holds=lambda now: start in now.document.shapes)  # fmt: skip
 
 
@@ -91,7 +91,11 @@ class UndoSelectionFeature(Feature):
 
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
-        session = window.session
+        session, area = window.session, window.canvas_area
+
+        def sized(situation: Situation) -> bool:
+            return situation.selected is not None or area.canvas.hold.tool.sized
+
         self.actions = (
             ActionSpec("undo", "Edit", "Undo", "Undo the last change.", session.undo, "Ctrl+Z", short=tr("Undo"),
                        icon="undo", when=can_undo, worded=lambda situation: resolve(situation).undo_text),
@@ -100,23 +104,18 @@ class UndoSelectionFeature(Feature):
                        worded=lambda situation: resolve(situation).redo_text),
             ActionSpec("select_next", "Edit", "Select &next shape", "Select the next shape.", session.select_next, "N",
                        gap=True, when=has_shapes),
-            ActionSpec("escape", "Edit", "Cance&l",
+            ActionSpec("escape", ">" + tr("Edit"), "Cance&l",
                        "Cancel the current drawing, or clear the selection and hide messages.",
                        window.canvas_area.escape, "Escape"),
             ActionSpec("delete", "Edit", "&Delete", "Remove the selected shape.", session.delete_selected,
                        "Delete Backspace", gap=True, when=has_selection),
-            ActionSpec("enlarge", "Edit", "Larger",
-                       "Make the selected shape larger, or a charge stronger; so does the key ].",
-                       partial(self._resize, 1.0), when=has_selection),
-            ActionSpec("shrink", "Edit", "Smaller",
-                       "Make the selected shape smaller, or a charge weaker; so does the key [.",
-                       partial(self._resize, -1.0), when=has_selection),
+            ActionSpec("enlarge", ">" + tr("Edit"), "Larger",
+                       "Make the selected shape, or what the tool works with, larger; so does the key ].",
+                       partial(area.enlarge, 1.0), when=sized),
+            ActionSpec("shrink", ">" + tr("Edit"), "Smaller",
+                       "Make the selected shape, or what the tool works with, smaller; so does the key [.",
+                       partial(area.enlarge, -1.0), when=sized),
             ActionSpec("clear", "Edit", "Delete &all shapes", "Remove all shapes.",
                        partial(session.edit, tr("delete all shapes"), edits.clear_shapes), "Ctrl+Shift+Backspace",
                        when=has_shapes),
         )  # fmt: skip
-
-    def _resize(self, by: float) -> None:
-        selected = self.window.session.selected
-        if selected is not None:
-            self.window.canvas_area.grow(selected, by)

@@ -174,7 +174,7 @@ class OpenSaveFeature(Feature):
         self._left = None
         path = opened.saved.path if opened.saved and opened.saved.path else opened.path
         if opened.saved is not None and opened.saved.file.truth is not None:
-            self.window.workspace.truth.restore(opened.saved.file.truth, path.absolute().parent)
+            self.window.workspace.comparison.restore(opened.saved.file.truth, path.absolute().parent)
         if sample_at(opened.path) is None or opened.saved:
             self._remember(path)
             self.recent.keep_part(opened)

@@ -1,16 +1,12 @@
-"""Menu Run: run and pause, timeline, tasks, parameters, and the comparison of runs."""
+"""Menu Run: run and pause, timeline, tasks and parameters."""
 
 from __future__ import annotations
 
 from functools import partial
-from pathlib import Path
 
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QMenu, QWidget
 
-from app.model.export import formats
-from app.model.parameters.controls import CHANNEL
 from app.model.preferences.table import TIMELINE_MEMORY, UNIT, WORDING
 from app.model.state.resolve import resolve
 from app.model.state.situation import Situation, can_step, has_image, has_particles, is_running, is_started
@@ -19,18 +15,15 @@ from app.session.storage.presets import PresetStore
 from app.session.timeline.timeline import MEGABYTE
 from app.session.worker.commands import run_call
 from app.session.worker.run import Run
-from app.views.canvas.items.item import image_rectangle
-from app.views.comparison.dialog import CompareDialog
 from app.views.panels.parameters import ParametersPanel
 from app.views.panels.presets import Presets
 from app.views.panels.run import RunPanel
 from app.views.panels.timeline import TimelinePanel
-from app.views.widgets.actions import ActionSpec, Submenu, add_choice
+from app.views.widgets.actions import ActionSpec
 from app.views.window.bars import TaskBar
 from app.views.window.docks import Panel
 from app.views.window.keyboard import Keys
-from app.views.window.window import Feature, MainWindow, OneDialog
-from cpm_core.formats import PICTURE, TABLE
+from app.views.window.window import Feature, MainWindow
 
 _UPDATE_EVERY = 250
 """Time between two updates of the panel during the run [ms]."""
@@ -45,8 +38,11 @@ class RunControlFeature(Feature):
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
         session, speed = window.session, window.speed
-        self.panel = RunPanel()
-        self.panels = (Panel("run", "Run", self.panel, height=140, shortcut="F5"),)
+        self.presets = Presets(window, PresetStore(parent=window))
+        parameters = ParametersPanel(session, self.presets)
+        self.panel = RunPanel(parameters)
+        self.panels = (Panel("run", "Run", self.panel, "F5"),)
+        window.preferences.follow(WORDING, lambda: parameters.use_wording(window.preferences.value(WORDING)))
         chosen = window.preferences.get(_PLOTS, list(self.panel.plot.shown))
         self.panel.plot.show_plots(chosen)
         self.panel.unfold(window.preferences.get(_UNFOLDED, []))
@@ -96,7 +92,7 @@ class RunControlFeature(Feature):
         self.panel.show_metrics(snapshot.metrics if snapshot else None)
 
 
-_MENU = "Run>" + tr("&Timeline")
+_MENU = ">" + tr("Timeline")
 
 
 class TimelineFeature(Feature):
@@ -106,9 +102,8 @@ class TimelineFeature(Feature):
         super().__init__(window)
         self.navigation = to = window.workspace.navigation
         self.panel = TimelinePanel(to, lambda: is_running(window.session.situation))
-        self.panels = (
-            Panel("timeline", "Timeline", self.panel, "below", height=40, shortcut="F9"),
-        )  # fmt: skip
+        self.panels = (Panel("timeline", "Timeline", self.panel, "F9", below=True),)
+        window.session.status_changed.connect(lambda: self.panel.setVisible(is_started(window.session.situation)))
 
         def go_to_end(event: QKeyEvent) -> bool:
             """Home and End on the canvas; in sliders and fields they keep their meaning."""
@@ -181,72 +176,3 @@ class TasksFeature(Feature):
                        self.bar.cancel, "Ctrl+.", gap=True,
                        when=lambda _: any(task.cancellable for task in tasks.current)),
         )  # fmt: skip
-
-
-class ParametersFeature(Feature):
-    """Parameters and presets."""
-
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
-        self.presets = Presets(window, PresetStore(parent=window))
-        self.panel = ParametersPanel(window.session, self.presets)
-        self.panels = (Panel("parameters", "Parameters", self.panel, tab="settings", shortcut="F7"),)
-        window.preferences.follow(WORDING, lambda: self.panel.use_wording(window.preferences.value(WORDING)))
-        self.actions = (
-            Submenu("presets", "Run", "&Preset", self.presets.fill, gap=True),
-            Submenu("channels", "Run", "C&hannel", self._fill_channels),
-        )
-
-    def _fill_channels(self, menu: QMenu) -> None:
-        """Fill a menu with the channels; a gray image has none."""
-        session = self.window.session
-        colored = session.image is not None and session.image.colors is not None
-        for value, title, about in self.panel.choices[CHANNEL].control.choices:
-            take = partial(self.panel.change, CHANNEL, value)
-            action = add_choice(menu, title, take, about, value == session.document.parameters.channel)
-            action.setEnabled(colored)
-
-
-_LEAST_SEEN = 0.02
-"""Fraction of the image that must be visible for the tiles to show only the visible part."""
-
-
-class ComparisonFeature(Feature):
-    """Runs with other parameters, and classical methods, next to one another."""
-
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
-        self.dialog = OneDialog(self._make)
-        self.actions = (
-            ActionSpec("mosaic", "Run", "&Mosaic of two parameters…",
-                       "Compare runs with several values of two parameters and choose the best.",
-                       partial(self._open_at, 0), "Ctrl+M", gap=True, when=has_image),
-            ActionSpec("compare_methods", "Run", "Compare m&ethods…",
-                       "Run snakes, level sets and others beside the particles, from the same start.",
-                       partial(self._open_at, 1), "Ctrl+Shift+M", when=has_image),
-        )  # fmt: skip
-
-    def _make(self) -> CompareDialog | None:
-        """The dialog; tiles show the visible part of the image as it is shown."""
-        window, display = self.window, self.window.session.scene.display
-        if display is None:
-            return None
-        whole = image_rectangle(display.shape)
-        seen = window.canvas_area.canvas.view.viewRect().intersected(whole)
-        crop = seen if seen.width() * seen.height() > _LEAST_SEEN * whole.width() * whole.height() else whole
-        return CompareDialog(window, window.session, window.workspace.comparison, display, crop, self._ask)
-
-    def _open_at(self, choice: int) -> None:
-        opened = self.dialog.open()
-        if opened is not None:
-            opened.choices.setCurrentIndex(choice)
-
-    def close(self) -> bool:
-        """Close the dialog."""
-        return self.dialog.close()
-
-    def _ask(self, parent: QWidget) -> Path | None:
-        each = tr("Contours of each method: {format}")
-        kinds = {TABLE: tr("Table of all methods"), PICTURE: tr("Picture of all methods")}
-        kinds |= {suffix: each.format(format=name) for suffix, name in formats().items() if suffix not in kinds}
-        return self.window.files.ask_where_to_export(tr("Export the comparison"), ".methods.csv", kinds, parent)

@@ -1,4 +1,4 @@
-"""The panel of the view in space: the controls above the view, and what its menu offers."""
+"""The panel of the view in space: its controls, and what its menu offers."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
-from PySide6.QtCore import QPoint, Signal
+from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QApplication, QCheckBox, QComboBox, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from app.model.display.space.view_in_space import ShownParts, ViewInSpace
@@ -56,9 +56,9 @@ class SpaceBar(QWidget):
             check.setToolTip(PARTS[name][1])
             check.setChecked(getattr(self.shown, name))
             check.toggled.connect(self._choose)
-        parts = arrange(QHBoxLayout(), *self.checks.values(), None)
-        looks = arrange(QHBoxLayout(), QLabel(tr("Opacity")), self.opacity, self.cut, self.cut_at)
-        arrange(QVBoxLayout(self), parts, looks, margins=(8, 3, 8, 3), spacing=2)
+        looks = arrange(QHBoxLayout(), QLabel(tr("Opacity")), self.opacity)
+        cut = arrange(QHBoxLayout(), self.cut, self.cut_at)
+        arrange(QVBoxLayout(self), *self.checks.values(), looks, cut, None, margins=(12, 8, 8, 6), spacing=6)
         self.opacity.moved_to.connect(self._choose)
         self.cut.currentIndexChanged.connect(self._choose)
         self.cut_at.moved_to.connect(self._choose)
@@ -92,7 +92,7 @@ def _slider(name: str, step: float, first: float) -> MarkedSlider:
 
 
 class SpacePanel(QWidget):
-    """Shows a volume as the controls say."""
+    """The controls, and the view that shows a volume as they say, which is next to the slices."""
 
     def __init__(self, session: Session) -> None:
         super().__init__()
@@ -101,11 +101,7 @@ class SpacePanel(QWidget):
         self.bar = SpaceBar()
         self.view = SpaceView(session)
         self.bar.changed.connect(lambda: self.show_contents(self.contents))
-        arrange(QVBoxLayout(self), self.bar, self.view, spacing=0, wide=self.view)
-
-    def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
-        """The menu of the view; see `MenuOwner`."""
-        return "" if self.contents is None else "space", point or self.view.geometry().center()
+        arrange(QVBoxLayout(self), self.bar)
 
     def show_contents(self, contents: ViewInSpace | None) -> None:
         """Show another volume, or what a run has found in it since."""
@@ -113,7 +109,7 @@ class SpacePanel(QWidget):
         self.view.show_view(self.contents)
 
 
-_MENU = "View>" + tr("In s&pace")
+_MENU = ">" + tr("In space")
 
 _FROM = {"A": tr("From the &front"), "P": tr("From the &front"), "L": tr("From the &left side"),
          "R": tr("From the &left side"), "S": tr("From &below"), "I": tr("From &below")}  # fmt: skip
@@ -140,18 +136,18 @@ def specs(panel: SpacePanel, session: Session) -> Iterator[ActionSpec]:
         return ActionSpec(f"space_along_{axis}", _MENU, plain,
                           tr("Look at the volume as at its slices across the axis: {axis} ({key} in the view).")
                           .format(axis=AXES[axis], key=axis + 1), partial(panel.view.look_along, axis),
-                          when=has_volume, worded=text)  # fmt: skip
+                          there=has_volume, worded=text)  # fmt: skip
 
     def part(name: str) -> ActionSpec:
         (title, tip), check = PARTS[name], panel.bar.checks[name]
-        return ActionSpec(f"space_{name}", _MENU, title, tip, check.toggle, gap=name == "particles",
-                          when=has_volume, holds=lambda _: check.isChecked())  # fmt: skip
+        return ActionSpec(f"space_{name}", _MENU, title, tip, check.toggle,
+                          there=has_volume, holds=lambda _: check.isChecked())  # fmt: skip
 
     yield ActionSpec("space_whole", _MENU, "&Whole volume",
                      "See the whole volume from where it is seen first (0 in the view).", panel.view.show_all,
-                     when=has_volume)  # fmt: skip
+                     there=has_volume)  # fmt: skip
     yield from map(along, range(3))
     yield from map(part, PARTS)
     yield ActionSpec("copy_space", _MENU, "&Copy picture",
-                     "Copy what the view in space shows to the clipboard.", copy, gap=True,
-                     when=has_volume)  # fmt: skip
+                     "Copy what the view in space shows to the clipboard.", copy,
+                     there=has_volume)  # fmt: skip

@@ -1,17 +1,30 @@
-"""The panels leave the image its room, keep what the user has chosen, and can be used in small windows."""
+"""The window leaves the image its room, has few entries and controls, and can be used when it is small."""
 
 from __future__ import annotations
 
 from PySide6.QtCore import QPoint, Qt
-from PySide6.QtWidgets import QScrollArea
+from PySide6.QtWidgets import (
+    QAbstractButton,
+    QAbstractItemView,
+    QAbstractSlider,
+    QAbstractSpinBox,
+    QComboBox,
+    QLineEdit,
+    QMenu,
+    QScrollArea,
+    QScrollBar,
+    QWidget,
+)
 
 from app.session.storage.preferences import Preferences
+from app.views.canvas.items.item import image_rectangle
 from app.views.main_window import make_window
 from app.views.window.bars import ToolPalette
 from app.views.window.window import MainWindow
 
+ENTRIES, CONTROLS = 160, 70
 LEFT = Qt.MouseButton.LeftButton
-DECISIVE = ("reach", "weakest_edge", "beta", "ratio", "annealing")
+DECISIVE = ("beta", "ratio", "annealing", "reach", "weakest_edge")
 
 
 def resized(window: MainWindow, hand, width: int, height: int) -> None:
@@ -25,34 +38,42 @@ def seen_whole(widget) -> bool:
 
 
 def test_the_parameters_that_decide_are_seen_without_scrolling(window, hand) -> None:
-    resized(window, hand, 1400, 880)
-    rows = window.panels["parameters"].rows
-    hand.wait(lambda: all(seen_whole(rows[name]) for name in DECISIVE))
+    resized(window, hand, 1280, 720)
     run = window.panels["run"]
-    assert run.status.mapTo(window, QPoint()).y() < rows["reach"].mapTo(window, QPoint()).y()
+    rows = run.parameters.rows
+    hand.wait(lambda: all(seen_whole(rows[name]) for name in DECISIVE))
+    assert run.status.mapTo(window, QPoint()).y() < rows["beta"].mapTo(window, QPoint()).y()
     assert not run.plot.isVisible()
     assert seen_whole(run.plots.fold)
 
 
-def test_the_image_has_its_room_in_a_window_of_1280_by_720(window, hand) -> None:
-    resized(window, hand, 1280, 720)
-    canvas = window.canvas_area.canvas
-    hand.wait(lambda: canvas.width() * canvas.height() >= 0.5 * 1280 * 720)
+def test_the_image_has_its_room_in_small_windows(ready, hand) -> None:
+    picture = ready.canvas_area.views.geometry
+    for width, height in ((1280, 720), (960, 540)):
+        resized(ready, hand, width, height)
+        hand.key(Qt.Key.Key_R)
+        hand.wait_for_phase("ready")
+        for _ in range(2):
+            hand.wait(lambda: picture().width() >= 0.6 * ready.width())
+            hand.wait(lambda: picture().height() >= 0.65 * ready.height())
+            hand.key(Qt.Key.Key_Space)
+            hand.wait_for_phase("finished")
 
 
-def test_in_a_window_of_800_by_500_everything_can_be_reached(window, hand) -> None:
-    resized(window, hand, 800, 500)
-    panel = window.panels["parameters"]
-    panel.advanced.fold.click()
-    (area,) = (area for area in panel.findChildren(QScrollArea) if area.widget().isAncestorOf(panel.rows["beta"]))
-    for row in panel.rows.values():
-        if row.isVisibleTo(panel):
-            area.ensureWidgetVisible(row)
+def test_in_a_window_of_800_by_500_everything_can_be_reached(ready, hand) -> None:
+    resized(ready, hand, 800, 500)
+    run = ready.panels["run"]
+    run.parameters.more.fold.click()
+    for row in run.parameters.rows.values():
+        if row.isVisibleTo(run):
+            run.ensureWidgetVisible(row)
             hand.wait(lambda row=row: seen_whole(row.slider) and seen_whole(row.number))
             assert row.slider.width() >= 60
-    assert window.panels["timeline"].view.width() >= 120
-    assert seen_whole(window.panels["timeline"].branch)
-    palette = window.findChild(ToolPalette)
+    hand.key(Qt.Key.Key_Space)
+    hand.wait_for_phase("finished")
+    assert ready.panels["timeline"].view.width() >= 120
+    assert seen_whole(ready.panels["timeline"].branch)
+    palette = ready.findChild(ToolPalette)
     (tools,) = palette.findChildren(QScrollArea)
     for button in palette.buttons.values():
         tools.ensureWidgetVisible(button)
@@ -67,3 +88,39 @@ def test_what_is_unfolded_is_remembered(qtbot, workspace, window, hand) -> None:
     qtbot.addWidget(again)
     assert again.panels["run"].unfolded == ["plots"]
     again.close()
+
+
+def test_the_image_is_fitted_again_after_the_window_is_resized_unless_the_user_has_zoomed(ready, hand) -> None:
+    resized(ready, hand, 900, 600)
+    whole, view = image_rectangle(hand.canvas.shape), hand.canvas.view
+    for width, height in ((1280, 720), (800, 600)):
+        resized(ready, hand, width, height)
+        hand.wait(lambda: view.viewRect().contains(whole))
+        assert view.viewRect().height() < 1.2 * whole.height()
+    hand.key(Qt.Key.Key_Plus)
+    hand.key(Qt.Key.Key_Plus)
+    resized(ready, hand, 1000, 650)
+    assert not view.viewRect().contains(whole)
+
+
+def entries(menu: QMenu) -> list[str]:
+    """The entries of a menu and of its submenus."""
+    menu.aboutToShow.emit()
+    found: list[str] = []
+    for action in menu.actions():
+        if not action.isSeparator():
+            found.append(action.text())
+            found += entries(action.menu()) if action.menu() else []
+    return found
+
+
+def test_menus_and_controls_are_few_at_the_first_start(window, hand) -> None:
+    resized(window, hand, 1280, 720)
+    assert sum(len(entries(action.menu())) for action in window.menuBar().actions()) <= ENTRIES
+    kinds = QAbstractButton, QAbstractSlider, QAbstractSpinBox, QComboBox, QLineEdit, QAbstractItemView
+    parts = QAbstractSpinBox, QComboBox
+    for key in (Qt.Key.Key_C, Qt.Key.Key_W, Qt.Key.Key_F8):
+        hand.key(key)
+        shown = [one for one in window.findChildren(QWidget) if isinstance(one, kinds) and one.isVisible()]
+        controls = [one for one in shown if not isinstance(one, QScrollBar) and not isinstance(one.parent(), parts)]
+        assert len(controls) <= CONTROLS

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from app.views.canvas.tools.brush_tools import BrushTool, EraserTool, SprayTool
-from app.views.canvas.tools.contours import ContourTool
 from app.views.canvas.tools.drawn import AttractTool, CircleTool, EllipseTool, PointTool, RepelTool
 from app.views.canvas.tools.edit_contours import EditContoursTool
 from app.views.canvas.tools.objects import ObjectTool
 from app.views.canvas.tools.outline import OutlineTool
 from app.views.canvas.tools.path import BarrierTool, GridTool, PolygonTool, RegionTool, StrokeTool, ThresholdTool
 from app.views.canvas.tools.select import SelectTool
+from app.views.canvas.tools.split import SplitTool
 from app.views.canvas.tools.tool import Tool
 
 TOOLS: tuple[type[Tool], ...] = (
@@ -17,9 +17,9 @@ TOOLS: tuple[type[Tool], ...] = (
     OutlineTool,
     SelectTool,
     EraserTool,
-    ContourTool,
     EditContoursTool,
     BrushTool,
+    SplitTool,
     CircleTool,
     EllipseTool,
     PolygonTool,
