@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
@@ -25,7 +25,7 @@ _THREADS = 4
 """Most threads that ask the prior at once."""
 
 _SIZE, _CUT = (0.2, 4.0), 0.05
-"""Area of others, as fractions of that of the chosen one; and the least area of one that the border of the image cuts."""
+"""Area of others, as fractions of that of the chosen one; and least area of one that the border of the image cuts."""
 
 _EDGE = 0.3
 """Least strength of the boundary of others, as a fraction of that of the chosen one's."""
@@ -38,9 +38,9 @@ _BOUNDED, _OWN, _LIKELY = 0.6, 0.5, 0.8
 """Least share of the boundary of a part at contours, and that it owns: its neighbor there is less likely an object; and
 least overlap that the prior expects."""
 
-_OVER, _WITHIN, _AT_RIM = 0.3, 0.95, 0.3
-"""Share of an object from which it is another one again; of one that lies in another; and of its boundary at that of
-the other up to which it is an object in an object."""
+_OVER, _WITHIN, _MOST_WITHIN, _AT_RIM = 0.3, 0.95, 0.6, 0.3
+"""Share of an object from which it is another one again, unless it is an object in it, or around it: least share of the
+smaller that lies in the larger, largest area in that of the larger, and share of its boundary at that of the larger."""
 
 
 def similar(partition: Partition, chosen: Selection) -> Iterator[Selection]:
@@ -69,14 +69,6 @@ def similar(partition: Partition, chosen: Selection) -> Iterator[Selection]:
                 yield other
 
 
-class _Part(NamedTuple):
-    """A part of an image between contours, and what the prior makes of it."""
-
-    number: int
-    likely: Likely
-    pixels: int
-
-
 def everywhere(partition: Partition) -> Iterator[Selection]:
     """The objects of an image: what is certain, and parts between contours that are likely objects.
 
@@ -87,81 +79,96 @@ def everywhere(partition: Partition) -> Iterator[Selection]:
     taken = np.zeros(partition.shape, np.bool_)
     for mask in partition.certain():
         known.append(mask)
-        taken |= mask
+        taken |= scipy.ndimage.binary_fill_holes(mask)
         yield _proposed(partition, mask, Signs(places=0, certain=True))
     if not partition.prior or not partition.contours:
         return
-    parts, bounded = _parts(partition)
-    seen = _judged(partition, parts, np.flatnonzero(bounded >= _BOUNDED), taken)
-    worth = np.zeros(len(bounded))
-    worth[[one.number for one in seen]] = [one.likely.overlap for one in seen]
-    owned = _owned(parts, worth)
-    for part in sorted(seen, key=lambda one: -one.likely.overlap):
-        mask = part.likely.mask & partition.interest
-        if part.likely.overlap < _LIKELY or owned[part.number] < _OWN or np.count_nonzero(mask) < _LEAST:
+    parts = _Parts.of(partition)
+    judged = parts.judged(partition, taken)
+    owned = parts.owned(judged)
+    for number, likely in sorted(judged.items(), key=lambda item: -item[1].overlap):
+        mask = likely.mask & partition.interest
+        pixels = np.count_nonzero(mask)
+        if likely.overlap < _LIKELY or owned[number] < _OWN or pixels < _LEAST:
             continue
-        over = np.count_nonzero(mask & taken) / np.count_nonzero(mask)
-        if over > _OVER and not all(_apart(mask, other) for other in known):
+        over = np.count_nonzero(mask & taken) / pixels
+        if over <= _OVER:
+            mask = _largest(mask & ~taken)
+        elif not all(_apart(mask, other) for other in known):
             continue
-        mask = mask if over > _OVER else _largest(mask & ~taken)
         known.append(mask)
         taken |= mask
-        yield _proposed(partition, mask, Signs(*part.likely[2:], places=0))
+        yield _proposed(partition, mask, Signs(*likely[2:], places=0))
 
 
-def _parts(partition: Partition) -> tuple[Index, Array]:
-    """Parts of an image, shape (H, W), numbered from 1; and the share of the boundary of each that runs along contours.
+class _Parts(NamedTuple):
+    """Parts of an image between contours.
 
-    The first share is that of number 0, which is no part.
+    Attributes
+    ----------
+    labels : ndarray of int64, shape (H, W)
+        Numbers of the parts, from 1.
+    pixels : ndarray of int64, shape (N + 1,)
+        Area of each [px²].
+    bounded : ndarray, shape (N + 1,)
+        Share of its boundary that runs along contours.
+    one, other : ndarray of int64, shape (L,)
+        Parts on both sides of each link between pixels of two, in both directions.
     """
-    lines = crossings([contour.path for contour in partition.contours], partition.shape).pixels
-    depth = scipy.ndimage.gaussian_filter(scipy.ndimage.distance_transform_edt(~lines), 1.0)
-    tops = skimage.morphology.h_maxima(depth, _GAP)  # type: ignore[no-untyped-call]
-    markers, count = scipy.ndimage.label((tops > 0) & (depth > _DEEP), np.ones((3, 3)))
-    parts = skimage.segmentation.watershed(-depth, markers)  # type: ignore[no-untyped-call]
-    near = running_maximum(lines, 1)
-    all_around, along = np.zeros(count + 1), np.zeros(count + 1)
-    for one, other, at in _sides(parts):
-        for side in (one, other):
-            all_around += np.bincount(side, minlength=count + 1)
-            along += np.bincount(side[near[at]], minlength=count + 1)
-    for rim in (parts[0], parts[-1], parts[:, 0], parts[:, -1]):
-        all_around += np.bincount(rim, minlength=count + 1)
-    return np.asarray(parts, np.int64), along / np.maximum(all_around, 1.0)
 
+    labels: Index
+    pixels: Index
+    bounded: Array
+    one: Index
+    other: Index
 
-def _sides(parts: Index) -> Iterator[tuple[Index, Index, tuple[Index, Index]]]:
-    """Numbers of the parts on both sides of each link between two of them, and the pixels of the first side."""
-    for step in (np.s_[1:, :], np.s_[:-1, :]), (np.s_[:, 1:], np.s_[:, :-1]):
-        rows, cols = np.nonzero(parts[step[0]] != parts[step[1]])
-        yield parts[step[1]][rows, cols], parts[step[0]][rows, cols], (rows, cols)
+    @classmethod
+    def of(cls, partition: Partition) -> _Parts:
+        """The parts of an image."""
+        lines = crossings([contour.path for contour in partition.contours], partition.shape).pixels
+        depth = scipy.ndimage.gaussian_filter(scipy.ndimage.distance_transform_edt(~lines), 1.0)
+        tops = skimage.morphology.h_maxima(depth, _GAP)  # type: ignore[no-untyped-call]
+        markers, _ = scipy.ndimage.label((tops > 0) & (depth > _DEEP), np.ones((3, 3)))
+        labels = np.asarray(skimage.segmentation.watershed(-depth, markers), np.int64)  # type: ignore[no-untyped-call]
+        near, sides, along = running_maximum(lines, 1), [], []
+        for here, there in (np.s_[1:, :], np.s_[:-1, :]), (np.s_[:, 1:], np.s_[:, :-1]):
+            links = np.nonzero(labels[here] != labels[there])
+            sides.append(np.stack([labels[here][links], labels[there][links]]))
+            along.append(near[there][links])
+        one, other = np.concatenate(sides, axis=1)
+        one, other, on = np.concatenate([one, other]), np.concatenate([other, one]), np.tile(np.concatenate(along), 2)
+        pixels = np.bincount(labels.ravel())
+        rim = np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]])
+        around = np.bincount(np.concatenate([one, rim]), minlength=len(pixels))
+        bounded = np.bincount(one[on], minlength=len(pixels)) / np.maximum(around, 1)
+        return cls(labels, pixels, bounded, one, other)
 
+    def judged(self, partition: Partition, taken: Mask) -> dict[int, Likely]:
+        """What the prior makes of those that may be objects, by their numbers."""
+        boxes = scipy.ndimage.find_objects(self.labels)
 
-def _judged(partition: Partition, parts: Index, numbers: Index, taken: Mask) -> list[_Part]:
-    """What the prior makes of parts that are neither tiny, nor most of the image, nor taken already."""
-    boxes = scipy.ndimage.find_objects(parts)
+        def judge(number: int) -> Likely | None:
+            box = boxes[number - 1]
+            within = self.labels[box] == number
+            if np.count_nonzero(within & taken[box]) > _OVER * self.pixels[number]:
+                return None
+            mask = np.zeros(self.labels.shape, np.bool_)
+            mask[box] = within
+            return partition.judged(mask)
 
-    def judge(number: int) -> _Part | None:
-        box = boxes[number - 1]
-        within = parts[box] == number
-        pixels = np.count_nonzero(within)
-        if not _LEAST <= pixels <= _MOST * parts.size or np.count_nonzero(within & taken[box]) > _OVER * pixels:
-            return None
-        mask = np.zeros(parts.shape, np.bool_)
-        mask[box] = within
-        return _Part(number, partition.judged(mask), pixels)
+        wanted = (self.pixels >= _LEAST) & (self.pixels <= _MOST * self.labels.size) & (self.bounded >= _BOUNDED)
+        numbers = (np.flatnonzero(wanted[1:]) + 1).tolist()
+        with ThreadPoolExecutor(min(os.cpu_count() or 1, _THREADS)) as threads:
+            answers = threads.map(judge, numbers)
+            return {number: one for number, one in zip(numbers, answers, strict=True) if one is not None}
 
-    with ThreadPoolExecutor(min(os.cpu_count() or 1, _THREADS)) as threads:
-        return [one for one in threads.map(judge, numbers[numbers > 0].tolist()) if one is not None]
-
-
-def _owned(parts: Index, worth: Array) -> Array:
-    """Share of the boundary of each part where its neighbor is worth less."""
-    won, all_around = np.zeros(len(worth)), np.zeros(len(worth))
-    for one, other, _ in _sides(parts):
-        won += np.bincount(np.where(worth[one] > worth[other], one, other), minlength=len(worth))
-        all_around += np.bincount(one, minlength=len(worth)) + np.bincount(other, minlength=len(worth))
-    return won / np.maximum(all_around, 1.0)
+    def owned(self, judged: Mapping[int, Likely]) -> Array:
+        """Share of the boundary of each, but that at the border of the image, where it is worth more than the other."""
+        worth = np.zeros(len(self.pixels))
+        worth[list(judged)] = [one.overlap for one in judged.values()]
+        around = np.bincount(self.one, minlength=len(worth))
+        won = np.bincount(self.one[worth[self.one] > worth[self.other]], minlength=len(worth))
+        return np.asarray(won / np.maximum(around, 1))
 
 
 def _apart(mask: Mask, other: Mask) -> bool:
@@ -170,7 +177,7 @@ def _apart(mask: Mask, other: Mask) -> bool:
     if not both:
         return True
     small, large = (mask, other) if np.count_nonzero(mask) < np.count_nonzero(other) else (other, mask)
-    if both < _WITHIN * np.count_nonzero(small) or both > 0.6 * np.count_nonzero(large):
+    if both < _WITHIN * np.count_nonzero(small) or both > _MOST_WITHIN * np.count_nonzero(large):
         return False
     rim = small & ~scipy.ndimage.binary_erosion(small)
     return bool((~scipy.ndimage.binary_erosion(large, iterations=3))[rim].mean() <= _AT_RIM)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -11,7 +12,6 @@ from cpm_core.numerics.real_numbers import as_places
 from cpm_core.objects.everywhere import everywhere, similar
 from cpm_core.objects.partition import Partition, partition
 from cpm_core.objects.selection import Selection
-
 
 
 def select(

@@ -20,7 +20,7 @@ from app.session.features.selector import MOST_OFFERED, Partitions, Selector
 from app.session.scene import Proposal
 from app.session.session import Session
 from app.session.tasks.tasks import Task
-from cpm_core import Partition, Result, Selection, similar
+from cpm_core import Partition, Result, Selection, select_all
 from cpm_core.numerics import Array, Place
 from cpm_core.objects.segmented import Click, SegmentedObject, selection_of
 from cpm_core.shapes import Everywhere, ImageStart
@@ -189,7 +189,7 @@ class ObjectSelection(QObject):
 
         def work(task: Task) -> list[Selection]:
             taken = np.any([item.mask(partition.shape) for item in known.items], axis=0)
-            alike = similar(partition, selection_of(chosen, partition.shape))[1:]
+            alike = select_all(partition, [selection_of(chosen, partition.shape)])[1:]
             return [each for each in alike if (each.mask & taken).sum() < _COVERED * each.mask.sum()]
 
         def use(found: list[Selection]) -> None:
