@@ -11,17 +11,41 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from PySide6.QtCore import QPoint, Qt
-from tests.app.panels.test_contour_table import found  # noqa: F401  # a fixture
 
 from app.model.display.effects import MOTION, Distribution, FilterCounts, figures
 from app.model.parameters.controls import MAIN, controls, with_value
-from cpm_core import PRESETS, Engine, circle
+from cpm_core import PRESETS, Engine, Parameters, circle
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import measure
+from cpm_core.shapes import Circle
 
 pytestmark = pytest.mark.shared_window
 
 LEFT = Qt.MouseButton.LeftButton
+
+
+DISCS = ((48, 40, 28, 90.0), (48, 40, 12, 90.0), (28, 100, 14, 180.0), (76, 100, 10, 60.0))
+
+
+@pytest.fixture
+def found(window, hand, tmp_path):
+    """A window in which four contours have been found: a disc in a disc, and two others."""
+    row, col = np.indices((96, 128))
+    values = np.full(row.shape, 20.0)
+    for at_row, at_col, radius, rise in DISCS:
+        values += np.where(np.hypot(row - at_row, col - at_col) < radius, rise, 0.0)
+    np.save(tmp_path / "discs.npy", values)
+    session = window.session
+    session.open(tmp_path / "discs.npy")
+    hand.wait(lambda: session.document.image is not None and session.document.image.name == "discs.npy")
+    circles = tuple(Circle((float(row), float(col)), 0.75 * radius) for row, col, radius, _ in DISCS)
+    session.edit("draw", lambda document: replace(document, parameters=Parameters(), shapes=circles))
+    hand.canvas.setFocus()
+    hand.key(Qt.Key.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: session.idle)
+    assert len(window.workspace.review.items) == 4
+    return window
 
 
 def test_motion_comes_first_then_what_matters_for_starts_then_what_decides_which_contours_there_are() -> None:
