@@ -390,7 +390,7 @@ class ObjectList(QObject):
     def toggle_frozen(self) -> None:
         """Freeze objects, or release them when all are frozen."""
         frozen = not all(item.frozen for item in self.items)
-        words = tr("freeze {what}") if frozen else tr("release {what}")
+        words = tr("freeze {what}") if frozen else tr("unfreeze {what}")
         self._edit_chosen(words, lambda d, chosen: objects.amend(d, chosen, frozen=frozen))
 
     def toggle_hidden(self) -> None:
@@ -566,7 +566,7 @@ class ObjectList(QObject):
     def _use_merged(self, items: tuple[SegmentedObject, ...], whole: SegmentedObject) -> None:
         """Put one object in the place of several, unless they have changed meanwhile."""
         if not all(any(known is item for known in self.objects.items) for item in items):
-            self._session.say(tr("The objects have changed while they were merged: merge them again."), True)
+            self._session.say(tr("The objects changed during the merge: merge them again."), True)
             return
         rows = self._rows_of(*(item.number for item in items))
         self._edit(tr("merge {what}"), rows, lambda document: objects.merge_into(document, items, whole))
@@ -615,7 +615,7 @@ class ObjectBrush:
     def end(self) -> None:
         """End the stroke; say so if it has come to no object."""
         if self._path and not self._number:
-            self._session.say(tr("There is no object under the brush from which it could take away."))
+            self._session.say(tr("There is no object under the brush to erase from."))
         self._path = []
 
     def _find(self) -> None:
@@ -626,7 +626,9 @@ class ObjectBrush:
         item = self._touched()
         if item is not None and item.frozen:
             name = self._list.title(item)
-            self._session.say(tr("{name} is frozen: release it to paint it, or paint another one.").format(name=name))
+            self._session.say(
+                tr("{name} is frozen: unfreeze it to paint it, or paint another object.").format(name=name)
+            )
             self._path = []
         elif item is not None or self._adds:
             self._before = item

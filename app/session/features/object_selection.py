@@ -125,7 +125,7 @@ class ObjectSelection(QObject):
         """Say that places are inside of the object, or outside of it."""
         said = Click(places, inside)
         first = None if self.selecting else corrected(self.proposals, said)
-        words = tr("select") if inside else tr("select without")
+        words = tr("select") if inside else tr("remove from selection")
 
         def edit(document: Document) -> Document:
             for one in (*(first.clicks if first else ()), said):
@@ -137,12 +137,12 @@ class ObjectSelection(QObject):
     def take_back(self) -> None:
         """Take back the last click."""
         if self.selecting:
-            self._session.edit(tr("take back a click"), objects.take_back)
+            self._session.edit(tr("undo a click"), objects.take_back)
 
     def drop(self) -> None:
         """Give up the proposals."""
         if self.selecting:
-            self._session.edit(tr("drop the selection"), objects.drop)
+            self._session.edit(tr("discard the selection"), objects.drop)
         else:
             self.dismiss()
 
@@ -183,7 +183,7 @@ class ObjectSelection(QObject):
         partition, known = self.partitions.partition, self._session.document.objects
         if not isinstance(partition, Partition):  # a volume has no objects that are alike
             self.partitions.look(again=True)
-            self._session.say(tr("The image is not prepared yet: try again in a moment."))
+            self._session.say(tr("The image is still being prepared: try again in a moment."))
             return
         chosen = known[number]
 
@@ -291,8 +291,8 @@ def without_effect(before: tuple[Proposal, ...], after: tuple[Proposal, ...]) ->
     if not before[0].clicks or type(one) is not type(other) or not one.same(other):  # type: ignore[arg-type]
         return ""
     if after[0].clicks[-1].inside:
-        return tr("This click changes nothing: the place belongs to the object already.")
-    return tr("This click changes nothing: the place does not belong to the object.")
+        return tr("This click changes nothing: the position is already in the object.")
+    return tr("This click changes nothing: the position is outside the object.")
 
 
 def corrected(offered: tuple[Proposal, ...], said: Click) -> Proposal | None:

@@ -107,9 +107,9 @@ class ExportDialog(QDialog):
         self.list = QTreeWidget()
         self.list.setColumnCount(2)
         self.list.setHeaderLabels([tr("What"), tr("File")])
-        self.list.setAccessibleName(tr("What to write"))
+        self.list.setAccessibleName(tr("What to export"))
         self.list.setMinimumSize(_WIDTH, 180)
-        self.only, self.everywhere = QCheckBox(tr("Only what is chosen")), QCheckBox(tr("in all formats"))
+        self.only, self.everywhere = QCheckBox(tr("Selection only")), QCheckBox(tr("in all formats"))
         self.outlines, self.units = QCheckBox(tr("Outlines in masks, not areas")), QCheckBox()
         self.closing, self.space = QComboBox(), QComboBox()
         self.tolerance, self._vertices = DecimalField(), QLabel()
@@ -224,7 +224,7 @@ class ExportDialog(QDialog):
             field.setAccessibleName(title)
         for field, title in zip(
             (self.closing, self.space, self.first, self.last, self.stride, self.width_field, self.speed),
-            (tr("Open contours"), tr("Coordinates"), tr("First step"), tr("Last step"), tr("Steps from frame to frame"),
+            (tr("Open contours"), tr("Coordinates"), tr("First step"), tr("Last step"), tr("Steps per frame"),
              tr("Width"), tr("Speed")),
             strict=True,
         ):  # fmt: skip
@@ -250,7 +250,7 @@ class ExportDialog(QDialog):
             field.setValue(get(_KEY + name, field.value()))
         self.tolerance.setValue(get(_KEY + "tolerance", 0.5))
         self.everywhere.setChecked(get(_KEY + "everywhere", False))
-        self.units.setText(tr("Lengths in {unit} too").format(unit=unit))
+        self.units.setText(tr("Also lengths in {unit}").format(unit=unit))
         self.units.setChecked(get(_KEY + "units", True))
         for space in CONVENTIONS:
             self.space.addItem(_SPACES[space], space)
@@ -322,7 +322,7 @@ class ExportDialog(QDialog):
     def _show(self, order: ExportOrder) -> None:
         """Show what is written, in words and as a picture."""
         document, parts, lines, vertices = self._session.document, list[str](), list[Line](), [0, 0]
-        trouble = "" if order.files else tr("Check what to write.")
+        trouble = "" if order.files else tr("Choose what to export.")
         self._form.setRowVisible(self.closing, False)
         for what in dict.fromkeys(file.what for file in order.files):
             suffixes = [file.suffix for file in order.files if file.what == what]
@@ -337,7 +337,7 @@ class ExportDialog(QDialog):
                 result = closed(result, straight, self._image, document.parameters)
             parts.append(summary_text(result, what, suffixes[0], order))
             if not self._volume and all(left_out(result, suffix) == len(result.contours) for suffix in suffixes):
-                trouble = tr("Nothing can be written: {what}.").format(what=parts[-1])
+                trouble = tr("Nothing can be exported: {what}.").format(what=parts[-1])
             vertices[0] += sum(len(contour.points) for contour in result.contours)
             if order.tolerance:
                 vertices[1] += sum(len(contour.points) for contour in thinned(result, order.tolerance).contours)

@@ -27,9 +27,9 @@ _KINDS: tuple[tuple[str, str, str, Sign], ...] = (
     (tr("closed"), tr("Contours that bound a region."), theme.CLOSED, "line"),
     (tr("open"), tr("Contours with two ends; short ones are thin and pale."), theme.OPEN, "line"),
     (tr("bridged"), tr("Gaps in edges that contours bridge."), theme.BRIDGE, "dashed"),
-    (tr("by hand"), tr("Stretches that were drawn by hand."), theme.BY_HAND, "dashed"),
-    (tr("kept"), tr("Contours that stay through all sliders and runs."), theme.CLOSED, "check"),
-    (tr("rejected"), tr("Contours that are left out of files."), theme.REJECTED, "dashed"),
+    (tr("by hand"), tr("Segments drawn by hand."), theme.BY_HAND, "dashed"),
+    (tr("kept"), tr("Contours that are kept through all slider changes and runs."), theme.CLOSED, "check"),
+    (tr("rejected"), tr("Contours that are not exported."), theme.REJECTED, "dashed"),
 )
 """Text, tip, color and sign of each kind of contour in the legend."""
 

@@ -49,7 +49,7 @@ class ObjectTool(Tool):
         """What to do next."""
         if not self._selection.ready:
             if self.volume is not None and self._session.status.surface is None:
-                return tr("Let a run find the surface first: objects are the bodies that it encloses.")
+                return tr("Start a run to find the surface first: objects are the bodies that it encloses.")
             return ""
         if self._selection.selecting:
             return with_keys(tr("Click to add, Shift-click to remove. Enter accepts, {key:escape} cancels."))
