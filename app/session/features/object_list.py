@@ -86,7 +86,7 @@ class ObjectList(QObject):
     @property
     def chosen(self) -> frozenset[int]:
         """Numbers of the chosen objects."""
-        return self._session.scene.objects.chosen
+        return frozenset(number for number in self._session.scene.objects.chosen if number > 0)
 
     @property
     def items(self) -> tuple[SegmentedObject, ...]:
@@ -111,25 +111,19 @@ class ObjectList(QObject):
     # Choosing
 
     def choose(self, numbers: Iterable[int]) -> None:
-        """Choose only these objects."""
-        chosen = frozenset(numbers)
-        if chosen != self.chosen:
-            scene = self._session.scene
+        """Choose only the objects of these numbers, and the proposals of these keys."""
+        chosen, scene = frozenset(numbers), self._session.scene
+        if chosen != scene.objects.chosen:
             self._session.show(replace(scene, objects=replace(scene.objects, chosen=chosen)))
             self.selection_changed.emit()
 
     def hover(self, number: int) -> None:
-        """Highlight an object; 0 for none."""
+        """Highlight an object, or the proposal of a key; 0 for none."""
         scene = self._session.scene
         if number != scene.objects.hovered:
             self._session.show(replace(scene, objects=replace(scene.objects, hovered=number)))
 
     # Editing
-
-    def begin_change(self, number: int) -> None:
-        """Select an object anew, beginning with what it is."""
-        self._edit(tr("change {what}"), [self.objects[number]], lambda d: objects.begin_change(d, number))
-        self.choose((number,))
 
     def rename(self, number: int, name: str) -> None:
         """Name an object, unless it has been taken back while its name was typed."""
@@ -214,7 +208,8 @@ class ObjectList(QObject):
         if image is self._measured_in and document.objects is self._known:
             return
         self._known, self._measured_in = document.objects, image
-        self.choose(self.chosen & {item.number for item in items})
+        known = {item.number for item in items}
+        self.choose(number for number in self._session.scene.objects.chosen if number < 0 or number in known)
         missing = [item for item in items if self.figures(item) is None]
         if image is not None and missing:  # large objects have many pixels
 

@@ -25,7 +25,7 @@ class Workspace:
         self.hand_editing = HandEditing(self.session, self.review)
         self.truth = GroundTruth(self.session, self.review)
         self.object_list = ObjectList(self.session)
-        self.object_selection = ObjectSelection(self.session)
+        self.object_selection = ObjectSelection(self.session, self.object_list)
         self.skeletons = Skeletons(self.session)
         self.navigation = TimelineNavigation(self.session)
         self.other_result = self.navigation.comparison

@@ -44,8 +44,7 @@ class ObjectsFeature(Feature):
         self.panel.table.zoom_wanted.connect(area.zoom_to_selection)
         objects.selection_changed.connect(window.refresh)
         selection.changed.connect(window.refresh)
-        selection.taken.connect(objects.choose)
-        selection.taken.connect(lambda numbers: self.ask_name() if len(numbers) == 1 else None)
+        selection.accepted.connect(objects.choose)
 
         def some(_: Situation) -> bool:
             return bool(objects.chosen)
@@ -61,7 +60,7 @@ class ObjectsFeature(Feature):
                        "Show the classes and the measures of the objects.", lambda: window.docks.enter("objects"),
                        "Ctrl+Shift+O"),
             ActionSpec("take_object", "Objects", "&Accept what is offered",
-                       "Make an object of what is offered; Enter does the same on the image.", selection.take,
+                       "Make an object of what is offered; Enter does the same on the image.", selection.accept,
                        gap=True, when=lambda _: bool(selection.proposals)),
             ActionSpec("change_object", "Objects", "&Change by clicks",
                        "Select the object again, beginning with what it is.", self._change, when=one),
@@ -126,10 +125,7 @@ class ObjectsFeature(Feature):
         key, chosen = event.key(), self._list
         digit, entered = key - Qt.Key.Key_0, key in _ENTER and crosshair.at is None and not tool.drafting
         if tool.name != "objects":
-            taken = entered and bool(self._selection.proposals) and not self._selection.selecting
-            if taken:
-                self._selection.take()
-            return taken
+            return False
         if 1 <= digit <= len(chosen.objects.classes):
             chosen.classify(digit)
         elif chosen.chosen and key == Qt.Key.Key_Delete:
@@ -142,7 +138,7 @@ class ObjectsFeature(Feature):
 
     def _change(self) -> None:
         self.window.canvas_area.use_tool("objects")
-        self._list.begin_change(self._list.items[0].number)
+        self._selection.correct(self._list.items[0].number)
 
     def _fill_classes(self, menu: QMenu) -> None:
         objects = self._list.objects

@@ -44,6 +44,8 @@ class Click:
         Positions (row, col) in px of the image, or (plane, row, col) in voxels, at least one.
     inside : bool
         Whether they are inside.
+    step : int
+        By how many candidates the object is larger, or smaller below 0, than the one that the places mean first.
 
     Raises
     ------
@@ -53,6 +55,7 @@ class Click:
 
     places: tuple[Place, ...]
     inside: bool = True
+    step: int = 0
 
     def __post_init__(self) -> None:
         if not self.places:

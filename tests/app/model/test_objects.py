@@ -62,16 +62,17 @@ def test_an_empty_selection_is_not_taken(document) -> None:
 
 def test_a_changed_object_keeps_its_number_name_and_class(document) -> None:
     named = objects.rename(document, 2, " dot ")
-    changing = objects.begin_change(named, 2)
+    changing = objects.select(named, objects.first_clicks(named.objects[2], IMAGE.shape), 2)
     assert (changing.objects.clicks, changing.objects.edited, changing.objects.category) == ((THERE,), 2, 2)
     changed = objects.take(changing, [(FRAME, (THERE, HERE), 2)])
     item = changed.objects[2]
     assert (item.name, item.category, len(item.boundary), item.clicks) == ("dot", 2, 2, (THERE, HERE))
-    assert changed.objects.edited == 0
+    assert changed.objects.edited == 2
+    assert objects.select(changed, ()).objects.edited == 0
 
 
 def test_deleting_the_object_that_is_being_changed_ends_the_change(document) -> None:
-    rest = objects.delete(objects.begin_change(document, 2), (2,))
+    rest = objects.delete(objects.select(document, (HERE,), 2), (2,))
     assert (numbers(rest), rest.objects.edited, rest.objects.clicks) == ([1], 0, ())
 
 
