@@ -17,7 +17,7 @@ from app.model.text.language import tr
 from app.model.volume.slices import Slices
 from app.session.exchange.contour_tracking import TrackedContours
 from app.session.exchange.messages import Drawn, Reconstruction, Snapshot
-from app.session.worker.requests import Compared, Probed, Shaded
+from app.session.worker.requests import Probed, Shaded
 from cpm_core import Contour, Image, Result, Skeleton, Truth, VolumeTruth
 from cpm_core.contours import Mark, Measures, ReviewedContour, reviewed
 from cpm_core.numerics import Array, Index
@@ -183,12 +183,10 @@ class Scene:
         The requested overlays by name; see `app.session.worker.prepared_methods`.
     probed : Probed or None
         Forces on a particle.
-    compared : Compared or None
-        Another branch of the timeline at the same step.
     truth : Truth, VolumeTruth or None
-        Ground truth.
+        What results are compared with, unless that is what is shown.
     differences : tuple of Difference
-        Where the contours, or the surface, differ from it.
+        Where the contours, or the surface, that are compared differ from it.
     apart : tuple of Apart
         The same in a volume, as parts of the surfaces.
     objects : ShownObjects
@@ -214,7 +212,6 @@ class Scene:
     hovered_contour: int | None = None
     overlays: Mapping[str, Drawn] = field(default_factory=dict)
     probed: Probed | None = None
-    compared: Compared | None = None
     truth: Truth | VolumeTruth | None = None
     differences: tuple[Difference, ...] = ()
     apart: tuple[Apart, ...] = ()

@@ -11,7 +11,7 @@ from PySide6.QtCore import QObject, Qt, QTimer
 from app.model.document import edits
 from app.model.document.document import Document, ImageReference, Mode
 from app.model.document.modes import MODES, fresh_parameters, needs_start, starting
-from app.model.document.samples import sample_at
+from app.model.document.samples import sample_like
 from app.model.document.saving import restored
 from app.model.export import ExportOrder
 from app.model.state.resolve import FIRST_PACE, PACES, Resolved, resolve
@@ -86,7 +86,6 @@ class Session(QObject):
             RunsRestored,
             lambda kept: self.live.restore(kept.begun) if kept.generation == self.image_generation else None,
         )
-        self.listen(NotOpened, lambda refused: self.open(refused.otherwise) if refused.otherwise else None)
         self.listen(NotOpened, lambda refused: self.say(refused.sentence, True, OPENING))
 
     # State
@@ -162,7 +161,8 @@ class Session(QObject):
         """Change the document in a way that can be undone.
 
         `name` is what follows "Undo" in the menu. Edits in a row with the same gesture are undone together, and with
-        them the `erasure` of particles. A `ValueError` of `edit` is shown to the user and changes nothing.
+        them the `erasure` of particles. A gesture that changes what particles at rest feel, such as the drag of a
+        slider, wakes them. A `ValueError` of `edit` is shown to the user and changes nothing.
         """
         before = self.document
         try:
@@ -171,8 +171,11 @@ class Session(QObject):
             self.say(reason(error), True, EDITING)
             return
         if after != before or erasure is not None:
-            self.history.push(Change(name, before, after, gesture, erasure))
+            rest = self._rest_before(after) if gesture else None
+            self.history.push(Change(name, before, after, gesture, erasure, rest))
             self._use(after, complete=not gesture)
+            if rest is not None:
+                self.run()
 
     def seal(self) -> None:
         """End a gesture: the next edit is undone separately."""
@@ -310,22 +313,21 @@ class Session(QObject):
     def open(
         self,
         path: str | Path,
-        otherwise: Path | None = None,
         resumes: bool = False,
         as_volume: bool | None = None,
         reading: Reading = DEFAULT,
     ) -> None:
-        """Open an image or a session file, and `otherwise` when that file cannot be used.
+        """Open an image or a session file.
 
         What is open stays until the new image is known to be usable. An image that `resumes` is opened with the session
         next to it. A stack is opened `as_volume`, or one plane of it; None leaves that to its kind. `reading` is how,
         and which part of the file.
         """
         path = Path(path)
-        sample = sample_at(path)
+        sample = sample_like(path)
         kept = self.wanted_parameters if self.keeps_parameters else fresh_parameters(self.document.mode)
         parameters = sample.parameters if sample else kept
-        self.begin(Wanted(path, parameters, otherwise, resumes=resumes, as_volume=as_volume, reading=reading))
+        self.begin(Wanted(path, parameters, resumes=resumes, as_volume=as_volume, reading=reading))
 
     def begin(self, wanted: Wanted) -> None:
         """Open an image or a session; see `open`."""
@@ -375,6 +377,22 @@ class Session(QObject):
                 self._board.phase("running")
                 self.post(run_call(self._board.generation, Run.go))
         self._use(change.before if back else change.after)
+        if change.rest is None:
+            return
+        generation, branch, step = change.rest
+        if back and generation == self.generation:
+            self.hold(run_call(generation, Run.go_to, branch, step, lambda: True))
+        elif self.status.phase == "paused" or self.status.steered:
+            self.run()
+
+    def _rest_before(self, after: Document) -> tuple[int, int, int] | None:
+        """Where the run is at rest, if another document makes it continue; see `Change`."""
+        status, shown = self.status, self.scene.snapshot
+        if shown is None or status.phase != "finished" or status.stale:
+            return None
+        if status.steering == METHODS[status.method].steering(after.parameters):
+            return None
+        return self.generation, shown.timeline.branch, shown.state.step
 
     def _use(self, document: Document, complete: bool = True, before: Document | None = None) -> None:
         """Show another document, or the same one after the history has changed."""
@@ -477,7 +495,7 @@ class Session(QObject):
 
 def _document(opened: Opened, mode: Mode) -> Document:
     """The document that an image or a session begins with; the mode stays unless it is a sample or a session."""
-    image, path, sample = opened.image, opened.path, sample_at(opened.path)
+    image, path, sample = opened.image, opened.path, sample_like(opened.path)
     if image.ndim == 3 and opened.saved is None and sample is None:
         mode = "shape"  # starts everywhere take long in a volume, and skeletons there are none
     reference = ImageReference.of(path, image, opened.reading)

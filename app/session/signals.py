@@ -31,7 +31,7 @@ from app.session.exchange.messages import (
 )
 from app.session.scene import NO_CONTOURS, ReviewedContours, Scene
 from app.session.worker.commands import RunsRestored
-from app.session.worker.requests import Compared, Probed, Shaded
+from app.session.worker.requests import Probed, Shaded
 from app.session.worker.worker_thread import WorkerThread
 
 R = TypeVar("R", bound=Report)
@@ -172,7 +172,7 @@ class Board(QObject):
         """Clear what is shown of the previous run; `method` is the name of the next one's method."""
         self._known = RunStatus(phase="ready", method=method)
         self.trouble("", CONTOURS)
-        self._show(snapshot=None, reconstruction=None, contours=NO_CONTOURS, probed=None, compared=None)
+        self._show(snapshot=None, reconstruction=None, contours=NO_CONTOURS, probed=None)
         self.show_status()
 
     def look(self) -> None:
@@ -257,8 +257,6 @@ class Board(QObject):
             case Probed():
                 self.trouble(report.trouble, "forces")
                 self._show(probed=report)
-            case Compared(generation) if generation == self.generation:
-                self._show(compared=report)
             case Shaded():
                 self._show(shaded=report)
             case Finished(then):

@@ -26,7 +26,8 @@ class Erasure:
 class Change:
     """A change that can be undone.
 
-    Changes in a row with the same gesture, such as the drag of a slider, become one; an empty one never merges.
+    Changes in a row with the same gesture, such as the drag of a slider, become one; an empty one never merges. A
+    change that wakes particles has the `rest` before it: the generation of the run, its branch and step.
     """
 
     name: str
@@ -34,6 +35,7 @@ class Change:
     after: Document
     gesture: str = ""
     erasure: Erasure | None = None
+    rest: tuple[int, int, int] | None = None
 
 
 class History:
@@ -60,7 +62,7 @@ class History:
         if self._open and change.gesture and self._done and self._done[-1].gesture == change.gesture:
             known = self._done.pop()
             merged = replace(known, after=change.after, name=change.name, erasure=known.erasure or change.erasure)
-            if merged.before != merged.after or merged.erasure is not None:
+            if merged.before != merged.after or merged.erasure is not None or merged.rest is not None:
                 self._done.append(merged)
             else:
                 self._open = False

@@ -29,11 +29,10 @@ def make_window(workspace: Workspace, preferences: Preferences | None = None) ->
 
 
 def open_window(path: str | None = None) -> MainWindow:
-    """Open a window with an image; without a usable one, with the first sample."""
+    """Open a window with an image, by default with the first sample."""
     workspace = Workspace()
     window, session = make_window(workspace), workspace.session
-    sample = samples()[0].path
-    session.open(path or sample, otherwise=sample if path else None)
+    session.open(path or samples()[0].path)
     session.warm_up()
     window.show()
     if path is None:

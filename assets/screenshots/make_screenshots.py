@@ -24,7 +24,6 @@ from app.model.document.samples import sample_called
 from app.views.application import make_application
 from app.views.features.files import OpenSaveFeature
 from app.views.features.objects import ObjectsFeature
-from app.views.features.run import ComparisonFeature
 from app.views.features.volumes import SpaceFeature
 from app.views.main_window import open_window
 from app.views.theme import theme
@@ -168,14 +167,17 @@ def branches(stand: Stand) -> None:
     stand.settle()
     session.edit("damping", lambda document: edits.set_parameter(document, "beta", 2.5))
     stand.step_to(90)
-    navigation.comparison.compare(navigation.outline.branches[0].identity)
+    compared = stand.window.workspace.comparison
+    compared.add_branch(navigation.outline.branches[0].identity)
+    compared.choose(max(compared.rows))
+    wait(lambda: compared.idle and len(compared.agreed) == 1)
     stand.settle()
     stand.take("branches")
 
 
 def trust(stand: Stand) -> None:
     """Nuclei in a table, some named and one rejected, compared with a truth."""
-    window = stand.window
+    window, compared = stand.window, stand.window.workspace.comparison
     window.use_theme(theme.DARK)
     stand.open("nuclei.png")
     stand.run()
@@ -185,14 +187,15 @@ def trust(stand: Stand) -> None:
     with tempfile.TemporaryDirectory() as folder:
         mask = Path(folder) / "nuclei_mask.png"
         Picture.fromarray((values > np.percentile(values, 88)).astype(np.uint8) * 255).save(mask)
-        window.workspace.truth.load(mask)
+        compared.load(mask)
         stand.settle()
-        wait(lambda: window.workspace.truth.idle)
-    window.docks.reveal("truth")
+        wait(lambda: compared.idle and len(compared.rows) == 2)
+    compared.choose(max(compared.rows))
+    window.docks.reveal("compare")
     window.docks.reveal("contours")
     stand.do("next_contour")
     stand.settle()
-    wait(lambda: window.workspace.truth.idle)
+    wait(lambda: compared.idle)
     stand.take("trust")
 
 
@@ -214,26 +217,6 @@ def vessels(stand: Stand) -> None:
     stand.take("vessels")
 
 
-def mosaic(stand: Stand) -> None:
-    """A sweep of smoothing and reach on the hand."""
-    stand.open("hand.png")
-    stand.do("mosaic")
-    dialog = stand.window.feature(ComparisonFeature).dialog.shown
-    assert dialog is not None
-    for axis, symbol, values in (
-        (dialog.parameters.down, "σ", "1, 2, 4"),
-        (dialog.parameters.across, "r", "2, 30, 300"),
-    ):
-        titles = [axis.choice.itemText(index) for index in range(axis.choice.count())]
-        axis.choice.setCurrentIndex(next(index for index, title in enumerate(titles) if title.endswith(f" {symbol}")))
-        axis.values.setText(values)
-    dialog.start_button.click()
-    wait(lambda: bool(dialog.board.tiles) and all(tile.done for tile in dialog.board.tiles))
-    stand.settle()
-    stand.take("mosaic", dialog)
-    dialog.close()
-
-
 PICTURES: Mapping[str, Callable[[Stand], None]] = {
     "window": midway,
     "rest": rest,
@@ -243,7 +226,6 @@ PICTURES: Mapping[str, Callable[[Stand], None]] = {
     "trust": trust,
     "skeleton": skeleton,
     "vessels": vessels,
-    "mosaic": mosaic,
 }
 
 

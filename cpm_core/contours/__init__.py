@@ -9,6 +9,7 @@ from cpm_core.contours.contour import Reached as Reached
 from cpm_core.contours.contour import neighborhood as neighborhood
 from cpm_core.contours.contour import numbers_of as numbers_of
 from cpm_core.contours.graph import Graph as Graph
+from cpm_core.contours.ground_truth import truth_of_contours as truth_of_contours
 from cpm_core.contours.hand_edits import HandEdit as HandEdit
 from cpm_core.contours.hand_edits import Kind as Kind
 from cpm_core.contours.hand_edits import Path as Path
@@ -28,3 +29,4 @@ from cpm_core.contours.review import outline_of as outline_of
 from cpm_core.contours.review import reviewed as reviewed
 from cpm_core.contours.review import with_kept as with_kept
 from cpm_core.contours.surface import inside_of as inside_of
+from cpm_core.contours.surface import numbered as numbered

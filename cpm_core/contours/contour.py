@@ -73,6 +73,8 @@ class Contour:
         Length of its stretches that follow no edge that was found, but were closed [px].
     reached : {"", "flight", "weak", "junction", "launched"}
         How particles came to most of it; empty where it is not known.
+    category : str
+        Name of the class of the object that it bounds, or empty.
 
     Raises
     ------
@@ -105,6 +107,7 @@ class Contour:
     hole: bool = False
     bridged: float = 0.0
     reached: Reached = ""
+    category: str = ""
 
     def __post_init__(self) -> None:
         if self.color and not re.fullmatch("#[0-9A-Fa-f]{6}", self.color):

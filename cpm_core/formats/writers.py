@@ -32,7 +32,7 @@ from cpm_core.formats.contours import (
     points_csv,
     svg,
 )
-from cpm_core.formats.masks import labels, nifti
+from cpm_core.formats.masks import labels, nifti, nrrd
 from cpm_core.formats.meshes import obj, ply, stl, swc, vtk
 from cpm_core.image.geometry import Convention
 from cpm_core.medial_axis.centerlines import Centerlines
@@ -97,6 +97,12 @@ FORMATS: tuple[Format, ...] = (
         "a table with one row per branch",
     ),
     Format(
+        ".table.csv",
+        contour_csv.encode_table,
+        "a table with one row per object: what closed contours enclose",
+        volume="a table with one row per object inside the surface",
+    ),
+    Format(
         ".json",
         contour_json.encode,
         "everything: contours, their measures, bridges, and the outcome of the run",
@@ -116,6 +122,7 @@ FORMATS: tuple[Format, ...] = (
     _MASK(".tiff", labels.encode_tiff, f"{_LABELS} {_SIZED}"),
     _MASK(".nii", nifti.encode, f"{_LABELS} of one slice"),
     _MASK(".nii.gz", nifti.encode_packed, "the same, compressed"),
+    _MASK(".nrrd", nrrd.encode, f"{_LABELS} of one slice"),
     Format(".dxf", dxf.encode, "contours as polylines for CAD", "branches as polylines for CAD"),
     Format(".png", labels.encode_png, _LABELS, _LINES, options=("outlines",)),
     *(
@@ -290,7 +297,10 @@ def encoded(result: Found, suffix: str, *, outlines: bool = False, space: Conven
             f"choose one of {', '.join(FOR_VOLUMES)}."
         )
     if not isinstance(result, Centerlines):
-        contours = tuple(replace(contour, name=printable(contour.name)) for contour in result.contours)
+        contours = tuple(
+            replace(contour, name=printable(contour.name), category=printable(contour.category))
+            for contour in result.contours
+        )
         result = replace(result, contours=contours, source=printable(result.source))
     options: Entries = {"outlines": outlines, "space": space}
     return form.encode(result, **{name: options[name] for name in form.options})

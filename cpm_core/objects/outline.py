@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -262,3 +263,19 @@ def _outline(points: Array, free: Mask, bordering: Mask, ground: Ground) -> Outl
     contour = Contour(points, True, strength, sides=sides, hole=hole)
     found = Outline(contour, bridged, bordering & np.roll(bordering, -1))
     return replace(found, contour=replace(contour, bridged=sum(map(polyline.length, found.gaps))))
+
+
+def support_of(outlines: Sequence[Outline], ground: Ground) -> float:
+    """How well the image supports a boundary: mean over its length.
+
+    A stretch that follows a contour counts 1, one on the border of the image a half, and one across a gap
+    ``1 - exp(-s / strong)`` with the edge strength s there. 0 when there is no boundary.
+    """
+    support = length = 0.0
+    for outline in outlines:
+        path = outline.contour.path
+        edge = interpolate(ground.strength[None], 0.5 * (path[1:] + path[:-1]))[:, 0]
+        each = np.where(outline.bridged, 1.0 - np.exp(-edge / ground.strong), 1.0)
+        support += float(np.where(outline.bordering, 0.5, each) @ outline.lengths)
+        length += float(outline.lengths.sum())
+    return support / length if length else 0.0

@@ -6,10 +6,11 @@ Elsewhere a prior learned from outlined images answers (`prior`).
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy
@@ -29,13 +30,16 @@ from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import ends
 from cpm_core.numerics.real_numbers import as_places
 from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.objects.boundaries.alike import alike
 from cpm_core.objects.boundaries.closed_regions import ClosedRegions
 from cpm_core.objects.boundaries.crossings import crossings
 from cpm_core.objects.boundaries.ground import Ground, ground
+from cpm_core.objects.boundaries.necks import bodies
 from cpm_core.objects.boundaries.snapping import snapped
-from cpm_core.objects.outline import SMOOTHING, outlines
+from cpm_core.objects.confidence import Signs, probability
+from cpm_core.objects.outline import SMOOTHING, outlines, support_of
 from cpm_core.objects.prior.prior import Prior, Prompt
-from cpm_core.objects.selection import Selection, confidence_of
+from cpm_core.objects.selection import Selection
 from cpm_core.objects.vessels import vessel_tree
 from cpm_core.objects.volume_partition import VolumePartition
 from cpm_core.parameters import PRESETS, Parameters
@@ -54,7 +58,24 @@ EVERYWHERE = Parameters(smoothing=1.5)
 _MARGIN = 10
 """Pixels around an object that its outline depends on: twice the reach of its edge map [px]."""
 
+_SAME, _MOST_CANDIDATES, _MOST_CLOSED = 0.85, 6, 3
+"""Overlap from which two answers are the same; how many are candidates at most, and of those what is closed."""
+
+_LARGER, _LARGEST, _AROUND = 1.2, 8.0, 1.0
+"""Area of an object together with others across its necks, in areas of the object alone; and how far around it these
+are looked for, in lengths of it."""
+
+_HELD = 0.1
+"""Share of what has been drawn that lies in a body that is meant."""
+
 _NOTHING = "No object was found around these places: only their own pixels are chosen."
+
+
+class _Found(NamedTuple):
+    """Pixels of an object, shape (H, W), and what speaks for it, where that is known already."""
+
+    mask: Mask
+    signs: Signs | None
 
 
 def partition(values: ArrayLike | Image | Result, params: Parameters | None = None) -> Any:
@@ -81,7 +102,7 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
     --------
     >>> partition = cpm.partition(cpm.example("disks"))
     >>> partition.select([(32, 18)])
-    <Selection 301 px, 1 contour, 0 gaps, confidence 1.00>
+    <Selection 301 px, 1 contour, 0 gaps, 97 % sure>
     """
     if not isinstance(values, Result):
         image = as_image(values)
@@ -173,32 +194,72 @@ class Partition(drawing.Pictured):
         ValueError
             When the places are not rows and columns, or the box has not two corners.
         """
+        return next(self._plausible(inside, outside, stroke, box, previous, areas))
+
+    def candidates(
+        self,
+        inside: ArrayLike = (),
+        outside: ArrayLike = (),
+        *,
+        stroke: ArrayLike = (),
+        box: ArrayLike = (),
+        previous: Selection | None = None,
+        areas: Sequence[float] = (),
+    ) -> tuple[Selection, ...]:
+        """Find the different objects that some places may mean, from the smallest to the largest.
+
+        One of them is that of `select`, which has the same parameters. The others are what the prior makes of windows
+        of other sizes, what contours enclose that are closed around the places, bodies alone where necks join them to
+        others, and together with them.
+        """
+        first, *others = self._plausible(inside, outside, stroke, box, previous, areas)
+        others = sorted(others, key=lambda one: -one.confidence)[: _MOST_CANDIDATES - 1]
+        return tuple(sorted([first, *others], key=lambda one: np.count_nonzero(one.mask)))
+
+    def _plausible(
+        self,
+        inside: ArrayLike,
+        outside: ArrayLike,
+        stroke: ArrayLike,
+        box: ArrayLike,
+        previous: Selection | None,
+        areas: Sequence[float],
+    ) -> Iterator[Selection]:
+        """The different objects that may be meant, the most plausible one first."""
         within, beyond, line, corners = (
             as_places(given, "rows and columns") for given in (inside, outside, stroke, box)
         )
         if len(corners) not in (0, 2):
             raise ValueError(f"the box has {len(corners)} corners: give two opposite ones.")
-        former = previous.mask if previous is not None and previous.mask.any() else None
-        if former is None and not len(line) and not len(corners):
+        former, certain = previous.mask if previous is not None and previous.mask.any() else None, False
+        at_once = former is None and not len(line) and not len(corners)
+        if at_once:
             former = self._closed.around(within)
+            certain = former is not None
             if former is None and not len(beyond):
                 former = thing_within(self.values, within, ~self.interest)
-            if former is not None and former.any() and not len(beyond):
-                return self.selection_of(former, within)
         meant = within if previous is None else _not_around(within, previous)
         newer = None if previous is None else ~_among(meant, previous.inside)
         places, remark = self._pixels(meant, beyond, newer)
-        start = meant if former is None and len(meant) >= LEAST_PLACES else NOWHERE
-        prompt = replace(self._with_drawn(places, start, line, corners), former=former)
-        mask = np.zeros(self.shape, np.bool_)
-        if len(prompt.inside) or prompt.drawn is not None or prompt.box is not None:
-            mask = self._object(prompt, np.asarray(areas, float))
-        elif not remark:
-            remark = "No place has been said to be inside."
-        selection = self.selection_of(mask, within, beyond, remark)
-        if selection.only_places and not selection.remark:
-            return replace(selection, remark=_NOTHING)
-        return selection
+        afresh = self._with_drawn(places, meant if len(meant) >= LEAST_PLACES else NOWHERE, line, corners)
+        prompt = afresh if former is None else replace(self._with_drawn(places, NOWHERE, line, corners), former=former)
+        answers = self._answers(afresh, areas)
+        if at_once and former is not None and former.any() and not len(beyond):
+            first = self.selection_of(former, within, signs=Signs(certain=True) if certain else None)
+        elif len(prompt.inside) or prompt.drawn is not None or prompt.box is not None:
+            mask, signs = self._object(prompt, answers, areas)
+            first = self.selection_of(mask, within, beyond, remark, signs)
+        else:
+            remark = remark or "No place has been said to be inside."
+            yield self.selection_of(np.zeros(self.shape, np.bool_), within, beyond, remark)
+            return
+        yield replace(first, remark=_NOTHING) if first.only_places and not first.remark else first
+        known = [first.mask]
+        for mask, signs in itertools.chain(answers, self._otherwise(first.mask, afresh)):
+            tied = self._tied(mask, afresh)
+            if tied.any() and all(_overlap(tied, other) < _SAME for other in known):
+                known.append(tied)
+                yield self.selection_of(tied, within, beyond, remark, signs)
 
     def _with_drawn(self, places: Prompt, start: Array, line: Array, corners: Array) -> Prompt:
         """A prompt of places, and of a start in place of those inside, a stroke and the corners of a box."""
@@ -236,41 +297,67 @@ class Partition(drawing.Pictured):
             within, beyond = within[newer | ~same.any(axis=1)], beyond[~(same & newer[:, None]).any(axis=0)]
         return Prompt(*(pixels[interest[tuple(pixels.T)]] for pixels in (within, beyond))), remark
 
-    def _object(self, prompt: Prompt, areas: Array) -> Mask:
-        """The object, shape (H, W), that a prompt means."""
-        mask = prompt.former
+    def _object(self, prompt: Prompt, answers: Iterator[_Found], areas: Sequence[float]) -> _Found:
+        """The object that a prompt means; the answers are those of the prior when there is no former object."""
+        mask, signs = prompt.former, None
         while mask is not None:  # what is certain about places that contradict the object so far
             wrong = [(place, True) for place in prompt.inside if not mask[tuple(place)]]
             wrong += [(place, False) for place in prompt.outside if mask[tuple(place)]]
             if not wrong:
-                return self._tied(mask, prompt)
+                return _Found(self._tied(mask, prompt), signs)
             kept = prompt.outside, prompt.inside
             certain = (self._closed.changed(mask, place, adds, kept[not adds]) for place, adds in wrong)
             better = next((found for found in certain if found is not None), None)
             if better is None:
+                answers = self._answers(replace(prompt, former=mask), areas)
                 break
-            mask = better
-        return self._tied(self._likely(replace(prompt, former=mask), areas), prompt)
+            mask, signs = better, Signs(certain=True)
+        found = next(answers, None) or _Found(np.zeros(self.shape, np.bool_) if mask is None else mask.copy(), None)
+        if mask is not None:  # places inside only add, and those outside only take away
+            adds, takes = not mask[tuple(prompt.inside.T)].all(), mask[tuple(prompt.outside.T)].any()
+            if adds != takes:
+                found = found._replace(mask=found.mask | mask if adds else found.mask & mask)
+        return found._replace(mask=self._tied(found.mask, prompt))
 
-    def _likely(self, prompt: Prompt, areas: Array) -> Mask:
-        """The object, shape (H, W), that is most likely, by the prior."""
-        former = prompt.former
+    def _answers(self, prompt: Prompt, areas: Sequence[float]) -> Iterator[_Found]:
+        """What the prior makes of a prompt, the most likely object first; a tree of vessels before all others."""
         if not self.prior:
-            return np.zeros(self.shape, np.bool_) if former is None else former.copy()
-        mask = vessel_tree(self.values, prompt.inside) if prompt.places_alone else None
-        if mask is not None:
-            return mask
-        mask, coarseness = self._prior.object_of(prompt, areas)
-        if coarseness > 1.0 and self.contours:  # what particles found is more exact
-            box, corner = _box_of(mask)
-            paths = self._paths(box, corner)
-            if paths:
-                mask[box] = snapped(mask[box], crossings(paths, mask[box].shape), coarseness)
-        if former is None:
-            return mask
-        # places inside only add, and those outside only take away
-        adds, takes = not former[tuple(prompt.inside.T)].all(), former[tuple(prompt.outside.T)].any()
-        return mask | former if adds and not takes else mask & former if takes and not adds else mask
+            return
+        tree = vessel_tree(self.values, prompt.inside) if prompt.places_alone else None
+        if tree is not None:
+            yield _Found(tree, None)
+        for likely in self._prior.objects_of(prompt, np.asarray(areas, float)):
+            mask = likely.mask
+            if likely.coarseness > 1.0 and self.contours:  # what particles found is more exact
+                box, corner = _box_of(mask)
+                paths = self._paths(box, corner)
+                if paths:
+                    mask[box] = snapped(mask[box], crossings(paths, mask[box].shape), likely.coarseness)
+            yield _Found(mask, Signs(*likely[2:], places=len(prompt.inside) + len(prompt.outside)))
+
+    def _otherwise(self, mask: Mask, prompt: Prompt) -> Iterator[_Found]:
+        """What else may be meant than an object: what is closed around it, a body of it alone, or more than it."""
+        pixels = prompt.inside if prompt.drawn is None else np.argwhere(prompt.drawn)
+        for other in itertools.islice(self._closed.nested(pixels), _MOST_CLOSED) if len(pixels) else ():
+            yield _Found(other, None)
+        box, corner = _box_of(mask)
+        if len(pixels):
+            parts = bodies(mask[box])
+            there = np.clip(pixels - corner, 0, np.array(parts.shape) - 1)
+            held = np.bincount(parts[tuple(there.T)], minlength=int(parts.max()) + 1) >= max(_HELD * len(pixels), 1.0)
+            held[0] = False
+            body = np.zeros_like(mask)
+            body[box] = held[parts]
+            yield _Found(body, None)
+        wide = tuple(
+            slice(max(side.start - length, 0), side.stop + length)
+            for side in box
+            for length in [int(_AROUND * (side.stop - side.start))]
+        )
+        more = np.zeros_like(mask)
+        more[wide] = _linked(alike(self.values[wide], mask[wide], self.interest[wide]), np.argwhere(mask[wide]))
+        if _LARGER < np.count_nonzero(more) / np.count_nonzero(mask) < _LARGEST:
+            yield _Found(more, None)
 
     def _tied(self, mask: Mask, prompt: Prompt) -> Mask:
         """What of a mask is linked with what a prompt holds inside; with all places inside, and none outside."""
@@ -292,19 +379,42 @@ class Partition(drawing.Pictured):
         return map(self.selection_of, self._closed.objects())
 
     def selection_of(
-        self, mask: Mask, inside: Array = NOWHERE, outside: Array = NOWHERE, remark: str = ""
+        self,
+        mask: Mask,
+        inside: Array = NOWHERE,
+        outside: Array = NOWHERE,
+        remark: str = "",
+        signs: Signs | None = None,
     ) -> Selection:
-        """Make an object of a set of pixels, shape (H, W); its boundary follows the contours that pass next to it."""
+        """Make an object of a set of pixels, shape (H, W); its boundary follows the contours that pass next to it.
+
+        Without `signs`, the prior is asked how sure it is.
+        """
         if not mask.any():
             return Selection(mask, (), (), 0.0, inside, outside, remark)
         box, corner = _box_of(mask)
         there = self._ground(box, corner)
         found = outlines(mask[box], there)
-        confidence = confidence_of(found, there)
+        signs = (signs or self._judged(mask, inside, outside))._replace(
+            support=support_of(found, there), pixels=int(np.count_nonzero(mask))
+        )
         found = tuple(replace(one, contour=replace(one.contour, points=one.contour.points + corner)) for one in found)
         contours = tuple(outline.contour for outline in found)
         gaps = tuple(gap for outline in found for gap in outline.gaps)
-        return Selection(mask, contours, gaps, confidence, inside, outside, remark)
+        return Selection(mask, contours, gaps, probability(signs), inside, outside, remark, signs)
+
+    def _judged(self, mask: Mask, inside: Array, outside: Array) -> Signs:
+        """What speaks for an object, shape (H, W), that was not found by the prior."""
+        if not self.prior:
+            return Signs(places=len(inside) + len(outside))
+        pixels = np.rint(np.clip(inside, 0, np.array(mask.shape) - 1)).astype(np.int64)
+        pixels = pixels[mask[tuple(pixels.T)]]
+        if not len(pixels) or len(pixels) >= LEAST_PLACES:
+            box, corner = _box_of(mask)
+            depth = scipy.ndimage.distance_transform_edt(mask[box])
+            pixels = np.argwhere(depth == depth.max())[:1] + corner
+        likely = self._prior.judged(mask, pixels)
+        return Signs(*likely[2:], places=len(inside) + len(outside))
 
     @cached_property
     def values(self) -> Array:
@@ -366,10 +476,10 @@ def _box_of(mask: Mask) -> tuple[tuple[slice, slice], Index]:
     return (rows, cols), corner
 
 
-def _linked(mask: Mask, pixels: Index, barred: Mask) -> Mask:
+def _linked(mask: Mask, pixels: Index, barred: Mask | None = None) -> Mask:
     """The parts of a mask, shape (H, W), that hold pixels, shape (N, 2), without what lies across a barrier."""
-    parts, _ = scipy.ndimage.label(mask & ~barred, np.ones((3, 3), bool))
-    if barred.any():
+    parts, _ = scipy.ndimage.label(mask if barred is None else mask & ~barred, np.ones((3, 3), bool))
+    if barred is not None and barred.any():
         parts = np.where(mask, skimage.segmentation.expand_labels(parts, 2.0), 0)  # type: ignore[no-untyped-call]
     held = np.zeros(int(parts.max()) + 1, np.bool_)
     held[parts[tuple(pixels.T)]] = True
@@ -394,3 +504,8 @@ def _not_around(inside: Array, before: Selection) -> Array:
     depth = scipy.ndimage.distance_transform_edt(parts > 0)
     middles = np.array(scipy.ndimage.maximum_position(depth, parts, empty), float).reshape(-1, 2) - 1.0
     return np.concatenate([middles, rest])
+
+
+def _overlap(one: Mask, other: Mask) -> float:
+    """Intersection over union of two masks, one of which has a pixel."""
+    return float(np.count_nonzero(one & other) / np.count_nonzero(one | other))

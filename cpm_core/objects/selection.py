@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from cpm_core.contours.contour import Contour
-from cpm_core.field.interpolation import interpolate
 from cpm_core.image import drawing
 from cpm_core.numerics.types import Array, Mask
-from cpm_core.objects.boundaries.ground import Ground
-from cpm_core.objects.outline import Outline
+from cpm_core.objects.confidence import Signs
 from cpm_core.parameters.quotation import counted, described
 
 
@@ -29,11 +26,13 @@ class Selection(drawing.Pictured):
     gaps : tuple of ndarray, shape (K, 2)
         Stretches of the boundary that follow no contour [px].
     confidence : float
-        How well the image supports the boundary, 0 to 1; see `confidence_of`.
+        Probability that it is what is meant, 0 to 1: that their overlap is at least `confidence.RIGHT`.
     inside, outside : ndarray, shape (M, 2) and (K, 2)
         The places that have been said to be inside and outside [px].
     remark : str
         One sentence on what was unusual about the places, or empty.
+    signs : Signs or None
+        What the confidence was estimated from.
 
     Examples
     --------
@@ -54,6 +53,7 @@ class Selection(drawing.Pictured):
     inside: Array
     outside: Array
     remark: str = ""
+    signs: Signs | None = None
 
     @property
     def found(self) -> bool:
@@ -77,7 +77,7 @@ class Selection(drawing.Pictured):
     def __repr__(self) -> str:
         pixels, contours = f"{np.count_nonzero(self.mask):,} px", counted(len(self.contours), "contour")
         return described(
-            "Selection", pixels, contours, counted(len(self.gaps), "gap"), f"confidence {self.confidence:.2f}"
+            "Selection", pixels, contours, counted(len(self.gaps), "gap"), f"{100.0 * self.confidence:.0f} % sure"
         )
 
     def plot(self, ax: drawing.Axes | None = None) -> drawing.Axes:
@@ -86,19 +86,3 @@ class Selection(drawing.Pictured):
         drawing.show_image(ax, self.mask.astype(float))
         drawing.show_curves(ax, self.contours)
         return ax
-
-
-def confidence_of(outlines: Sequence[Outline], ground: Ground) -> float:
-    """How well the image supports a boundary: mean over its length.
-
-    A stretch that follows a contour counts 1, one on the border of the image a half, and one across a gap
-    ``1 - exp(-s / strong)`` with the edge strength s there. 0 when there is no boundary.
-    """
-    support = length = 0.0
-    for outline in outlines:
-        path = outline.contour.path
-        edge = interpolate(ground.strength[None], 0.5 * (path[1:] + path[:-1]))[:, 0]
-        each = np.where(outline.bridged, 1.0 - np.exp(-edge / ground.strong), 1.0)
-        support += float(np.where(outline.bordering, 0.5, each) @ outline.lengths)
-        length += float(outline.lengths.sum())
-    return support / length if length else 0.0

@@ -4,17 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import scipy
-import skimage
 
-from cpm_core.numerics.types import Index, Mask
+from cpm_core.numerics.types import Mask
+from cpm_core.objects.boundaries.alike import alike
+from cpm_core.objects.boundaries.necks import bodies
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.selection import Selection
-
-_CONTRAST = 0.4, 3.0
-"""How far from its surroundings, towards the gray level of the chosen object and beyond, those of others are."""
-
-_SMOOTHING = 1.5
-"""Sigma of the smoothing of gray levels [px], at most a fifth of the radius."""
 
 _SIZE = 0.2, 4.0
 """Area of others, as fractions of that of the chosen one."""
@@ -24,12 +19,6 @@ _CUT = 0.05
 
 _EDGE = 0.3
 """Least strength of the boundary of others, as a fraction of that of the chosen one's."""
-
-_NECK = 0.1
-"""How much narrower a neck is than both of the bodies that it joins, as a fraction of the radius of the chosen one."""
-
-_AROUND = 0.5
-"""Width of the surroundings, as a fraction of the radius."""
 
 
 def similar(partition: Partition, selection: Selection) -> tuple[Selection, ...]:
@@ -62,14 +51,14 @@ def similar(partition: Partition, selection: Selection) -> tuple[Selection, ...]
         return ()
     area = float(np.count_nonzero(selection.mask))
     radius = np.sqrt(area / np.pi)
-    bodies = _parted(_alike(partition, selection, radius), radius)
-    bodies[selection.mask] = 0
+    parts = bodies(alike(partition.values, selection.mask, partition.interest), radius)
+    parts[selection.mask] = 0
     found = [selection]
     limit = np.array(partition.shape) - 1
     strength = _boundary_strength(selection)
-    boxes = enumerate(scipy.ndimage.find_objects(bodies), start=1)
+    boxes = enumerate(scipy.ndimage.find_objects(parts), start=1)
     for number, box in ((number, box) for number, box in boxes if box):
-        body = bodies[box] == number
+        body = parts[box] == number
         cut = any(part.start == 0 or part.stop > last for part, last in zip(box, limit.tolist(), strict=True))
         least = _CUT if cut else _SIZE[0]
         if not least * area <= np.count_nonzero(body) <= _SIZE[1] * area:
@@ -82,31 +71,6 @@ def similar(partition: Partition, selection: Selection) -> tuple[Selection, ...]
         if _boundary_strength(other) >= _EDGE * strength:
             found.append(other)
     return tuple(found)
-
-
-def _alike(partition: Partition, selection: Selection, radius: float) -> Mask:
-    """Pixels whose gray level is like that of the chosen object, without small holes."""
-    values, mask = partition.values, selection.mask
-    away = scipy.ndimage.distance_transform_edt(~mask)
-    ring = (away > 1.0) & (away <= max(2.0, _AROUND * radius) + 1.0)
-    own, around = float(np.median(values[mask])), float(np.median(values[ring])) if ring.any() else 0.0
-    smooth = scipy.ndimage.gaussian_filter(values, min(_SMOOTHING, 0.2 * radius))
-    share = (smooth - around) / (own - around) if own != around else np.zeros_like(smooth)
-    alike = (share >= _CONTRAST[0]) & (share <= _CONTRAST[1]) & partition.interest
-    holes, _ = scipy.ndimage.label(~alike)
-    sizes = np.bincount(holes.ravel())
-    return np.asarray(alike | (sizes < 0.1 * radius**2)[holes] | mask)
-
-
-def _parted(mask: Mask, radius: float) -> Index:
-    """Bodies of a mask, parted at their necks, numbered from 1."""
-    depth = scipy.ndimage.distance_transform_edt(np.pad(mask, 1, mode="edge"))
-    depth = scipy.ndimage.gaussian_filter(depth, 1.0, mode="nearest")
-    depth = depth[1:-1, 1:-1]
-    tops = skimage.morphology.h_maxima(depth, max(0.5, _NECK * radius))  # type: ignore[no-untyped-call]
-    markers, _ = scipy.ndimage.label((tops > 0) & mask, np.ones((3, 3)))
-    parts = skimage.segmentation.watershed(-depth, markers, mask=mask)  # type: ignore[no-untyped-call]
-    return np.asarray(parts, dtype=np.int64)
 
 
 def _largest(mask: Mask) -> Mask:

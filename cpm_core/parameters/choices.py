@@ -40,11 +40,11 @@ class ChoiceInfo:
 
 CHOICES: dict[str, ChoiceInfo] = {
     "edges": ChoiceInfo(
-        "edges", "Edges from", "What the edges are found in.",
+        "edges", "Edges from", "Where edges are found.",
         {
             "gradient": "Finds the edges of the gray levels.",
-            "vessels": "Finds the edges of a vessel measure, which is large in what is long and thin, darker or "
-            "brighter than what is around it.",
+            "vessels": "Finds the edges of a vessel measure, which is large where something is long and thin, darker "
+            "or brighter than its surroundings.",
         },
         "field",
     ),
@@ -60,15 +60,15 @@ CHOICES: dict[str, ChoiceInfo] = {
         "field",
     ),
     "channel": ChoiceInfo(
-        "channel", "Channel", "What of a color image the edges are found in; gray images have no channels.",
+        "channel", "Channel", "The part of a color image in which edges are found; gray images have no channels.",
         {
-            "luminance": "Takes how bright the colors are to the eye.",
-            "red": "Takes the red channel.",
-            "green": "Takes the green channel.",
-            "blue": "Takes the blue channel.",
-            "hematoxylin": "Takes the light that hematoxylin alone lets through, which stains nuclei blue.",
-            "eosin": "Takes the light that eosin alone lets through, which stains what is around nuclei pink.",
-            "dab": "Takes the light that DAB alone lets through, which stains what antibodies mark brown.",
+            "luminance": "Uses the brightness of the colors as the eye sees it.",
+            "red": "Uses the red channel.",
+            "green": "Uses the green channel.",
+            "blue": "Uses the blue channel.",
+            "hematoxylin": "Uses the light that hematoxylin alone lets through, which stains nuclei blue.",
+            "eosin": "Uses the light that eosin alone lets through, which stains what surrounds nuclei pink.",
+            "dab": "Uses the light that DAB alone lets through, which stains what antibodies mark brown.",
         },
         "field",
     ),

@@ -21,7 +21,7 @@ from app.views.canvas.items.curves import Curves
 from app.views.canvas.layers.layer import Layer
 from app.views.canvas.tools import TOOLS
 from app.views.canvas.tools.drawn import DraggedTool
-from app.views.canvas.tools.tool import START
+from app.views.canvas.tools.tool import CIRCLE
 from app.views.features import edit
 from app.views.main_window import make_window
 from app.views.window import bars
@@ -132,7 +132,7 @@ class DiameterTool(DraggedTool):
     name = "bin"  # also the name of its icon
     text = "&Diameter tool"
     shortcut = "N"
-    group = START
+    group = CIRCLE
     tip = "Drag along a diameter."
     activity = "draw a circle by its diameter"
     slip = "Drag along a diameter."

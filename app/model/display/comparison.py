@@ -5,11 +5,10 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 from app.model.display.lengths import short_text
-from app.model.document.document import Document
 from app.model.parameters.controls import Control, slider_range, value_of, with_value
 from app.model.text.language import from_core, tr
 from cpm_core import CONTOUR_METHODS, Parameters
@@ -20,9 +19,6 @@ FEWEST, MOST = 2, 6
 
 FIRST_AXES = ("smoothing", "min_strength")
 """Parameters that are proposed: they decide which edges count."""
-
-METHODS_ACROSS = 4
-"""Number of methods in a row."""
 
 _SPREAD = 0.5
 """Fraction of the slider's range that the proposed values span."""
@@ -37,22 +33,20 @@ class Axis:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Tile:
-    """One of the runs that are compared.
+class Trial:
+    """A run that is compared with others.
 
     `method` is a method with its settings, run from the outlines that are drawn; where it is empty, the run is that of
     the document with other parameters, the `settings`, which differ from its own in `values`.
     """
 
-    row: int
-    col: int
-    caption: str
+    title: str
     settings: Any
     values: tuple[tuple[str, float], ...] = ()
     method: str = ""
 
 
-def parameter_tiles(parameters: Parameters, axes: Sequence[Axis]) -> tuple[Tile, ...]:
+def parameter_trials(parameters: Parameters, axes: Sequence[Axis]) -> tuple[Trial, ...]:
     """A run for each combination of the values of one or two parameters.
 
     ValueError when both are the same parameter, or a value is out of its range.
@@ -60,31 +54,23 @@ def parameter_tiles(parameters: Parameters, axes: Sequence[Axis]) -> tuple[Tile,
     names = [axis.control.name for axis in axes]
     if len(set(names)) < len(names):
         raise ValueError(tr("Both parameters are the same: choose two different ones."))
-    across = len(axes[-1].values)
-    tiles = []
-    for place, values in enumerate(itertools.product(*(axis.values for axis in axes))):
-        caption = ", ".join(f"{axis.control.symbol} = {short_text(value)}"
-                            for axis, value in zip(axes, values, strict=True))  # fmt: skip
+    trials = []
+    for values in itertools.product(*(axis.values for axis in axes)):
+        title = ", ".join(f"{axis.control.symbol} = {short_text(value)}"
+                          for axis, value in zip(axes, values, strict=True))  # fmt: skip
         chosen = tuple(zip(names, values, strict=True))
-        tiles.append(Tile(*divmod(place, across), caption, _with(parameters, chosen), chosen))
-    return tuple(tiles)
+        trials.append(Trial(title, with_values(parameters, chosen), chosen))
+    return tuple(trials)
 
 
-def method_tiles(compared: Compared, parameters: Parameters) -> tuple[Tile, ...]:
+def method_trials(compared: Compared, parameters: Parameters) -> tuple[Trial, ...]:
     """A run of each chosen method; ValueError when there is none."""
     if not compared.methods:
         raise ValueError(tr("Choose one method at least."))
-    tiles = []
-    for place, name in enumerate(compared.methods):
-        method = CONTOUR_METHODS[name]
-        settings = parameters if method.of_particles else compared.settings_of(name)
-        tiles.append(Tile(*divmod(place, METHODS_ACROSS), from_core(method.title), settings, method=name))
-    return tuple(tiles)
-
-
-def pick(document: Document, tile: Tile) -> Document:
-    """The document with the values of a tile; all its other parameters stay unchanged."""
-    return replace(document, parameters=_with(document.parameters, tile.values))
+    return tuple(
+        Trial(from_core(method.title), parameters if method.of_particles else compared.settings_of(name), method=name)
+        for name, method in ((name, CONTOUR_METHODS[name]) for name in compared.methods)
+    )
 
 
 def sensible_values(control: Control, parameters: Parameters, contrast: float, count: int) -> tuple[float, ...]:
@@ -130,7 +116,8 @@ def in_text(values: tuple[float, ...]) -> str:
     return ", ".join(map(short_text, values))
 
 
-def _with(parameters: Parameters, values: Sequence[tuple[str, float]]) -> Parameters:
+def with_values(parameters: Parameters, values: Sequence[tuple[str, float]]) -> Parameters:
+    """The parameters with other values of some."""
     for name, value in values:
         parameters = with_value(parameters, name, value)
     return parameters

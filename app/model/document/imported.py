@@ -132,9 +132,9 @@ def add_starts(document: Document, imported: Imported) -> Document:
     return replace(document, shapes=(*document.shapes, *imported.starts))
 
 
-def add_objects(document: Document, imported: Imported) -> Document:
-    """The document with the objects, of the class that is chosen."""
+def add_objects(document: Document, made: Sequence[SegmentedObject]) -> Document:
+    """The document with objects, of the class that is chosen."""
     objects = document.objects
     first = objects.next_number - 1
-    added = (replace(item, number=first + item.number, category=objects.category) for item in imported.objects)
+    added = (replace(item, number=first + item.number, category=objects.category) for item in made)
     return replace(document, objects=replace(objects, items=(*objects.items, *added)))

@@ -11,7 +11,7 @@ import numpy as np
 from app.model.document import edits
 from app.model.document.document import Document
 from app.model.text.language import tr
-from cpm_core import Bridge, Contour, Result, Selection, Surface, VolumeSelection
+from cpm_core import Bridge, Result, Selection, Surface, VolumeSelection
 from cpm_core.contours import PackedSurface
 from cpm_core.numerics import Array, Place, Position, length, polyline, thinned
 from cpm_core.objects import boundaries_result
@@ -79,17 +79,6 @@ def _with_found(document: Document, found: Iterable[Found], category: int) -> Do
             fresh = max(items, default=0) + 1
             items[fresh] = made(selection, clicks, fresh, category)
     return _with(document, items=tuple(items.values()))
-
-
-def add_region(document: Document, contours: Iterable[Contour], name: str) -> Document:
-    """The document with one more object, whose boundary is closed contours that something else has found."""
-    closed = [contour for contour in contours if contour.closed]
-    if not closed:
-        raise ValueError(tr("There is no closed contour to keep: wait until the method has found one."))
-    objects = document.objects
-    boundary = tuple(line_of(contour.points) for contour in closed)
-    item = SegmentedObject(objects.next_number, (), boundary, name=name, category=objects.category)
-    return _with(document, items=(*objects.items, item))
 
 
 def replace_boundaries(document: Document, found: Iterable[Found]) -> Document:
@@ -224,7 +213,13 @@ def objects_result(document: Document) -> Result | None:
         return None
     surface = surface_of(shown, image.spacing, image.unit)
     contours = [
-        replace(contour, name=title(objects, item), color=objects.color(item), group=item.number)
+        replace(
+            contour,
+            name=title(objects, item),
+            color=objects.color(item),
+            group=item.number,
+            category=class_title(objects, item.category),
+        )
         for item in shown
         for contour in contours_of(item)
     ]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import filecmp
 import json
 from dataclasses import dataclass, replace
 from functools import cache
@@ -52,6 +53,12 @@ def samples() -> tuple[Sample, ...]:
 def sample_at(path: Path) -> Sample | None:
     """The sample with this file, or None for any other image."""
     return next((sample for sample in samples() if sample.path == path.resolve()), None)
+
+
+def sample_like(path: Path) -> Sample | None:
+    """The sample of which a file is a copy, by name and content; a copy starts as the sample does."""
+    sample = sample_called(path.name)
+    return sample if sample and path.is_file() and filecmp.cmp(path, sample.path, shallow=False) else None
 
 
 def sample_called(file: str) -> Sample | None:

@@ -14,12 +14,12 @@ from cpm_core import Parameters
 from cpm_core.formats import ImageFile, SessionFile
 
 _PARTS = (
-    (tr("the drawing"), ("shapes",)),
+    (tr("the shapes"), ("shapes",)),
     (tr("the parameters"), ("parameters",)),
-    (tr("the review of the contours"), ("marks",)),
-    (tr("the contours edited by hand"), ("hand_edits",)),
+    (tr("decisions about contours"), ("marks",)),
+    (tr("edits of contours"), ("hand_edits",)),
     (tr("the objects"), ("objects",)),
-    (tr("the comparison of methods"), ("comparison",)),
+    (tr("settings of the comparison"), ("comparison",)),
 )
 """Parts of a document, in words, and its attributes."""
 
@@ -51,13 +51,18 @@ def to_file(document: Document, view: View, before: SessionFile | None = None) -
 def changed_parts(document: Document, known: Document | None) -> tuple[str, ...]:
     """What of a document is not in the one that is `known`, in words; the choice of a mode alone is no work.
 
-    Without a known one, as after a crash, that is all there is.
+    Objects are counted. Without a known document, as after a crash, that is all there is.
     """
     if known is not None and (document == known or is_only_in_another_mode(document, known)):
         return ()
     before = known or Document(document.image, parameters=document.parameters, mode=document.mode)
+    saved = {item.number: item for item in before.objects.items}
+    count = sum(saved.get(item.number) != item for item in document.objects.items)
+    counted = tr("1 object") if count == 1 else tr("{count} objects").format(count=count)
     found = tuple(
-        words for words, names in _PARTS if any(getattr(document, name) != getattr(before, name) for name in names)
+        counted if count and "objects" in names else words
+        for words, names in _PARTS
+        if any(getattr(document, name) != getattr(before, name) for name in names)
     )
     return found or (tr("the choices that you made"),)
 

@@ -20,9 +20,9 @@ LOWEST_RATIO = 0.05
 _FULL_CONTRAST = 255.0
 
 _BY_ITSELF = {
-    "smoothing": tr("Set the smoothing from the noise of the image."),
-    "exponent": tr("Set the exponent to the number of dimensions: 2 in an image, 3 in a volume."),
-    "gamma": tr("Set gamma from the background of the image: below 1 where it is dark or bright, else 1."),
+    "smoothing": tr("Choose the smoothing from the noise of the image."),
+    "exponent": tr("Use the number of dimensions as the exponent: 2 in an image, 3 in a volume."),
+    "gamma": tr("Choose gamma from the background of the image: below 1 where it is dark or bright, otherwise 1."),
 }
 
 
@@ -43,10 +43,10 @@ _IN_VOLUMES = {
 """Units and meanings that differ in volumes, by the names of their controls."""
 
 _ACTS = {
-    "contours": tr("Acts at once, on particles at rest too."),
-    "nothing": tr("Acts at the next step."),
-    "field": tr("Acts at the next step, with a new edge map and field."),
-    "run": tr("Acts from the next start on."),
+    "contours": tr("Takes effect immediately."),
+    "nothing": tr("Takes effect at the next step; particles at rest start moving again."),
+    "field": tr("Takes effect at the next step, with a new field; particles at rest start moving again."),
+    "run": tr("Takes effect from the next start."),
 }
 
 
@@ -69,6 +69,8 @@ class Control:
         Values that may be typed.
     slider_low, slider_high, step : float
         Range and increment of the slider.
+    default : float or str
+        Value with which work begins.
     meaning, more, equation : str
         What it is, what a larger value does, and its equation.
     invalidates : {"nothing", "contours", "field", "run"}
@@ -86,16 +88,12 @@ class Control:
     slider_low: float
     slider_high: float
     step: float
+    default: float | str
     meaning: str
     more: str
     equation: str
     invalidates: Invalidates
     advanced: bool
-
-    @property
-    def default(self) -> float | str:
-        """Default value."""
-        return value_of(Parameters(), self.name)
 
     @property
     def acts(self) -> str:
@@ -150,14 +148,12 @@ class Control:
 
     @property
     def facts(self) -> str:
-        """Symbol, equation, range with its unit and default in one line."""
+        """Symbol, equation, range of the slider with its unit and default in one line."""
         unit = f" {self.unit}" if self.unit else ""
         default = self.default if isinstance(self.default, str) else written(f"{self.default:.3g}")
-        span = tr("{low} to {high}, default {default}")
-        low, high = f"{self.low:g}", f"{self.high:g}{unit}"
-        if self.high >= 1e6:
-            span, low = tr("{low} or more, default {default}"), f"{low}{unit}"
-        span = span.format(low=written(low), high=written(high), default=default)
+        span = tr("{low} to {high}, default {default}").format(
+            low=written(f"{self.slider_low:g}"), high=written(f"{self.slider_high:.3g}{unit}"), default=default
+        )
         return " · ".join(part for part in (self.symbol, self.equation, span) if part)
 
 
@@ -167,12 +163,17 @@ def controls() -> tuple[Control, ...]:
     return tuple(sorted(made, key=lambda one: (one.advanced, one.name not in OF_STARTS, one.invalidates != "nothing")))
 
 
-def in_dimension(control: Control, ndim: int) -> Control:
-    """A control as it is in an image, or in a volume, which has three axes."""
-    if ndim < 3 or control.name not in _IN_VOLUMES:
-        return control
-    unit, meaning = _IN_VOLUMES[control.name]
-    return replace(control, unit=unit, meaning=meaning)
+def adapted(control: Control, usual: Parameters, ndim: int, contrast: float) -> Control:
+    """A control as it is for an image with so many axes and this contrast, where work begins with `usual` values."""
+    low, high = slider_range(control, contrast)
+    step = control.step * (high - low) / (control.slider_high - control.slider_low)
+    unit, meaning = control.unit, control.meaning
+    if ndim == 3:
+        unit, meaning = _IN_VOLUMES.get(control.name, (unit, meaning))
+    return replace(
+        control, slider_low=low, slider_high=high, step=step, default=value_of(usual, control.name), unit=unit,
+        meaning=meaning,
+    )  # fmt: skip
 
 
 def slider_range(control: Control, contrast: float) -> tuple[float, float]:
@@ -212,13 +213,14 @@ def with_value(parameters: Parameters, name: str, value: float | str) -> Paramet
 def _of_parameter(name: str) -> Control:
     values = asdict(PARAMETERS[name])
     texts = {part: from_core(values[part]) for part in ("unit", "title", "meaning", "more", "equation")}
-    return Control(**values | texts)
+    return Control(**values | texts, default=value_of(Parameters(), name))
 
 
 def _ratio() -> Control:
     return replace(
         _of_parameter("w1"),
         name=RATIO,
+        default=value_of(Parameters(), RATIO),
         symbol="w₁/w₂",
         unit="",
         title=tr("Repulsion to attraction"),

@@ -13,7 +13,7 @@ KEY = "shortcuts"
 
 ON_THE_IMAGE = (
     "Enter", "Return", "Left", "Right", "Up", "Down", "Shift+Left", "Shift+Right", "Shift+Up", "Shift+Down", "Home",
-    "End", "<", ">", *"123456789",
+    "End", "[", "]", *"123456789",
 )  # fmt: skip
 """Keys that the image itself takes; no action can have them."""
 

@@ -142,7 +142,7 @@ def _hint(situation: Situation) -> str:
         )
     elif isinstance(shape, Charge):
         message = tr(
-            "Drag the {shape} of strength {strength} or move it with arrow keys; < and > make it weaker and stronger; "
+            "Drag the {shape} of strength {strength} or move it with arrow keys; [ and ] make it weaker and stronger; "
             "{key:delete} removes it."
         )
         return with_keys(message, shape=from_core(shape.title), strength=written(f"{abs(shape.strength):g}"))
@@ -173,11 +173,11 @@ def _what_can_be_done_to(shape: Shape) -> str:
     if isinstance(shape, Everywhere):
         return with_keys(tr("Press {key:run} to run; {key:delete} removes the {shape}."), shape=name)
     spaced = tr(
-        "Arrow keys or the select tool ({key:select}) move the {shape}, < and > change its spacing; "
+        "Arrow keys or the select tool ({key:select}) move the {shape}, [ and ] change its spacing; "
         "{key:delete} removes it."
     )
     strong = tr(
-        "< and > change how strong an edge must be for the {shape}, arrow keys move it; {key:delete} removes it."
+        "[ and ] change how strong an edge must be for the {shape}, arrow keys move it; {key:delete} removes it."
     )
     moved = tr("Arrow keys or the select tool ({key:select}) move the {shape}; {key:delete} removes it.")
     message = {
@@ -187,7 +187,7 @@ def _what_can_be_done_to(shape: Shape) -> str:
     }.get(
         type(shape),
         tr(
-            "Arrow keys or the select tool ({key:select}) move the {shape}, < and > resize it; {key:delete} removes it."
+            "Arrow keys or the select tool ({key:select}) move the {shape}, [ and ] resize it; {key:delete} removes it."
         ),
     )
     return with_keys(message, shape=name)

@@ -160,8 +160,6 @@ def can_step(situation: Situation) -> bool:
 _CONTOUR = tr("Contours are found in images; a run in a volume finds a surface.")
 _BRUSH = tr("Objects are painted in images; in a volume they are bodies that a surface encloses.")
 _ALIKE = tr("Objects that are alike are found in images by their gray values and size, not in volumes.")
-_METHODS = tr("In a volume methods are compared by cpm compare VOLUME --sphere PLANE,ROW,COL,RADIUS.")
-_MOSAIC = tr("A mosaic shows runs with different parameters side by side; in a volume each of them takes too long.")
 _BATCH = tr("Many images are run at once; volumes are run one by one.")
 
 NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
@@ -172,8 +170,6 @@ NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
              "show_rejected"), _CONTOUR),
         "brush": _BRUSH,
         "objects_alike": _ALIKE,
-        "mosaic": _MOSAIC,
-        "compare_methods": _METHODS,
         "apply_to_folder": _BATCH,
     }
 )  # fmt: skip
@@ -182,36 +178,36 @@ NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
 
 OTHERWISE_IN_VOLUMES: Mapping[str, tuple[str, str]] = MappingProxyType(
     {
-        "circle": (tr("Sphe&re tool"), tr("Drag from the center to draw a sphere.")),
+        "circle": (tr("Sphe&re"), tr("Drag from the center to draw a sphere.")),
         "add_circle": (
             tr("Add sphere in the &middle"),
             tr("Add a sphere in the middle of the visible part of the slice."),
         ),
         "ellipse": (
-            tr("Bo&x tool"),
+            tr("Bo&x"),
             tr("Drag from corner to corner to draw a box, as deep as its shorter side; Shift makes it a square."),
         ),
         "grid_area": (
-            tr("&Grid tool"),
-            tr("Drag a box, as deep as its shorter side, to fill with an even grid; < and > change its spacing."),
+            tr("&Grid"),
+            tr("Drag a box, as deep as its shorter side, to fill with an even grid; [ and ] change its spacing."),
         ),
         "threshold": (
-            tr("T&hreshold tool"),
+            tr("T&hreshold"),
             tr(
-                "Drag a box, as deep as its shorter side, in which to start on strong edges; < and > change how strong."
+                "Drag a box, as deep as its shorter side, in which to start on strong edges; [ and ] change how strong."
             ),
         ),
-        "points": (tr("&Point tool"), tr("Click to place a point in the slice.")),
+        "points": (tr("&Points"), tr("Click to place a point in the slice.")),
         "import_contours": (
             tr("&Import surface…"),
             tr("Read a surface, labels or center lines, as a start, as objects or as ground truth."),
         ),
         "region": (
-            tr("Region of &interest tool"),
+            tr("Region of &interest"),
             tr("Drag a box, or click corner by corner around what particles are to stay in, through all slices."),
         ),
         "barrier": (
-            tr("&Barrier tool"),
+            tr("&Barrier"),
             tr("Drag, or click corner by corner, where no particle is to cross, through all slices."),
         ),
     }

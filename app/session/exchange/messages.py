@@ -206,10 +206,9 @@ class ImageReady(Report):
 
 @dataclass(frozen=True, slots=True)
 class NotOpened(Report):
-    """An image could not be used; what is open stays, and `otherwise` may be opened."""
+    """An image could not be used; what is open stays."""
 
     sentence: str
-    otherwise: Path | None = None
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -1,187 +1,588 @@
-"""Runs that are compared with one another, several at a time: with other parameters, or of other methods."""
+"""Results that are compared with one another: each with a reference, which is what is shown or a ground truth."""
 
 from __future__ import annotations
 
-import threading
-import time
+import itertools
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
+from typing import Any
 
-from PySide6.QtCore import QObject, Signal
+import numpy as np
+from PySide6.QtCore import QObject, QTimer, Signal
 
-from app.model.display.comparison import Tile
+from app.model.display.comparison import Trial, with_values
+from app.model.display.differences import Apart, Difference, apart_from, differences, surface_differences
 from app.model.document.document import NOTHING_TO_START_FROM, Document
-from app.model.text.language import from_core, tr
-from app.session.exchange.messages import sentence
-from app.session.features.truth_comparison import GroundTruth
+from app.model.document.imported import add_objects, bodies_of, objects_of
+from app.model.document.objects import objects_result
+from app.model.text.language import tr
+from app.session.exchange.contour_tracking import TrackedContours
+from app.session.exchange.messages import CommandFailed, Reconstruction
+from app.session.features.background import IdentityCache, LatestOnlyWorker
+from app.session.features.timeline import TimelineNavigation
+from app.session.features.trials import run_trials, start_of
+from app.session.scene import ReviewedContours, Scene
 from app.session.session import Session
-from app.session.tasks.tasks import Cancelled, Task
-from cpm_core import CONTOUR_METHODS, Engine, Facts, Image, Result, Start, Truth, compare, facts_of, moments
-from cpm_core.contours import apply, with_kept
-from cpm_core.formats import comparison
-from cpm_core.numerics import cores
-from cpm_core.objects.methods import result_of
-from cpm_core.shapes import Barrier, Charge, Region, SeedCache, outlines_of, starts_of
+from app.session.tasks.tasks import Task
+from app.session.worker.requests import FrameTaken, take_frame
+from cpm_core import (
+    Comparison,
+    Facts,
+    Image,
+    Result,
+    SurfaceComparison,
+    Truth,
+    VolumeTruth,
+    compare,
+    compare_surface,
+    load_truth,
+    load_volume_truth,
+    measure,
+)
+from cpm_core.contours import TOLERANCE, numbered, truth_of_contours
+from cpm_core.formats import TruthFile, comparison, write_together
+from cpm_core.objects.segmented import SegmentedObject
+from cpm_core.shapes import Barrier, Charge, Region, outlines_of, starts_of
+
+NOW = 0
+"""Key of what is shown now, which is always compared."""
+
+_TOPIC = "comparing"
+_QUIET = 200
+"""Time without another step after which another run is shown at the same step [ms]."""
+
+Agreed = Comparison | SurfaceComparison
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Done:
-    """A run that has ended, without rejected contours; where it failed there is no result, and `trouble` says why."""
+class Row:
+    """A result that is compared.
 
-    tile: Tile
-    result: Result | None = None
-    facts: Facts | None = None
-    trouble: str = ""
+    Attributes
+    ----------
+    key : int
+        Its number, which stays the same.
+    title : str
+        Its name.
+    found : Result or None
+        Contours, or a surface, without those that are rejected; None while there are none.
+    scene : Scene
+        What is shown of it, without the image.
+    state : str
+        How far its run is, or what it has failed with; empty once it is there.
+    seconds : float or None
+        Time of its run [s].
+    trial : Trial or None
+        What it is the result of, where it was run to be compared.
+    branch : int or None
+        The branch of the timeline that it is taken from.
+    truth : Truth, VolumeTruth or None
+        The ground truth that it is.
+    """
+
+    key: int
+    title: str
+    found: Result | None = None
+    scene: Scene = field(default_factory=Scene)
+    state: str = ""
+    seconds: float | None = None
+    trial: Trial | None = None
+    branch: int | None = None
+    truth: Truth | VolumeTruth | None = None
+
+    @property
+    def count(self) -> int | None:
+        """Number of objects, or of contours; in a volume of objects, or of parts of the surface."""
+        if self.found is None:
+            return None
+        if self.found.surface is not None:
+            numbers = self.found.surface.numbers
+            return self.found.surface.components if numbers is None else len(np.unique(numbers))
+        return len({contour.group or -index for index, contour in enumerate(self.found.contours, start=1)})
+
+    @property
+    def usable(self) -> bool:
+        """Whether there is something in it that the document can take over."""
+        planned = self.trial is not None and bool(self.trial.values)
+        return self.key != NOW and (planned or self.found is not None)
 
 
-class Comparison(QObject):
-    """Runs tiles without changing the run of the session."""
+class ComparedResults(QObject):
+    """Holds results, runs those that are to be compared, and compares all with the reference on a separate thread.
 
-    began = Signal(object)
-    """The run of a tile has begun: Tile."""
-    finished = Signal(object)
-    """A tile has been run: Done."""
-    ended = Signal()
-    """All tiles are done, or the comparison has been cancelled."""
+    One of them may be chosen: the canvas shows it beyond the divider. In a volume the tolerance is in smallest sides of
+    a voxel.
+    """
 
-    def __init__(self, session: Session, truth: GroundTruth) -> None:
+    changed = Signal()
+    """The rows, their figures or the reference have changed."""
+    chosen_changed = Signal()
+    """Another row is chosen, or shows something else."""
+    _news = Signal(int, object)
+    """Parts of a row have changed; sent by the thread that runs it."""
+
+    def __init__(self, session: Session, navigation: TimelineNavigation) -> None:
         super().__init__(session)
+        self.reference = self.chosen = NOW
+        self.rows = {NOW: Row(NOW, tr("Shown now"))}
+        self.agreed: dict[int, Agreed] = {}
+        """Agreement with the reference by row."""
+        self.tolerance, self.holes = TOLERANCE, True
         self.task: Task | None = None
-        self._session = session
-        self._truth = truth
-        session.image_changed.connect(self.cancel)
+        self._path: Path | None = None
+        self._keys = itertools.count(1)
+        self._session, self._navigation = session, navigation
+        self._seen, self._made = IdentityCache(), IdentityCache()
+        self._latest = LatestOnlyWorker(session, "cpm-comparison", tr("comparing results"))
+        self._quiet = QTimer(self, singleShot=True, interval=_QUIET)
+        self._quiet.timeout.connect(self._take_branch)
+        self._news.connect(self._change)
+        session.scene_changed.connect(self._follow)
+        session.image_changed.connect(self.forget)
         session.tasks.changed.connect(self._look)
 
     @property
-    def left_out(self) -> str:
-        """What is drawn and takes no part in a comparison of methods, in words."""
-        shapes = self._session.document.shapes
-        starts, limits = starts_of(shapes), any(isinstance(shape, Region | Barrier | Charge) for shape in shapes)
-        loose = len(starts) > len(outlines_of(starts))
-        return " ".join(
-            (
-                *((tr("Starts without an inside are left out, as most of the methods need one."),) if loose else ()),
-                *((tr("Regions, barriers and charges are left out: the other methods have none."),) if limits else ()),
-            )
-        )
+    def in_volume(self) -> bool:
+        """Whether a volume is open, whose surface is compared."""
+        return self._session.image is not None and self._session.image.ndim == 3
 
-    def start(self, tiles: Sequence[Tile]) -> None:
-        """Run tiles, one on each core but the one that the window needs; ValueError when there is no start."""
+    @property
+    def idle(self) -> bool:
+        """Whether all figures are up to date."""
+        return self._latest.idle
+
+    @property
+    def subject(self) -> int:
+        """The row whose differences from the reference are marked: the chosen one, or else what is shown now."""
+        return self.chosen if self.chosen != self.reference else NOW
+
+    # Rows
+
+    def keep(self) -> None:
+        """Keep the present result, to compare later ones with it."""
+        scene = self._session.scene
+        step = scene.snapshot.state.step if scene.snapshot is not None else 0
+        title = tr("Kept result, step {step}").format(step=step) if step else tr("Kept result")
+        shown = Scene(
+            document=scene.document, snapshot=scene.snapshot, reconstruction=scene.reconstruction,
+            contours=scene.contours,
+        )  # fmt: skip
+        self._add(Row(next(self._keys), title, self._found, shown))
+
+    def add_branch(self, identity: int) -> None:
+        """Add another run or branch of the timeline, at its end, or at the step that is shown if that is no end."""
+        branch = self._navigation.branch(identity)
+        if branch is not None:
+            row = Row(next(self._keys), branch.name, state=tr("waiting"), branch=identity)
+            self._add(row)
+            self._take_branch(row.key)
+
+    def run(self, trials: Sequence[Trial]) -> None:
+        """Run trials, without changing the run of the session; ValueError when there is no start."""
         image, document = self._session.image, self._session.document
-        if any(tile.method for tile in tiles):
-            self._start_of(document)
+        of_methods = any(trial.method for trial in trials)
+        if of_methods:
+            start_of(document)
         elif not document.starts:
             raise ValueError(NOTHING_TO_START_FROM)
         if image is None:
             return
         self.cancel()
+        planned = {next(self._keys): trial for trial in trials}
+        for key, trial in planned.items():
+            self._add(Row(key, trial.title, state=tr("waiting"), trial=trial))
         self.task = self._session.tasks.start(
-            tr("Running a mosaic of {count} tiles…").format(count=len(tiles)),
-            lambda task: self._run(image, document, tiles, task),
-            tr("running a mosaic"),
+            tr("Running {count} results to compare…").format(count=len(trials)),
+            partial(run_trials, image, document, planned, self._begin, self._end),
+            tr("running results to compare"),
         )
+        if of_methods and (note := _left_out(document)):
+            self._session.say(note)
 
     def cancel(self) -> None:
-        """Cancel the runs that have not ended."""
+        """Cancel the runs that have not ended, and remove their rows."""
         if self.task is not None:
             self.task.cancel()
             self.task = None
-            self.ended.emit()
+            for row in [row for row in self.rows.values() if row.trial and row.found is None and row.state]:
+                self.remove(row.key)
+            self.changed.emit()
 
-    def write(self, found: Sequence[Done], path: Path) -> None:
-        """Write what methods have found, on a thread of its own."""
-        image, document, truth = self._session.image, self._session.document, self._session.scene.truth
-        tiles = [comparison.Tile(done.result.contours, done.facts, done.tile.settings)
-                 for done in found if done.result and done.facts]  # fmt: skip
-        if image is None or not tiles:
+    def remove(self, key: int) -> None:
+        """Remove a row; what is shown now stays."""
+        if key == NOW or key not in self.rows:
             return
-        start = self._start_of(document)
+        if self.rows.pop(key).truth is not None:
+            self._path = None
+        if key == self.chosen:
+            self.chosen = NOW
+            self.chosen_changed.emit()
+        self.refer_to(self.reference if key != self.reference else NOW)
 
-        notes: list[str] = []
+    def forget(self) -> None:
+        """Another image has been opened."""
+        self.cancel()
+        self._latest.forget()
+        self.rows, self._path = {NOW: Row(NOW, tr("Shown now"))}, None
+        self.reference = self.chosen = NOW
+        self.chosen_changed.emit()
+        self.refer_to(NOW)
 
-        def work(task: Task) -> Sequence[Path]:
-            known = truth if isinstance(truth, Truth) else None
-            return comparison.write_comparison(image, start, tiles, (path,), notes.append, known)
+    # What is chosen
 
-        def use(files: Sequence[Path]) -> None:
-            names = ", ".join(file.name for file in files)
-            wrote = (tr("Wrote {name}.").format(name=names),) if names else ()
-            self._session.say(" ".join((*wrote, *map(from_core, notes))))
+    def choose(self, key: int) -> None:
+        """Show a row beyond the divider; what is shown now ends that."""
+        if key != self.chosen and key in self.rows:
+            self.chosen = key
+            self._take_branch()
+            self.chosen_changed.emit()
+            self._compare()
 
-        name, activity = tr("Writing the comparison…"), tr("writing the comparison")
-        self._session.tasks.start(name, work, activity, cancellable=False, then=use)
+    def refer_to(self, key: int) -> None:
+        """Compare all others with a row."""
+        self.reference, self.agreed = key, {}
+        row = self.rows[key]
+        self._show(row.truth, (), ())
+        self._compare()
+        self.changed.emit()
+
+    def use(self, key: int) -> None:
+        """Take a row over: its parameters, its branch, or its contours as objects."""
+        row, image = self.rows[key], self._session.image
+        trial, found = row.trial, row.found
+        if trial is not None and trial.values:
+            self._session.edit(
+                tr("use {values}").format(values=trial.title),
+                lambda document: replace(document, parameters=with_values(document.parameters, trial.values)),
+            )
+        elif row.branch is not None:
+            self._navigation.go(row.branch, self._navigation.last(row.branch))
+        elif found is not None and image is not None:
+            of_method = trial is not None
+            self._session.tasks.start(
+                tr("Taking objects from {name}…").format(name=row.title),
+                lambda task: _objects(found, image, row.title if of_method else ""),
+                tr("taking objects from {name}").format(name=row.title),
+                partial(CommandFailed, topic=_TOPIC),
+                then=lambda made: self._session.edit(
+                    tr("take objects from {name}").format(name=row.title), lambda document: add_objects(document, made)
+                ),
+            )
+
+    def far(self) -> Scene:
+        """The scene beyond the divider."""
+        scene = self._session.scene
+        return replace(
+            self.rows[self.chosen].scene, image=scene.image, display=scene.display, shaded=scene.shaded,
+            overlays=scene.overlays, slices=scene.slices, truth=scene.truth, differences=scene.differences,
+            apart=scene.apart,
+        )  # fmt: skip
+
+    # Ground truth
+
+    def load(self, path: str | Path) -> None:
+        """Read a mask or contours as the ground truth of the image, or labels as that of a volume: the reference."""
+        image = self._session.image
+        self._session.attempt(_TOPIC)
+        if image is None:
+            self._session.say(tr("There is no image to compare with: open one first."), True, _TOPIC)
+            return
+        file, generation, holes = Path(path), self._session.image_generation, self.holes
+
+        def use(row: Row) -> None:
+            if generation == self._session.image_generation:
+                known = [each.key for each in self.rows.values() if each.truth is not None]
+                self._path = file
+                self._add(replace(row, key=known[0] if known else next(self._keys)))
+                self.refer_to(known[0] if known else next(reversed(self.rows)))
+
+        self._session.tasks.start(
+            tr("Reading {name}…").format(name=file.name),
+            lambda task: _read(file, image, holes),
+            tr("reading {name}").format(name=file.name),
+            partial(CommandFailed, topic=_TOPIC),
+            then=use,
+        )
+
+    @property
+    def file(self) -> TruthFile | None:
+        """The ground truth as a session keeps it."""
+        if self._path is None:
+            return None
+        return TruthFile(str(self._path.absolute()), tolerance=self.tolerance, holes=self.holes)
+
+    def restore(self, file: TruthFile, folder: Path) -> None:
+        """Load the ground truth of a session that lies in a folder."""
+        self.tolerance, self.holes = file.tolerance, file.holes
+        beside = folder / file.path
+        self.load(beside if beside.exists() or not file.absolute else file.absolute)
+
+    def set_tolerance(self, tolerance: float) -> None:
+        """Set the distance up to which boundaries count as the same [px]."""
+        self.tolerance = tolerance
+        self._compare()
+
+    def set_holes(self, holes: bool) -> None:
+        """Set whether a contour inside another one is a hole."""
+        self.holes = holes
+        if self._path is not None:
+            self.load(self._path)
+        self._compare()
+
+    # Files
+
+    def write(self, path: Path) -> None:
+        """Write the figures of all results as a table, or a picture of what methods have found, on another thread."""
+        image, document, truth = self._session.image, self._session.document, self._session.scene.truth
+        rows = [(row, row.found, self._facts(row, row.found)) for row in self.rows.values() if row.found is not None]
+        tiles = [
+            comparison.Tile(found.contours, facts, row.trial.settings)
+            for row, found, facts in rows
+            if row.trial is not None and row.trial.method
+        ]
+        if image is None:
+            return
+
+        def work(task: Task) -> None:
+            if path.suffix.lower() == comparison.TABLE:
+                write_together([(path, comparison.table([facts for _, _, facts in rows]))])
+            else:
+                known = truth if isinstance(truth, Truth) else None
+                comparison.write_comparison(image, start_of(document), tiles, (path,), truth=known)
+
+        self._session.tasks.start(
+            tr("Writing the comparison…"), work, tr("writing the comparison"), cancellable=False,
+            then=lambda _: self._session.say(tr("Wrote {name}.").format(name=path.name)),
+        )  # fmt: skip
+
+    def close(self) -> None:
+        """End the thread."""
+        self._latest.close()
 
     # Internal
 
-    def _start_of(self, document: Document) -> Start:
-        return Start(outlines_of(document.shapes), document.comparison.around)
+    def _add(self, row: Row) -> None:
+        """Add a row, or replace that of its key; of several with the same title the later ones get a number."""
+        self.rows[NOW] = replace(self.rows[NOW], found=self._found)
+        titles = {other.title for other in self.rows.values() if other.key != row.key}
+        names = (f"{row.title} ({number})" if number > 1 else row.title for number in itertools.count(1))
+        self.rows[row.key] = replace(row, title=next(name for name in names if name not in titles))
+        self._compare()
+        self.changed.emit()
+
+    def _change(self, key: int, parts: dict[str, Any]) -> None:
+        if key in self.rows:
+            self.rows[key] = replace(self.rows[key], **parts)
+            if key == self.chosen:
+                self.chosen_changed.emit()
+            self._compare()
+            self.changed.emit()
+
+    def _begin(self, key: int) -> None:
+        self._news.emit(key, {"state": tr("running…")})
+
+    def _end(self, key: int, found: Result | None, seconds: float, trouble: str) -> None:
+        parts = {} if found is None else {"found": found, "scene": _scene_of(found), "seconds": seconds}
+        self._news.emit(key, {**parts, "state": trouble})
 
     def _look(self) -> None:
         if self.task is not None and self.task.over:
             self.task = None
-            self.ended.emit()
+            self.changed.emit()
 
-    def _run(self, image: Image, document: Document, tiles: Sequence[Tile], task: Task) -> None:
-        """Run tiles; seeds, and an engine for each number of scales, serve all of them."""
-        seed_cache, engines, lock, done = SeedCache(image), dict[int, Engine](), threading.Lock(), 0
+    def _take_branch(self, key: int | None = None) -> None:
+        """Ask for a row of the timeline, that of the chosen branch by default, at the step that is wanted."""
+        row, (here, step) = self.rows[self.chosen if key is None else key], self._navigation.place
+        if row.branch is None or self._navigation.branch(row.branch) is None:
+            return
+        last = self._navigation.last(row.branch)
+        wanted = last if step >= self._navigation.last(here) else min(step, last)
+        shown = row.scene.snapshot
+        if shown is None or shown.state.step != wanted:
+            take = partial(self._use_frame, row.key, self._session.scene.document)
+            task, generation = Task(row.title), self._session.generation
+            self._session.post(take_frame(task, generation, row.branch, wanted, True, take))
 
-        def of_parameters(tile: Tile) -> tuple[Result, Facts]:
-            parameters, began = tile.settings, time.perf_counter()
-            with lock:
-                image_seeds = seed_cache.seeds_for(
-                    document.image_starts, parameters.smoothing, document.regions, parameters.channel
-                )
-                if parameters.scales not in engines:
-                    engines[parameters.scales] = Engine(image, parameters, document.regions)
-                engine = engines[parameters.scales]
-            state = engine.start(document.seeds(image_seeds))
-            while not state.stop_reason:
-                task.check_cancelled()
-                state = engine.step(state, parameters, document.charges)
-            result = apply(with_kept(engine.result(state, parameters), document.marks), document.marks)
-            contours = result.contours
-            return result, Facts(
-                "cpm", result.steps, time.perf_counter() - began, result.converged, result.stop_reason, len(contours),
-                sum(contour.closed for contour in contours),
-            )  # fmt: skip
+    def _use_frame(self, key: int, document: Document, frame: FrameTaken) -> None:
+        if frame.moment is None:
+            self._change(key, {"state": frame.sentence or tr("This run is gone.")})
+            return
+        made, marks = frame.contours, document.marks
+        reviewed = ReviewedContours.of(made.tracked if made else None, marks)
+        shown = Scene(
+            document=Document(mode=document.mode), snapshot=frame.moment, reconstruction=made, contours=reviewed
+        )
+        self._change(key, {"found": _unrejected(reviewed), "scene": shown, "state": ""})
 
-        def of_method(tile: Tile) -> tuple[Result, Facts]:
-            method, start, channel = CONTOUR_METHODS[tile.method], self._start_of(document), document.parameters.channel
-            plain = method.of_particles or image.colors is None or channel == "luminance"
-            taken = image if plain else Image(image.gray(channel), source=image.source)
-            for moment in moments(method, taken, start, tile.settings):
-                task.check_cancelled()
-                last = moment
-            facts = facts_of(last)
-            return result_of(facts, last.state.contours, taken, start, tile.settings), facts
+    @property
+    def _found(self) -> Result | None:
+        """What is shown now: the objects, if there are any, or else what the run has found."""
+        scene = self._session.scene
+        objects = self._seen.named("objects", lambda: objects_result(scene.document), scene.document.objects.items)
+        return objects or self._seen.get(_unrejected, scene.contours)
 
-        def work(tile: Tile) -> None:
-            nonlocal done
-            try:
-                task.check_cancelled()
-                self.began.emit(tile)
-                result, facts = (of_method if tile.method else of_parameters)(tile)
-                task.check_cancelled()
-                ended = Done(tile, result, self._measured(result, facts))
-            except Cancelled:
-                return
-            except Exception as error:  # an error is shown in its tile, and the others go on
-                ended = Done(tile, trouble=sentence(error, tr("running a tile")))
-            self.finished.emit(ended)
-            with lock:
-                done += 1
-                task.fraction = done / len(tiles)
+    def _follow(self) -> None:
+        """Compare what is shown now anew; show the chosen branch at the same step."""
+        if len(self.rows) == 1:
+            return
+        found = self._found
+        if found is not self.rows[NOW].found:
+            self.rows[NOW] = replace(self.rows[NOW], found=found)
+            self._compare()
+            self.changed.emit()
+        if self.rows[self.chosen].branch is not None:
+            self._quiet.start()
 
-        with ThreadPoolExecutor(max(1, cores() - 1), thread_name_prefix="cpm-compare") as pool:
-            list(pool.map(work, tiles))
+    def _compare(self) -> None:
+        """Compare the rows with the reference; during a run only the one whose differences are marked."""
+        reference, subject, image = self.rows[self.reference], self.rows[self.subject], self._session.image
+        everything = self._session.status.phase != "running"
+        rows = [
+            row for row in self.rows.values()
+            if row.found is not None and row.key != reference.key and (everything or row is subject)
+        ]  # fmt: skip
+        if image is None or reference.found is None or not (rows or reference.key):
+            self.agreed = {}
+            self._show(reference.truth, (), ())
+            return
+        tolerance, holes = self.tolerance, self.holes
 
-    def _measured(self, result: Result, facts: Facts) -> Facts:
-        """The facts of a run with its agreement with the ground truth, where one is known."""
-        truth = self._truth.truth
-        if not isinstance(truth, Truth):
+        def work() -> tuple[Truth | VolumeTruth, dict[int, Agreed], tuple[Difference, ...], tuple[Apart, ...]]:
+            truth = reference.truth or self._made.named("reference", partial(_truth_of, reference, holes),
+                                                        reference.found, holes)  # fmt: skip
+            agreed = {
+                row.key: self._made.named(row.key, partial(_agreement, row.found, truth, tolerance, holes),
+                                          row.found, truth, tolerance, holes)
+                for row in rows if row.found is not None
+            }  # fmt: skip
+            return truth, agreed, *_marked(subject.found, truth, agreed.get(subject.key))
+
+        def take(done: tuple[Truth | VolumeTruth, dict[int, Agreed], Any, Any]) -> None:
+            truth, agreed, different, apart = done
+            if reference.key == self.reference and image is self._session.image:
+                self.agreed = agreed if everything else {**self.agreed, **agreed}
+                self._show(truth if reference.key else None, different, apart)
+                self.changed.emit()
+
+        # no figures rather than those of other contours
+        self._latest.ask(work, take, lambda: self._show(reference.truth, (), ()))
+
+    def _show(
+        self, truth: Truth | VolumeTruth | None, different: tuple[Difference, ...], apart: tuple[Apart, ...]
+    ) -> None:
+        scene = self._session.scene
+        if (truth, different, apart) != (scene.truth, scene.differences, scene.apart):
+            self._session.show(replace(scene, truth=truth, differences=different, apart=apart))
+
+    def _facts(self, row: Row, found: Result) -> Facts:
+        """The figures of a row, as tables of methods have them."""
+        method = row.trial.method if row.trial is not None else ""
+        closed = sum(contour.closed for contour in found.contours) if found.surface is None else row.count or 0
+        facts = Facts(
+            method or row.title, found.steps, row.seconds, found.converged, found.stop_reason,  # type: ignore[arg-type]
+            row.count or 0, closed,
+        )  # fmt: skip
+        seen = self.agreed.get(row.key)
+        if seen is None:
             return facts
-        seen = compare(result.contours, truth, self._truth.tolerance, holes=self._truth.holes)
         return replace(facts, dice=seen.dice, f=seen.f, hausdorff=seen.hausdorff,
                        mean_distance=seen.mean_boundary_distance)  # fmt: skip
+
+
+def _left_out(document: Document) -> str:
+    """What is drawn and takes no part in a comparison of methods, in words."""
+    starts = starts_of(document.shapes)
+    loose = len(starts) > len(outlines_of(starts))
+    limits = any(isinstance(shape, Region | Barrier | Charge) for shape in document.shapes)
+    return " ".join(
+        (
+            *((tr("Starts without an inside are left out, as most of the methods need one."),) if loose else ()),
+            *((tr("Regions, barriers and charges are left out: the other methods have none."),) if limits else ()),
+        )
+    )
+
+
+def _unrejected(reviewed: ReviewedContours) -> Result | None:
+    """A result without the contours that are rejected."""
+    if reviewed.result is None:
+        return None
+    kept = tuple(item.contour for item in reviewed.items if not item.reviewed.rejected)
+    return replace(reviewed.result, contours=kept)
+
+
+def _scene_of(found: Result) -> Scene:
+    """What is shown of a result that no run of the session has."""
+    if found.surface is not None:
+        return Scene(reconstruction=Reconstruction(0, found, None))
+    measures = measure(found.contours, found.spacing, contrast=False)
+    return Scene(contours=ReviewedContours.of(TrackedContours(found, tuple(range(len(measures))), measures), ()))
+
+
+def _read(file: Path, image: Image, holes: bool) -> Row:
+    """The ground truth of an image, or of a volume with all that slices need of it."""
+    truth: Truth | VolumeTruth
+    if image.ndim == 2:
+        truth = load_truth(file, image.shape, holes=holes, spacing=image.spacing, unit=image.unit)
+        contours, surface = truth.contours, None
+    else:
+        truth = load_volume_truth(file, image)
+        contours, surface = (), truth.surface
+    found = Result(
+        np.empty((0, image.ndim)), contours, surface, 0, True, "", image.shape, image.spacing, image.unit, file.name
+    )
+    return Row(NOW, file.name, found, _scene_of(found), truth=truth)
+
+
+def _truth_of(row: Row, holes: bool) -> Truth | VolumeTruth:
+    """A result as a ground truth; ValueError for a surface that encloses nothing."""
+    assert row.found is not None
+    found, surface = row.found, row.found.surface
+    if len(found.shape) == 2:
+        return truth_of_contours(found.contours, found.shape, row.title, holes=holes)
+    if surface is None or not surface.closed:
+        text = tr("The surface of {name} is not closed, so that nothing can be compared with it.")
+        raise ValueError(text.format(name=row.title))
+    labels = numbered(surface, found.shape).astype(np.int32)
+    return VolumeTruth(labels, found.spacing, found.unit, row.title, boundary=surface)
+
+
+def _agreement(found: Result, truth: Truth | VolumeTruth, tolerance: float, holes: bool) -> Agreed:
+    if isinstance(truth, Truth):
+        return compare(found.contours, truth, tolerance, holes=holes)
+    known = _sized(truth, found)
+    return compare_surface(found.surface, known, tolerance * min(known.spacing))
+
+
+def _sized(truth: VolumeTruth, found: Result) -> VolumeTruth:
+    """The ground truth with voxels of the size that a result has."""
+    if (found.spacing, found.unit) == (truth.spacing, truth.unit):
+        return truth
+    return replace(truth, spacing=found.spacing, unit=found.unit)
+
+
+def _marked(
+    found: Result | None, truth: Truth | VolumeTruth, agreed: Agreed | None
+) -> tuple[tuple[Difference, ...], tuple[Apart, ...]]:
+    """Where a result differs from the reference, the largest first."""
+    if found is None or agreed is None:
+        return (), ()
+    if isinstance(truth, VolumeTruth) and isinstance(agreed, SurfaceComparison):
+        apart = apart_from(found.surface, _sized(truth, found), agreed)
+        return surface_differences(apart), apart
+    assert isinstance(truth, Truth)
+    assert isinstance(agreed, Comparison)
+    return differences(found.contours, truth, agreed), ()
+
+
+def _objects(found: Result, image: Image, title: str) -> tuple[SegmentedObject, ...]:
+    """The objects of a result; with a title all that its contours enclose is one object of that name."""
+    if found.surface is not None:
+        made = bodies_of(found.surface, image) if found.surface.closed else ()
+    else:
+        closed = [contour for contour in found.contours if contour.closed]
+        made = objects_of([replace(one, name=title, group=1) for one in closed] if title else closed)
+    if not made:
+        raise ValueError(tr("There is no closed contour, so there is no object to take."))
+    return made

@@ -8,7 +8,6 @@ from PySide6.QtCore import QObject, QTimer, Signal
 
 from app.model.text.language import tr
 from app.session.exchange.messages import CommandFailed, RunsKept, Snapshot
-from app.session.features.other_result import NOTHING, OtherResult
 from app.session.session import Session
 from app.session.timeline.stored_runs import Branch
 from app.session.timeline.timeline import Outline
@@ -17,9 +16,11 @@ from app.session.worker.requests import seek
 from app.session.worker.run import Run
 from cpm_core import Parameters
 
+NOTHING = Outline()
+
 
 class TimelineNavigation(QObject):
-    """Goes along the timeline of a session's run; `comparison` shows another branch next to it."""
+    """Goes along the timeline of a session's run."""
 
     changed = Signal()
     """The position or the branches have changed."""
@@ -32,8 +33,6 @@ class TimelineNavigation(QObject):
         self._here = (0, 0)
         self._target: tuple[int, int] | None = None
         self._snapshot: Snapshot | None = None
-        self.comparison = OtherResult(session)
-        self.comparison.changed.connect(self.changed)
         self._play = QTimer(self)
         self._play.setInterval(_PLAY_EVERY)
         self._play.timeout.connect(self._play_on)
@@ -63,11 +62,6 @@ class TimelineNavigation(QObject):
     def place(self) -> tuple[int, int]:
         """Branch and step of the run, or those that it has been sent to."""
         return self._target or self._here
-
-    @property
-    def count(self) -> int:
-        """Number of particles shown."""
-        return 0 if self._snapshot is None else self._snapshot.state.count
 
     def branch(self, identity: int) -> Branch | None:
         """A branch by its number."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from app.session.exchange.core_functions import Core
-from app.session.features.comparison import Comparison
+from app.session.features.comparison import ComparedResults
 from app.session.features.contour_review import ContourReview
 from app.session.features.hand_editing import HandEditing
 from app.session.features.object_list import ObjectList
@@ -12,7 +12,6 @@ from app.session.features.skeleton import Skeletons
 from app.session.features.slices import ShownSlices
 from app.session.features.stack_pages import StackPages
 from app.session.features.timeline import TimelineNavigation
-from app.session.features.truth_comparison import GroundTruth
 from app.session.session import Session
 
 
@@ -23,21 +22,19 @@ class Workspace:
         self.session = Session(core)
         self.review = ContourReview(self.session)
         self.hand_editing = HandEditing(self.session, self.review)
-        self.truth = GroundTruth(self.session, self.review)
         self.object_list = ObjectList(self.session)
         self.object_selection = ObjectSelection(self.session, self.object_list)
         self.skeletons = Skeletons(self.session)
         self.navigation = TimelineNavigation(self.session)
-        self.other_result = self.navigation.comparison
         self.slices = ShownSlices(self.session)
-        self.comparison = Comparison(self.session, self.truth)
+        self.comparison = ComparedResults(self.session, self.navigation)
         self.pages = StackPages(self.session, core or Core(), self.review)
         self.object_selection.offers_for = self.pages.is_drawn
 
     def close(self) -> None:
         """Stop everything and wait for the threads to end."""
         self.pages.close()
-        self.truth.close()
+        self.comparison.close()
         self.object_list.close()
         self.object_selection.close()
         self.session.close()

@@ -106,7 +106,7 @@ def opens_as_volume(parts: Parts | None) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """A request to open an image or a session file at `path`, and `otherwise` if that cannot be used.
+    """A request to open an image or a session file at `path`.
 
     A session has its own parameters. Where `saved` gives its content, `path` only gives its place. The `notes` are
     shown once it is open. An image that `resumes` is opened with the session next to it, if there is one. A stack of
@@ -116,7 +116,6 @@ class Wanted:
 
     path: Path
     parameters: Parameters
-    otherwise: Path | None = None
     saved: Saved | None = None
     notes: tuple[str, ...] = ()
     resumes: bool = False
@@ -239,7 +238,7 @@ class Opener:
             tr("Opening {name}…").format(name=name),
             work,
             tr("opening {name}").format(name=name),
-            lambda sentence: NotOpened(sentence, wanted.otherwise),
+            NotOpened,
         )
         return self._task
 

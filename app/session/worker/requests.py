@@ -15,8 +15,7 @@ from app.session.exchange.contour_tracking import ContourTracker
 from app.session.exchange.messages import CommandFailed, Finished, Reconstruction, Report, Snapshot
 from app.session.tasks.tasks import Task
 from app.session.worker.commands import Command, CommandContext
-from cpm_core import Image, Parameters, Result, Skeleton
-from cpm_core.contours import Agreement, agreement
+from cpm_core import Image, Parameters
 from cpm_core.field import ScaleField
 from cpm_core.model import ImageFields
 from cpm_core.numerics import Array, Place
@@ -31,43 +30,6 @@ def seek(generation: int, branch: int, step: int, wanted: Callable[[], bool]) ->
             context.run.go_to(branch, step, lambda: wanted() and not context.closing())
 
     return Command(work, tr("going to another step"), "seek")
-
-
-def compare(generation: int, branch: int | None, step: int, against: Result | None) -> Command:
-    """Report the state of a branch at a step, or at its last one; `branch` is None to end the comparison.
-
-    Contours, which take longer, are compared only where `against` gives those that are shown.
-    """
-
-    def work(context: CommandContext) -> None:
-        run = context.run
-        if branch is None or generation != run.generation:
-            context.report(Compared(generation))
-            return
-        moment = run.moment(branch, step, lambda: not context.closing())
-        if moment is None:
-            return
-        result = run.result_of(branch, moment.state) if against is not None and moment.state.step > 0 else None
-        apart = None
-        if against is not None and isinstance(result, Result):
-            apart = agreement(against.contours, result.contours)
-        context.report(Compared(generation, branch, moment, result, apart))
-
-    return Command(work, tr("comparing branches"), "compare", partial(CommandFailed, topic="comparing"))
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Compared(Report):
-    """Another branch at the step that is shown; `branch` is None for no comparison.
-
-    `apart` is the distance of its contours from those that are shown.
-    """
-
-    generation: int
-    branch: int | None = None
-    snapshot: Snapshot | None = None
-    result: Result | Skeleton | None = None
-    apart: Agreement | None = None
 
 
 NAMES = ("coulomb", "lorentz", "placed", "friction", "damping", "total")

@@ -9,6 +9,7 @@ from PySide6.QtWidgets import QGridLayout, QVBoxLayout, QWidget
 
 from app.model.document import edits
 from app.model.text.language import from_core, tr
+from app.session.features.comparison import NOW
 from app.session.features.workspace import Workspace
 from app.session.signals import OF_THE_PROGRAM, OPENING
 from app.views.canvas.canvas import Canvas, ToolInUse
@@ -32,7 +33,7 @@ _ARROWS = {
     Qt.Key.Key_Left: (0.0, -1.0),
     Qt.Key.Key_Right: (0.0, 1.0),
 }
-_SIZES = {Qt.Key.Key_Less: -1.0, Qt.Key.Key_Greater: 1.0}
+_SIZES = {Qt.Key.Key_BracketLeft: -1.0, Qt.Key.Key_BracketRight: 1.0}
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _DRAFT_KEYS = (*_ENTER, Qt.Key.Key_Backspace)
 _PAN = 40.0
@@ -78,7 +79,6 @@ class CanvasArea(QWidget):
             layer.changed.connect(self._follow_layers)
         session.status_changed.connect(self.refresh)
         session.scene_changed.connect(self._draw)
-        workspace.other_result.changed.connect(self._draw)
         self._selection.changed.connect(self.refresh)
         workspace.object_list.selection_changed.connect(self.refresh)
         self._draw()
@@ -117,8 +117,8 @@ class CanvasArea(QWidget):
             self.canvas.hold.cancel()
         elif self.crosshair.at is not None:
             self.crosshair.hide()
-        elif self._workspace.other_result.chosen is not None:
-            self._workspace.other_result.choose(None)
+        elif self._workspace.comparison.chosen:
+            self._workspace.comparison.choose(NOW)
         else:
             self.messages.dismiss()
             self._session.select(None)
@@ -176,7 +176,7 @@ class CanvasArea(QWidget):
         self._given = False
 
     def _draw(self) -> None:
-        self.canvas.draw(self._workspace.other_result.near(self._session.scene))
+        self.canvas.draw(self._session.scene)
         self.strip.legend.refresh()
 
     def _follow_layers(self) -> None:

@@ -1,1 +1,1 @@
-"""The comparison of runs: with other parameters, or of other methods, next to one another."""
+"""The comparison of results: the panel with their table, and the divider on the canvas."""

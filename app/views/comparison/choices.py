@@ -25,10 +25,10 @@ from PySide6.QtWidgets import (
 from app.model.display.comparison import (
     FIRST_AXES,
     Axis,
-    Tile,
+    Trial,
     in_text,
-    method_tiles,
-    parameter_tiles,
+    method_trials,
+    parameter_trials,
     read_values,
     sensible_values,
 )
@@ -52,7 +52,7 @@ class ParameterChoice(QWidget):
         super().__init__()
         self._session = session
         offered = tuple(control for control in controls() if control.name in acting_in("shape"))
-        self.down, self.across = AxisRow(tr("Rows"), offered), AxisRow(tr("Columns"), (*offered, None))
+        self.down, self.across = AxisRow(tr("Parameter"), offered), AxisRow(tr("And"), (*offered, None))
         layout = QVBoxLayout(self)
         layout.setAlignment(Qt.AlignmentFlag.AlignTop)
         for row, first in zip((self.down, self.across), FIRST_AXES, strict=True):
@@ -61,10 +61,10 @@ class ParameterChoice(QWidget):
             row.choice.setCurrentIndex([control.name for control in offered].index(first))
             self._suggest(row)
 
-    def tiles(self) -> tuple[Tile, ...]:
+    def trials(self) -> tuple[Trial, ...]:
         """The runs; ValueError where values are not valid."""
         axes = [axis for axis in (self.down.axis(), self.across.axis()) if axis is not None]
-        return parameter_tiles(self._session.document.parameters, axes)
+        return parameter_trials(self._session.document.parameters, axes)
 
     def _suggest(self, row: AxisRow) -> None:
         """Suggest values around the present one."""
@@ -117,7 +117,7 @@ class MethodChoice(QWidget):
             item.setToolTip(from_core(method.about))
             self.list.addItem(item)
         self.list.setAccessibleName(tr("Compare methods"))
-        self.list.setMaximumHeight(self.list.sizeHintForRow(0) * (self.list.count() + 1))
+        self.list.setFixedHeight(self.list.sizeHintForRow(0) * self.list.count() + 6)
         self.around.setToolTip(tr("Balloons and pressures then drive contours inwards."))
         self.about.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         self._area = QScrollArea()
@@ -142,10 +142,10 @@ class MethodChoice(QWidget):
         """Show the settings of a method."""
         self.list.setCurrentRow(list(CONTOUR_METHODS).index(method))
 
-    def tiles(self) -> tuple[Tile, ...]:
+    def trials(self) -> tuple[Trial, ...]:
         """The runs; ValueError where no method is chosen."""
         document = self._session.document
-        return method_tiles(document.comparison, document.parameters)
+        return method_trials(document.comparison, document.parameters)
 
     def _change(self, change: Callable[[Compared], Compared], gesture: str = "") -> None:
         self._session.edit(

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from app.views.features.animation import AnimationFeature
-from app.views.features.contours import ContoursFeature, HandEditingFeature, SkeletonsFeature, TruthFeature
+from app.views.features.compare import CompareFeature
+from app.views.features.contours import ContoursFeature, HandEditingFeature, SkeletonsFeature
 from app.views.features.edit import DrawFeature, ModesFeature, UndoSelectionFeature
 from app.views.features.exchange import BatchFeature, ClipboardFeature, ExportFeature, ImportFeature
 from app.views.features.files import FolderFeature, OpenSaveFeature, RecoveryFeature, StartFeature
@@ -11,13 +12,12 @@ from app.views.features.help import HelpFeature, PreferencesFeature
 from app.views.features.objects import ObjectsFeature
 from app.views.features.offers import BeginningFeature, PixelSizeFeature, StackFeature
 from app.views.features.run import (
-    ComparisonFeature,
     ParametersFeature,
     RunControlFeature,
     TasksFeature,
     TimelineFeature,
 )
-from app.views.features.view import ComparingFeature, KeyboardFeature, LayersFeature, LevelsFeature
+from app.views.features.view import KeyboardFeature, LayersFeature, LevelsFeature
 from app.views.features.volumes import PagesFeature, SlicesFeature, SpaceFeature
 from app.views.window.window import Feature
 
@@ -43,13 +43,11 @@ FEATURES: tuple[type[Feature], ...] = (
     PixelSizeFeature,
     ContoursFeature,
     HandEditingFeature,
-    TruthFeature,
     ObjectsFeature,
     SkeletonsFeature,
-    ComparisonFeature,
     LayersFeature,
     LevelsFeature,
-    ComparingFeature,
+    CompareFeature,
     SlicesFeature,
     PagesFeature,
     SpaceFeature,

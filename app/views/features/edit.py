@@ -31,11 +31,11 @@ class DrawFeature(Feature):
         ]  # fmt: skip
         self.actions = (
             *tools,
-            self._start("grid", tr("Start everywhere (&grid)"), "Ctrl+G",
+            self._start("grid", tr("Every&where"), "Ctrl+G",
                         tr("Start on a grid over the whole image; choose again to remove it.")),
-            self._start("gradient", tr("Start on strong &edges"), "Ctrl+Shift+G",
-                        tr("Start where the gradient is large; choose again to remove it.")),
-            self._start("centers", tr("Start at ce&nters"), "Ctrl+Shift+C",
+            self._start("gradient", tr("Stron&g edges"), "Ctrl+Shift+G",
+                        tr("Start where the gradient is large; choose again to remove it."), tr("Edges")),
+            self._start("centers", tr("Ce&nters"), "Ctrl+Shift+C",
                         tr("Start at the centers of regions enclosed by edges; choose again to remove it.")),
             ActionSpec("add_circle", "Draw", "Add circle in the &middle",
                        "Add a circle in the middle of the visible part.", area.add_circle, "Ctrl+K", gap=True,
@@ -45,7 +45,7 @@ class DrawFeature(Feature):
                        area.crosshair.toggle, when=has_image),
         )  # fmt: skip
 
-    def _start(self, kind: Kind, text: str, keys: str, tip: str) -> ActionSpec:
+    def _start(self, kind: Kind, text: str, keys: str, tip: str, short: str = "") -> ActionSpec:
         """An action that adds a start that needs no drawing, or removes it."""
         start, session = Everywhere(kind), self.window.session
 
@@ -58,7 +58,7 @@ class DrawFeature(Feature):
             self.window.refresh()
 
         return ActionSpec(f"start_{kind}", "Draw", text, tip, toggle, keys, icon=kind, gap=kind == "grid",
-                          when=has_image, holds=lambda now: start in now.document.shapes)  # fmt: skip
+                          short=short, when=has_image, holds=lambda now: start in now.document.shapes)  # fmt: skip
 
 
 _KEYS = {"shape": "Ctrl+F1", "automatic": "Ctrl+F2", "skeleton": "Ctrl+F3"}
@@ -106,10 +106,10 @@ class UndoSelectionFeature(Feature):
             ActionSpec("delete", "Edit", "&Delete", "Remove the selected shape.", session.delete_selected,
                        "Delete Backspace", gap=True, when=has_selection),
             ActionSpec("enlarge", "Edit", "Larger",
-                       "Make the selected shape larger, or a charge stronger; so does the key >.",
+                       "Make the selected shape larger, or a charge stronger; so does the key ].",
                        partial(self._resize, 1.0), when=has_selection),
             ActionSpec("shrink", "Edit", "Smaller",
-                       "Make the selected shape smaller, or a charge weaker; so does the key <.",
+                       "Make the selected shape smaller, or a charge weaker; so does the key [.",
                        partial(self._resize, -1.0), when=has_selection),
             ActionSpec("clear", "Edit", "Delete &all shapes", "Remove all shapes.",
                        partial(session.edit, tr("delete all shapes"), edits.clear_shapes), "Ctrl+Shift+Backspace",

@@ -236,10 +236,10 @@ class ImportFeature(Feature):
             session.edit(name, lambda document: imported.add_starts(document, found))
         elif answer == "objects":
             name = tr("take objects from {name}").format(name=found.name)
-            session.edit(name, lambda document: imported.add_objects(document, found))
+            session.edit(name, lambda document: imported.add_objects(document, found.objects))
         elif answer == "truth" and path is not None:
-            self.window.docks.reveal("truth")
-            self.window.workspace.truth.load(path)
+            self.window.docks.reveal("compare")
+            self.window.workspace.comparison.load(path)
 
 
 def _explained(found: Imported) -> str:

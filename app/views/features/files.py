@@ -8,7 +8,6 @@ from pathlib import Path
 
 from PySide6.QtCore import QDateTime, QLocale, QTimer, QUrl
 from PySide6.QtGui import QImage
-from PySide6.QtWidgets import QMenu
 
 from app.model.document.document import Document
 from app.model.document.samples import sample_at, samples
@@ -24,7 +23,7 @@ from app.views.features.exchange import ImportFeature
 from app.views.files.folder_bar import FolderBar
 from app.views.files.recent_files import RecentFiles
 from app.views.files.start_screen import Entry, StartScreen
-from app.views.widgets.actions import ActionSpec, Submenu, add_choice
+from app.views.widgets.actions import ActionSpec, Submenu
 from app.views.window import dialogs
 from app.views.window.dialogs import ALL_FILES, SESSIONS, Button, Files, Question
 from app.views.window.window import Feature, MainWindow
@@ -58,7 +57,6 @@ class OpenSaveFeature(Feature):
             ActionSpec("open", "File", "&Open…", "Open an image or a session.", self.ask_for_file, "Ctrl+O",
                        short=tr("Open"), icon="open"),
             Submenu("recent", "File", "Open &recent", self.recent.fill),
-            Submenu("samples", "File", "Open sa&mple", self.fill_samples),
             ActionSpec("save", "File", "&Save session", "Save what you see: drawing, runs, contours, objects, view.",
                        self.save, "Ctrl+S", short=tr("Save"), icon="save", gap=True, when=has_image),
             ActionSpec("save_as", "File", "Save session &as…",
@@ -167,11 +165,6 @@ class OpenSaveFeature(Feature):
             kept = tr("{name} was not opened, and your work stays open.")
             self.window.session.say(kept.format(name=opened.path.name))
 
-    def fill_samples(self, menu: QMenu) -> None:
-        """Fill a menu with the samples."""
-        for sample in samples():
-            add_choice(menu, sample.title, partial(self.take, [sample.path]), sample.about)
-
     def _ask_where(self) -> Path | None:
         path, name = self.document_file.path, self.document_file.name
         folder = path.parent if path is not None else None
@@ -181,7 +174,7 @@ class OpenSaveFeature(Feature):
         self._left = None
         path = opened.saved.path if opened.saved and opened.saved.path else opened.path
         if opened.saved is not None and opened.saved.file.truth is not None:
-            self.window.workspace.truth.restore(opened.saved.file.truth, path.absolute().parent)
+            self.window.workspace.comparison.restore(opened.saved.file.truth, path.absolute().parent)
         if sample_at(opened.path) is None or opened.saved:
             self._remember(path)
             self.recent.keep_part(opened)
@@ -217,7 +210,7 @@ class StartFeature(Feature):
         session.listen(Written, lambda _: self._keep_picture())
         session.listen(NotOpened, self._stay)
         self.actions = (
-            ActionSpec("start", "File", "S&tart screen", "Show recent work and samples as pictures.", self.toggle,
+            ActionSpec("start", "File", "Sa&mples and recent files", "Show them as pictures.", self.toggle,
                        "Alt+Home", short=tr("Start"), icon="home"),
         )  # fmt: skip
 
@@ -226,8 +219,8 @@ class StartFeature(Feature):
         self._keep_picture()
         return True
 
-    def show(self) -> None:
-        """Show the start screen in place of the image."""
+    def show(self, trouble: str = "") -> None:
+        """Show the start screen in place of the image, and why a file could not be opened."""
         shown = [
             Entry(sample.path, middle(QImage(str(sample.picture)), SIZE), sample.title, "", sample.about)
             for sample in samples()
@@ -237,7 +230,7 @@ class StartFeature(Feature):
             changed = QDateTime.fromSecsSinceEpoch(int(path.stat().st_mtime)).date()
             below = f"{path.parent.name} · {QLocale().toString(changed, QLocale.FormatType.ShortFormat)}"
             recent.append(Entry(path, self.pictures.get(path), path.name, below, str(path)))
-        self.screen.show_entries(recent, shown, leaves=self.window.session.document.image is not None)
+        self.screen.show_entries(recent, shown, self.window.session.document.image is not None, trouble)
 
     def leave(self) -> None:
         """Show the image, if there is one."""
@@ -274,9 +267,10 @@ class StartFeature(Feature):
         return [path for path in self._recent.paths if path.is_file()]
 
     def _stay(self, refused: NotOpened) -> None:
-        """With nothing open and nothing else to open, show what could be opened."""
-        if refused.otherwise is None and self.window.session.document.image is None:
-            self.show()
+        """Show what could be opened, unless there is work: an untouched sample would be taken for the file."""
+        image = self.window.session.document.image
+        if image is None or (sample_at(Path(image.path)) and not self.window.document_file.unsaved):
+            self.show(refused.sentence)
 
     def _keep_picture(self) -> None:
         """Keep what the canvas shows as the picture of the image, and of its session if there is one."""
@@ -427,11 +421,11 @@ def _details(leftover: Leftover) -> Sequence[str]:
     when = QLocale().toString(
         QDateTime.fromSecsSinceEpoch(int(leftover.when.timestamp())), QLocale.FormatType.ShortFormat
     )
-    image, shapes = leftover.file.image, len(leftover.file.shapes)
+    image, objects, shapes = leftover.file.image, len(leftover.file.objects.items), len(leftover.file.shapes)
     session = shortened(str(leftover.path), _PATH) if leftover.path else tr("never saved")
     return (
         tr("Last changed: {when}").format(when=when),
         tr("Image: {path}").format(path=shortened(image.path, _PATH) if image else "–"),
         tr("Session file: {path}").format(path=session),
-        tr("Shapes drawn: {count}").format(count=shapes),
+        tr("Objects: {objects}, shapes: {shapes}").format(objects=objects, shapes=shapes),
     )

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
-from pathlib import Path
 
 from app.model.display.lengths import size_text
 from app.model.document import edits
 from app.model.document.document import Document
 from app.model.document.modes import ADVICE, use_kind
-from app.model.document.samples import sample_at
+from app.model.document.samples import sample_like
 from app.model.preferences.table import KEEP_PARAMETERS, OFFER_SETTINGS
 from app.model.state.situation import Situation, has_image, has_volume
 from app.model.text.language import from_core, tr, written
@@ -49,7 +48,7 @@ class BeginningFeature(Feature):
         if opened.saved is not None:
             return
         session, offers, beside, kind = self.window.session, self.window.offers, opened.beside, opened.kind
-        of_sample = sample_at(opened.path) is not None
+        of_sample = sample_like(opened.path) is not None
         if beside is not None and not of_sample:
             earlier = tr("{name} holds earlier work on this image. Continue it?").format(name=beside.name)
             offers.offer(earlier, (tr("Open session"), partial(self.window.open_image, beside)))
@@ -91,17 +90,10 @@ class StackFeature(Feature):
         self._looking = LatestOnlyWorker(window.session, "cpm-parts", tr("looking into the file"))
         window.session.listen(Opened, self._offer)
         self.actions = (
-            ActionSpec("open_stack", "File", "Open all pages as one volu&me",
-                       "Open a stack of pages as one volume, or one page of it as an image.", self._open_otherwise,
-                       when=lambda _: self._parts is not None and self._parts.fit_a_volume,
-                       worded=lambda situation: tr("Open one page as an i&mage") if has_volume(situation)
-                       else tr("Open all pages as one volu&me")),
-            ActionSpec("choose_part", "File", "Choose part of the &file…",
-                       "Choose page, channel, point in time and series of a file that holds several.", self.ask,
-                       when=lambda _: self._parts is not None and self._parts.several),
-            ActionSpec("open_series", "File", "Open the &whole series",
-                       "Open all slices in the folder of this DICOM file as one volume.",
-                       self._open_series, when=lambda _: self._series is not None),
+            ActionSpec("parts", "File", "&Parts of the file…",
+                       "Open all pages as a volume or one as an image, another channel, time or series.", self.ask,
+                       when=lambda _: self._parts is not None
+                       and (self._parts.several or self._parts.series_around is not None)),
         )  # fmt: skip
 
     def close(self) -> bool:
@@ -139,10 +131,6 @@ class StackFeature(Feature):
     def _parts(self) -> Parts | None:
         return None if self._opened is None else self._opened.parts
 
-    @property
-    def _series(self) -> Path | None:
-        return None if self._parts is None else self._parts.series_around
-
     def _offer(self, opened: Opened) -> None:
         """Say what the file holds, and offer other parts of it."""
         self._opened, parts = opened, opened.parts
@@ -154,7 +142,7 @@ class StackFeature(Feature):
             sentence = tr("{name} seems to be one slice of a series in the folder {folder}.").format(
                 name=opened.path.name, folder=parts.series_around.name
             )
-            offer(sentence, (tr("Open the series"), self._open_series))
+            offer(sentence, (tr("Open the series"), partial(self._open, None, opened.reading)))
         elif parts.doubts and (volume or not parts.fit_a_volume):
             # What is wrong with a volume is reported as long as nobody works on it.
             if parts.planes == parts.pages:  # all were taken, and only how far apart they are is in doubt
@@ -162,28 +150,22 @@ class StackFeature(Feature):
             offer(f"{opened.path.name}: {' '.join(map(from_core, parts.doubts))}", *answers)
         elif parts.several_volumes or (parts.several and not volume):
             if parts.fit_a_volume and not volume:
-                answers.insert(0, (tr("Open as volume"), self._open_otherwise))
+                answers.insert(0, (tr("Open as volume"), partial(self._open, True, replace(opened.reading, page=None))))
             sentence = tr("{name} holds {parts}. Open now: {open}.").format(
                 name=opened.path.name, parts=parts.counted, open=parts.taken(opened.reading, volume)
             )
             offer(sentence, *answers)
 
-    def _open(self, as_volume: bool, reading: Reading) -> None:
-        if self._opened is None:
+    def _open(self, as_volume: bool | None, reading: Reading) -> None:
+        """Open a part as a volume or as an image, or, for None, the series in the folder."""
+        if self._opened is None or self._parts is None:
+            return
+        if as_volume is None:
+            self.window.open_image(self._parts.series_around or self._opened.path)
             return
         if as_volume != (self._opened.image.ndim == 3):  # a size by hand has as many numbers as there are axes
             reading = replace(reading, spacing=None, unit=None)
         self.window.feature(OpenSaveFeature).take_part(self._opened.path, as_volume, reading)
-
-    def _open_series(self) -> None:
-        if self._series is not None:
-            self.window.open_image(self._series)
-
-    def _open_otherwise(self) -> None:
-        if self._opened is not None:
-            volume = self._opened.image.ndim == 3
-            color = "luminance" if volume else self._opened.reading.color
-            self._open(not volume, replace(self._opened.reading, page=None, color=color))
 
 
 class PixelSizeFeature(Feature):

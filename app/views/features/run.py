@@ -1,15 +1,13 @@
-"""Menu Run: run and pause, timeline, tasks, parameters, and the comparison of runs."""
+"""Menu Run: run and pause, timeline, tasks and parameters."""
 
 from __future__ import annotations
 
 from functools import partial
-from pathlib import Path
 
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QMenu, QWidget
+from PySide6.QtWidgets import QMenu
 
-from app.model.export import formats
 from app.model.parameters.controls import CHANNEL
 from app.model.preferences.table import TIMELINE_MEMORY, UNIT, WORDING
 from app.model.state.resolve import resolve
@@ -19,8 +17,6 @@ from app.session.storage.presets import PresetStore
 from app.session.timeline.timeline import MEGABYTE
 from app.session.worker.commands import run_call
 from app.session.worker.run import Run
-from app.views.canvas.items.item import image_rectangle
-from app.views.comparison.dialog import CompareDialog
 from app.views.panels.parameters import ParametersPanel
 from app.views.panels.presets import Presets
 from app.views.panels.run import RunPanel
@@ -29,8 +25,7 @@ from app.views.widgets.actions import ActionSpec, Submenu, add_choice
 from app.views.window.bars import TaskBar
 from app.views.window.docks import Panel
 from app.views.window.keyboard import Keys
-from app.views.window.window import Feature, MainWindow, OneDialog
-from cpm_core.formats import PICTURE, TABLE
+from app.views.window.window import Feature, MainWindow
 
 _UPDATE_EVERY = 250
 """Time between two updates of the panel during the run [ms]."""
@@ -65,8 +60,8 @@ class RunControlFeature(Feature):
                        when=can_step),
             ActionSpec("reset", "Run", "&Reset", "Go back to the start; the run stays on the timeline.",
                        session.reset, "R", short=tr("Reset"), icon="reset", when=is_started),
-            ActionSpec("faster", "Run", "&Faster", "Allow more steps per second.", speed.faster, "]", gap=True),
-            ActionSpec("slower", "Run", "S&lower", "Allow fewer steps per second.", speed.slower, "["),
+            ActionSpec("faster", "Run", "&Faster", "Allow more steps per second.", speed.faster, "Ctrl+]", gap=True),
+            ActionSpec("slower", "Run", "S&lower", "Allow fewer steps per second.", speed.slower, "Ctrl+["),
         )  # fmt: skip
 
     def close(self) -> bool:
@@ -205,48 +200,3 @@ class ParametersFeature(Feature):
             take = partial(self.panel.change, CHANNEL, value)
             action = add_choice(menu, title, take, about, value == session.document.parameters.channel)
             action.setEnabled(colored)
-
-
-_LEAST_SEEN = 0.02
-"""Fraction of the image that must be visible for the tiles to show only the visible part."""
-
-
-class ComparisonFeature(Feature):
-    """Runs with other parameters, and classical methods, next to one another."""
-
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
-        self.dialog = OneDialog(self._make)
-        self.actions = (
-            ActionSpec("mosaic", "Run", "&Mosaic of two parameters…",
-                       "Compare runs with several values of two parameters and choose the best.",
-                       partial(self._open_at, 0), "Ctrl+M", gap=True, when=has_image),
-            ActionSpec("compare_methods", "Run", "Compare m&ethods…",
-                       "Run snakes, level sets and others beside the particles, from the same start.",
-                       partial(self._open_at, 1), "Ctrl+Shift+M", when=has_image),
-        )  # fmt: skip
-
-    def _make(self) -> CompareDialog | None:
-        """The dialog; tiles show the visible part of the image as it is shown."""
-        window, display = self.window, self.window.session.scene.display
-        if display is None:
-            return None
-        whole = image_rectangle(display.shape)
-        seen = window.canvas_area.canvas.view.viewRect().intersected(whole)
-        crop = seen if seen.width() * seen.height() > _LEAST_SEEN * whole.width() * whole.height() else whole
-        return CompareDialog(window, window.session, window.workspace.comparison, display, crop, self._ask)
-
-    def _open_at(self, choice: int) -> None:
-        opened = self.dialog.open()
-        if opened is not None:
-            opened.choices.setCurrentIndex(choice)
-
-    def close(self) -> bool:
-        """Close the dialog."""
-        return self.dialog.close()
-
-    def _ask(self, parent: QWidget) -> Path | None:
-        each = tr("Contours of each method: {format}")
-        kinds = {TABLE: tr("Table of all methods"), PICTURE: tr("Picture of all methods")}
-        kinds |= {suffix: each.format(format=name) for suffix, name in formats().items() if suffix not in kinds}
-        return self.window.files.ask_where_to_export(tr("Export the comparison"), ".methods.csv", kinds, parent)

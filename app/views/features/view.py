@@ -5,22 +5,20 @@ from __future__ import annotations
 import json
 from functools import partial
 
-from PySide6.QtWidgets import QApplication, QMenu
+from PySide6.QtWidgets import QApplication
 
 from app.model.display.coloring import QUANTITIES
-from app.model.state.situation import Situation, has_image
+from app.model.state.situation import has_image
 from app.model.text.language import tr, written
 from app.session.storage.preferences import Preferences
 from app.views.canvas.canvas import ZOOM
 from app.views.canvas.layers.image_layer import AUTOMATIC, WHOLE
 from app.views.canvas.layers.layer import Layer
 from app.views.canvas.pointed import selected_places
-from app.views.canvas.wipe import Wipe
 from app.views.panels.layer_list import LayersPanel
-from app.views.widgets.actions import LAYER, ActionSpec, Submenu, add_choice
+from app.views.widgets.actions import LAYER, ActionSpec
 from app.views.window.docks import Panel
 from app.views.window.window import Feature, MainWindow
-from cpm_core import Result
 
 _KEY = "layers/{layer}"
 """Preference: the settings of a layer."""
@@ -132,51 +130,6 @@ class LevelsFeature(Feature):
         low, high = self._layer.window
         text = tr("Black {low}, white {high}").format(low=written(f"{low:.4g}"), high=written(f"{high:.4g}"))
         self.window.canvas_area.strip.say_next(text)
-
-
-class ComparingFeature(Feature):
-    """The wipe: another result on the other side of a divider."""
-
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
-        self._other = other = window.workspace.other_result
-        self.wipe = Wipe(window.canvas_area.canvas)
-        self.wipe.ended.connect(lambda: other.choose(None))
-        other.changed.connect(self._show_wipe)
-        window.session.scene_changed.connect(self._draw)
-
-        def has_result(situation: Situation) -> bool:
-            scene = window.session.scene
-            found = None if scene.reconstruction is None else scene.reconstruction.result
-            surface = isinstance(found, Result) and found.surface is not None
-            return bool(scene.contours.items or scene.skeleton or surface or situation.document.objects.items)
-
-        self.actions = (
-            ActionSpec("wipe", "View", "Compare &two results",
-                       "Show another result on the right of a divider that can be dragged.", other.toggle, "Ctrl+D",
-                       gap=True, when=has_image, holds=lambda _: other.chosen is not None),
-            Submenu("wipe_with", "View", "Compare wit&h", self._fill),
-            ActionSpec("keep_result", "View", "&Keep this result to compare",
-                       "Keep what is found now, to compare later results with it.", other.keep, "Ctrl+Shift+D",
-                       when=has_result),
-        )  # fmt: skip
-
-    def _fill(self, menu: QMenu) -> None:
-        for other in self._other.choices:
-            chosen = other == self._other.chosen
-            add_choice(menu, other.title, partial(self._other.choose, None if chosen else other), checked=chosen)
-
-    def _show_wipe(self) -> None:
-        if self._other.chosen is None:
-            self.wipe.end()
-        else:
-            self.wipe.begin(*self._other.titles)
-            self._draw()
-        self.window.refresh()
-
-    def _draw(self) -> None:
-        if self._other.chosen is not None:
-            self.wipe.draw(self._other.far(self.window.session.scene))
 
 
 class KeyboardFeature(Feature):

@@ -44,8 +44,8 @@ class PartDialog(QDialog):
 
     asked = Signal(int)
     """The user wants to know what another series holds: its number, from 1."""
-    chosen = Signal(bool, object)
-    """The user has chosen: whether a volume is opened, and the reading."""
+    chosen = Signal(object, object)
+    """The user has chosen: whether a volume is opened, None for the series in its folder, and the reading."""
 
     def __init__(
         self, parent: QWidget, name: str, parts: Parts, reading: Reading, as_volume: bool, colored: bool
@@ -61,9 +61,7 @@ class PartDialog(QDialog):
         self._form.setHorizontalSpacing(16)
         self.series.addItems([f"{number}: {title}" for number, title in enumerate(parts.series, start=1)])
         self.series.setCurrentIndex(parts.number - 1)
-        self.kind.addItem(tr("All as one volume"), True)
-        self.kind.addItem(tr("One as an image"), False)
-        self.kind.setCurrentIndex(0 if as_volume else 1)
+        self._as_volume = as_volume
         for color in COLORS:
             self.color.addItem(_COLORS[color], color)
         self.color.setCurrentIndex(COLORS.index(reading.color))
@@ -79,7 +77,7 @@ class PartDialog(QDialog):
         self._colored = colored
         buttons = AcceptButtons(self, tr("Open"))
         self.open_button = buttons.accept_button
-        heading = QLabel(tr("{name} holds several images. Which of them is opened?").format(name=name))
+        heading = QLabel(tr("Which part of {name} is opened?").format(name=name))
         layout = QVBoxLayout(self)
         layout.setSpacing(12)
         layout.addWidget(heading)
@@ -89,7 +87,7 @@ class PartDialog(QDialog):
         self.page.setValue(reading.page or parts.usual)
         self.channel.setValue(reading.channel or 1)
         self.time.setValue(reading.time or 1)
-        self.accepted.connect(lambda: self.chosen.emit(self.as_volume, self.reading))
+        self.accepted.connect(lambda: self.chosen.emit(self.kind.currentData(), self.reading))
         self.series.currentIndexChanged.connect(self._ask)
         self.kind.currentIndexChanged.connect(self._enable)
 
@@ -102,9 +100,14 @@ class PartDialog(QDialog):
             field.setSuffix(tr(" of {count}").format(count=count))
             self._form.setRowVisible(field, count > 1)
         self._form.setRowVisible(self.series, len(parts.series) > 1)
-        self._form.setRowVisible(self.kind, parts.fit_a_volume)
-        if not parts.fit_a_volume:
-            self.kind.setCurrentIndex(1)
+        self.kind.clear()
+        if parts.fit_a_volume:
+            self.kind.addItem(tr("All as one volume"), True)
+        self.kind.addItem(tr("One as an image"), False)
+        if parts.series_around is not None:
+            self.kind.addItem(tr("The whole series in {folder}").format(folder=parts.series_around.name), None)
+        self.kind.setCurrentIndex(0 if self._as_volume else self.kind.findData(False))
+        self._form.setRowVisible(self.kind, self.kind.count() > 1)
         self.open_button.setEnabled(True)
         self._enable()
 
@@ -134,5 +137,5 @@ class PartDialog(QDialog):
 
     def _enable(self) -> None:
         """A volume has all pages, and an image its colors as a parameter."""
-        self.page.setEnabled(not self.as_volume)
+        self.page.setEnabled(self.kind.currentData() is False)
         self._form.setRowVisible(self.color, self._colored and self.as_volume)

@@ -77,8 +77,6 @@ class RecentFiles:
             there = path.is_file()
             tip = str(path) if there else tr("{path} does not exist any more.").format(path=path)
             add_choice(menu, f"{key}{name}", partial(self._open_file, path), tip).setEnabled(there)
-        if not paths:
-            menu.addAction(tr("Nothing yet")).setEnabled(False)
         menu.addSeparator()
         add_choice(menu, tr("&Clear this list"), self.clear).setEnabled(bool(paths))
 

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QListWidgetItem, QPushButton,
 
 from app.model.text.language import tr
 from app.views.theme.theme import Theme
-from app.views.widgets.containers import PictureGrid, Scrolled, arrange, keep_escape
+from app.views.widgets.containers import PictureGrid, Scrolled, arrange, keep_escape, wrapped
 
 _PICTURE, _CELL = QSize(192, 120), QSize(212, 172)
 _MARGIN = 32
@@ -51,6 +51,7 @@ class StartScreen(QWidget):
         self.recent, self.samples = PictureGrid(_PICTURE, _CELL), PictureGrid(_PICTURE, _CELL)
         self.recent.setAccessibleName(tr("Recent work"))
         self.samples.setAccessibleName(tr("Samples"))
+        self.trouble = wrapped()
         self._nothing = QLabel(tr("What you open or save is shown here."))
         self._nothing.setObjectName("dim")
         self._lay_out()
@@ -61,8 +62,10 @@ class StartScreen(QWidget):
         parent.installEventFilter(self)
         self.hide()
 
-    def show_entries(self, recent: Sequence[Entry], samples: Sequence[Entry], leaves: bool) -> None:
-        """Show files in place of the image; `leaves` is whether there is an image to go back to."""
+    def show_entries(self, recent: Sequence[Entry], samples: Sequence[Entry], leaves: bool, trouble: str = "") -> None:
+        """Show files in place of the image; `leaves` is whether there is one to go back to, `trouble` comes first."""
+        self.trouble.setText(trouble)
+        self.trouble.setVisible(bool(trouble))
         for grid, entries in ((self.recent, recent), (self.samples, samples)):
             grid.clear()
             for entry in entries:
@@ -106,6 +109,7 @@ class StartScreen(QWidget):
         content = QWidget()
         arrange(
             QVBoxLayout(content),
+            self.trouble,
             arrange(QHBoxLayout(), _heading(tr("Recent work")), None, self.back_button, self.open_button, spacing=6),
             self._nothing,
             self.recent,

@@ -21,18 +21,17 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.model.display.filter_counts import FILTERS, GAP, FilterCounts
+from app.model.display.effects import FILTERS, GAP, FilterCounts, effects
 from app.model.document import edits
 from app.model.document.document import Document
-from app.model.document.modes import acting_in
+from app.model.document.modes import acting_in, fresh_parameters
 from app.model.parameters.controls import (
     CHANNEL,
     ChoiceControl,
     Control,
+    adapted,
     choice_controls,
     controls,
-    in_dimension,
-    slider_range,
     value_of,
 )
 from app.model.text.language import tr, written
@@ -43,6 +42,7 @@ from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
 from app.views.widgets.containers import Scrolled, Section, arrange, wrapped
 from app.views.widgets.fields import DecimalField, MarkedSlider, WheelWithFocus
+from cpm_core import Parameters
 
 _SAME = 1e-9
 
@@ -111,15 +111,12 @@ class ParameterRow(QWidget):
 
     def __init__(self, control: Control) -> None:
         super().__init__()
-        self.control = self._in_image = control
-        default = control.default
+        self.control = self._general = control
         self._label, self.effect = QLabel(), QLabel()
         self.number = DecimalField(control.words)
-        numeric = None if isinstance(default, str) else default
-        self.slider = MarkedSlider(control.slider_low, control.slider_high, control.step, numeric)
+        self.slider = MarkedSlider(control.slider_low, control.slider_high, control.step)
         self._automatic = QCheckBox(tr("auto")) if control.automatic else None
         self._restore = QToolButton()
-        self.setToolTip(tip(control))
         self._label.setBuddy(self.number)
         self._label.installEventFilter(self)
         self.use_wording(FIRST_WORDING)
@@ -139,15 +136,12 @@ class ParameterRow(QWidget):
         self.slider.restored.connect(self._reset)
         for field in (self.number, self.slider):
             field.setAccessibleName(control.title)
-            field.setAccessibleDescription(f"{control.facts}. {control.meaning} {control.more}")
             field.installEventFilter(self)
             if control.by_hand is not None:
                 field.show_value(control.by_hand)
         self._restore.setObjectName("restore")
         self._restore.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self._restore.setAccessibleName(tr("{parameter}: restore the default").format(parameter=control.title))
-        restore = tr("Restore the default, {default} (or double-click the slider or its name).")
-        self._restore.setToolTip(restore.format(default=written(f"{default:.4g}") if numeric is not None else default))
         self._restore.clicked.connect(self._reset)
         if self._automatic is not None:
             self._automatic.setFocusPolicy(Qt.FocusPolicy.TabFocus)
@@ -155,12 +149,11 @@ class ParameterRow(QWidget):
             self._automatic.installEventFilter(self)
             self._automatic.clicked.connect(lambda on: self._finish("auto" if on else self.number.value()))
         self._lay_out()
+        self.adapt(control)
 
-    def show_value(self, value: float | str, contrast: float) -> None:
-        """Show a value or ``"auto"``; the range of some sliders depends on the contrast of the image."""
+    def show_value(self, value: float | str) -> None:
+        """Show a value or ``"auto"``."""
         control, default = self.control, self.control.default
-        low, high = slider_range(control, contrast)
-        self.slider.set_range(low, high, control.step * (high - low) / (control.slider_high - control.slider_low))
         by_hand = not isinstance(value, str)
         if self._automatic is not None:
             self._automatic.setChecked(not by_hand)
@@ -174,10 +167,20 @@ class ParameterRow(QWidget):
             same = not isinstance(default, str) and abs(value - default) < _SAME
         self._restore.setEnabled(not same)
 
-    def use_dimension(self, ndim: int) -> None:
-        """Explain it for an image, or for a volume, which has three axes."""
-        self.control = in_dimension(self._in_image, ndim)
-        self.setToolTip(tip(self.control))
+    def use(self, usual: Parameters, ndim: int, contrast: float) -> None:
+        """Use range, default and explanation as they are for an image; see `adapted`."""
+        self.adapt(adapted(self._general, usual, ndim, contrast))
+
+    def adapt(self, control: Control) -> None:
+        """Use range, default and explanation of a control."""
+        self.control, default = control, control.default
+        numeric = None if isinstance(default, str) else default
+        self.slider.set_range(control.slider_low, control.slider_high, control.step, numeric)
+        for field in (self.number, self.slider):
+            field.setAccessibleDescription(f"{control.facts}. {control.meaning} {control.more}")
+        self.setToolTip(tip(control))
+        restore = tr("Restore the default, {default} (or double-click the slider or its name).")
+        self._restore.setToolTip(restore.format(default=default if numeric is None else written(f"{numeric:.4g}")))
 
     def show_effect(self, words: str) -> None:
         """Show what the present value changes, below the slider."""
@@ -260,6 +263,8 @@ class ParametersPanel(QWidget):
         self._session = session
         self._counts = FilterCounts()
         self._contours: ReviewedContours = NO_CONTOURS
+        self._length = 0.0
+        """Length of all contours [px]."""
         self._before: dict[str, int] = {}
         """Number of contours before a slider that is held was moved, by parameter."""
         self.rows = {control.name: ParameterRow(control) for control in controls()}
@@ -287,6 +292,7 @@ class ParametersPanel(QWidget):
     def show_document(self, document: Document) -> None:
         """Show the parameters of a document, of which only those are seen that act in its mode."""
         contrast = document.image.contrast if document.image else 0.0
+        usual = document.fitting(fresh_parameters(document.mode, document.image))
         dimension = len(document.image.shape) if document.image else 2
         acting = acting_in(document.mode, dimension)
         image = self._session.image
@@ -297,8 +303,8 @@ class ParametersPanel(QWidget):
                 row.setVisible(name in acting)
         self._acting = acting
         for name, row in self.rows.items():
-            row.use_dimension(dimension)
-            row.show_value(value_of(document.parameters, name), contrast)
+            row.use(usual, dimension, contrast)
+            row.show_value(value_of(document.parameters, name))
         self._show_effects()
         for name, choice in self.choices.items():
             choice.show_value(str(value_of(document.parameters, name)))
@@ -360,17 +366,27 @@ class ParametersPanel(QWidget):
             self.show_document(before)
 
     def _follow(self) -> None:
-        """Count the contours of the scene when they are others."""
+        """Show what the parameters change, and count the contours of the scene when they are others."""
         contours, document = self._session.scene.contours, self._session.document
         if contours is self._contours:
+            self._show_motion()
             return
         self._contours = contours
+        self._length = sum(item.measures.length for item in contours.items)
+        self._show_motion()
         result = contours.result
         moment = (self._session.generation, result.steps) if result is not None else None
         thresholds = {name: float(getattr(document.parameters, name)) for name in FILTERS}
         items = contours.items
         self._counts.update(moment, thresholds, [item.contour for item in items], [item.measures for item in items])
         self._show_effects()
+
+    def _show_motion(self) -> None:
+        """Show what the parameters of the motion have done to the state that is shown."""
+        scene = self._session.scene
+        state = None if scene.snapshot is None else scene.snapshot.state
+        for name, words in effects(state, scene.document.parameters, self._length, scene.document.image).items():
+            self.rows[name].show_effect(words)
 
     def _show_effects(self) -> None:
         for name in (*FILTERS, GAP):

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
-from functools import partial
 
 from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, QSignalBlocker, QSize, Qt, QTimer
 from PySide6.QtGui import (
@@ -23,7 +21,6 @@ from PySide6.QtWidgets import (
     QGridLayout,
     QHBoxLayout,
     QLabel,
-    QMenu,
     QScrollArea,
     QSizePolicy,
     QSpinBox,
@@ -33,14 +30,13 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.display.lengths import round_up
-from app.model.text.language import tr, written
+from app.model.text.language import tr
 from app.session.features.timeline import TimelineNavigation
 from app.session.timeline.stored_runs import Branch
-from app.views.theme import theme
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
-from app.views.widgets.actions import Actions, add_choice
-from app.views.widgets.containers import arrange, wrapped
+from app.views.widgets.actions import Actions
+from app.views.widgets.containers import arrange
 from app.views.window.dialogs import ask_for_text
 
 _ROW, _FOOT, _HEAD, _SIDE = 24, 16, 6, 10
@@ -218,11 +214,8 @@ class TimelineView(QWidget):
     def _draw_branch(self, painter: QPainter, branch: Branch) -> None:
         """Draw its name, where it leaves another branch, its steps, and where its scales begin."""
         identity = branch.identity
-        here, compared = identity == self._navigation.place[0], identity == self._navigation.comparison.branch
+        here = identity == self._navigation.place[0]
         color = self._color(QPalette.ColorRole.Highlight if here else QPalette.ColorRole.PlaceholderText)
-        if compared:
-            dark = self._color(QPalette.ColorRole.Base).lightness() < 128
-            color = QColor(theme.GHOST) if dark else QColor(theme.GHOST).darker(150)
         begin = self.point(identity, branch.first)
         if branch.parent is not None:
             painter.setPen(QPen(color, 1.6))
@@ -241,7 +234,7 @@ class TimelineView(QWidget):
                 painter.drawText(at - QPointF(-3.0, 4.0), f"1/{2**scale}")
         room = self._axis()[0] - _SIDE - 10.0
         name = self.fontMetrics().elidedText(branch.name, Qt.TextElideMode.ElideRight, int(room))
-        painter.setPen(color if here or compared else text)
+        painter.setPen(color if here else text)
         flags = Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft
         painter.drawText(QRectF(_SIDE - 2.0, begin.y() - _ROW / 2, room + 4.0, _ROW), flags, name)
 
@@ -289,32 +282,28 @@ class TimelinePanel(QWidget):
         self.step.setAccessibleName(tr("Step"))
         self.step.setToolTip(tr("Shown step; type a number to go there."))
         self.step.valueChanged.connect(lambda step: navigation.go(navigation.place[0], step))
-        self._of, self.difference = QLabel(), wrapped(dim=True)
+        self._of = QLabel()
         self._of.setObjectName("dim")
-        self.difference.hide()
         self.parameters = _button("parameters")
         self.parameters.setToolTip(tr("This step was computed with different parameters. Set them again to repeat it."))
         self.parameters.clicked.connect(navigation.use_its_parameters)
         self.rename = QAction(tr("Re&name the branch…"), self)
         self.rename.triggered.connect(self._rename)
-        self.compare = QMenu(tr("&Compare the branch with"), self)
-        self.compare.aboutToShow.connect(self._fill_compare)
-        self.view.addActions([self.rename, self.compare.menuAction()])
+        self.view.addAction(self.rename)
         self.branch = _button("branch")
-        self.branch.setToolTip(tr("Name, delete and compare the branch."))
+        self.branch.setToolTip(tr("Name and delete the branch."))
         self.branch.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         self._lay_out()
         self._later = QTimer(self, singleShot=True, interval=_SLOWLY)
         self._later.timeout.connect(self._show)
         navigation.changed.connect(self._follow)
-        navigation.comparison.found_changed.connect(self._show_difference)
         self._show()
 
     def use_actions(self, actions: Actions) -> None:
         """Let the buttons be those of the actions of the menu."""
         for name, button in self.buttons.items():
             button.setDefaultAction(actions[f"timeline_{name}"])
-        self.branch.addActions([self.rename, actions["timeline_delete"], self.compare.menuAction()])
+        self.branch.addActions([self.rename, actions["timeline_delete"]])
 
     def use_theme(self, theme: Theme) -> None:
         """Color the icons of the buttons that belong to no action."""
@@ -350,7 +339,6 @@ class TimelinePanel(QWidget):
         grid.addLayout(arrange(QHBoxLayout(), *self.buttons.values(), self.branch, None, spacing=2), 0, 0)
         grid.addLayout(arrange(QHBoxLayout(), label, self.step, self._of, self.parameters, None, spacing=6), 1, 0)
         grid.addWidget(scroll, 0, 1, 3, 1)
-        grid.addWidget(self.difference, 3, 0, 1, 2)
         grid.setColumnStretch(1, 1)
         grid.setRowStretch(2, 1)
 
@@ -372,7 +360,6 @@ class TimelinePanel(QWidget):
         self._of.setText(tr("of {last}").format(last=last) if there else "")
         self.branch.setEnabled(count > 0)
         self.rename.setEnabled(there)
-        self.compare.setEnabled(there and count > 1)
         self.show_parameters()
         self.view.refresh()
         self._scroll.setMinimumHeight(self.view.height_of(min(count, _ROWS)))
@@ -386,33 +373,6 @@ class TimelinePanel(QWidget):
             name = ask_for_text(self.window(), title, tr("Name:"), button, known.name)
             if name and name.strip() not in ("", known.name):
                 self._navigation.rename(known.identity, name)
-
-    def _fill_compare(self) -> None:
-        comparison = self._navigation.comparison
-        others = [known for known in self._navigation.branches if known.identity != self._navigation.place[0]]
-        self.compare.clear()
-        for name, identity in ((tr("none"), None), *((known.name, known.identity) for known in others)):
-            compare, text = partial(comparison.compare, identity), name.replace("&", "&&")
-            add_choice(self.compare, text, compare, checked=identity == comparison.branch)
-
-    def _show_difference(self) -> None:
-        compared = self._navigation.comparison.found
-        sentence = ""
-        if compared is not None and compared.snapshot is not None:
-            words = (
-                tr("{there} particles at its last step, {here} here")
-                if compared.snapshot.state.step < self._navigation.place[1]
-                else tr("{there} particles there, {here} here")
-            )
-            sentence = words.format(there=compared.snapshot.state.count, here=self._navigation.count)
-            apart = compared.apart
-            if apart is not None and math.isfinite(apart.hausdorff):
-                template = tr("{particles}; contours {mean} px apart on average, {largest} px at most.")
-                mean, largest = written(f"{apart.mean_boundary_distance:.2f}"), written(f"{apart.hausdorff:.2f}")
-                sentence = template.format(particles=sentence, mean=mean, largest=largest)
-            self.difference.setToolTip(tr("Compared at step {step}.").format(step=compared.snapshot.state.step))
-        self.difference.setText(sentence)
-        self.difference.setVisible(bool(sentence))
 
 
 def _button(name: str) -> QToolButton:

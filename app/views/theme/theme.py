@@ -90,7 +90,6 @@ DIMMED = "#88101216"
 HALO = "#101216"
 FIELD = "#ff9ad5"
 TRAIL = "#7fd0ff"
-GHOST = "#c792ff"
 THICKNESSES = ("#6a7fd1", "#3f9fd0", "#35bcab", "#8ccf5e", "#f3e04b")
 """From thin to thick: of increasing lightness, distinguishable without distinguishing red from green."""
 DISK = "#70ffffff"
@@ -204,7 +203,8 @@ QToolBar QToolButton:checked { background: $button; border-color: $accent; }
 QToolBar QToolButton:disabled { color: $faded; }
 QToolBar QToolButton::menu-indicator { subcontrol-origin: padding; subcontrol-position: right center;
                                         right: 3px; }
-QToolBar QToolButton#starts { padding-right: 16px; }
+QToolBar QToolButton#tools { padding: 3px 14px 2px 2px; }
+QToolBar QToolButton#tools::menu-button { border: none; width: 14px; }
 QToolBar QToolButton#qt_toolbar_ext_button { padding: 0; background: $button; border-color: $line; }
 QToolBar QToolButton#primary { background: $accent; color: $accent_text; font-weight: 600; }
 QToolBar QToolButton#primary:hover { background: $accent_hover; }

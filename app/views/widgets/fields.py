@@ -131,18 +131,17 @@ class MarkedSlider(WheelWithFocus, QSlider):
     restored = Signal()
     """The user has asked for the default."""
 
-    def __init__(self, low: float, high: float, step: float, default: float | None) -> None:
+    def __init__(self, low: float, high: float, step: float, default: float | None = None) -> None:
         super().__init__(Qt.Orientation.Horizontal)
-        self._default = default
         self.exact = low
         """The value that it was last given, which may lie between two steps."""
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-        self.set_range(low, high, step)
+        self.set_range(low, high, step, default)
         self.valueChanged.connect(self._report)
 
-    def set_range(self, low: float, high: float, step: float) -> None:
-        """Change range and increment; call `show_value` afterwards."""
-        self._low, self._step = low, step
+    def set_range(self, low: float, high: float, step: float, default: float | None) -> None:
+        """Change range, increment and the position of the mark; call `show_value` afterwards."""
+        self._low, self._step, self._default = low, step, default
         count = max(1, round((high - low) / step))
         with QSignalBlocker(self):
             self.setRange(0, count)
@@ -210,7 +209,7 @@ class SpeedControl(QWidget):
         self.label.setMinimumWidth(self.label.fontMetrics().horizontalAdvance(max(map(pace_text, PACES), key=len)) + 8)
         name = QLabel(tr("Speed"))
         name.setObjectName("dim")
-        self.setToolTip(tr("Largest number of steps per second ([ slower, ] faster)."))
+        self.setToolTip(tr("Largest number of steps per second."))
         arrange(QHBoxLayout(self), name, self.slider, self.label, margins=(6, 0, 6, 0))
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Preferred)
         self.slider.valueChanged.connect(self._change)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from itertools import groupby
+from collections.abc import Iterable, Sequence
+from functools import partial
 from typing import cast
 
 from PySide6.QtCore import QSize, Qt, QTimer
-from PySide6.QtGui import QAction, QFontMetrics
+from PySide6.QtGui import QAction, QContextMenuEvent, QFontMetrics
 from PySide6.QtWidgets import (
-    QGridLayout,
     QHBoxLayout,
     QLabel,
     QMenu,
@@ -26,7 +25,7 @@ from app.model.state.situation import remaining_text
 from app.model.text.language import tr
 from app.session.tasks.tasks import Task, Tasks
 from app.views.canvas.tools import TOOLS
-from app.views.canvas.tools.tool import OBJECT, START
+from app.views.canvas.tools.tool import AUTO, GROUPS
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
 from app.views.widgets.actions import PRIMARY, Actions
@@ -94,13 +93,8 @@ def _modes(actions: Actions) -> QWidget:
     return segments
 
 
-_WIDEST = 16_777_215
-_COLUMNS, _BUTTON = 2, 34
-"""Buttons in a row, and side of a button [px], such that all tools fit in a window 720 px high."""
-
-
 class ToolPalette(QToolBar):
-    """One button for each tool, in groups, and one for the starts that need no drawing."""
+    """One button for each group of tools, and one for the starts that need no drawing."""
 
     def __init__(self, actions: Actions) -> None:
         super().__init__(tr("Tools"))
@@ -108,72 +102,45 @@ class ToolPalette(QToolBar):
         self.setMovable(False)
         self.toggleViewAction().setEnabled(False)
         self.setIconSize(QSize(22, 22))
-        self.buttons: dict[str, QToolButton] = {}
-        self.starts = self._make_starts([actions[f"start_{kind}"] for kind in KINDS])
+        names = {group: [tool.name for tool in TOOLS if tool.group == group] for group in GROUPS}
+        names[AUTO] = [f"start_{kind}" for kind in KINDS]
+        self.buttons = {group: ToolButton(group, [actions[name] for name in named]) for group, named in names.items()}
         case = QWidget()
         column = QVBoxLayout(case)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(2)
-        for number, (group, tools) in enumerate(groupby(TOOLS, lambda tool: tool.group)):
-            buttons = [self._make(actions[tool.name], tool.name) for tool in tools]
-            if group == OBJECT:
-                buttons[0].defaultAction().setIconText(group)
-                column.addWidget(_widened(buttons[0]))
-                continue
-            heading = QLabel(group)
-            heading.setObjectName("heading")
-            heading.setAlignment(Qt.AlignmentFlag.AlignHCenter)
-            heading.setContentsMargins(0, 6 if number else 0, 0, 0)
-            column.addWidget(heading)
-            grid = QGridLayout()
-            grid.setSpacing(2)
-            for index, button in enumerate(buttons):
-                grid.addWidget(button, index // _COLUMNS, index % _COLUMNS)
-            if group == START:
-                grid.addWidget(self.starts, grid.rowCount(), 0, 1, _COLUMNS)
-            column.addLayout(grid)
+        for button in self.buttons.values():
+            button.setIconSize(self.iconSize())
+            column.addWidget(button)
         column.addStretch(1)
-        scrolled = Scrolled(case, 3 * _BUTTON)
+        scrolled = Scrolled(case, 100)
         scrolled.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
         self.addWidget(scrolled)
 
-    def use_theme(self, theme: Theme) -> None:
-        """Tint the button without an action."""
-        self.starts.setIcon(icon("everywhere", theme.text, faded=theme.line))
 
-    def _make(self, action: QAction, name: str) -> QToolButton:
-        button = self.buttons[name] = self._button(name, action.text().replace("&", ""))
-        button.setDefaultAction(action)
-        button.setFixedSize(_BUTTON, _BUTTON)
-        return button
+class ToolButton(QToolButton):
+    """The action of a group that was used last; its arrow and the right button open a menu of all."""
 
-    def _make_starts(self, actions: list[QAction]) -> QToolButton:
-        button = _widened(self._button("starts", tr("Starts that need no drawing")))
-        menu = QMenu(button)
+    def __init__(self, group: str, actions: Sequence[QAction]) -> None:
+        super().__init__()
+        self.setObjectName("tools")
+        self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
+        self.setPopupMode(QToolButton.ToolButtonPopupMode.MenuButtonPopup)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.setAutoRaise(True)
+        menu = QMenu(self)
         menu.setToolTipsVisible(True)
         menu.addActions(actions)
-        button.setMenu(menu)
-        button.setText(tr("Auto"))
-        button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
-        button.setToolTip(tr("Starts that need no drawing: everywhere, on strong edges, at centers."))
-        return button
+        self.setMenu(menu)
+        actions[0].setIconText(group)
+        self.setDefaultAction(actions[0])
+        for action in actions:
+            action.triggered.connect(partial(self.setDefaultAction, action))
 
-    def _button(self, name: str, title: str) -> QToolButton:
-        button = QToolButton()
-        button.setObjectName(name)
-        button.setAccessibleName(title)
-        button.setIconSize(self.iconSize())
-        button.setAutoRaise(True)
-        button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        return button
-
-
-def _widened(button: QToolButton) -> QToolButton:
-    """A button as wide as the palette, with a text next to its icon."""
-    button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
-    button.setMaximumWidth(_WIDEST)
-    button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
-    return button
+    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
+        """Open the menu."""
+        self.showMenu()
 
 
 SHOWN_AFTER = 0.3

@@ -70,7 +70,7 @@ class Question(QMessageBox):
 
 
 def ask_about_unsaved(parent: QWidget, name: str, lost: Sequence[str]) -> Answer:
-    """What to do with unsaved work called `name`; `lost` names what would be lost."""
+    """What to do with unsaved work called `name`; `lost` names what is not saved."""
     buttons = (
         Button("save", tr("&Save"), "accept"),
         Button("discard", tr("&Discard changes"), "discard"),
@@ -78,9 +78,11 @@ def ask_about_unsaved(parent: QWidget, name: str, lost: Sequence[str]) -> Answer
     )
     text = tr("Save the work on “{name}”?").format(name=name)
     parts = "".join(lost)
+    more = tr("{parts} is not saved.") if parts.startswith("1 ") else tr("{parts} are not saved.")
     if len(lost) > 1:
         parts = tr("{parts} and {last}").format(parts=", ".join(lost[:-1]), last=lost[-1])
-    more = tr("This would be lost: {parts}.").format(parts=parts)
+        more = tr("{parts} are not saved.")
+    more = more.format(parts=f"{parts[:1].upper()}{parts[1:]}")
     return cast("Answer", Question(parent, tr("Unsaved work"), text, more, buttons).ask())
 
 

@@ -125,7 +125,7 @@ class MainWindow(QMainWindow):
         session.listen(Opened, lambda _: self.offers.clear())  # before any feature offers something
         self.files = FileDialogs(self, session, self.preferences)
         self.document_file = DocumentFile(session, lambda: {**canvas.view_state(), **slices.view_state()})
-        self.document_file.truth = lambda: workspace.truth.file
+        self.document_file.truth = lambda: workspace.comparison.file
         self.shortcuts = Shortcuts(self.preferences, self)
         self.shortcuts.changed.connect(self._use_keys)
         self.speed = SpeedControl(session)

@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from types import FrameType
 
-from cpm_core.formats.common.content import AnyPath
+from cpm_core.formats.common.content import AnyPath, placed
 from cpm_core.parameters.quotation import shown
 
 _DRAFT = ".cpm-"
@@ -124,11 +124,11 @@ def check_place(file: Path) -> None:
     """
     with _failures_told(file):
         if file.is_dir():
-            raise ValueError(f"{file} is a folder: name a file in it.")
+            raise ValueError(f"{placed(file)} is a folder: name a file in it.")
         if not file.parent.is_dir():
-            raise ValueError(f"{file} cannot be written: there is no folder {file.parent}.")
+            raise ValueError(f"{placed(file)} cannot be written: there is no such folder.")
         if not os.access(file.parent, os.W_OK):
-            raise ValueError(f"{file} cannot be written: you have no permission to write into {file.parent}.")
+            raise ValueError(f"{placed(file)} cannot be written: you have no permission to write into that folder.")
         _check_target(file.resolve())
 
 
@@ -139,7 +139,7 @@ def _failures_told(file: Path, more: str = "") -> Iterator[None]:
         yield
     except (OSError, RuntimeError) as error:  # some releases of Python call links in a circle a RuntimeError
         reason = (error.strerror if isinstance(error, OSError) else "") or error
-        raise ValueError(f"{file} cannot be written: {reason}.{more}") from error
+        raise ValueError(f"{placed(file)} cannot be written: {reason}.{more}") from error
 
 
 def remove_abandoned(folder: Path, stem: str = _DRAFT) -> None:
@@ -160,10 +160,10 @@ def _check_target(target: Path) -> os.stat_result | None:
             raise
         return None
     if not stat.S_ISREG(known.st_mode):
-        raise ValueError(f"{target} is not an ordinary file and is not replaced: name another one.")
+        raise ValueError(f"{placed(target)} is not an ordinary file and is not replaced: name another one.")
     # the superuser may write everything, but a file that nobody may write is meant to stay
     if not known.st_mode & (stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH) or not os.access(target, os.W_OK):
-        raise ValueError(f"{target} is read-only and is not replaced: make it writable, or name another one.")
+        raise ValueError(f"{placed(target)} is read-only and is not replaced: make it writable, or name another one.")
     return known
 
 

@@ -30,6 +30,9 @@ _SAMPLES = 64
 _SAMPLED = "sampled:"
 """Begins the fingerprint of a larger file."""
 
+_LONGEST_FOLDER = 40
+"""Letters of a folder that a sentence shows as a whole."""
+
 _LOG = logging.getLogger(__name__)
 
 
@@ -47,24 +50,34 @@ class UnreadableError(ValueError):
         self.images = images
 
 
+def placed(file: Path) -> str:
+    """A file in a sentence: its name first, which is what counts, and its folder, of a long one the end."""
+    folder = os.path.dirname(file)  # noqa: PTH120 - empty where none is given
+    if len(folder) > _LONGEST_FOLDER:
+        folder = f"…{os.sep}{Path(folder).name}"
+    return f"{file.name} in {folder.rstrip(os.sep)}{os.sep}" if folder else file.name
+
+
 def content_of(file: Path, most: int = MOST, part: int = -1) -> bytes:
     """The bytes of a file, or so many of its first; UnreadableError when it cannot be read or is too large."""
     try:
         known = file.stat()
         if stat.S_ISDIR(known.st_mode):
-            raise UnreadableError(f"{file} is a folder: choose a file in it.")
+            raise UnreadableError(f"{placed(file)} is a folder: choose a file in it.")
         if not stat.S_ISREG(known.st_mode):
-            raise UnreadableError(f"{file} is not an ordinary file: choose another one.")
+            raise UnreadableError(f"{placed(file)} is not an ordinary file: choose another one.")
         if known.st_size > most and part < 0:
             raise UnreadableError(f"{file.name} has {known.st_size >> 20} MB, more than the {most >> 20} MB allowed.")
         with file.open("rb") as stream:
             return stream.read(part)
     except FileNotFoundError:
-        raise UnreadableError(f"{file} does not exist: check its name and folder.") from None
+        raise UnreadableError(f"{placed(file)} does not exist: check its name and folder.") from None
     except PermissionError:
-        raise UnreadableError(f"{file} cannot be read, because you have no permission: ask its owner for it.") from None
+        raise UnreadableError(
+            f"{placed(file)} cannot be read, because you have no permission: ask its owner for it."
+        ) from None
     except OSError as error:
-        raise UnreadableError(f"{file} cannot be read: {error.strerror or error}.") from error
+        raise UnreadableError(f"{placed(file)} cannot be read: {error.strerror or error}.") from error
 
 
 @contextlib.contextmanager
@@ -107,7 +120,7 @@ def fingerprint(path: Path, go_on: Callable[[], object] | None = None) -> str:
                 if go_on is not None:
                     go_on()
     except OSError as error:
-        raise ValueError(f"{path} cannot be read: {error.strerror or error}.") from error
+        raise ValueError(f"{placed(path)} cannot be read: {error.strerror or error}.") from error
     return f"{kind}{found.hexdigest()}"
 
 

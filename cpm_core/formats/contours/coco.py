@@ -24,11 +24,11 @@ _OUTLINES, _HOLES = "outlines", "holes"
 def encode(result: Outcome) -> bytes:
     """Write an instance for each label of the label mask, with its net area and its box.
 
-    Names are categories. Coordinates are x, y in px from the corner of the image. An instance without anything inside
-    it is one polygon, or several for an object of several parts. The polygons of this format have no holes: an instance
-    with holes, or with other contours in it, is a run-length mask, which equals its label in the label mask; next to it
-    its ``outlines`` are polygons, and ``holes`` which of them are holes. Its ``gross_area`` is what its contours
-    enclose. Open contours are left out. ValueError when no contour is closed.
+    Classes, or names, are categories. Coordinates are x, y in px from the corner of the image. An instance without
+    anything inside it is one polygon, or several for an object of several parts. The polygons of this format have no
+    holes: an instance with holes, or with other contours in it, is a run-length mask, which equals its label in the
+    label mask; next to it its ``outlines`` are polygons, and ``holes`` which of them are holes. Its ``gross_area`` is
+    what its contours enclose. Open contours are left out. ValueError when no contour is closed.
     """
     rows = measure(result.contours, result.spacing, contrast=False)
     parts: dict[int, list[tuple[Contour, Measures]]] = {}
@@ -40,7 +40,7 @@ def encode(result: Outcome) -> bytes:
             f"No contour of {result.source} is closed, and a COCO file holds only closed ones: "
             "let it run on, or export to GeoJSON or CSV."
         )
-    categories = sorted({contour.name or _OBJECT for pairs in parts.values() for contour, _ in pairs})
+    categories = sorted({_category(contour) for pairs in parts.values() for contour, _ in pairs})
     surrounding = {row.inside for row in rows if row.closed}
     labels = paint(result.contours, result.shape) if surrounding - {0} else None
     height, width = result.shape
@@ -52,7 +52,7 @@ def encode(result: Outcome) -> bytes:
         instance = {
             "id": measures.number,
             "image_id": 1,
-            "category_id": 1 + categories.index(first.name or _OBJECT),
+            "category_id": 1 + categories.index(_category(first)),
             "segmentation": polygons,
             "area": round(sum(row.net_area for _, row in pairs), 4),
             "gross_area": round(sum(row.area for _, row in pairs), 4),
@@ -60,6 +60,8 @@ def encode(result: Outcome) -> bytes:
             "iscrowd": 0,
             "color": list(rgb(first)),
         }
+        if first.category:
+            instance["name"] = first.name
         if labels is not None and not surrounding.isdisjoint(row.number for _, row in pairs):
             holes = [one for one in result.contours if one.hole and one.group == first.group and len(one.points) > 2]
             mask = labels == label
@@ -82,6 +84,10 @@ def encode(result: Outcome) -> bytes:
     )
 
 
+def _category(contour: Contour) -> str:
+    return contour.category or contour.name or _OBJECT
+
+
 def _polygon(contour: Contour) -> list[float]:
     return rounded((contour.points[:, ::-1] + PIXEL).ravel())
 
@@ -89,8 +95,8 @@ def _polygon(contour: Contour) -> list[float]:
 def read(content: Entries) -> Contents:
     """Contours of the instances of one image: the first with any.
 
-    The category is the name of a contour. Of run-length masks contours run between pixels, unless CPM has written
-    their outlines next to them.
+    The category is the class of a contour, and its name if it has none. Of run-length masks contours run between
+    pixels, unless CPM has written their outlines next to them.
     """
     found = Contents(own=ENTRY in (content.get("info") or {}))
     categories = {entry["id"]: entry["name"] for entry in content.get("categories", [])}
@@ -112,7 +118,7 @@ def read(content: Entries) -> Contents:
 
 
 def _add(found: Contents, entry: Entries, name: str) -> None:
-    known: Entries = {"name": name, "color": entry.get("color")}
+    known: Entries = {"name": entry.get("name") or name, "category": name, "color": entry.get("color")}
     shapes = entry.get("segmentation")
     if entry.get(_OUTLINES):
         found.add_object(zip(map(_corners, entry[_OUTLINES]), entry[_HOLES], strict=True), **known)

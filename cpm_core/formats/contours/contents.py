@@ -23,11 +23,6 @@ PIXEL = 0.5
 """Where the center of the first pixel lies for formats that count from its corner [px]."""
 
 
-def title(contour: Contour, number: int) -> str:
-    """Name of a contour, or its number."""
-    return contour.name or f"contour {number}"
-
-
 def rgb(contour: Contour) -> tuple[int, int, int]:
     """Red, green and blue of a contour, from 0 to 255."""
     color = contour.color or DEFAULT
@@ -129,6 +124,7 @@ def checked(properties: Entries) -> Entries:
     return {
         **properties,
         "name": str(properties.get("name") or "")[:MOST_LETTERS],
+        "category": str(properties.get("category") or "")[:MOST_LETTERS],
         "color": color_of(properties.get("color")),
         "strength": _finite(properties.get("strength")),
         "bridged": _finite(properties.get("bridged")),

@@ -38,16 +38,17 @@ def encode(result: Outcome) -> bytes:
     the label mask, 0 when open), ``strength`` (mean edge strength [gray levels / px]), ``vertex`` (from 1), ``row`` and
     ``col`` [px, pixel centers at integers], where the size of a pixel is known, ``x_...`` and ``y_...`` in its unit,
     from the center of the first pixel along columns and rows, ``contrast`` (mean contrast of both sides, empty where
-    there is no image to measure it in), where any contour has one, ``name`` and ``color``, and where any was edited by
-    hand, ``by_hand`` (the length that was drawn by hand [px]). Of a skeleton each branch is a contour, has a label in
-    the branch mask, no contrast, and a column ``radius``: the distance to the boundary [px]. Provenance is in the first
-    row only, because a table may have a hundred thousand.
+    there is no image to measure it in), where any contour has one, ``name``, ``color`` and ``class``, and where any was
+    edited by hand, ``by_hand`` (the length that was drawn by hand [px]). Of a skeleton each branch is a contour, has a
+    label in the branch mask, no contrast, and a column ``radius``: the distance to the boundary [px]. Provenance is in
+    the first row only, because a table may have a hundred thousand.
     """
     return table(_vertices(result), ("contour", "closed", "label", "strength", "vertex", "row", "col"))
 
 
 def _vertices(result: Outcome) -> list[Row]:
     named = any(contour.name or contour.color for contour in result.contours)
+    classed = any(contour.category for contour in result.contours)
     edited = any(contour.by_hand for contour in result.contours)
     radii = result.radii if isinstance(result, Skeleton) else None
     labels = range(1, len(result.contours) + 1) if radii is not None else contour_labels(result.contours)
@@ -60,6 +61,8 @@ def _vertices(result: Outcome) -> list[Row]:
             common["contrast"] = f"{contour.contrast:.4f}" if contour.sides else ""
         if named:
             common |= {"name": cell(contour.name), "color": contour.color}
+        if classed:
+            common["class"] = cell(contour.category)
         if edited:
             common["by_hand"] = f"{contour.length_by_hand:.4f}"
         for vertex, (row, col) in enumerate(contour.points):
@@ -84,8 +87,8 @@ def encode_measures(result: Outcome) -> bytes:
     it in), ``length_px``, ``gross_area_px2`` (all that it encloses), ``net_area_px2`` (without the closed contours
     in it, as in the label mask; both areas are empty when it is open), the same in the unit of the image where it is
     known, and where any was edited by hand, ``by_hand_px`` (the length drawn by hand). Where contours are boundaries
-    of objects, also ``object`` (its number, 0 for none), ``hole`` (TRUE or FALSE; the net area of a hole is 0), and
-    ``bridged_px`` (length without an edge that was found). For a skeleton also ``thickness_min_px``,
+    of objects, also ``class``, ``object`` (its number, 0 for none), ``hole`` (TRUE or FALSE; the net area of a hole is
+    0), and ``bridged_px`` (length without an edge that was found). For a skeleton also ``thickness_min_px``,
     ``thickness_median_px`` and ``thickness_max_px``.
     Where it is known of any contour, ``reached``: how particles came to it (`Contour.reached`).
     """
@@ -94,6 +97,7 @@ def encode_measures(result: Outcome) -> bytes:
 
 def _measures(result: Outcome) -> list[Row]:
     edited = any(contour.by_hand for contour in result.contours)
+    classed = any(contour.category for contour in result.contours)
     objects = any(contour.group for contour in result.contours)
     reached = any(contour.reached for contour in result.contours)
     origin = provenance_cells(result)
@@ -111,6 +115,8 @@ def _measures(result: Outcome) -> list[Row]:
             row |= {f"{name}_area_{unit}2": f"{area:.7g}" if one.closed else "" for name, (_, area) in areas.items()}
         if edited:
             row["by_hand_px"] = f"{one.by_hand:.4f}"
+        if classed:
+            row["class"] = cell(contour.category)
         if objects:
             row |= {"object": contour.group, "hole": str(contour.hole).upper(), "bridged_px": f"{contour.bridged:.4f}"}
         if reached:
@@ -120,6 +126,38 @@ def _measures(result: Outcome) -> list[Row]:
                 row[f"thickness_{name}_px"] = f"{2.0 * value(result.radii[index]):.4f}"
         rows.append(row | origin)
     return rows
+
+
+def encode_table(result: Outcome) -> bytes:
+    """Tabulate what closed contours enclose, or the objects in a volume, one object a row.
+
+    The columns are those of `Result.table` in the unit of the image, where it is known, with the unit at the end of
+    their names (``area_um2``). Where contours are boundaries of objects, ``object`` is the number and ``class`` the
+    class. Of a skeleton it is what `encode_measures` writes. ValueError when nothing is enclosed.
+    """
+    if isinstance(result, Skeleton):
+        return encode_measures(result)
+    measured = result.table(in_units=bool(result.unit))
+    if not measured.rows:
+        raise ValueError(f"{result.source} has no closed contour, so a table of objects would be empty: let it run on.")
+    firsts = {label: one for label, one in zip(contour_labels(result.contours), result.contours, strict=True) if label}
+    columns: Row = {}
+    for name, unit in measured.units.items():
+        power = {"²": "2", "³": "3"}.get(unit[-1:], "")
+        columns[f"{name}_{in_ascii(unit.rstrip('²³'), '')}{power}" if unit else name] = measured[name].tolist()
+    rows: list[Row] = []
+    for values in zip(*columns.values(), strict=True):
+        row = {
+            name: f"{value:.7g}" if isinstance(value, float) else value
+            for name, value in zip(columns, values, strict=True)
+        }
+        first = firsts.get(int(row["label"]))
+        if first is not None:
+            row["name"] = cell(first.name)
+            if first.group:
+                row |= {"object": first.group, "class": cell(first.category), "color": first.color}
+        rows.append(row | provenance_cells(result))
+    return table(rows)
 
 
 def encode_pages(found: StackResult) -> bytes:

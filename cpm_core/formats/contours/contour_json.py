@@ -38,11 +38,11 @@ def encode(result: Outcome) -> bytes:
     ``points`` are pairs [row, col] in px, pixel centers at integers; lengths are in px, areas in px², strengths in gray
     levels / px. ``gross_area`` is all that a contour encloses, ``net_area`` without the closed contours in it, as in
     the label mask. ``inside`` is the number of the innermost closed contour around, 0 for none; ``contrast`` is null
-    where there is no image to measure it in; ``by_hand`` is the length that was drawn by hand [px]; ``reached`` is
-    how particles came to a contour, where it is known. Where the size of a pixel is known, length and areas are given
-    in its unit as well. The boundaries of an object have its number as ``object``, and as ``bridged`` the length
-    without an edge that was found. The image has the ``channel`` of its colors in which the contours were
-    found, unless it is the luminance. ``provenance`` is how they were found (`provenance.facts_of`). Of a
+    where there is no image to measure it in; ``by_hand`` is the length that was drawn by hand [px]; ``reached`` is how
+    particles came to a contour, where it is known. Where the size of a pixel is known, length and areas are given in
+    its unit as well. The boundaries of an object have its number as ``object``, its class as ``class``, and as
+    ``bridged`` the length without an edge that was found. The image has the ``channel`` of its colors in which the
+    contours were found, unless it is the luminance. ``provenance`` is how they were found (`provenance.facts_of`). Of a
     skeleton the branches are contours with ``radii`` [px], and there is no run.
     """
     return encoded_json({"format": _OF_IMAGE, "version": 1, **_result_to_plain(result)})
@@ -101,6 +101,8 @@ def _contours_to_plain(result: Outcome) -> list[Entries]:
         entry |= {"gross_area": round(row.area, 4), "net_area": round(row.net_area, 4)}
         entry |= {"by_hand": round(row.by_hand, 4), "strength": round(row.strength, 6)}
         entry["contrast"] = None if row.contrast is None else round(row.contrast, 6)
+        if contour.category:
+            entry["class"] = contour.category
         if contour.reached:
             entry["reached"] = contour.reached
         if result.unit:
@@ -184,7 +186,10 @@ def _shape_of(plain: Mapping[str, Any]) -> tuple[int, int]:
 def _contour_from(plain: Mapping[str, Any]) -> Contour:
     first, last = plain["junctions"]
     known = {name: plain.get(name) for name in ("strength", "name", "color", "number", "reached", "bridged")}
-    properties = checked(known | {"group": int(plain.get("object", 0)), "hole": bool(plain.get("hole", False))})
+    properties = checked(
+        known
+        | {"category": plain.get("class"), "group": int(plain.get("object", 0)), "hole": bool(plain.get("hole", False))}
+    )
     return Contour(_points(plain), bool(plain["closed"]), junctions=(bool(first), bool(last)), **properties)
 
 

@@ -11,7 +11,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import Measures, measure
 from cpm_core.formats.common.plain import Entries, encoded_json
 from cpm_core.formats.common.provenance import ENTRY, Outcome, facts_of
-from cpm_core.formats.contours.contents import PIXEL, Contents, color_of, pairs, rgb, title
+from cpm_core.formats.contours.contents import PIXEL, Contents, color_of, pairs, rgb
 from cpm_core.numerics.types import Array
 
 
@@ -20,9 +20,9 @@ def encode(result: Outcome) -> bytes:
 
     A closed contour is a polygon whose interior rings are the contours directly inside it, so it covers the pixels of
     its label in the label mask; each of those is a feature of its own as well, unless it is just a hole in an object.
-    An open one is a line, a single vertex a point. The name of a contour is that of its class, too. Coordinates are
-    (x, y) in px from the corner of the image, the center of the first pixel at (0.5, 0.5). How they were found is an
-    entry of the collection, a foreign member as the format allows.
+    An open one is a line, a single vertex a point. The classification is the class, or the name where there is none.
+    Coordinates are (x, y) in px from the corner of the image, the center of the first pixel at (0.5, 0.5). How they
+    were found is an entry of the collection, a foreign member as the format allows.
     """
     return encoded_json({"type": "FeatureCollection", ENTRY: facts_of(result), "features": features_of(result)})
 
@@ -40,9 +40,9 @@ def features_of(result: Outcome) -> list[Entries]:
             "geometry": _geometry(contour, holes.get(row.number, [])),
             "properties": {
                 "objectType": "annotation",
-                "name": title(contour, row.number),
+                "name": contour.name or f"contour {row.number}",
                 "color": list(rgb(contour)),
-                **({"classification": {"name": contour.name, "color": list(rgb(contour))}} if contour.name else {}),
+                **({"classification": {"name": kind, "color": list(rgb(contour))}} if kind else {}),
                 "closed": row.closed,
                 "junctions": list(contour.junctions),
                 "inside": row.inside,
@@ -50,6 +50,7 @@ def features_of(result: Outcome) -> list[Entries]:
             },
         }
         for contour, row in zip(result.contours, rows, strict=True)
+        for kind in [contour.category or contour.name]
         if not contour.hole
     ]
 
@@ -136,7 +137,14 @@ def _properties(feature: Entries, own: bool) -> Entries:
     color = next(filter(None, colors), "")
     measures = properties.get("measurements")
     strength = measures.get("Edge strength", 0.0) if own and isinstance(measures, dict) else 0.0
-    return {"name": name, "color": color, "junctions": properties.get("junctions") or (), "strength": strength}
+    category = str(kind.get("name") or "")
+    return {
+        "name": name,
+        "category": category,
+        "color": color,
+        "junctions": properties.get("junctions") or (),
+        "strength": strength,
+    }
 
 
 def _page(feature: Entries) -> int:

@@ -17,7 +17,7 @@ from cpm_core.contours.contour import Contour, numbers_of
 from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.plain import Entries
 from cpm_core.formats.common.provenance import Outcome, ascii_entries_of, facts_of
-from cpm_core.formats.contours.contents import PIXEL, Contents, rgb, title
+from cpm_core.formats.contours.contents import PIXEL, Contents, rgb
 from cpm_core.formats.contours.curves import bezier, ellipse, nested, rectangle
 from cpm_core.numerics.types import Array
 
@@ -57,8 +57,8 @@ def encode(result: Outcome) -> bytes:
 def encode_set(result: Outcome) -> bytes:
     """Write each contour as a selection into one archive, which the ROI manager of ImageJ opens.
 
-    The ROI manager shows a selection under the name of its file in the archive: the name of the contour, with a number
-    appended where several have the same. Its properties are how it was found. The same result always gives
+    The ROI manager shows a selection under the name of its file in the archive: class and name of the contour, with a
+    number appended where several have the same. Its properties are how it was found. The same result always gives
     the same bytes. ValueError when there is no contour, because ImageJ reports an empty archive as damaged.
     """
     if not result.contours:
@@ -72,6 +72,12 @@ def encode_set(result: Outcome) -> bytes:
         taken.add(name.lower())
         found[name] = selection(contour, number, properties)
     return set_of(found.items())
+
+
+def title(contour: Contour, number: int) -> str:
+    """Name of a contour, or its number, with its class unless the name has it already."""
+    name = contour.name or f"contour {number}"
+    return name if contour.category in name else f"{contour.category} {name}"
 
 
 def set_of(selections: Iterable[tuple[str, bytes]]) -> bytes:

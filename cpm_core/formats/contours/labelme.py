@@ -5,12 +5,13 @@ from __future__ import annotations
 import base64
 import io
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy
 
 from cpm_core.contours.contour import Contour
 from cpm_core.formats.common.plain import Entries, encoded_json
@@ -18,7 +19,8 @@ from cpm_core.formats.common.provenance import ENTRY, Outcome, facts_of
 from cpm_core.formats.contours.contents import PIXEL, Contents, pairs
 from cpm_core.formats.contours.curves import ellipse, nested, rectangle
 from cpm_core.formats.contours.mask import opened, outlines
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.polyline import inside
+from cpm_core.numerics.types import Array, Position
 
 _CONTOUR = "contour"
 """Label of a contour without a name."""
@@ -39,24 +41,29 @@ def located(result: Outcome, file: Path, image: Path) -> Outcome:
 def encode(result: Outcome) -> bytes:
     """Write a polygon for each closed contour and a strip of lines for each open one.
 
-    The label of a shape, its class, is the name of the contour, or "contour". Coordinates are (x, y) in px from the
-    corner of the image. The image is referenced by the source of the result (see `located`). A hole is a polygon of its
-    own, in the group of its object. Colors are left out, because labelme chooses them by label. How they were found is
-    an entry of the file, which labelme keeps when it writes the file again.
+    The label of a shape is the class of the object, with its name as the description and its number as the group; of a
+    contour without a class it is the name, or "contour". Coordinates are (x, y) in px from the corner of the image. The
+    image is referenced by the source of the result (see `located`). Polygons of labelme have no holes: that of an
+    object with holes goes around them by way of slits of no width. Colors are left out, because labelme chooses them by
+    label. How they were found is an entry of the file, which labelme keeps when it writes the file again.
     """
     rows, cols = result.shape
-    names = {contour.group: contour.name for contour in result.contours if not contour.hole}
+    holes: dict[int, list[Array]] = {}
+    for contour in result.contours:
+        if contour.hole:
+            holes.setdefault(contour.group, []).append(contour.points)
     shapes: list[Entries] = [
         {
-            "label": contour.name or (names.get(contour.group) if contour.hole else "") or _CONTOUR,
-            "points": pairs(contour.points),
+            "label": contour.category or contour.name or _CONTOUR,
+            "points": pairs(_around(contour.points, holes.get(contour.group, ()))),
             "group_id": contour.group or None,
-            "description": "",
+            "description": contour.name if contour.category else "",
             "shape_type": _kind(contour),
             "flags": {},
             "mask": None,
         }
         for contour in result.contours
+        if not contour.hole
     ]
     return encoded_json(
         {
@@ -72,6 +79,39 @@ def encode(result: Outcome) -> bytes:
     )
 
 
+def _around(outline: Array, holes: Sequence[Array]) -> Array:
+    """An outline that goes around the holes inside it, too, the other way, there and back by the shortest slits."""
+    left = [hole for hole in holes if inside(outline, hole).mean() > 0.5]
+    while left:
+        apart = [scipy.spatial.distance.cdist(outline, hole) for hole in left]
+        nearest = min(range(len(left)), key=lambda number: apart[number].min())
+        here, there = np.unravel_index(apart[nearest].argmin(), apart[nearest].shape)
+        hole = np.roll(left.pop(nearest), -there, axis=0)
+        if _turns(hole) == _turns(outline):
+            hole = np.roll(hole[::-1], 1, axis=0)
+        outline = np.concatenate([outline[: here + 1], hole, hole[:1], outline[here:]])
+    return outline
+
+
+def _turns(curve: Array) -> bool:
+    """Which way a closed curve runs around what it encloses."""
+    row, col = curve.T
+    return bool(row @ np.roll(col, -1) > col @ np.roll(row, -1))
+
+
+def _rings(corners: Array) -> list[Array]:
+    """The closed curves of a polygon: one that comes to a corner twice goes around holes by way of slits."""
+    rings: list[list[Position]] = []
+    way: list[Position] = []
+    for row, col in corners.tolist():
+        if (row, col) in way:
+            first = way.index((row, col))
+            rings.append(way[first:])
+            del way[first:]
+        way.append((row, col))
+    return [np.array(ring) for ring in (way, *rings) if len(ring) > 2] or [corners]
+
+
 def _kind(contour: Contour) -> str:
     if contour.closed and len(contour.points) > 2:
         return "polygon"
@@ -79,35 +119,36 @@ def _kind(contour: Contour) -> str:
 
 
 def read(content: Entries) -> Contents:
-    """Contours of all shapes, whose labels are the names.
+    """Contours of all shapes, whose labels are the classes, and the names where there is no description.
 
     Shapes of one label and one group are one object, in which a shape in another is a hole.
     """
     found = Contents()
     height, width = content.get("imageHeight"), content.get("imageWidth")
     found.shape = (int(height), int(width)) if height and width else None
-    grouped: dict[tuple[Any, str], list[Array]] = {}
+    grouped: dict[tuple[Any, str], tuple[Entries, list[Array]]] = {}
     for shape in content["shapes"]:
         kind, label = shape.get("shape_type") or "polygon", str(shape["label"])
         name = "" if label == _CONTOUR else label
+        known = {"name": shape.get("description") or name, "category": name}
         corners = np.array(shape["points"], dtype=np.float64).reshape(-1, 2)[:, ::-1] - PIXEL
         if kind == "mask":
-            found.add_object(_mask(shape, corners), name=name)
+            found.add_object(_mask(shape, corners), **known)
         elif kind in ("point", "points"):
             for place in corners:
                 found.add_place(place)
         elif kind in _CLOSED:
-            curve = _CLOSED[kind](corners)
+            curves = _rings(_CLOSED[kind](corners))
             if shape.get("group_id") is None:
-                found.add(curve, True, name=name)
+                found.add_object(nested(curves), **known)
             else:
-                grouped.setdefault((shape["group_id"], name), []).append(curve)
+                grouped.setdefault((shape["group_id"], name), (known, []))[1].extend(curves)
         elif kind in _OPEN:
-            found.add(corners, False, name=name)
+            found.add(corners, False, **known)
         else:
             found.left_out[f"shape of the kind {kind}"] += 1
-    for (_, name), curves in grouped.items():
-        found.add_object(nested(curves), name=name)
+    for known, curves in grouped.values():
+        found.add_object(nested(curves), **known)
     return found
 
 

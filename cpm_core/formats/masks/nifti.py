@@ -6,7 +6,8 @@ import gzip
 
 from cpm_core.formats.common.provenance import PROGRAM, Outcome, facts_of, text_of
 from cpm_core.formats.masks.labels import labels_of
-from cpm_core.image.geometry import Geometry
+from cpm_core.image.geometry import Convention, Geometry
+from cpm_core.numerics.types import Array
 
 _UNITS = {
     "nm": ("micron", 1e-3),
@@ -31,17 +32,26 @@ def encode(result: Outcome, *, outlines: bool = False) -> bytes:
     import nibabel
 
     mask = labels_of(result, outlines=outlines)
-    unit, factor = _UNITS.get(result.unit or "", ("unknown", 1.0))
-    geometry = (result.geometry or Geometry(depth=1.0 / factor)).scaled(factor)
-    affine = geometry.affine(tuple(size * factor for size in result.spacing), "RAS")[:, [2, 1, 0, 3]]  # columns first
+    affine, unit, slant = placed(result, "RAS")
     image = nibabel.Nifti1Image(mask.reshape((1, *mask.shape)[-3:]).transpose(), affine)
     image.set_sform(affine, _SCANNER)
-    image.set_qform(affine, _SCANNER if geometry.slant < _SQUARE else 0)
+    image.set_qform(affine, _SCANNER if slant < _SQUARE else 0)
     image.header.set_xyzt_units(unit)
     image.header["descrip"] = f"label mask, {PROGRAM}"
     comment = nibabel.nifti1.Nifti1Extension("comment", text_of(facts_of(result)).encode("ascii"))
     image.header.extensions.append(comment)
     return bytes(image.to_bytes())
+
+
+def placed(result: Outcome, space: Convention) -> tuple[Array, str, float]:
+    """Where the mask of a result lies, columns first: a matrix of shape (4, 4), its unit, and how slanted its axes are.
+
+    The unit is one of NIfTI.
+    """
+    unit, factor = _UNITS.get(result.unit or "", ("unknown", 1.0))
+    geometry = (result.geometry or Geometry(depth=1.0 / factor)).scaled(factor)
+    affine = geometry.affine(tuple(size * factor for size in result.spacing), space)
+    return affine[:, [2, 1, 0, 3]], unit, geometry.slant
 
 
 def encode_packed(result: Outcome, *, outlines: bool = False) -> bytes:

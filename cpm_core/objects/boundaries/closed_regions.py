@@ -107,6 +107,23 @@ class ClosedRegions:
             found[region.box] |= region.mask
         return found
 
+    def nested(self, pixels: Index) -> Iterator[Mask]:
+        """What closed contours enclose around pixels, shape (N, 2), each of shape (H, W): what is certain at first."""
+        unsure = []
+        for index in self._around(pixels.mean(axis=0)):
+            region = self._region(index)
+            if region is None:
+                unsure.append(index)
+            elif region.share(pixels) > _MOST:
+                mask = np.zeros(self._values.shape, np.bool_)
+                mask[region.box] = region.mask
+                yield mask
+        for index in sorted(unsure, key=lambda index: -self._contours[index].strength):
+            mask = np.zeros(self._values.shape, np.bool_)
+            mask[skimage.draw.polygon(*self._contours[index].points.T, mask.shape)] = True  # type: ignore[no-untyped-call]
+            if mask[tuple(pixels.T)].mean() > _MOST:
+                yield mask
+
     def objects(self) -> Iterator[Mask]:
         """What certain contours enclose, each of shape (H, W), the largest first; none lies in another one."""
         taken = np.zeros(self._values.shape, np.bool_)
@@ -168,11 +185,15 @@ class ClosedRegions:
 
     def _over(self, place: Array | Index, margin: float = 0.0) -> Iterator[ClosedRegion]:
         """The certain regions whose box, widened by a margin, holds a place; the smallest first."""
-        low, high = self._boxes[:, 0] - margin, self._boxes[:, 1] + margin
-        for index in np.flatnonzero(((low <= place) & (place <= high)).all(axis=1)).tolist():
+        for index in self._around(place, margin):
             region = self._region(index)
             if region is not None:
                 yield region
+
+    def _around(self, place: Array | Index, margin: float = 0.0) -> list[int]:
+        """The contours whose box, widened by a margin, holds a place; the smallest first."""
+        low, high = self._boxes[:, 0] - margin, self._boxes[:, 1] + margin
+        return np.flatnonzero(((low <= place) & (place <= high)).all(axis=1)).tolist()
 
     @cached_property
     def _strength(self) -> Array:

@@ -40,6 +40,12 @@ _MOST_TIMES = 40
 """Area of an object, in areas of what has been drawn in it, from which it is less likely the larger it is: of objects
 that people outlined, none was 20 times as large as a disk of half the radius of the largest one in it."""
 
+_DISTINCT = 0.7
+"""Overlap of the answers of two windows from which they mean the same object."""
+
+_MOST_OBJECTS = 4
+"""Number of objects that one prompt may mean."""
+
 _NO_AREAS = np.empty(0)
 
 _FADES = 6.0
@@ -117,6 +123,40 @@ class Answer(NamedTuple):
             off += max(float(area - np.log(_MOST_TIMES * max(int(np.count_nonzero(drawn)), 1))), 0.0)
         return self.overlap - _UNLIKE * off
 
+    @property
+    def clarity(self) -> float:
+        """Overlap with the object that its probabilities promise, pixel by pixel."""
+        likely = self.seen > _LIKELY
+        return float(self.seen[likely].sum()) / max(float(np.count_nonzero(likely) + self.seen[~likely].sum()), 1.0)
+
+    def agreement(self, other: Answer) -> float:
+        """Overlap with the answer to another window, as seen in the larger one of the two."""
+        small, large = (self, other) if self.window.side <= other.window.side else (other, self)
+        return _overlap(large.seen, large.window.of_window(small.window, small.seen))
+
+
+class Likely(NamedTuple):
+    """An object that a prompt may mean, and what speaks for it.
+
+    Attributes
+    ----------
+    mask : ndarray of bool, shape (H, W)
+        Its pixels.
+    coarseness : float
+        How many of them, along each axis, one pixel of what the network saw last stands for.
+    overlap, clarity : float
+        Overlap with what is meant that the network expects, and that its probabilities promise.
+    steadiness, agreement : float
+        Overlap of the last answer with the one before, and of the first one with the most similar to another window.
+    """
+
+    mask: Mask
+    coarseness: float
+    overlap: float
+    clarity: float
+    steadiness: float
+    agreement: float
+
 
 @dataclass(frozen=True, eq=False)
 class Prior:
@@ -133,8 +173,8 @@ class Prior:
     values: NDArray[Any]
     network: Network = field(default_factory=trained)
 
-    def object_of(self, prompt: Prompt, areas: Array = _NO_AREAS) -> tuple[Mask, float]:
-        """The object that a prompt means: where that is more likely than not.
+    def objects_of(self, prompt: Prompt, areas: Array = _NO_AREAS) -> Iterator[Likely]:
+        """The objects that a prompt may mean, of each what is more likely in it than not; the most likely one first.
 
         Parameters
         ----------
@@ -142,25 +182,43 @@ class Prior:
             What is known about the object.
         areas : ndarray, shape (N,)
             Areas of other objects of the image, of which it may be one more [px²].
-
-        Returns
-        -------
-        tuple of ndarray of bool, shape (H, W), and float
-            Its pixels, and how many of them, along each axis, one pixel of what the network saw last stands for.
         """
-        shape = self.values.shape[:2]
-        found = np.zeros(shape, np.bool_)
         if prompt.former is not None and prompt.former.any():
-            answer, rounds = self._answer(_around(ends(prompt.former), prompt), prompt, None), _ROUNDS
-        else:
-            answers = (self._answer(window, prompt, None) for window in self._first_windows(prompt))
-            answer, rounds = max(answers, key=lambda answer: answer.promise(areas, prompt.drawn)), 0
+            yield self._refined(self._answer(_around(ends(prompt.former), prompt), prompt, None), prompt, 1.0, _ROUNDS)
+            return
+        answers = [self._answer(window, prompt, None) for window in self._first_windows(prompt)]
+        answers.sort(key=lambda answer: -answer.promise(areas, prompt.drawn))
+        distinct: list[Answer] = []
+        for answer in answers:
+            if distinct and (not answer.any() or any(answer.agreement(one) > _DISTINCT for one in distinct)):
+                continue
+            distinct.append(answer)
+            others = [one for one in answers if one is not answer]
+            agreement = max((answer.agreement(other) for other in others), default=1.0)
+            yield self._refined(answer, prompt, agreement, 0)
+            if len(distinct) == _MOST_OBJECTS:
+                return
+
+    def judged(self, mask: Mask, inside: Index) -> Likely:
+        """What the network makes of an object, shape (H, W), that has been found otherwise and holds some pixels."""
+        prompt = Prompt(inside, former=mask)
+        answer = self._answer(_around(ends(mask), prompt), prompt, None)
+        return self._likely(answer, 1.0, answer.window.of(mask))
+
+    def _refined(self, answer: Answer, prompt: Prompt, agreement: float, rounds: int) -> Likely:
+        """The object of an answer, after further ones to windows around it."""
+        shape, before = self.values.shape[:2], answer
         while rounds < _MOST_ROUNDS and answer.any() and (rounds < _ROUNDS or answer.touches(shape)):
-            answer = self._answer(_around(answer.places, prompt), prompt, answer)
+            answer, before = self._answer(_around(answer.places, prompt), prompt, answer), answer
             rounds += 1
-        box, part = answer.window.back(answer.seen, shape)
+        return self._likely(answer, agreement, answer.window.of_window(before.window, before.seen))
+
+    def _likely(self, answer: Answer, agreement: float, before: Single) -> Likely:
+        found = np.zeros(self.values.shape[:2], np.bool_)
+        box, part = answer.window.back(answer.seen, found.shape)
         found[box] = part > _LIKELY
-        return found, answer.window.scale
+        steadiness = _overlap(answer.seen, before)
+        return Likely(found, answer.window.scale, answer.overlap, answer.clarity, steadiness, agreement)
 
     def _first_windows(self, prompt: Prompt) -> Iterator[Window]:
         """Windows around a prompt, the smallest first, and one of the whole image."""
@@ -215,6 +273,12 @@ def _around(found: Array | Index, prompt: Prompt) -> Window:
     places = np.concatenate([found, prompt.inside, prompt.outside])
     low, high = places.min(axis=0), places.max(axis=0)
     return Window(0.5 * (low + high), max(_AROUND * float((high - low).max()), _CLOSEST))
+
+
+def _overlap(seen: Single, other: Single) -> float:
+    """Overlap (intersection over union) of what is likely by two maps of one window."""
+    one, two = seen > _LIKELY, other > _LIKELY
+    return float(np.count_nonzero(one & two)) / max(np.count_nonzero(one | two), 1)
 
 
 def _nearness(on: Mask) -> Single:

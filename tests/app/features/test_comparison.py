@@ -1,4 +1,4 @@
-"""The comparison: each tile is a separate run, one is taken over, and no run continues after cancellation."""
+"""Runs to compare: each is a run of its own, one is taken over, and no run continues after cancellation."""
 
 from __future__ import annotations
 
@@ -10,20 +10,17 @@ import numpy as np
 import PIL.Image
 import pytest
 from PySide6.QtCore import QPoint, Qt
-from PySide6.QtWidgets import QFileDialog
+from PySide6.QtWidgets import QFileDialog, QPushButton
 
-from app.model.display.comparison import (
-    FIRST_AXES,
-)
 from app.model.document.modes import acting_in
 from app.model.document.objects import objects_result
 from app.model.parameters.controls import controls
-from app.views.comparison.dialog import CompareDialog
+from app.session.features.comparison import NOW, Row
+from app.views.comparison.panel import ComparePanel
+from app.views.features.compare import CompareFeature
 from app.views.features.files import OpenSaveFeature
-from app.views.features.run import ComparisonFeature
 from app.views.window.window import MainWindow
 from cpm_core import PRESETS, Engine, segment
-from cpm_core.contours.ground_truth import truth_of_mask
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.model.starts import circle
 from cpm_core.objects.methods import CONTOUR_METHODS, Compared
@@ -37,43 +34,54 @@ LEFT = Qt.MouseButton.LeftButton
 OFFERED = [control.name for control in controls() if control.name in acting_in("shape")]
 
 
-def opened(window: MainWindow, hand: Hand, *modifiers: Qt.KeyboardModifier) -> CompareDialog:
-    keys = Qt.KeyboardModifier.ControlModifier
-    for modifier in modifiers:
-        keys |= modifier
-    hand.key(KEY.Key_M, keys)
-    made = window.feature(ComparisonFeature).dialog.shown
-    assert made is not None
-    hand.qtbot.waitExposed(made)
-    return made
+def opened(window: MainWindow, hand: Hand, entry: str) -> ComparePanel:
+    """The panel, opened by its key, after an entry of its button Add."""
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_D, Qt.KeyboardModifier.ControlModifier)
+    panel = window.feature(CompareFeature).panel
+    hand.wait(panel.isVisible)
+    menu = panel.add.menu()
+    menu.aboutToShow.emit()
+    next(action for action in menu.actions() if action.text().replace("&", "") == entry).trigger()
+    return panel
 
 
 @pytest.fixture
-def parameters(ready: MainWindow, hand: Hand) -> CompareDialog:
-    """The dialog, opened by its key, with two values of two parameters each."""
-    made = opened(ready, hand)
-    assert made.choices.currentWidget() is made.parameters
-    down, across = made.parameters.down, made.parameters.across
-    assert (down.control.name, across.control.name) == FIRST_AXES
+def values(ready: MainWindow, hand: Hand) -> ComparePanel:
+    """The panel with two values of two parameters each."""
+    panel = opened(ready, hand, "Parameter values…")
+    down, across = panel.values.down, panel.values.across
     for row, name in ((down, "beta"), (across, "ratio")):
         row.choice.setCurrentIndex(OFFERED.index(name))
     down.values.setText("0.6, 0.9")
     across.values.setText("0.7; 0.9")
-    return made
+    return panel
 
 
 @pytest.fixture
-def methods(ready: MainWindow, hand: Hand) -> CompareDialog:
-    """The dialog, opened by the keys for methods."""
-    made = opened(ready, hand, Qt.KeyboardModifier.ShiftModifier)
-    assert made.choices.currentWidget() is made.methods
-    return made
+def methods(ready: MainWindow, hand: Hand) -> ComparePanel:
+    """The panel with the choice of methods."""
+    return opened(ready, hand, "Methods…")
 
 
-def run(hand: Hand, dialog: CompareDialog) -> None:
-    hand.qtbot.mouseClick(dialog.start_button, LEFT)
-    hand.wait(lambda: bool(dialog.board.tiles) and all(view.done for view in dialog.board.tiles))
-    hand.wait(lambda: not dialog.cancel_button.isEnabled())
+def start(hand: Hand, panel: ComparePanel) -> None:
+    page = panel.pages.currentWidget()
+    hand.qtbot.mouseClick(next(b for b in page.findChildren(QPushButton) if b.text() == "Run"), LEFT)
+
+
+def rows(window: MainWindow) -> list[Row]:
+    return [row for row in window.workspace.comparison.rows.values() if row.key != NOW]
+
+
+def run(window: MainWindow, hand: Hand, panel: ComparePanel) -> None:
+    start(hand, panel)
+    hand.wait(lambda: window.workspace.comparison.task is None and all(row.found for row in rows(window)))
+
+
+def choose(window: MainWindow, hand: Hand, title: str) -> None:
+    table = window.feature(CompareFeature).panel.table
+    place = table.visualRect(table.model().index(table.column("name").index(title), 0)).center()
+    hand.qtbot.mouseClick(table.viewport(), LEFT, pos=place)
 
 
 def comparing_threads() -> list[threading.Thread]:
@@ -87,32 +95,23 @@ def type_into(hand: Hand, field, text: str) -> None:
     hand.qtbot.keyClick(field, KEY.Key_Return)
 
 
-def load_truth(ready: MainWindow, hand: Hand, path) -> None:
-    PIL.Image.fromarray((disc() > 100).astype(np.uint8) * 255).save(path)
-    ready.workspace.truth.load(path)
-    hand.wait(lambda: ready.session.scene.truth is not None)
-
-
-def test_each_tile_is_what_a_run_with_its_values_gives(ready, parameters, hand) -> None:
-    run(hand, parameters)
-    tiles = parameters.board.tiles
-    assert [(view.tile.row, view.tile.col) for view in tiles] == [(0, 0), (0, 1), (1, 0), (1, 1)]
-    view = tiles[1]
-    assert view.tile.caption == "β = 0.6, w₁/w₂ = 0.9"
+def test_each_row_is_what_a_run_with_its_values_gives(ready, values, hand) -> None:
+    run(ready, hand, values)
+    titles = ["β = 0.6, w₁/w₂ = 0.7", "β = 0.6, w₁/w₂ = 0.9", "β = 0.9, w₁/w₂ = 0.7", "β = 0.9, w₁/w₂ = 0.9"]
+    assert values.table.column("name") == ["Shown now", *titles]
     chosen = replace(PRESETS["shape"], beta=0.6, w1=0.9 * 1.75, scales=ready.session.document.parameters.scales)
     alone = segment(disc(), circle((32.0, 32.0), radius=10.0, spacing=2.0), chosen)
-    assert view.done.result.steps == alone.steps
-    np.testing.assert_array_equal(view.done.result.particles, alone.particles)
-    assert view.state == f"1 contour, {alone.steps} steps"
+    np.testing.assert_array_equal(rows(ready)[1].found.particles, alone.particles)
+    assert values.table.column("count")[2] == "1"
     assert not ready.session.status.started, "the run of the window is left alone"
 
 
-def test_taking_a_tile_sets_both_values_in_one_undoable_change(ready, parameters, hand) -> None:
+def test_using_a_row_sets_both_values_in_one_undoable_change(ready, values, hand) -> None:
     before = ready.session.document
-    run(hand, parameters)
-    hand.qtbot.mouseClick(parameters.board.tiles[2], LEFT)
+    run(ready, hand, values)
+    choose(ready, hand, "β = 0.9, w₁/w₂ = 0.7")
     assert ready.session.document == before
-    hand.qtbot.mouseClick(parameters.take_button, LEFT)
+    hand.key(KEY.Key_Return)
     chosen = ready.session.document.parameters
     assert (chosen.beta, chosen.w1 / chosen.w2) == (0.9, pytest.approx(0.7))
     assert ready.session.situation.undo_name == "use β = 0.9, w₁/w₂ = 0.7"
@@ -120,20 +119,7 @@ def test_taking_a_tile_sets_both_values_in_one_undoable_change(ready, parameters
     assert ready.session.document == before
 
 
-def test_tiles_are_selected_and_taken_by_keys(ready, parameters, hand) -> None:
-    run(hand, parameters)
-    board = parameters.board
-    assert parameters.focusWidget() is board.tiles[0] is board.current
-    hand.qtbot.keyClick(board.tiles[0], KEY.Key_Right)
-    hand.qtbot.keyClick(parameters.focusWidget(), KEY.Key_Down)
-    assert parameters.focusWidget() is board.tiles[3]
-    hand.qtbot.keyClick(board.tiles[3], KEY.Key_Space)
-    assert board.current is board.tiles[3]
-    hand.qtbot.keyClick(board.tiles[3], KEY.Key_Return)
-    assert ready.session.document.parameters.beta == 0.9
-
-
-def test_cancel_stops_all_runs(ready, parameters, hand, monkeypatch) -> None:
+def test_cancel_stops_all_runs_and_removes_their_rows(ready, values, hand, monkeypatch) -> None:
     step, going, held = Engine.step, threading.Event(), threading.Event()
 
     def slow(engine, state, chosen, *rest):
@@ -142,67 +128,58 @@ def test_cancel_stops_all_runs(ready, parameters, hand, monkeypatch) -> None:
         return step(engine, state, chosen, *rest)
 
     monkeypatch.setattr(Engine, "step", slow)
-    hand.qtbot.mouseClick(parameters.start_button, LEFT)
+    start(hand, values)
     hand.wait(going.is_set)
-    assert parameters.bar.isVisible()
-    hand.qtbot.mouseClick(parameters.cancel_button, LEFT)
-    assert not parameters.cancel_button.isEnabled()
-    assert "Canceled" in parameters.words.text()
-    assert {view.state for view in parameters.board.tiles} == {"canceled"}
+    assert values.bar.isVisible()
+    hand.qtbot.mouseClick(values.cancel, LEFT)
+    assert rows(ready) == []
+    assert not values.bar.isVisible()
     hand.wait(lambda: not comparing_threads())
 
 
-def test_closing_leaves_no_thread(ready, parameters, hand, monkeypatch) -> None:
-    step, going = Engine.step, threading.Event()
-
-    def noted(engine, state, chosen, *rest):
-        going.set()
-        return step(engine, state, chosen, *rest)
-
-    monkeypatch.setattr(Engine, "step", noted)
-    hand.qtbot.mouseClick(parameters.start_button, LEFT)
-    hand.wait(going.is_set)
-    hand.qtbot.keyClick(parameters, KEY.Key_Escape)
-    assert ready.feature(ComparisonFeature).dialog.shown is None
-    hand.wait(lambda: not comparing_threads())
+def test_values_that_are_no_numbers_are_named_where_they_are_typed(ready, values, hand) -> None:
+    values.values.down.values.setText("0.6, many")
+    start(hand, values)
+    said = [label.text() for label in values.pages.currentWidget().findChildren(type(values.words))]
+    assert any("“many” is not a number" in text for text in said)
+    assert rows(ready) == []
 
 
-def test_figures_of_methods_are_shown_where_a_truth_is_loaded(ready, methods, hand, tmp_path) -> None:
-    load_truth(ready, hand, tmp_path / "mask.png")
-    run(hand, methods)
-    for view in methods.board.tiles:
-        assert view.state.endswith(f"Dice {view.done.facts.dice:.4f}")
-        assert f"F: {view.done.facts.f:.3f}" in view.toolTip()
-    assert np.array_equal(ready.session.scene.truth.labels, truth_of_mask(disc() > 100).labels)
-
-
-def test_table_picture_and_contours_are_exported(ready, methods, hand, tmp_path, monkeypatch) -> None:
-    run(hand, methods)
-    for path in (tmp_path / "a.csv", tmp_path / "a.png", tmp_path / "a.geojson"):
+def test_methods_are_measured_by_a_truth_and_exported(ready, methods, hand, tmp_path, monkeypatch) -> None:
+    PIL.Image.fromarray((disc() > 100).astype(np.uint8) * 255).save(tmp_path / "mask.png")
+    compared = ready.workspace.comparison
+    compared.load(tmp_path / "mask.png")
+    hand.wait(lambda: ready.session.scene.truth is not None)
+    run(ready, hand, methods)
+    hand.wait(lambda: len(compared.agreed) == len(FIRST))
+    figures = dict(zip(methods.table.column("name"), methods.table.column("dice"), strict=True))
+    for row in rows(ready):
+        if row.trial is not None:
+            assert figures[row.title] == f"{compared.agreed[row.key].dice:.3f}"
+    for path in (tmp_path / "a.csv", tmp_path / "a.png"):
         monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *rest, path=path: (str(path), ""))
-        hand.qtbot.mouseClick(methods.export_button, LEFT)
+        hand.qtbot.mouseClick(methods.export, LEFT)
         hand.wait(lambda: ready.session.tasks.idle)
     with (tmp_path / "a.csv").open(encoding="utf-8", newline="") as file:
-        assert {row["method"] for row in csv.DictReader(file)} == set(FIRST)
+        assert {row["method"] for row in csv.DictReader(file)} == {*FIRST, "mask.png"}
     with PIL.Image.open(tmp_path / "a.png") as picture:
         assert picture.width > 1000
-    assert {path.name for path in tmp_path.glob("a.*.geojson")} == {f"a.{name}.geojson" for name in FIRST}
 
 
-def test_what_a_method_has_found_is_kept_as_an_object(ready, methods, hand) -> None:
-    run(hand, methods)
-    next(view for view in methods.board.tiles if view.tile.method == "geodesic").click()
-    hand.qtbot.mouseClick(methods.take_button, LEFT)
+def test_what_a_method_has_found_becomes_an_object(ready, methods, hand) -> None:
+    run(ready, hand, methods)
+    choose(ready, hand, "Geodesic active contour")
+    methods.acts["use"].trigger()
+    hand.wait(lambda: bool(ready.session.document.objects.items))
     (item,) = ready.session.document.objects.items
     assert item.name == "Geodesic active contour"
     assert (item.mask(disc().shape) == (disc() > 100)).mean() > 0.97
-    result = objects_result(ready.session.document)
-    assert [contour.closed for contour in result.contours] == [True]
+    assert [contour.closed for contour in objects_result(ready.session.document).contours] == [True]
     ready.session.undo()
     assert not ready.session.document.objects.items
 
 
-def test_a_session_keeps_the_comparison_and_undo_takes_a_change_back(ready, methods, hand, tmp_path) -> None:
+def test_a_session_keeps_the_methods_and_undo_takes_a_change_back(ready, methods, hand, tmp_path) -> None:
     names = list(CONTOUR_METHODS)
     choice = methods.methods
     choice.list.item(names.index("chan_vese")).setCheckState(Qt.CheckState.Unchecked)
@@ -218,15 +195,11 @@ def test_a_session_keeps_the_comparison_and_undo_takes_a_change_back(ready, meth
     assert file.unsaved
     assert file.save_at_once(tmp_path / "a.cpm")
     assert load_session(tmp_path / "a.cpm").comparison == compared
-    hand.qtbot.keyClick(methods, KEY.Key_Escape)
-    ready.open_image(str(tmp_path / "a.cpm"))
-    hand.wait(lambda: ready.session.tasks.idle and ready.session.scene.display is not None)
-    assert ready.session.document.comparison == compared
-    again = opened(ready, hand, Qt.KeyboardModifier.ShiftModifier).methods
-    assert again.around.isChecked()
-    assert again.list.item(names.index("morph_gac")).checkState() == Qt.CheckState.Checked
-    again.mark("geodesic")
-    assert again.fields["balloon"].value() == 1.5
-    hand.qtbot.mouseClick(again.around, LEFT, pos=QPoint(8, again.around.height() // 2))
     ready.session.undo()
-    assert again.around.isChecked()
+    assert not choice.around.isChecked()
+    ready.open_image(str(tmp_path / "a.cpm"))
+    hand.wait(lambda: ready.session.tasks.idle and ready.session.document.comparison == compared)
+    assert choice.around.isChecked()
+    assert choice.list.item(names.index("morph_gac")).checkState() == Qt.CheckState.Checked
+    choice.mark("geodesic")
+    assert choice.fields["balloon"].value() == 1.5

@@ -10,6 +10,7 @@ import pytest
 from PySide6.QtCore import Qt
 
 from app.model.display.display_image import display_of_edge_map
+from app.model.display.effects import MOTION
 from app.model.document import edits
 from cpm_core import PRESETS, Engine
 from cpm_core.model.starts import circle
@@ -153,6 +154,49 @@ def test_overlays_appear_on_request_and_follow_the_smoothing(window, hand, recor
     window.session.edit("beta", lambda document: edits.set_parameter(document, "beta", 1.0))
     hand.wait(lambda: window.session.idle)
     assert len(seen) == 3
+
+
+@pytest.mark.parametrize("name", MOTION)
+def test_at_rest_a_moved_slider_continues_the_run_and_undo_brings_the_rest_back(ready, hand, name) -> None:
+    session, row = ready.session, ready.panels["parameters"].rows[name]
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: session.idle)
+    before, parameters = session.scene.snapshot, session.document.parameters
+    row.slider.setFocus()
+    for _ in range(3):
+        hand.qtbot.keyClick(row.slider, KEY.Key_PageDown)
+    assert session.status.phase == "running"
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: session.idle)
+    after, changed = session.scene.snapshot, session.document.parameters
+    assert after.state.step > before.state.step
+    assert after.state.steering == changed.steering != parameters.steering
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Z, CONTROL)
+    hand.wait(lambda: session.idle)
+    assert session.document.parameters == parameters
+    assert session.status.phase == "finished"
+    np.testing.assert_array_equal(session.scene.snapshot.position, before.position)
+    hand.key(KEY.Key_Z, CONTROL | Qt.KeyboardModifier.ShiftModifier)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: session.idle)
+    assert session.document.parameters == changed
+    assert session.scene.snapshot.state.steering == changed.steering
+
+
+def test_what_the_sliders_of_the_motion_change_is_shown_next_to_them(ready, hand) -> None:
+    rows = ready.panels["parameters"].rows
+    hand.key(KEY.Key_Period)
+    hand.wait(lambda: ready.session.idle)
+    assert rows["beta"].effect.text().endswith("px per step")
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: ready.session.idle)
+    outline = ready.session.scene.contours.items[0].measures.length
+    words = [rows[name].effect.text() for name in MOTION]
+    assert words[:2] == ["at rest", f"{outline:.0f} px of contours"]
+    assert words[2].startswith("fills gaps up to ")
 
 
 @pytest.mark.parametrize("name", ["beta"])

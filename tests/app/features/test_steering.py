@@ -59,7 +59,7 @@ def test_particles_at_rest_go_to_a_charge_that_is_dropped_beside_them_and_back_w
     assert near(shown(), beside, 8.0) == 0
     hand.key(KEY.Key_A)
     hand.click(*beside)
-    hand.key(KEY.Key_Greater)
+    hand.key(KEY.Key_BracketRight)
     hand.wait(lambda: near(shown(), beside, 8.0) > 3)
     hand.wait_for_phase("finished")
     assert rested.session.generation == generation

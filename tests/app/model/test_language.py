@@ -93,7 +93,7 @@ def template(tmp_path_factory) -> Path:
 def test_the_template_holds_the_sentences_of_window_core_and_samples(template) -> None:
     text = template.read_text(encoding="utf-8")
     for said in ("Drag on the image to draw a circle in or around an object.", "Repulsion to attraction", "Damping",
-                 "Friction that slows the particles down.", "Takes the red channel.",
+                 "Friction that slows the particles down.", "Uses the red channel.",
                  "region of interest", "An artery"):  # fmt: skip
         assert f'msgid "{said}"' in text
 

@@ -7,6 +7,7 @@ import pytest
 
 from app.model.document import objects
 from app.model.document.document import Document, ImageReference
+from app.model.document.saving import changed_parts
 from cpm_core.contours.contour import Contour
 from cpm_core.formats import encoded
 from cpm_core.formats.masks.labels import labels_of
@@ -117,3 +118,11 @@ def test_an_export_names_the_objects_and_tells_what_was_bridged(document) -> Non
     assert "Net area mm^2" in text
     hidden = objects.amend(document, (1, 2), hidden=True)
     assert objects.objects_result(hidden) is None
+
+
+def test_a_guard_counts_the_objects_that_are_not_saved() -> None:
+    none = Document(IMAGE)
+    two = objects.take(none, [(FRAME, (HERE,), 0), (selected((2.0, 3.5)), (THERE,), 0)])
+    assert changed_parts(two, none) == ("2 objects",)
+    assert changed_parts(objects.rename(two, 2, "spot"), two) == ("1 object",)
+    assert changed_parts(objects.delete(two, [1]), two) == ("the objects",)

@@ -13,7 +13,7 @@ from app.model.document.document import Document, ImageReference
 from app.model.document.samples import samples
 from app.session.storage.folders import first_folder, remember_folder
 from app.session.storage.preferences import Preferences
-from app.views.features.contours import TruthFeature
+from app.views.features.compare import CompareFeature
 from app.views.features.files import OpenSaveFeature
 from app.views.window import dialogs
 from app.views.window.window import MainWindow
@@ -45,7 +45,7 @@ def of_image(path: Path) -> Document:
 ASKS: dict[str, Callable[[MainWindow], object]] = {
     "Open": lambda window: window.feature(OpenSaveFeature).ask_for_file(),
     "Save session": lambda window: window.feature(OpenSaveFeature).save_as(),
-    "Compare with ground truth": lambda window: window.feature(TruthFeature)._load(),
+    "Compare with ground truth": lambda window: window.feature(CompareFeature)._load(),
 }
 
 

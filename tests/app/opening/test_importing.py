@@ -68,8 +68,8 @@ def test_dropped_contours_are_objects_with_names_colors_and_holes(window, hand, 
 def test_dropped_contours_are_the_truth_that_the_run_is_compared_with(window, hand, tmp_path) -> None:
     with answering("Ground truth"):
         drop(window, file_of(tmp_path, RING))
-        hand.wait(lambda: window.workspace.truth.truth is not None)
-    assert window.workspace.truth.truth.labels.sum() == 25 * 25
+        hand.wait(lambda: window.session.scene.truth is not None)
+    assert window.session.scene.truth.labels.sum() == 25 * 25
 
 
 @pytest.mark.parametrize("kind", ["image_svg__xml", "application_geo__json", "text"])

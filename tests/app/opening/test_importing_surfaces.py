@@ -80,8 +80,8 @@ def test_a_dropped_surface_is_the_truth(volume, hand, tmp_path) -> None:
     export(RESULT, tmp_path / "a.vtk")
     with answering("Ground truth"):
         drop(volume, tmp_path / "a.vtk")
-        hand.wait(lambda: volume.workspace.truth.truth is not None)
-    np.testing.assert_array_equal(volume.workspace.truth.truth.labels > 0, INSIDE | SMALL)
+        hand.wait(lambda: volume.session.scene.truth is not None)
+    np.testing.assert_array_equal(volume.session.scene.truth.labels > 0, INSIDE | SMALL)
 
 
 def test_labels_that_are_chosen_give_an_object_for_each_number(volume, hand, tmp_path, monkeypatch) -> None:

@@ -79,7 +79,10 @@ def test_without_an_even_part_a_slice_is_opened_and_no_volume_is_offered(window,
     assert "A volume needs at least 8 planes" in window.canvas_area.messages.text
     assert bar(window).text.endswith("4 slices are missing. The longest even part has 5 slices, 1 to 5, 1 mm apart.")
     assert [button.text() for button in bar(window).buttons] == ["Choose…"]
-    assert not window.actions_by_name["open_stack"].isEnabled()
+    window.actions_by_name["parts"].trigger()
+    dialog = window.feature(StackFeature).dialog
+    assert [dialog.kind.itemText(row) for row in range(dialog.kind.count())] == ["One as an image"]
+    dialog.reject()
 
 
 def test_a_slice_offers_the_series_around_it(window, hand, tmp_path) -> None:
@@ -88,6 +91,13 @@ def test_a_slice_offers_the_series_around_it(window, hand, tmp_path) -> None:
     open_file(window, hand, slices[3])
     assert window.session.image.ndim == 2
     assert bar(window).text == f"{slices[3].name} seems to be one slice of a series in the folder s."
+    window.actions_by_name["parts"].trigger()
+    dialog = window.feature(StackFeature).dialog
+    hand.qtbot.keyClick(dialog.kind, Qt.Key.Key_Down)
+    assert dialog.kind.currentText() == "The whole series in s"
+    hand.qtbot.mouseClick(dialog.open_button, Qt.MouseButton.LeftButton)
+    hand.wait(lambda: window.session.document.image.name == "s" and window.session.idle)
+    open_file(window, hand, slices[3])
     answer(window, hand, "Open the series")
     hand.wait(lambda: window.session.document.image.name == "s" and window.session.idle)
     assert np.array_equal(window.session.image.values, VALUES)

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QMimeData, QPointF, Qt, QUrl
+from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QFileDialog
 from pytestqt.qtbot import QtBot
 
+from app.model.document import edits
 from app.model.document.samples import samples
 from app.session.features.workspace import Workspace
 from app.session.storage.pictures import SIZE
@@ -19,6 +23,7 @@ from app.views.files.start_screen import StartScreen
 from app.views.main_window import make_window
 from app.views.window import dialogs
 from app.views.window.window import MainWindow
+from cpm_core.shapes import Circle
 
 pytestmark = pytest.mark.usefixtures("pictures_taken")
 
@@ -107,10 +112,44 @@ def test_where_nothing_can_be_opened_the_start_screen_is_shown(qtbot: QtBot, wor
     window.open_image(str(tmp_path / "gone.png"))
     qtbot.waitUntil(lambda: screen(window).isVisible(), timeout=20_000)
     assert not screen(window).back_button.isVisible()
+    assert screen(window).trouble.text().startswith("gone.png in ")
     qtbot.keyClick(screen(window).samples, KEY.Key_Escape)
     assert screen(window).isVisible()
     window.close()
     window.deleteLater()
+
+
+def test_a_file_that_cannot_be_opened_is_not_mistaken_for_the_sample_that_is_open(window, hand, tmp_path) -> None:
+    open_image(window, hand, samples()[0].path)
+    broken = tmp_path / "broken.nii"
+    broken.write_bytes(b"no image")
+    drop(window, broken)
+    hand.wait(lambda: screen(window).isVisible())
+    assert screen(window).trouble.text().startswith("broken.nii ")
+    hand.qtbot.mouseClick(screen(window).back_button, Qt.MouseButton.LeftButton)
+    window.session.edit("draw", lambda document: edits.add_shape(document, Circle((40.0, 40.0), 5.0)))
+    drop(window, broken)
+    hand.wait(lambda: "broken.nii" in window.canvas_area.messages.text)
+    assert not screen(window).isVisible(), "work stays in sight"
+
+
+def drop(window: MainWindow, path: Path) -> None:
+    """Drop a file on the window."""
+    data = QMimeData()
+    data.setUrls([QUrl.fromLocalFile(str(path))])
+    place, both = QPointF(50.0, 50.0), Qt.MouseButton.LeftButton
+    window.dropEvent(QDropEvent(place, Qt.DropAction.CopyAction, data, both, Qt.KeyboardModifier.NoModifier))
+
+
+@pytest.mark.parametrize("sample", [samples()[0], samples()[-1]], ids=lambda sample: sample.path.name)
+def test_a_copy_of_a_sample_starts_as_the_sample_does(window, hand, tmp_path, sample) -> None:
+    copy = Path(shutil.copy(sample.path, tmp_path))
+    open_image(window, hand, copy)
+    document = window.session.document
+    assert (document.shapes, document.mode) == (sample.shapes, sample.mode)
+    assert document.parameters.scales <= sample.parameters.scales
+    assert replace(document.parameters, scales=sample.parameters.scales) == sample.parameters
+    assert window.feature(OpenSaveFeature).recent.paths[0] == copy, "it is a file of the user"
 
 
 def test_a_start_with_a_sample_offers_the_newest_work(window, hand, other, image_file) -> None:

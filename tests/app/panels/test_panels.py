@@ -8,39 +8,42 @@ from PySide6.QtCore import QPoint, QRectF, Qt
 from PySide6.QtWidgets import QCheckBox, QLabel, QToolButton
 
 from app.model.display.plots import RunMetrics
-from app.model.parameters.controls import controls
+from app.model.parameters.controls import controls, value_of
 from app.views.canvas.layers.fields import ARROW_SPACING, arrow_lines, arrows
 from app.views.panels.run import PlotPanel
-from cpm_core import Parameters
 from cpm_core.parameters.choices import CHOICES
 
 pytestmark = pytest.mark.shared_window
 
 
-def test_every_tooltip_has_symbol_range_default_and_effect(window) -> None:
+def test_every_tooltip_has_symbol_effect_default_and_the_range_of_its_slider(window) -> None:
     rows = window.panels["parameters"].rows
-    assert [row.control for row in rows.values()] == list(controls())
+    assert list(rows) == [control.name for control in controls()]
     for name, row in rows.items():
-        tip = row.toolTip()
-        for part in (row.control.symbol, row.control.meaning, row.control.more, "default"):
-            assert part in tip, name
+        control, ends = row.control, []
+        row.slider.moved_to.connect(ends.append)
+        row.slider.setValue(row.slider.minimum())
+        row.slider.setValue(row.slider.maximum())
+        row.slider.setValue(row.slider.minimum())
+        assert (min(ends), max(ends)) == pytest.approx((control.slider_low, control.slider_high)), name
+        span = f"{control.slider_low:g} to {control.slider_high:.3g}"
+        for part in (control.symbol, control.meaning, control.more, span, "default"):
+            assert part in row.toolTip(), name
 
 
 def test_a_double_click_on_a_slider_and_the_button_restore_the_default(window, hand, cases) -> None:
     panel = window.panels["parameters"]
     panel.advanced.fold.click()
-    for name in cases(["beta", "ratio", "annealing", "w2", "time_step", "d_min", "edge_floor"]):
+    begun = window.session.document.parameters
+    for name in cases(["reach", "beta", "ratio", "annealing", "w2", "time_step", "d_min", "edge_floor"]):
         row = panel.rows[name]
         button = row.findChild(QToolButton, "restore")
         hand.wait(lambda button=button: button.height() > 8)
         for click, target in ((hand.qtbot.mouseDClick, row.slider), (hand.qtbot.mouseClick, button)):
             row.slider.setValue(row.slider.maximum())
-            assert window.session.document.parameters != Parameters()
+            assert window.session.document.parameters != begun
             click(target, Qt.MouseButton.LeftButton)
-            parameters = window.session.document.parameters
-            assert getattr(parameters, name if name != "ratio" else "w1") == pytest.approx(
-                getattr(Parameters(), name if name != "ratio" else "w1")
-            )
+            assert value_of(window.session.document.parameters, name) == pytest.approx(value_of(begun, name))
 
 
 def test_automatic_smoothing_can_be_turned_on_and_off(window, hand) -> None:
@@ -126,4 +129,4 @@ def test_a_change_of_a_parameter_is_shown_once(window, monkeypatch) -> None:
     show = panel.rows["beta"].show_value
     monkeypatch.setattr(panel.rows["beta"], "show_value", lambda *values: (shown.append(values), show(*values)))
     panel.rows["beta"].slider.setValue(panel.rows["beta"].slider.maximum())
-    assert [value for value, _ in shown] == [window.session.document.parameters.beta]
+    assert [value for (value,) in shown] == [window.session.document.parameters.beta]

@@ -8,8 +8,8 @@ from PySide6.QtCore import Qt
 
 from app.model.document import edits
 from app.session.timeline.timeline import MOST_RUNS
+from app.views.features.compare import CompareFeature
 from app.views.features.run import TimelineFeature
-from app.views.features.view import ComparingFeature
 from cpm_core.shapes import Circle
 
 pytestmark = pytest.mark.shared_window
@@ -98,12 +98,19 @@ def test_a_run_from_another_start_is_a_run_beside_the_first(rested, hand) -> Non
 
 def test_a_run_is_compared_with_another_run(rested, hand) -> None:
     run_from_elsewhere(rested, hand)
-    panel, wipe = rested.panels["timeline"], rested.feature(ComparingFeature).wipe
-    panel.compare.aboutToShow.emit()
-    assert [action.text() for action in panel.compare.actions()] == ["none", "Run 1"]
-    panel.compare.actions()[1].trigger()
-    hand.wait(lambda: wipe.mirror is not None and sum(wipe.mirror.layers.contours.counts) > 0)
-    assert "px apart on average" in panel.difference.text()
+    compared, wipe = rested.workspace.comparison, rested.feature(CompareFeature).wipe
+    menu = rested.panels["compare"].add.menu()
+    menu.aboutToShow.emit()
+    (branch,) = menu.actions()[1].menu().actions()
+    assert branch.text() == "Run 1"
+    branch.trigger()
+    row = max(compared.rows)
+    hand.wait(lambda: row in compared.agreed)
+    assert compared.agreed[row].hausdorff < 1.0
+    compared.choose(row)
+    hand.wait(lambda: sum(wipe.mirror.layers.contours.counts) > 0)
+    rested.panels["compare"].acts["use"].trigger()
+    wait_for_branch(rested, hand, 1)
 
 
 def test_a_run_of_another_mode_is_left_and_found_again(rested, hand) -> None:

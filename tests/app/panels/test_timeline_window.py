@@ -12,8 +12,8 @@ from app.model.preferences.table import TIMELINE_MEMORY
 from app.session.timeline.timeline import MEGABYTE
 from app.session.worker.commands import Command
 from app.session.worker.run import Run
+from app.views.features.compare import CompareFeature
 from app.views.features.run import TimelineFeature
-from app.views.features.view import ComparingFeature
 from app.views.panels import timeline
 from app.views.window.preferences import PreferencesDialog
 from cpm_core import PRESETS, Engine
@@ -84,12 +84,6 @@ def go_on_otherwise(window, hand) -> None:
     hand.wait(lambda: window.session.idle)
 
 
-def compare(panel, name: str) -> None:
-    """Choose the branch that is compared from its menu."""
-    panel.compare.aboutToShow.emit()
-    next(action for action in panel.compare.actions() if action.text() == name).trigger()
-
-
 def test_scrubbing_back_shows_exactly_the_particles_of_that_step(rested, hand, fresh) -> None:
     assert rested.session.status.step == fresh[-1].step
     scrub(rested, hand, 1, 10, 25, 60, 40)
@@ -128,28 +122,24 @@ def test_continuing_differently_from_an_earlier_step_keeps_both_branches(rested,
     assert not np.array_equal(ordered(state), ordered(fresh[60]))
 
 
-def test_a_compared_branch_is_shown_with_its_difference(rested, hand, fresh) -> None:
+def test_a_compared_branch_is_shown_at_its_end_or_at_the_same_step(rested, hand, fresh) -> None:
     scrub(rested, hand, 1, 40)
     hand.wait(lambda: rested.session.status.phase == "paused" and rested.session.idle)
     go_on_otherwise(rested, hand)
-    panel, wipe = rested.panels["timeline"], rested.feature(ComparingFeature).wipe
-    assert wipe.mirror is None
-    compare(panel, "Run 1")
-    hand.wait(lambda: wipe.mirror is not None and sum(wipe.mirror.layers.contours.counts) > 0)
+    compared, wipe = rested.workspace.comparison, rested.feature(CompareFeature).wipe
+    compared.add_branch(1)
+    row = max(compared.rows)
+    compared.choose(row)
+    hand.wait(lambda: sum(wipe.mirror.layers.contours.counts) > 0)
     beyond = wipe.mirror.layers.particles
-    end = min(rested.session.status.step, fresh[-1].step)
-    np.testing.assert_array_equal(np.sort(beyond.position, axis=0), np.sort(fresh[end].position, axis=0))
-    assert "px apart on average" in panel.difference.text()
-    assert f"{fresh[end].count} particles " in panel.difference.text()
-    hand.wait(panel.difference.isVisible)
+    np.testing.assert_array_equal(np.sort(beyond.position, axis=0), np.sort(fresh[-1].position, axis=0))
     hand.canvas.setFocus()
     for _ in range(3):
         hand.key(KEY.Key_Comma)
     step = navigation(rested).place[1]
     wait_for_step(rested, hand, step)
-    hand.wait(lambda: beyond.count == fresh[min(step, fresh[-1].step)].count)
-    compare(panel, "none")
-    hand.wait(lambda: wipe.mirror is None and panel.difference.text() == "")
+    hand.wait(lambda: compared.rows[row].scene.snapshot.state.step == min(step, fresh[-1].step))
+    assert beyond.count == fresh[min(step, fresh[-1].step)].count
 
 
 def test_steps_backwards_return_exactly_and_forwards_repeat_the_branch(rested, hand, fresh) -> None:

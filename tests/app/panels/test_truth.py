@@ -12,8 +12,10 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
 from app.model.display.differences import differences
+from app.model.document.imported import add_objects, objects_of
 from app.session.features.background import LatestOnlyWorker
-from app.views.features.contours import TruthFeature
+from app.session.features.comparison import NOW, Row
+from app.views.features.compare import CompareFeature
 from app.views.window.window import MainWindow
 from cpm_core.contours.agreement import compare
 from cpm_core.contours.contour import Contour
@@ -23,7 +25,6 @@ from tests.app.conftest import Hand, disc
 pytestmark = pytest.mark.shared_window
 
 KEY = Qt.Key
-LEFT = Qt.MouseButton.LeftButton
 
 RADIUS, SHIFT = 18.0, 9.0
 """Of the disc in the image, and how far the one in the truth is shifted."""
@@ -50,26 +51,36 @@ def compared(ready: MainWindow, hand: Hand, mask_file: Path, monkeypatch: pytest
     hand.wait_for_phase("finished")
     hand.wait(lambda: ready.session.idle)
     monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(mask_file), ""))
-    hand.key(KEY.Key_T, Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier)
-    hand.wait(lambda: ready.workspace.truth.verified is not None)
+    hand.key(KEY.Key_D, Qt.KeyboardModifier.ControlModifier)
+    menu = ready.feature(CompareFeature).panel.add.menu()
+    menu.aboutToShow.emit()
+    menu.actions()[-1].trigger()
+    hand.wait(lambda: NOW in ready.workspace.comparison.agreed)
     return ready
 
 
+def truth_row(window: MainWindow) -> Row:
+    return next(row for row in window.workspace.comparison.rows.values() if row.truth is not None)
+
+
 def figure(window: MainWindow, name: str) -> float:
-    return float(window.panels["truth"].values[name].text().split()[0])
+    """A figure in the row of what is shown now."""
+    table = window.panels["compare"].table
+    table.setColumnHidden(table.number(name), False)
+    return float(table.column(name)[table.column("name").index("Shown now")])
 
 
 def test_a_shifted_disc_has_the_overlap_and_the_distances_of_geometry(compared) -> None:
     area, common = math.pi * RADIUS**2, lens(RADIUS, SHIFT)
     assert figure(compared, "dice") == pytest.approx(common / area, abs=0.02)
     assert figure(compared, "jaccard") == pytest.approx(common / (2 * area - common), abs=0.03)
-    assert figure(compared, "hausdorff") == pytest.approx(SHIFT, abs=0.8)
-    assert "mask.npy" in compared.panels["truth"].source.text()
-    assert compared.docks["truth"].isVisible()
+    assert figure(compared, "largest") == pytest.approx(SHIFT, abs=0.8)
+    assert compared.panels["compare"].table.column("name") == ["Shown now", "mask.npy"]
+    assert compared.docks["compare"].isVisible()
 
 
 def test_differences_are_drawn_and_vanish_with_a_larger_tolerance(compared, hand) -> None:
-    layer, panel = hand.canvas.layers["truth"], compared.panels["truth"]
+    layer, panel = hand.canvas.layers["truth"], compared.panels["compare"]
     boundaries, missing, wrong = layer.counts
     assert boundaries == 1
     assert missing >= 1
@@ -80,14 +91,14 @@ def test_differences_are_drawn_and_vanish_with_a_larger_tolerance(compared, hand
     hand.wait(lambda: layer.counts == (1, 0, 0))
     assert figure(compared, "precision") == 1.0
     assert figure(compared, "recall") == 1.0
-    assert not panel.worst_button.isEnabled()
-    assert not compared.actions_by_name["worst_place"].isEnabled()
+    assert not panel.acts["next"].isEnabled()
 
 
 @pytest.mark.own_window
 def test_the_largest_difference_is_brought_into_view(compared, hand) -> None:
-    hand.qtbot.mouseClick(compared.panels["truth"].worst_button, LEFT)
-    worst = compared.workspace.truth.verified.differences[0]
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_W, Qt.KeyboardModifier.ShiftModifier)
+    worst = compared.session.scene.differences[0]
     assert worst.farthest == pytest.approx(SHIFT, abs=0.8)
     seen = hand.canvas.view.viewRect()
     low, high = worst.points.min(axis=0), worst.points.max(axis=0)
@@ -97,32 +108,56 @@ def test_the_largest_difference_is_brought_into_view(compared, hand) -> None:
 
 
 def test_a_rejected_contour_is_excluded_until_it_is_restored(compared, hand) -> None:
+    before, agreed = figure(compared, "dice"), compared.workspace.comparison.agreed
+    compared.workspace.review.select(item.key for item in compared.workspace.review.items)
+    compared.workspace.review.judge("rejected")
+    hand.wait(lambda: figure(compared, "dice") == 0.0)
+    assert math.isinf(compared.workspace.comparison.agreed[NOW].hausdorff)
+    compared.session.undo()
+    hand.wait(lambda: figure(compared, "dice") == before)
+    assert compared.workspace.comparison.agreed is not agreed
+
+
+def test_objects_are_compared_where_there_are_any(compared, hand) -> None:
     before = figure(compared, "dice")
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_A, Qt.KeyboardModifier.ControlModifier)
-    hand.key(KEY.Key_X)
-    hand.wait(lambda: compared.panels["truth"].values["dice"].text() == "0.0000")
-    assert compared.panels["truth"].values["hausdorff"].text() == "–"
-    hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
-    hand.wait(lambda: compared.panels["truth"].values["dice"].text() == f"{before:.4f}")
+    (item,) = objects_of(truth_row(compared).found.contours)
+    compared.session.edit("add", lambda document: add_objects(document, [item]))
+    hand.wait(lambda: figure(compared, "dice") > 0.99)
+    compared.session.undo()
+    hand.wait(lambda: figure(compared, "dice") == before)
+
+
+def test_any_row_can_be_the_reference(compared, hand) -> None:
+    panel, comparison = compared.panels["compare"], compared.workspace.comparison
+    panel.keep.click()
+    comparison.choose(max(comparison.rows))
+    panel.acts["refer"].trigger()
+    hand.wait(lambda: comparison.agreed.keys() == {NOW, truth_row(compared).key})
+    assert figure(compared, "dice") == 1.0
+    assert comparison.agreed[truth_row(compared).key].dice < 0.8
+    panel.acts["remove"].trigger()
+    assert comparison.reference == NOW
+    hand.wait(lambda: comparison.agreed.keys() == {truth_row(compared).key})
+    assert compared.session.scene.truth is None
 
 
 def test_a_mask_of_another_size_is_rejected_with_a_message_and_the_truth_stays(compared, hand, tmp_path) -> None:
     path = tmp_path / "small.npy"
     np.save(path, np.eye(20))
-    compared.feature(TruthFeature).truth.load(path)
+    compared.workspace.comparison.load(path)
     hand.wait(lambda: "64 x 64" in compared.canvas_area.messages.text)
-    assert compared.workspace.truth.truth.source == "mask.npy"
+    assert compared.session.scene.truth.source == truth_row(compared).title == "mask.npy"
+    assert compared.workspace.comparison.file.path.endswith("mask.npy")
 
 
-def test_a_new_image_has_no_ground_truth(compared, hand, tmp_path) -> None:
+def test_a_new_image_has_nothing_to_compare_with(compared, hand, tmp_path) -> None:
     other = tmp_path / "other.npy"
     np.save(other, disc(10.0))
     compared.session.open(other)
     hand.wait(lambda: compared.session.document.image.name == "other.npy")
-    assert compared.workspace.truth.truth is None
+    assert compared.session.scene.truth is None
     assert hand.canvas.layers["truth"].counts == (0, 0, 0)
-    assert compared.panels["truth"].values["dice"].text() == "–"
+    assert compared.panels["compare"].table.column("dice") == ["–"]
 
 
 def square(low: float, high: float) -> Contour:

@@ -206,16 +206,16 @@ def test_a_damaged_piece_is_one_sentence_and_the_rest_is_opened(steered, hand, t
 
 
 def test_the_truth_comes_back(ready, hand, tmp_path) -> None:
-    truth = ready.workspace.truth
+    truth, scene = ready.workspace.comparison, lambda: ready.session.scene
     np.save(tmp_path / "mask.npy", (np.load(tmp_path / "disc.npy") > 100).astype(np.uint8))
     truth.load(tmp_path / "mask.npy")
     truth.set_tolerance(3.0)
-    hand.wait(lambda: truth.truth is not None)
+    hand.wait(lambda: scene().truth is not None)
     saved(ready, hand, tmp_path / "a.cpm")
     assert load_session(tmp_path / "a.cpm").truth.path == "mask.npy"
     truth.set_tolerance(1.0)
     reopened(ready, hand, tmp_path / "a.cpm")
-    hand.wait(lambda: truth.truth is not None)
+    hand.wait(lambda: scene().truth is not None)
     assert truth.tolerance == 3.0
 
 

@@ -78,7 +78,7 @@ def test_another_image_leaves_nothing_of_the_one_before_in_the_scene(rested, han
     hand.wait(lambda: rested.session.idle and rested.session.image.shape == (40, 50))
     scene, empty = rested.session.scene, Scene()
     assert scene.document.image.name == "other.npy"
-    for part in ("snapshot", "skeleton", "truth", "probed", "compared", "selected", "hovered_contour"):
+    for part in ("snapshot", "skeleton", "truth", "probed", "selected", "hovered_contour"):
         assert getattr(scene, part) is None, part
     assert (scene.contours, scene.differences, scene.selected_contours) == (empty.contours, (), frozenset())
     assert hand.canvas.layers.contours.counts == (0, 0)

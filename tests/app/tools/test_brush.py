@@ -82,11 +82,11 @@ def test_a_stroke_from_an_object_adds_to_it_and_leaves_the_rest_of_its_boundary_
 
 def test_with_alt_the_brush_takes_away_makes_holes_and_parts_an_object_in_two(window, hand, brush) -> None:
     for _ in range(4):
-        hand.key(KEY.Key_Greater)
+        hand.key(KEY.Key_BracketRight)
     large = brush.radius
     stroke(hand, (30, 20), (30, 44))
     for _ in range(8):
-        hand.key(KEY.Key_Less)
+        hand.key(KEY.Key_BracketLeft)
     small = brush.radius
     assert small < large / 2
     stroke(hand, (30, 32), away=True)

@@ -6,16 +6,30 @@ import math
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPointF, Qt
-from PySide6.QtGui import QMouseEvent
+from PySide6.QtCore import QPoint, QPointF, Qt, QTimer
+from PySide6.QtGui import QContextMenuEvent, QMouseEvent
 from PySide6.QtWidgets import QApplication
 
 from app.model.document import edits
 from app.model.text.keys import with_keys
 from app.views.canvas.tools import TOOLS
+from app.views.canvas.tools.tool import AUTO, CHARGE, CIRCLE, GROUPS
 from app.views.window.bars import ToolPalette
 from cpm_core.numerics import polyline
-from cpm_core.shapes import Barrier, Charge, Circle, Ellipse, Grid, Points, Polygon, Region, Stroke, Threshold
+from cpm_core.shapes import (
+    KINDS,
+    Barrier,
+    Charge,
+    Circle,
+    Ellipse,
+    Everywhere,
+    Grid,
+    Points,
+    Polygon,
+    Region,
+    Stroke,
+    Threshold,
+)
 
 pytestmark = pytest.mark.shared_window
 
@@ -118,10 +132,10 @@ def test_less_and_greater_change_the_size_of_the_selected_shape_and_undo_brings_
         add(window, shape)
         window.session.select(0)
         hand.canvas.setFocus()
-        hand.key(KEY.Key_Greater)
+        hand.key(KEY.Key_BracketRight)
         assert value(only(window)) > value(shape)
-        hand.key(KEY.Key_Less)
-        hand.key(KEY.Key_Less)
+        hand.key(KEY.Key_BracketLeft)
+        hand.key(KEY.Key_BracketLeft)
         assert value(only(window)) < value(shape)
         hand.key(KEY.Key_Z, MODIFIER.ControlModifier)
         assert only(window) == shape
@@ -180,23 +194,65 @@ def test_a_click_places_a_charge_and_a_drag_moves_it(window, hand, key, sign) ->
     assert window.session.document.shapes == ()
 
 
-def test_every_tool_has_a_key_of_its_own_a_tip_and_a_button_within_a_window_720_px_high(window, hand, qtbot) -> None:
-    window.resize(1280, 720)
-    hand.wait(lambda: window.height() == 720)
+def test_every_tool_has_a_key_of_its_own_a_tip_and_an_icon(window) -> None:
     keys = [tool.shortcut for tool in TOOLS]
     assert len(set(keys)) == len(TOOLS)
     assert all(len(key) == 1 and tool.tip.endswith(".") for key, tool in zip(keys, TOOLS, strict=True))
-    palette = window.findChild(ToolPalette)
     for tool in TOOLS:
-        button = palette.buttons[tool.name]
-        place = button.mapTo(window, button.rect().bottomRight())
-        assert button.isVisible()
-        assert place.y() < window.height() - window.statusBar().height()
-        assert with_keys(tool.tip) in button.toolTip()
-        assert not button.icon().isNull()
-        qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
-        assert hand.canvas.hold.tool.name == tool.name
-        assert button.isChecked()
+        assert with_keys(tool.tip) in window.actions_by_name[tool.name].toolTip()
+        assert not window.actions_by_name[tool.name].icon().isNull()
+
+
+def test_nine_buttons_with_words_fit_and_open_all_tools_of_their_group(window, hand) -> None:
+    palette = window.findChild(ToolPalette)
+    assert [button.menu().actions()[0].iconText() for button in palette.buttons.values()] == list(GROUPS)
+    assert len(GROUPS) == 9
+    assert palette.width() <= 92
+    buttons = palette.buttons.values()
+    assert max(button.geometry().bottom() for button in buttons) - min(button.y() for button in buttons) <= 560
+    offered = [action for button in buttons for action in button.menu().actions()]
+    assert [action for action in offered if action.actionGroup()] == [
+        window.actions_by_name[tool.name] for tool in TOOLS
+    ]
+    assert len(offered) == len(TOOLS) + len(KINDS)
+
+
+def chosen_from_flyout(hand, button, name: str, place: QPoint, with_button: Qt.MouseButton) -> None:
+    """Press a button of the palette and, in the menu that opens, choose an entry."""
+
+    def choose() -> None:
+        menu = button.menu()
+        (entry,) = (action for action in menu.actions() if action.text().replace("&", "") == name)
+        hand.qtbot.mouseClick(menu, Qt.MouseButton.LeftButton, pos=menu.actionGeometry(entry).center())
+
+    QTimer.singleShot(50, choose)
+    if with_button == Qt.MouseButton.RightButton:
+        QApplication.sendEvent(
+            button, QContextMenuEvent(QContextMenuEvent.Reason.Mouse, place, button.mapToGlobal(place))
+        )
+    else:
+        hand.qtbot.mouseClick(button, with_button, pos=place)
+
+
+def test_a_button_has_the_tool_of_its_group_that_was_used_last(window, hand, qtbot) -> None:
+    buttons = window.findChild(ToolPalette).buttons
+    circles, starts = buttons[CIRCLE], buttons[AUTO]
+    chosen_from_flyout(hand, circles, "Polygon", QPoint(circles.width() - 5, 20), Qt.MouseButton.LeftButton)
+    assert (circles.text(), hand.canvas.hold.tool.name, circles.isChecked()) == ("Polygon", "polygon", True)
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_A)
+    assert not circles.isChecked() and buttons[CHARGE].isChecked()
+    qtbot.mouseClick(circles, Qt.MouseButton.LeftButton, pos=QPoint(20, 20))
+    assert hand.canvas.hold.tool.name == "polygon"
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_L)
+    assert circles.text() == "Ellipse"
+    chosen_from_flyout(hand, circles, "Circle", QPoint(20, 20), Qt.MouseButton.RightButton)
+    assert (circles.text(), hand.canvas.hold.tool.name) == (CIRCLE, "circle")
+    chosen_from_flyout(hand, starts, "Centers", QPoint(starts.width() - 5, 20), Qt.MouseButton.LeftButton)
+    assert starts.text() == "Centers" and window.session.document.shapes == (Everywhere("centers"),)
+    qtbot.mouseClick(starts, Qt.MouseButton.LeftButton, pos=QPoint(20, 20))
+    assert window.session.document.shapes == ()
 
 
 def test_no_key_is_taken_twice(window) -> None:

@@ -34,7 +34,7 @@ def test_a_drag_fills_a_box_with_a_grid_that_every_slice_shows(volume, hand) -> 
     near = grid.seeds()[np.abs(grid.seeds()[:, 0] - 12) <= 4.0]
     (section,) = hand.canvas.drawn.document.shapes
     assert len(section.seeds()) == len(near) > 0
-    hand.key(KEY.Key_Greater)
+    hand.key(KEY.Key_BracketRight)
     (wider,) = volume.session.document.shapes
     assert wider.spacing > grid.spacing
     assert (wider.first, wider.last) == (grid.first, grid.last)
@@ -61,7 +61,7 @@ def test_a_threshold_shows_the_strong_edges_in_its_box_and_starts_there(volume, 
     assert 0 < everywhere(hand) < len(seeds)
     before = everywhere(hand)
     for _ in range(10):
-        hand.key(KEY.Key_Greater)
+        hand.key(KEY.Key_BracketRight)
     hand.wait(lambda: volume.session.idle and everywhere(hand) < before)
     volume.workspace.slices.at(0)
     assert everywhere(hand) == 0

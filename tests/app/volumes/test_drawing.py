@@ -108,7 +108,7 @@ def test_charges_are_placed_moved_and_changed_in_every_slice(volume, hand, cases
         drag(view, (11, 13), (12, 14), (15, 16))
         moved = only(volume, Charge)
         assert flat(view, moved.position) == pytest.approx((15, 16), abs=2 * PIXEL)
-        hand.key(KEY.Key_Greater)
+        hand.key(KEY.Key_BracketRight)
         assert only(volume, Charge).strength < moved.strength
 
 

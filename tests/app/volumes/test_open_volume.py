@@ -9,6 +9,7 @@ from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QWheelEvent
 from PySide6.QtWidgets import QApplication
 
+from app.views.features.offers import StackFeature
 from app.views.features.volumes import SlicesFeature
 from cpm_core import PRESETS
 from tests.app.volumes.conftest import SHAPE, ball, open_file
@@ -87,9 +88,10 @@ def test_a_stack_opens_at_its_first_page_and_as_one_volume_on_request(window, ha
     hand.qtbot.mouseClick(offer.buttons[0], Qt.MouseButton.LeftButton)
     hand.wait(lambda: window.session.image.ndim == 3 and window.session.idle)
     np.testing.assert_array_equal(window.session.image.values, pages)
-    way_back = window.actions_by_name["open_stack"]
-    assert "one page" in way_back.text()
-    way_back.trigger()
+    window.actions_by_name["parts"].trigger()
+    dialog = window.feature(StackFeature).dialog
+    hand.qtbot.keyClick(dialog.kind, Qt.Key.Key_Down)
+    hand.qtbot.mouseClick(dialog.open_button, Qt.MouseButton.LeftButton)
     hand.wait(lambda: window.session.image.ndim == 2 and window.session.idle)
     assert not bar(window).isVisible()
 

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from PySide6.QtCore import Qt
 
 from app.model.volume.slices import Slices, directions_of, edges_of, first_seen
+from app.views.features.offers import StackFeature
 from app.views.features.volumes import SlicesFeature
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
@@ -89,7 +90,10 @@ def test_a_patient_is_never_mirrored(order, signs) -> None:
 
 @pytest.mark.own_window
 def test_a_plain_image_has_no_letters_and_a_plane_of_a_patient_has(patient, hand, image_file) -> None:
-    patient.actions_by_name["open_stack"].trigger()
+    patient.actions_by_name["parts"].trigger()
+    dialog = patient.feature(StackFeature).dialog
+    hand.qtbot.keyClick(dialog.kind, Qt.Key.Key_Down)
+    hand.qtbot.mouseClick(dialog.open_button, Qt.MouseButton.LeftButton)
     hand.wait(lambda: patient.session.image.ndim == 2 and patient.session.idle)
     assert shown(patient.canvas_area.canvas) == ("A", "P", "R", "L")
     open_file(patient, hand, image_file)

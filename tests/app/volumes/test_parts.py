@@ -76,7 +76,7 @@ def test_a_volume_of_one_channel_and_time_is_opened_by_the_dialog(window, hand, 
 def test_the_menu_opens_the_dialog_again_with_what_is_open(window, hand, hyperstack) -> None:
     open_file(window, hand, hyperstack)
     choose(window, hand, ask(window, hand), page=4, channel=3, time=2)
-    window.actions_by_name["choose_part"].trigger()
+    window.actions_by_name["parts"].trigger()
     dialog = feature(window).dialog
     assert (dialog.page.value(), dialog.channel.value(), dialog.time.value()) == (4, 3, 2)
     dialog.reject()
@@ -84,7 +84,7 @@ def test_the_menu_opens_the_dialog_again_with_what_is_open(window, hand, hyperst
 
 def test_a_file_of_one_image_has_nothing_to_choose(window, hand, image_file) -> None:
     open_file(window, hand, image_file)
-    assert not window.actions_by_name["choose_part"].isEnabled()
+    assert not window.actions_by_name["parts"].isEnabled()
     assert not window.offers.text
 
 

@@ -10,6 +10,7 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
+from app.session.features.comparison import NOW
 from app.views.features.volumes import SpaceFeature
 from app.views.window.window import MainWindow
 from cpm_core.contours.agreement import TOLERANCE
@@ -38,31 +39,41 @@ def labels_file(tmp_path: Path) -> Path:
 def compared(volume: MainWindow, hand: Hand, labels_file: Path, monkeypatch: pytest.MonkeyPatch) -> MainWindow:
     """A window in which the surface of the ball has been compared with labels, chosen by the key."""
     monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(labels_file), ""))
-    volume.workspace.truth.set_tolerance(TOLERANCE)
+    volume.workspace.comparison.set_tolerance(TOLERANCE)
     hand.drag((14, 16), (14, 18), (14, 20))
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
     hand.wait(lambda: volume.session.idle)
-    hand.key(KEY.Key_T, CONTROL | SHIFT)
-    hand.wait(lambda: volume.workspace.truth.verified is not None)
+    hand.key(KEY.Key_D, CONTROL)
+    menu = volume.panels["compare"].add.menu()
+    menu.aboutToShow.emit()
+    assert [action.text().replace("&", "") for action in menu.actions()] == ["Keep this result", "Ground truth…"]
+    menu.actions()[-1].trigger()
+    hand.wait(lambda: NOW in volume.workspace.comparison.agreed)
     return volume
 
 
-def figure(window: MainWindow, name: str) -> float:
-    return float(window.panels["truth"].values[name].text().split()[0])
-
-
 def test_overlap_and_distances_are_those_of_geometry(compared) -> None:
-    radius, panel = 7.0, compared.panels["truth"]
+    radius, panel = 7.0, compared.panels["compare"]
     common = math.pi * (2 * radius - AWAY) ** 2 * (4 * radius + AWAY) / 12.0
     both = 2 * 4 / 3 * math.pi * radius**3 + 4**3
-    assert figure(compared, "dice") == pytest.approx(2 * common / both, abs=0.04)
-    assert figure(compared, "hausdorff") > 10.0  # the ball in the corner is missed
-    assert panel.values["hausdorff"].text().endswith(" voxels")
-    assert "Objects: 1 found, 1 missed" in panel.objects.text()
-    assert "labels.npy" in panel.source.text()
+    agreed = compared.workspace.comparison.agreed[NOW]
+    assert agreed.dice == pytest.approx(2 * common / both, abs=0.04)
+    assert agreed.hausdorff > 10.0  # the ball in the corner is missed
+    assert (agreed.objects.found, agreed.objects.missed) == (1, 1)
+    assert panel.words.text().endswith(" voxels.")
+    assert panel.table.column("name") == ["Shown now", "labels.npy"]
     assert not panel.holes.isVisible()
-    assert compared.docks["truth"].isVisible()
+
+
+def test_a_kept_surface_can_be_the_reference(compared, hand) -> None:
+    comparison = compared.workspace.comparison
+    truth = comparison.reference
+    comparison.keep()
+    comparison.refer_to(max(comparison.rows))
+    hand.wait(lambda: comparison.agreed.keys() == {NOW, truth})
+    assert comparison.agreed[NOW].dice == 1.0
+    assert comparison.agreed[truth].objects.extra == 1
 
 
 def test_each_slice_shows_the_truth_and_where_the_surface_differs(compared, hand) -> None:
@@ -75,7 +86,7 @@ def test_each_slice_shows_the_truth_and_where_the_surface_differs(compared, hand
     assert layer.counts[2] == 0
     slices.at(SHAPE[0] - 1)
     assert layer.counts == (0, 0, 0)
-    panel = compared.panels["truth"]
+    panel = compared.panels["compare"]
     panel.tolerance.setFocus()
     slices.at(12)
     hand.qtbot.keyClick(panel.tolerance, KEY.Key_End)
@@ -85,13 +96,13 @@ def test_each_slice_shows_the_truth_and_where_the_surface_differs(compared, hand
 def test_keys_lead_to_the_differences_one_after_the_other(compared, hand) -> None:
     hand.canvas.setFocus()
     compared.workspace.slices.at(20)
-    compared.actions_by_name["worst_place"].trigger()
-    worst = compared.workspace.truth.verified.differences[0]
+    hand.key(KEY.Key_W, SHIFT)
+    worst = compared.session.scene.differences[0]
     assert worst.kind == "missing"
     assert compared.session.scene.slices.voxel == tuple(round(at) for at in worst.place)
     assert compared.session.scene.slices.voxel[0] < 8
     hand.key(KEY.Key_W, SHIFT)
-    following = compared.workspace.truth.verified.differences[1]
+    following = compared.session.scene.differences[1]
     assert compared.session.scene.slices.voxel == tuple(round(at) for at in following.place)
 
 

@@ -9,9 +9,11 @@ import pytest
 from PySide6.QtCore import QCoreApplication, QEvent, QTimer
 from PySide6.QtWidgets import QApplication
 
+from app.session.features.comparison import NOW
+
 pytestmark = pytest.mark.shared_window
 
-OPENED = ("keys", "guide", "wipe", "open_menu")
+OPENED = ("keys", "guide", "open_menu")
 """Actions that open a dialog, a menu, or another view of the image, and whose names do not say so by dots."""
 
 
@@ -78,8 +80,11 @@ def test_a_closed_dialog_menu_or_view_is_not_kept(rested, hand) -> None:
         assert existing() <= before, name
 
 
-def test_a_wipe_that_has_ended_follows_no_layer(rested, hand) -> None:
-    open_and_close(rested, "wipe")
+def test_a_divider_that_is_gone_follows_no_layer(rested, hand) -> None:
+    compared = rested.workspace.comparison
+    compared.keep()
+    compared.choose(max(compared.rows))
+    compared.choose(NOW)
     existing()
     for layer in hand.canvas.layers:
         layer.set_opacity(0.5)

@@ -95,7 +95,7 @@ def test_speeds_that_cannot_be_shown_are_refused(tmp_path):
 
 @pytest.mark.parametrize(
     ("name", "sentence"),
-    [("a.avi", r"choose one of \.gif"), ("a", "has no suffix"), ("none/a.gif", "there is no folder")],
+    [("a.avi", r"choose one of \.gif"), ("a", "has no suffix"), ("none/a.gif", "there is no such folder")],
 )
 def test_places_where_no_animation_can_be_are_told_beforehand(tmp_path, name, sentence):
     with pytest.raises(ValueError, match=sentence) as caught:

@@ -13,6 +13,7 @@ from xml.etree import ElementTree
 
 import ezdxf
 import nibabel
+import nrrd
 import numpy as np
 import PIL.Image
 import pytest
@@ -127,6 +128,7 @@ READERS = {
     ".svg": in_drawing,
     ".csv": in_rows,
     ".measures.csv": in_rows,
+    ".table.csv": in_rows,
     ".json": in_json,
     ".geojson": in_json,
     ".zip": in_set,
@@ -138,6 +140,7 @@ READERS = {
     ".tiff": in_tiff,
     ".nii": in_nifti,
     ".nii.gz": lambda content: in_nifti(gzip.decompress(content)),
+    ".nrrd": lambda content: json.loads(nrrd.read_header(io.BytesIO(content))["cpm"]),
     ".dxf": in_dxf,
     **dict.fromkeys(DRAWN, in_figure),
 }

@@ -68,7 +68,7 @@ def test_a_click_in_an_ellipse_finds_it_without_any_contour(axes, bright):
     mask = ((ROW - 60.0) / axes[0]) ** 2 + ((COL - 55.0) / axes[1]) ** 2 <= 1.0
     values = 100.0 + (60.0 if bright else -60.0) * ndi.gaussian_filter(1.0 * mask, 1.0)
     values += np.random.default_rng(0).normal(0.0, 3.0, mask.shape)
-    assert overlap(Prior(values).object_of(Prompt(np.array([[60, 55]])))[0], mask) > 0.85
+    assert overlap(next(Prior(values).objects_of(Prompt(np.array([[60, 55]])))).mask, mask) > 0.85
 
 
 def test_objects_of_one_brightness_are_told_apart_by_color():

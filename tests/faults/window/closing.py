@@ -10,7 +10,7 @@ from pathlib import Path
 
 from PySide6.QtWidgets import QApplication
 
-from app.model.display.comparison import Axis, parameter_tiles
+from app.model.display.comparison import Axis, parameter_trials
 from app.model.document import edits
 from app.model.parameters.controls import controls
 from app.views.canvas.tools import TOOLS
@@ -40,10 +40,10 @@ def prepare_partition(window: MainWindow, folder: Path) -> None:
     press(window, TOOLS[0].name)
 
 
-def run_mosaic(window: MainWindow, folder: Path) -> None:
+def run_values(window: MainWindow, folder: Path) -> None:
     document, axes = window.session.document, {control.name: control for control in controls()}
     rows, columns = Axis(axes["beta"], (0.5, 1.0)), Axis(axes["w2"], (1.0, 2.0))
-    window.workspace.comparison.start(parameter_tiles(document.parameters, (rows, columns)))
+    window.workspace.comparison.run(parameter_trials(document.parameters, (rows, columns)))
 
 
 def write_film(window: MainWindow, folder: Path) -> None:
@@ -74,15 +74,17 @@ def find_skeleton(window: MainWindow, folder: Path) -> None:
 
 
 def compare_with_truth(window: MainWindow, folder: Path) -> None:
-    window.workspace.truth.load(folder.parent / "images" / IMAGES[0])
+    window.workspace.comparison.load(folder.parent / "images" / IMAGES[0])
 
 
 def compare_two_results(window: MainWindow, folder: Path) -> None:
-    press(window, "wipe")
+    compared = window.workspace.comparison
+    compared.keep()
+    compared.choose(max(compared.rows))
 
 
 TASKS: Sequence[Callable[[MainWindow, Path], None]] = (
-    open_next, prepare_partition, run_mosaic, write_film, export, save, write_journal, run, find_skeleton,
+    open_next, prepare_partition, run_values, write_film, export, save, write_journal, run, find_skeleton,
     compare_with_truth, compare_two_results,
 )  # fmt: skip
 

@@ -14,8 +14,12 @@ from app.views.canvas.tools.tool import Tool
 
 TOOLS: tuple[type[Tool], ...] = (
     ObjectTool,
+    OutlineTool,
     SelectTool,
     EraserTool,
+    ContourTool,
+    EditContoursTool,
+    BrushTool,
     CircleTool,
     EllipseTool,
     PolygonTool,
@@ -28,9 +32,5 @@ TOOLS: tuple[type[Tool], ...] = (
     BarrierTool,
     AttractTool,
     RepelTool,
-    ContourTool,
-    EditContoursTool,
-    OutlineTool,
-    BrushTool,
 )
 """All tools in the order shown, those of one group next to each other."""

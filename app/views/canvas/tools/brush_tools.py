@@ -11,7 +11,7 @@ import scipy
 from app.model.text.language import tr
 from app.session.features.object_list import ObjectBrush
 from app.session.undo_history import Erasure
-from app.views.canvas.tools.tool import CONTOUR, SELECT, START, TAKING_AWAY, ShapeTool
+from app.views.canvas.tools.tool import MEND, SELECT, STROKE, TAKING_AWAY, ShapeTool
 from app.views.theme import theme
 from cpm_core.numerics import Array, Place
 from cpm_core.shapes import Points
@@ -93,13 +93,13 @@ class SprayTool(RingTool):
     """Scatters points in the ring while the button is down and the pointer moves."""
 
     name = "spray"
-    text = tr("Spra&y tool")
+    text = tr("Spra&y")
     shortcut = "Y"
-    group = START
-    tip = tr("Drag to scatter points; < and > change the ring.")
+    group = STROKE
+    tip = tr("Drag to scatter points; [ and ] change the ring.")
     color = theme.DRAWING
-    guidance = tr("Drag to spray points; < and > make the ring smaller and larger.")
-    by_keys = tr("Enter begins to spray, arrow keys continue, Enter ends; < and > change the ring.")
+    guidance = tr("Drag to spray points; [ and ] make the ring smaller and larger.")
+    by_keys = tr("Enter begins to spray, arrow keys continue, Enter ends; [ and ] change the ring.")
 
     def set_up(self) -> None:
         """Set what it keeps between events."""
@@ -138,10 +138,10 @@ class EraserTool(RingTool):
     text = tr("&Eraser")
     shortcut = "E"
     group = SELECT
-    tip = tr("Drag to erase points, shapes and particles; < and > change its ring.")
+    tip = tr("Drag to erase points, shapes and particles; [ and ] change its ring.")
     color = theme.CHOSEN
-    guidance = tr("Drag over points, shapes or particles to erase them; < and > make the ring smaller and larger.")
-    by_keys = tr("Enter begins to erase, arrow keys continue, Enter ends; < and > change the ring.")
+    guidance = tr("Drag over points, shapes or particles to erase them; [ and ] make the ring smaller and larger.")
+    by_keys = tr("Enter begins to erase, arrow keys continue, Enter ends; [ and ] change the ring.")
 
     def set_up(self) -> None:
         """Set what it keeps between events."""
@@ -175,13 +175,14 @@ class BrushTool(RingTool):
     """Adds what the ring goes over to an object; with Shift takes it away."""
 
     name = "brush"
-    text = tr("Paint objects &with a brush")
+    text = tr("&Brush")
     shortcut = "Z"
-    group = CONTOUR
-    tip = tr("Drag to paint an object, Shift-drag to erase it; < and > change the brush.")
+    group = MEND
+    panel = "objects"
+    tip = tr("Drag to paint an object, Shift-drag to erase it; [ and ] change the brush.")
     color: str = theme.RESTING
-    guidance = tr("Drag from an object to add to it, Shift-drag to erase it, elsewhere for a new one; < and > resize.")
-    by_keys = tr("Enter begins to paint, Shift+Enter to erase, arrow keys continue, Enter ends; < and > resize.")
+    guidance = tr("Drag from an object to add to it, Shift-drag to erase it, elsewhere for a new one; [ and ] resize.")
+    by_keys = tr("Enter begins to paint, Shift+Enter to erase, arrow keys continue, Enter ends; [ and ] resize.")
 
     def set_up(self) -> None:
         """Set what it keeps between events."""

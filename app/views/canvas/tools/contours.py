@@ -9,7 +9,7 @@ from PySide6.QtCore import Qt
 
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
-from app.views.canvas.tools.tool import CONTOUR, Cursor, Tool
+from app.views.canvas.tools.tool import SELECT, Cursor, Tool
 from app.views.theme import theme
 from cpm_core.numerics import Position
 
@@ -27,9 +27,10 @@ class ContourTool(Tool):
     """
 
     name = "contours"
-    text = tr("C&ontour tool")
+    text = tr("C&ontours")
     shortcut = "V"
-    group = CONTOUR
+    group = SELECT
+    panel = "objects"
     tip = tr(
         "Click contours, drag a frame around them, or drag across them to select; {key:reject} rejects, "
         "{key:keep} keeps."

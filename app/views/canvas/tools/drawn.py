@@ -12,7 +12,7 @@ from app.model.document.document import ImageReference
 from app.model.text.language import from_core, tr
 from app.model.volume.slices import Slice
 from app.session.signals import EDITING
-from app.views.canvas.tools.tool import CHARGE, START, ShapeTool
+from app.views.canvas.tools.tool import CHARGE, CIRCLE, STROKE, ShapeTool
 from cpm_core.numerics import Place, Position
 from cpm_core.shapes import SMALLEST_RADIUS, Box, Charge, Circle, Ellipse, Points, Shape, Sphere
 from cpm_core.shapes.solids import SMALLEST
@@ -76,9 +76,9 @@ class CircleTool(DraggedTool):
     """Draws a circle from its center."""
 
     name = "circle"
-    text = tr("&Circle tool")
+    text = tr("&Circle")
     shortcut = "C"
-    group = START
+    group = CIRCLE
     tip = tr("Drag from the center to draw a circle.")
     activity = tr("draw circle")
     slip = tr("Keep the button down and drag to draw a circle from its center.")
@@ -100,9 +100,9 @@ class EllipseTool(DraggedTool):
     """
 
     name = "ellipse"
-    text = tr("E&llipse tool")
+    text = tr("E&llipse")
     shortcut = "L"
-    group = START
+    group = CIRCLE
     tip = tr("Drag a box to draw an ellipse; Shift makes it round, Ctrl draws it from its center.")
     activity = tr("draw ellipse")
     slip = tr("Keep the button down and drag to draw an ellipse.")
@@ -132,9 +132,9 @@ class PointTool(ShapeTool):
     """Places a point, which follows the pointer while the button is down."""
 
     name = "points"
-    text = tr("&Point tool")
+    text = tr("&Points")
     shortcut = "P"
-    group = START
+    group = STROKE
     tip = tr("Click to place a point.")
     clicks = True
     by_keys = tr("Enter places a point.")
@@ -189,10 +189,10 @@ class AttractTool(ChargeTool):
     """Places charges that attract particles."""
 
     name = "attract"
-    text = tr("&Attracting charge")
+    text = tr("&Attract")
     shortcut = "A"
     group = CHARGE
-    tip = tr("Place a charge that attracts particles, and drag it while they run; < and > change its strength.")
+    tip = tr("Place a charge that attracts particles, and drag it while they run; [ and ] change its strength.")
     guidance = tr("Click to place a charge that attracts particles; drag it while they run.")
     strength = 2.0
 
@@ -201,9 +201,9 @@ class RepelTool(ChargeTool):
     """Places charges that repel particles."""
 
     name = "repel"
-    text = tr("Repelling char&ge")
+    text = tr("&Repel")
     shortcut = "D"
     group = CHARGE
-    tip = tr("Place a charge that repels particles, and drag it while they run; < and > change its strength.")
+    tip = tr("Place a charge that repels particles, and drag it while they run; [ and ] change its strength.")
     guidance = tr("Click to place a charge that repels particles; drag it while they run.")
     strength = -2.0

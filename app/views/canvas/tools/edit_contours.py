@@ -10,7 +10,7 @@ from PySide6.QtCore import Qt
 
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
-from app.views.canvas.tools.tool import CONTOUR, TAKING_AWAY, Cursor, Tool
+from app.views.canvas.tools.tool import MEND, TAKING_AWAY, Cursor, Tool
 from app.views.theme import theme
 from cpm_core.contours import HandEdit
 from cpm_core.numerics import Array, Position
@@ -27,9 +27,10 @@ class EditContoursTool(Tool):
     """
 
     name = "edit_contours"
-    text = tr("Edit contours by han&d")
+    text = tr("&Mend")
     shortcut = "J"
-    group = CONTOUR
+    group = MEND
+    panel = "objects"
     tip = tr("Drag an end of a contour to another end to join them, or a stretch to move it; Shift-click cuts.")
     by_keys = tr("Enter picks up, arrow keys move, Enter puts down; twice on one place marks it.")
 

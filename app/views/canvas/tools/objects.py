@@ -25,9 +25,10 @@ class ObjectTool(Tool):
     """
 
     name = "objects"
-    text = tr("Select ob&jects")
+    text = tr("Ob&jects")
     shortcut = "W"
     group = OBJECT
+    panel = "objects"
     tip = tr("Click in an object to select it, Shift-click to remove what does not belong to it; Enter accepts it.")
     by_keys = tr("Enter clicks, Shift+Enter removes what does not belong to the object; Ctrl+Enter accepts it.")
     clicks = True

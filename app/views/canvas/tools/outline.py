@@ -11,7 +11,7 @@ from PySide6.QtCore import Qt
 from app.model.text.language import tr
 from app.session.features.hand_editing import Way
 from app.session.signals import EDITING
-from app.views.canvas.tools.tool import CONTOUR, Cursor, Tool
+from app.views.canvas.tools.tool import OBJECT, Cursor, Tool
 from app.views.theme import theme
 from cpm_core.numerics import Array, Position, polyline
 from cpm_core.reconstruction import Contact, connect, outline
@@ -43,9 +43,10 @@ class OutlineTool(Tool):
     """
 
     name = "outline"
-    text = tr("O&utline tool")
+    text = tr("O&utline")
     shortcut = "U"
-    group = CONTOUR
+    group = OBJECT
+    panel = "objects"
     tip = tr("Click from place to place around an object: the line follows the edges and becomes a contour.")
     clicks = True
     by_keys = tr("Enter sets an anchor; Enter once more on the first anchor closes the line, on the last one ends it.")

@@ -13,7 +13,7 @@ from app.model.text.language import tr
 from app.model.volume.slices import Slice
 from app.session.signals import EDITING
 from app.views.canvas.tools.drawn import box_between
-from app.views.canvas.tools.tool import LIMIT, START, Tool
+from app.views.canvas.tools.tool import AREA, CIRCLE, LIMIT, STROKE, Tool
 from app.views.theme import theme
 from cpm_core.numerics import Place, Position, polyline
 from cpm_core.shapes import (
@@ -193,9 +193,9 @@ class StrokeTool(PathTool):
     """Draws a line that particles start from."""
 
     name = "stroke"
-    text = tr("S&troke tool")
+    text = tr("S&troke")
     shortcut = "T"
-    group = START
+    group = STROKE
     tip = tr("Drag, or click corner by corner, where particles start.")
     made = Stroke
     title = tr("stroke")
@@ -207,9 +207,9 @@ class PolygonTool(PathTool):
     """Draws a closed line that particles start from."""
 
     name = "polygon"
-    text = tr("P&olygon tool")
+    text = tr("P&olygon")
     shortcut = "O"
-    group = START
+    group = CIRCLE
     tip = tr("Click corner by corner, or drag, along a closed line to start from.")
     made = Polygon
     title = tr("polygon")
@@ -220,10 +220,10 @@ class GridTool(PathTool):
     """Draws an area that is covered with an even grid of particles."""
 
     name = "grid_area"
-    text = tr("&Grid tool")
+    text = tr("&Grid")
     shortcut = "G"
-    group = START
-    tip = tr("Drag, or click corner by corner, around an area to cover with an even grid; < and > change its spacing.")
+    group = AREA
+    tip = tr("Drag, or click corner by corner, around an area to cover with an even grid; [ and ] change its spacing.")
     made = Grid
     title = tr("grid")
 
@@ -236,10 +236,10 @@ class ThresholdTool(PathTool):
     """Draws an area in which particles start on strong edges."""
 
     name = "threshold"
-    text = tr("T&hreshold tool")
+    text = tr("T&hreshold")
     shortcut = "H"
-    group = START
-    tip = tr("Drag, or click corner by corner, around where to start on strong edges; < and > change how strong.")
+    group = AREA
+    tip = tr("Drag, or click corner by corner, around where to start on strong edges; [ and ] change how strong.")
     made = Threshold
     title = tr("threshold")
 
@@ -252,7 +252,7 @@ class RegionTool(PathTool):
     """Draws an area that particles stay in."""
 
     name = "region"
-    text = tr("Region of &interest tool")
+    text = tr("Region of &interest")
     shortcut = "I"
     group = LIMIT
     tip = tr("Drag, or click corner by corner, around what particles are to stay in.")
@@ -271,7 +271,7 @@ class BarrierTool(PathTool):
     """Draws a line that no particle crosses."""
 
     name = "barrier"
-    text = tr("&Barrier tool")
+    text = tr("&Barrier")
     shortcut = "B"
     group = LIMIT
     tip = tr("Drag, or click corner by corner, where no particle is to cross.")

@@ -16,9 +16,10 @@ class SelectTool(ShapeTool):
     """Selects shapes, moves them, and reshapes them by their handles; where there is none, it moves the cross."""
 
     name = "select"
-    text = tr("&Select tool")
+    text = tr("&Select")
     shortcut = "S"
     group = SELECT
+    panel = "objects"
     tip = tr("Select, move and reshape what is drawn.")
     by_keys = tr("Enter picks up what lies under the cross-hair, arrow keys move it, Enter puts it down.")
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal
 
 from PySide6.QtCore import Qt
 
@@ -19,12 +20,21 @@ from cpm_core.shapes import Shape
 
 Cursor = Qt.CursorShape
 
-TAKING_AWAY = Qt.KeyboardModifier.ShiftModifier | Qt.KeyboardModifier.AltModifier
-"""Keys with which a click cuts or takes away; window managers on Linux keep clicks with Alt for themselves."""
+TAKING_AWAY = Qt.KeyboardModifier.ShiftModifier
+"""The key with which a click cuts or takes away; window managers on Linux keep clicks with Alt for themselves."""
 
-OBJECT, SELECT, START = tr("Objects"), tr("Select"), tr("Start")
-LIMIT, CHARGE, CONTOUR = tr("Limit"), tr("Charge"), tr("Contour")
-"""Groups of tools by purpose."""
+GROUPS = OBJECT, SELECT, MEND, CIRCLE, STROKE, AREA, AUTO, LIMIT, CHARGE = (
+    tr("Objects"),
+    tr("Select"),
+    tr("Mend"),
+    tr("Circle"),
+    tr("Stroke"),
+    tr("Area"),
+    tr("Auto"),
+    tr("Limit"),
+    tr("Charge"),
+)
+"""Groups of tools by purpose, in the order shown; that of starts that need no drawing has no tools."""
 
 _gestures = itertools.count()
 
@@ -62,6 +72,8 @@ class Tool:
     """Its key."""
     group: str
     """Its purpose, one of the groups above."""
+    panel: Literal["objects", "run"] = "run"
+    """The tab of the right column that belongs to it."""
     tip: str = ""
     """One sentence on what the tool does."""
     guidance: str = ""

@@ -6,12 +6,11 @@ import pytest
 from PySide6.QtCore import Qt
 
 from app.model.document import edits
-from app.session.features.other_result import Other
 from cpm_core.shapes import Box, Sphere
 
 pytestmark = pytest.mark.shared_window
 
-KEY, CONTROL = Qt.Key, Qt.KeyboardModifier.ControlModifier
+KEY = Qt.Key
 
 
 @pytest.fixture
@@ -35,17 +34,12 @@ def test_shift_f_shows_what_is_selected_in_the_slices_through_its_middle(volume,
     assert not seen.contains(30.0, 26.0)
 
 
-def test_a_kept_result_and_a_branch_are_compared_in_slices(run, hand) -> None:
-    other, canvas = run.workspace.other_result, run.canvas_area.canvas
-    assert run.actions_by_name["keep_result"].isEnabled()
-    assert run.actions_by_name["wipe"].isEnabled()
+def test_a_kept_result_is_shown_beyond_the_divider_in_slices(run, hand) -> None:
+    compared, canvas = run.workspace.comparison, run.canvas_area.canvas
     hand.wait(lambda: len(canvas.drawn.contours.items) == 1)
-    other.keep()
-    kept = next(one for one in other.choices if one.kind == "kept")
+    compared.keep()
     run.session.edit("draw", lambda document: edits.set_shapes(document, (Sphere((12.0, 14.0, 16.0), 3.0),)))
-    other.choose(kept)
-    far = canvas.sections.of(other.far(run.session.scene))
+    compared.choose(max(compared.rows))
+    far = canvas.sections.of(compared.far())
     assert len(far.contours.items) == 1
     assert far.document.shapes[0].line.radii != canvas.drawn.document.shapes[0].line.radii
-    other.choose(Other("image", "Image alone"))
-    assert canvas.sections.of(other.far(run.session.scene)).snapshot is None

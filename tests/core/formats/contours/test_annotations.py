@@ -6,6 +6,8 @@ import json
 from dataclasses import replace
 
 import numpy as np
+import PIL.Image
+import PIL.ImageDraw
 import pytest
 import shapely
 from pycocotools.coco import COCO
@@ -32,6 +34,23 @@ def test_labelme_has_a_polygon_or_a_line_of_each_contour():
     assert all({"label", "points", "group_id", "shape_type", "flags"} <= set(shape) for shape in shapes)
     asked = {"version", "flags", "shapes", "imagePath", "imageData", "imageHeight", "imageWidth"}
     assert asked | {"provenance"} == set(content)
+
+
+def test_labelme_has_the_class_as_label_and_one_polygon_that_goes_around_the_holes():
+    cell = replace(CELL, category="cell", name="cell 5", group=5)
+    other = replace(HOLE, points=HOLE.points * 0.2 + [22.0, 60.0], hole=True, group=5)
+    holes = [replace(HOLE, hole=True, group=5), other]
+    outer = replace(cell, points=np.array([(0.0, 0.0), (0.0, 88.0), (58.0, 88.0), (58.0, 0.0)]))
+    (shape,) = json.loads(encoded(replace(RESULT, contours=(outer, *holes)), ".labelme.json"))["shapes"]
+    assert (shape["label"], shape["description"], shape["group_id"]) == ("cell", "cell 5", 5)
+    # as labelme paints a polygon (`labelme.utils.shape_to_mask`)
+    picture = PIL.Image.new("L", (90, 60))
+    PIL.ImageDraw.Draw(picture).polygon([tuple(point) for point in shape["points"]], outline=1, fill=1)
+    differ = np.argwhere((np.asarray(picture) > 0) != (paint((outer, *holes), (60, 90)) > 0))
+    edges = [shapely.LinearRing(contour.points) for contour in (outer, *holes)]
+    slits = shapely.LineString(np.array(shape["points"])[:, ::-1] - 0.5)
+    assert all(min(edge.distance(shapely.Point(pixel)) for edge in (*edges, slits)) < 1.5 for pixel in differ)
+    assert shapely.Polygon(shape["points"]).area == pytest.approx(outer.area - sum(hole.area for hole in holes))
 
 
 def test_labelme_finds_the_image_from_the_folder_of_the_file(tmp_path):
@@ -146,3 +165,17 @@ def test_the_table_of_measures_has_a_row_for_each_contour():
         assert net_um2 == pytest.approx(net * 0.125, rel=1e-5)
     plain = encoded(replace(RESULT, unit=None, spacing=(1.0, 1.0)), ".measures.csv").decode()
     assert "length_px,gross_area_px2,net_area_px2,program" in plain.splitlines()[0]
+
+
+def test_the_table_of_objects_has_a_row_for_each_object_with_its_class():
+    contours = [replace(one, category="nucleus") if one.group else one for one in object_in_two_parts()]
+    rows = list(csv.DictReader(encoded(replace(RESULT, contours=tuple(contours)), ".table.csv").decode().splitlines()))
+    assert [(row["label"], row["object"], row["class"]) for row in rows] == [
+        ("1", "1", "nucleus"),
+        ("2", "2", "nucleus"),
+        ("3", "", ""),
+    ]
+    parts = sum(contour.area for contour in contours[:2]) - contours[2].area
+    assert float(rows[0]["area_um2"]) == pytest.approx(0.125 * parts, rel=1e-6)
+    with pytest.raises(ValueError, match="no closed contour"):
+        encoded(replace(RESULT, contours=(FIBRE,)), ".table.csv")

@@ -35,6 +35,12 @@ def failure_report(path):
     return text
 
 
+def test_the_name_of_a_file_comes_first_and_a_long_folder_is_cut(tmp_path):
+    folder = tmp_path / ("a" * 30) / ("b" * 30) / "study"
+    name = f"{'scan' * 40}_003.nii"
+    assert failure_report(folder / name).startswith(f"{name} in …{os.sep}study{os.sep} does not exist")
+
+
 def save_as(kind):
     return lambda path: PIL.Image.fromarray(VALUES).save(path, format=kind)
 
@@ -226,4 +232,4 @@ def test_an_image_that_cannot_be_read_again_for_its_hash_is_refused(tmp_path, mo
         return Stack("a", values.shape, lambda *_: Decoded(values))
 
     monkeypatch.setattr(readers.numpy_array, "stack", stack)
-    assert f"a.npy cannot be read: {os.strerror(errno.ENOENT)}" in failure_report(tmp_path / "a.npy")
+    assert f"/ cannot be read: {os.strerror(errno.ENOENT)}" in failure_report(tmp_path / "a.npy")

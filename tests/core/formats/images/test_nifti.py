@@ -1,6 +1,7 @@
 """NIfTI: values, sizes and place as nibabel gives them, and label volumes that lie on their input."""
 
 import nibabel
+import nrrd
 import numpy as np
 import pytest
 
@@ -33,11 +34,21 @@ def test_a_label_volume_has_the_affine_of_the_file_that_was_read(tmp_path, form)
     volume = load_volume(tmp_path / "a.nii.gz")
     surface = Surface(*zero_surface(ball.astype(np.float32)), volume.spacing, volume.unit)
     place = volume.shape, volume.spacing, volume.unit, volume.source
-    export(Result(np.zeros((0, 3)), (), surface, 1, True, "at rest", *place, image=volume), tmp_path / "labels.nii.gz")
+    result = Result(np.zeros((0, 3)), (), surface, 1, True, "at rest", *place, image=volume)
+    export(result, tmp_path / "labels.nii.gz", tmp_path / "labels.nrrd")
     known, written = nibabel.load(tmp_path / "a.nii.gz"), nibabel.load(tmp_path / "labels.nii.gz")
     np.testing.assert_allclose(written.affine, known.affine, rtol=0, atol=1e-5)
     assert np.array_equal(written.affine, known.affine) or form != "sform"
     assert np.array_equal(np.asarray(written.dataobj) > 0, np.asarray(known.dataobj) > 0)
+    values, header = nrrd.read(str(tmp_path / "labels.nrrd"))
+    assert np.array_equal(values, np.asarray(written.dataobj))
+    lps = np.diag([-1.0, -1.0, 1.0]) @ written.affine[:3]
+    np.testing.assert_allclose(header["space directions"].T, lps[:, :3], rtol=0, atol=1e-5)
+    np.testing.assert_allclose(header["space origin"], lps[:, 3], rtol=0, atol=1e-5)
+    back = load_volume(tmp_path / "labels.nrrd")
+    assert (back.shape, back.unit) == (volume.shape, "mm")
+    place = back.geometry.affine(back.spacing, "RAS")
+    np.testing.assert_allclose(place, volume.geometry.affine(volume.spacing, "RAS"), rtol=0, atol=1e-4)
 
 
 def test_as_an_image_the_middle_plane_is_taken_or_the_one_that_is_chosen(tmp_path):

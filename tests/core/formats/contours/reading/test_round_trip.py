@@ -71,6 +71,16 @@ def test_holes_stay_holes_of_their_object(suffix):
     np.testing.assert_array_equal(paint(found, (501, 501)) > 0, paint(OBJECT, (501, 501)) > 0)
 
 
+@pytest.mark.parametrize("suffix", [".json", ".geojson", ".labelme.json", ".coco.json"])
+def test_classes_come_back_next_to_the_names(suffix):
+    classed = [replace(one, category="nucleus", name="" if one.hole else f"nucleus {one.group}") for one in OBJECT]
+    found = decode_contours(encoded(result_of(*classed), suffix), f"a{suffix}").contours
+    assert [(one.category, one.name) for one in found if not one.hole] == [
+        ("nucleus", "nucleus 3"),
+        ("nucleus", "nucleus 4"),
+    ]
+
+
 @pytest.mark.parametrize("suffix", [".json", ".geojson"])
 def test_strengths_and_junctions_come_back(suffix):
     found = decode_contours(encoded(RESULT, suffix), f"a{suffix}").contours
@@ -87,7 +97,7 @@ def test_instances_with_something_in_them_come_back_to_a_fraction_of_a_pixel():
     ]
 
 
-@pytest.mark.parametrize("suffix", [".png", ".tif", ".nii", ".nii.gz"])
+@pytest.mark.parametrize("suffix", [".png", ".tif", ".nii", ".nii.gz", ".nrrd"])
 def test_outlines_of_a_label_mask_paint_the_same_mask(tmp_path, suffix):
     file = tmp_path / f"labels{suffix}"
     export(RESULT, file, warn=lambda sentence: None)
@@ -105,7 +115,7 @@ def test_single_points_are_kept_beside_the_contours(tmp_path):
 
 
 def test_every_format_of_contours_in_a_plane_is_read_back():
-    others = {".png", ".tif", ".tiff", ".nii", ".nii.gz", ".roi", ".coco.json", ".measures.csv"}
+    others = {".png", ".tif", ".tiff", ".nii", ".nii.gz", ".nrrd", ".roi", ".coco.json", ".measures.csv", ".table.csv"}
     assert set(WRITABLE) - DRAWN == {*WHOLE, *others}
 
 

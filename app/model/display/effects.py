@@ -1,4 +1,4 @@
-"""What a filter of contours leaves, counted from the measures at hand while its slider moves."""
+"""What values of parameters change, as numbers next to their sliders: from the state of a run and its contours."""
 
 from __future__ import annotations
 
@@ -8,10 +8,14 @@ from types import MappingProxyType
 import numpy as np
 import scipy
 
-from app.model.text.language import tr
-from cpm_core import Contour
+from app.model.display.lengths import measured
+from app.model.document.document import ImageReference
+from app.model.parameters.controls import RATIO
+from app.model.text.language import tr, written
+from cpm_core import Contour, Parameters, State
 from cpm_core.contours import Measures
 from cpm_core.numerics import Array
+from cpm_core.segmentation import MethodState
 
 FILTERS: Mapping[str, Callable[[Measures], float | None]] = MappingProxyType(
     {
@@ -24,6 +28,37 @@ FILTERS: Mapping[str, Callable[[Measures], float | None]] = MappingProxyType(
 
 GAP = "max_gap"
 """The parameter up to which gaps are bridged."""
+
+
+MOTION = ("beta", RATIO, "annealing")
+"""Parameters of the motion of particles."""
+
+
+def figures(state: State, parameters: Parameters, length: float) -> Mapping[str, float]:
+    """What each parameter of `MOTION` acts on [px of the image]; `length` is that of all contours.
+
+    Damping slows particles down: their mean motion in the last step. Repulsion spreads them: the length of the contours
+    that they have found. Annealing ends insertion: the distance up to which two neighbors get a particle between them.
+    """
+    size = 2.0**state.scale
+    widest = size * (parameters.d_min + state.annealed * parameters.d_max)
+    return {"beta": size * state.displacement, RATIO: length, "annealing": widest}
+
+
+def effects(
+    state: MethodState | None, parameters: Parameters, length: float, image: ImageReference | None
+) -> Mapping[str, str]:
+    """`figures` in words, by the names of the parameters; empty ones where nothing is known."""
+    words = dict.fromkeys(MOTION, "")
+    if not isinstance(state, State) or not state.step or image is None:
+        return words
+    found = figures(state, parameters, length)
+    speed = tr("{speed} px per step").format(speed=written(f"{found['beta']:.2f}"))
+    words["beta"] = tr("at rest") if state.converged else speed
+    if length:
+        words[RATIO] = tr("{length} of contours").format(length=measured(length, image.spacing, image.unit, 0))
+    words["annealing"] = tr("fills gaps up to {length} px").format(length=written(f"{found['annealing']:.1f}"))
+    return words
 
 
 class Distribution:

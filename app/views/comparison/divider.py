@@ -1,4 +1,4 @@
-"""The wipe: a divider on the canvas, with one result on its left and another one on its right."""
+"""The divider on the canvas, with one result on its left and another one on its right."""
 
 from __future__ import annotations
 

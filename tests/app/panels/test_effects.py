@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import cache
+
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from PySide6.QtCore import QPoint, Qt
 
-from app.model.display.filter_counts import Distribution, FilterCounts
-from app.model.parameters.controls import controls
+from app.model.display.effects import MOTION, Distribution, FilterCounts, figures
+from app.model.parameters.controls import controls, with_value
+from cpm_core import PRESETS, Engine, circle
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import measure
 from tests.app.panels.test_contour_table import found  # noqa: F401  # a fixture
@@ -28,6 +33,45 @@ def test_reach_stands_first_then_motion_then_what_decides_which_contours_there_a
     assert max(map(names.index, motion)) < min(map(names.index, filters))
     assert max(map(names.index, filters)) < min(map(names.index, advanced))
     assert not {*motion, *filters} & {*advanced}
+
+
+CROSSED = np.full((72, 72), 40.0)
+CROSSED[20:50, 12:60] += 90.0
+CROSSED[30:36, :] += 70.0
+"""A box that a band crosses, so that there are junctions."""
+
+START = replace(PRESETS["shape"], scales=1)
+ENGINE = Engine(CROSSED, START)
+
+
+@cache
+def moved(name: str, value: float) -> tuple[list[Mapping[str, float]], float]:
+    """Figures of the steps after a slider has been moved during a run, and the length at rest [px]."""
+    state, changed, steps = ENGINE.start(circle((26.0, 20.0), 4.0)), with_value(START, name, value), []
+    while state.step < 5:
+        state = ENGINE.step(state, START)
+    while not state.stop_reason:
+        state = ENGINE.step(state, changed)
+        steps.append(figures(state, changed, 0.0))
+    return steps[:20], sum(contour.length for contour in ENGINE.result(state, changed).contours)
+
+
+@pytest.mark.parametrize("name", MOTION)
+@settings(max_examples=12, deadline=None)
+@given(st.data())
+def test_the_number_next_to_a_slider_goes_where_its_explanation_says(name, data) -> None:
+    control = next(one for one in controls() if one.name == name)
+    value = st.sampled_from(np.linspace(control.slider_low, control.slider_high, 6).tolist())
+    less, more = sorted((data.draw(value), data.draw(value)))
+    assume(less < more)
+    (slow, short), (fast, long) = moved(name, less), moved(name, more)
+    if name == "beta":
+        assert np.mean([one[name] for one in slow]) > np.mean([one[name] for one in fast])
+        assert short >= 0.97 * long
+    else:
+        assert long >= 0.97 * short
+    if name == "annealing":
+        assert all(one[name] <= other[name] for one, other in zip(slow, fast, strict=False))
 
 
 @settings(max_examples=60, deadline=None)

@@ -1,0 +1,93 @@
+"""Runs that are compared with one another, several at a time: with other parameters, or of other methods."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+
+from app.model.display.comparison import Trial
+from app.model.document.document import Document
+from app.model.text.language import tr
+from app.session.exchange.messages import sentence
+from app.session.tasks.tasks import Cancelled, Task
+from cpm_core import CONTOUR_METHODS, Engine, Image, Result, Start, facts_of, moments
+from cpm_core.contours import apply, with_kept
+from cpm_core.numerics import cores
+from cpm_core.objects.methods import result_of
+from cpm_core.shapes import SeedCache, outlines_of
+
+
+def start_of(document: Document) -> Start:
+    """What all methods begin from; ValueError when no outline is drawn."""
+    return Start(outlines_of(document.shapes), document.comparison.around)
+
+
+def run_trials(
+    image: Image,
+    document: Document,
+    trials: Mapping[int, Trial],
+    began: Callable[[int], object],
+    ended: Callable[[int, Result | None, float, str], object],
+    task: Task,
+) -> None:
+    """Run trials, one on each core but the one that the window needs.
+
+    Parameters
+    ----------
+    image, document : Image and Document
+        What is run.
+    trials : mapping of int to Trial
+        The trials, each with its key.
+    began : callable
+        Called with the key of a trial that begins, on its thread.
+    ended : callable
+        The same with what it has found, the time that it took [s], and what it failed with, if it did.
+    task : Task
+        Its progress; cancelling it ends all of them.
+    """
+    seed_cache, engines, lock, done = SeedCache(image), dict[int, Engine](), threading.Lock(), 0
+
+    def of_parameters(trial: Trial) -> Result:
+        parameters = trial.settings
+        with lock:
+            image_seeds = seed_cache.seeds_for(
+                document.image_starts, parameters.smoothing, document.regions, parameters.channel
+            )
+            if parameters.scales not in engines:
+                engines[parameters.scales] = Engine(image, parameters, document.regions)
+            engine = engines[parameters.scales]
+        state = engine.start(document.seeds(image_seeds))
+        while not state.stop_reason:
+            task.check_cancelled()
+            state = engine.step(state, parameters, document.charges)
+        return apply(with_kept(engine.result(state, parameters), document.marks), document.marks)
+
+    def of_method(trial: Trial) -> Result:
+        method, start, channel = CONTOUR_METHODS[trial.method], start_of(document), document.parameters.channel
+        plain = method.of_particles or image.colors is None or channel == "luminance"
+        taken = image if plain else Image(image.gray(channel), source=image.source)
+        for moment in moments(method, taken, start, trial.settings):
+            task.check_cancelled()
+            last = moment
+        return result_of(facts_of(last), last.state.contours, taken, start, trial.settings)
+
+    def work(key: int) -> None:
+        nonlocal done
+        try:
+            task.check_cancelled()
+            began(key)
+            trial, at = trials[key], time.perf_counter()
+            result = (of_method if trial.method else of_parameters)(trial)
+            ended(key, result, time.perf_counter() - at, "")
+        except Cancelled:
+            return
+        except Exception as error:  # an error is shown in its row, and the others go on
+            ended(key, None, 0.0, sentence(error, tr("running {name}").format(name=trials[key].title)))
+        with lock:
+            done += 1
+            task.fraction = done / len(trials)
+
+    with ThreadPoolExecutor(max(1, cores() - 1), thread_name_prefix="cpm-compare") as pool:
+        list(pool.map(work, trials))

@@ -1,0 +1,95 @@
+"""The comparison of results: its panel, and the divider on the canvas."""
+
+from __future__ import annotations
+
+from app.model.display.differences import Difference
+from app.model.state.situation import has_image
+from app.model.text.language import tr
+from app.session.features.comparison import NOW
+from app.views.comparison.divider import Wipe
+from app.views.comparison.panel import ComparePanel
+from app.views.widgets.actions import ActionSpec
+from app.views.window.dialogs import ALL_FILES, Files
+from app.views.window.docks import Panel
+from app.views.window.window import Feature, MainWindow
+from cpm_core.formats import CONTOURS_READABLE, PICTURE, READABLE, SURFACES_READABLE, TABLE
+
+_SPAN = 48.0
+"""Minimum side of the part of the image that is shown around a difference [px]."""
+
+
+class CompareFeature(Feature):
+    """One way to compare: runs, methods, values of parameters, kept results and a ground truth."""
+
+    def __init__(self, window: MainWindow) -> None:
+        super().__init__(window)
+        self._compared = compared = window.workspace.comparison
+        self.panel = ComparePanel(
+            window.session, compared, window.workspace.navigation, self._load, self._export, self._jump
+        )
+        self.panels = (Panel("compare", "Compare", self.panel, tab="settings", shown=False, shortcut="F12"),)
+        self.panel.table.zoom_wanted.connect(self.panel.jump_to_next)
+        self.wipe = Wipe(window.canvas_area.canvas)
+        self.wipe.ended.connect(lambda: compared.choose(NOW))
+        compared.chosen_changed.connect(self._show_divider)
+        compared.changed.connect(window.refresh)
+        window.session.scene_changed.connect(self._draw)
+        self.actions = (
+            ActionSpec("compare", "Run", "Com&pare…",
+                       "Compare what is shown with other runs, methods, values of parameters or a ground truth.",
+                       lambda: window.docks.enter("compare"), "Ctrl+D", gap=True, when=has_image),
+            ActionSpec("next_difference", "Run", "Show next &difference",
+                       "Show the differences from the reference one after the other, the largest first.",
+                       self.panel.jump_to_next, "Shift+W", when=lambda _: bool(window.session.scene.differences)),
+        )  # fmt: skip
+
+    def close(self) -> bool:
+        """Stop the runs and the thread of comparisons."""
+        self._compared.cancel()
+        return True
+
+    def _show_divider(self) -> None:
+        if self._compared.chosen == NOW:
+            self.wipe.end()
+        else:
+            rows = self._compared.rows
+            self.wipe.begin(rows[NOW].title, rows[self._compared.chosen].title)
+            self._draw()
+
+    def _draw(self) -> None:
+        if self._compared.chosen != NOW:
+            self.wipe.draw(self._compared.far())
+
+    def _load(self) -> None:
+        kinds = (
+            (Files(tr("Label volumes and surfaces"), (*READABLE, *SURFACES_READABLE)), ALL_FILES)
+            if self._compared.in_volume
+            else (
+                Files(tr("Masks and contours"), tuple(dict.fromkeys((*READABLE, *CONTOURS_READABLE)))),
+                Files(tr("Masks"), tuple(READABLE)),
+                Files(tr("Contours"), tuple(CONTOURS_READABLE)),
+                ALL_FILES,
+            )
+        )
+        chosen = self.window.files.ask_for_file("truth", tr("Compare with ground truth"), kinds)
+        if chosen is not None:
+            self._compared.load(str(chosen))
+
+    def _export(self) -> None:
+        kinds = {TABLE: tr("Table of all results")}
+        if any(row.trial is not None and row.trial.method for row in self._compared.rows.values()):
+            kinds[PICTURE] = tr("Picture of the methods")
+        path = self.window.files.ask_where_to_export(tr("Export the comparison"), ".compared.csv", kinds)
+        if path is not None:
+            self._compared.write(path)
+
+    def _jump(self, difference: Difference) -> None:
+        slices = self.window.workspace.slices
+        slices.through(difference.place)
+        points = difference.points if slices.now is None else slices.now.current.flattened(difference.points)
+        low, high = points.min(axis=0), points.max(axis=0)
+        span = max(_SPAN, 1.4 * float((high - low).max()))
+        row, col = (0.5 * (low + high)).tolist()
+        if slices.now is not None:
+            row, col = slices.now.current.within(difference.place)
+        self.window.canvas_area.canvas.look_at((row, col), span)
