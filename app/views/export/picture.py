@@ -76,7 +76,7 @@ def _draw(painter: QPainter, onto: QTransform, lines: tuple[Line, ...]) -> None:
         if not (line.filled or line.pale):
             painter.strokePath(path, QPen(QColor(theme.HALO), _HALO))
     for line, path in zip(lines, paths, strict=True):
-        default = look().color(theme.CLOSED if line.contour.closed else theme.OPEN)
+        default = look().color(theme.CONTOUR)
         color = QColor(line.color or line.contour.color or default)
         if line.pale:
             painter.strokePath(path, QPen(color, _PALE, Qt.PenStyle.DashLine))

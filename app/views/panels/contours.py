@@ -106,7 +106,7 @@ def _look(item: Item, role: int, of_name: bool) -> Any:
     """The color of a contour next to its name; rejected ones are pale, their names struck out."""
     match role:
         case Role.DecorationRole if of_name:
-            return swatch(item.contour.color or (theme.CLOSED if item.contour.closed else theme.OPEN))
+            return swatch(item.contour.color or theme.CONTOUR)
         case Role.ForegroundRole if item.reviewed.rejected:
             return QColor(QGuiApplication.palette().color(QPalette.ColorRole.PlaceholderText))
         case Role.FontRole if item.reviewed.rejected:

@@ -237,15 +237,15 @@ class SegmentedObject:
 CLASSES: tuple[ObjectClass, ...] = tuple(
     ObjectClass("", color)
     for color in (
-        "#56b4e9",
         "#e69f00",
         "#009e73",
         "#cc79a7",
         "#f0e442",
         "#d55e00",
-        "#0072b2",
         "#b48cff",
-        "#c9ced6",
+        "#56b4e9",
+        "#0072b2",
+        "#b08968",
     )
 )
 """The classes at first: hues after Okabe and Ito, which color-blind people can distinguish, and two more."""

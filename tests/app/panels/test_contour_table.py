@@ -259,10 +259,10 @@ def test_a_color_is_chosen_from_the_menu_drawn_and_exported(found, table, hand, 
     menu.actions()[0].trigger()
     layer = hand.canvas.layers.contours
     assert list(layer._other.colors) == ["#e69f00"]
-    assert layer._curves[True].count == 3
+    assert layer._curves.count == 3
     assert "#e69f00" in [contour["color"] for contour in exported(hand, found, tmp_path)]
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
-    assert layer._curves[True].count == 4
+    assert layer._curves.count == 4
 
 
 def test_a_reconstruction_preserves_selection_order_and_a_name_being_edited(found, table, hand) -> None:
