@@ -66,7 +66,7 @@ def test_the_legend_names_and_counts_what_is_there_and_nothing_else(rested) -> N
     legend.show_now()
     assert {entry.text for entry in legend.entries} - {"proposed"} == {"rejected"}
     layers.contours.set_shown(False)
-    layers.objects.set_shown(False)
+    layers["objects"].set_shown(False)
     legend.show_now()
     assert legend.entries == ()
     assert legend.isHidden()
