@@ -382,6 +382,7 @@ class Session(QObject):
         generation, branch, step = change.rest
         if back and generation == self.generation:
             self.hold(run_call(generation, Run.go_to, branch, step, lambda: True))
+            self.post(run_call(generation, Run.stay))
         elif self.status.phase == "paused" or self.status.steered:
             self.run()
 

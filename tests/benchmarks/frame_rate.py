@@ -172,7 +172,7 @@ def measure(seconds: float, count: int | None = None, color: str = "state") -> T
     session.document_changed.connect(lambda _: times.executed.append(time.perf_counter()))
     session.scene_changed.connect(lambda: times.note(session.scene.snapshot))
     end = threading.Event()
-    keys = threading.Thread(target=press_keys, args=(window.panels["parameters"].rows["beta"].slider, times, end))
+    keys = threading.Thread(target=press_keys, args=(window.panels["run"].parameters.rows["beta"].slider, times, end))
     keys.start()
     # The engine may take fewer steps a second than there are frames; every frame is drawn all the same, as at worst.
     frame = QTimer()

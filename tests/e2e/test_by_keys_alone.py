@@ -86,7 +86,7 @@ def draw_and_run(window: MainWindow, keys: Keys) -> None:
 def move_a_slider(window: MainWindow, keys: Keys) -> None:
     """Go to it from the image, move it, and come back."""
     session = window.session
-    beta = window.panels["parameters"].rows["beta"].slider
+    beta = window.panels["run"].parameters.rows["beta"].slider
     keys.press(KEY.Key_Q)
     keys.go_to(beta)
     before = session.document.parameters.beta

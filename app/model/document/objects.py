@@ -17,6 +17,7 @@ from cpm_core.numerics import Array, Place, Position, length, polyline, thinned
 from cpm_core.objects import boundaries_result
 from cpm_core.objects.segmented import (
     Click,
+    Halves,
     Line,
     ObjectClass,
     SegmentedObject,
@@ -140,6 +141,22 @@ def merge_into(document: Document, merged: Iterable[SegmentedObject], whole: Seg
     """The document in which one object replaces several, of which it has the number of one."""
     rest = delete(document, [item.number for item in merged if item.number != whole.number])
     return _amended(rest, (whole.number,), lambda _: whole)
+
+
+def split(document: Document, whole: SegmentedObject, halves: Halves) -> Document:
+    """The document with the halves of an object; the first has its number and name.
+
+    It may be an object that is not accepted yet: then both halves are new.
+    """
+    objects = document.objects
+    known = [item.number for item in objects.items]
+    first = replace(halves.first, number=whole.number if whole.number in known else objects.next_number)
+    second = replace(halves.second, number=max(objects.next_number, first.number + 1), name="")
+    items = tuple(first if item.number == first.number else item for item in objects.items)
+    items = (*items, *(() if whole.number in known else (first,)), second)
+    if whole.number in known and whole.number != objects.edited:
+        return _with(document, items=items)
+    return _with(document, items=items, clicks=(), edited=0)
 
 
 def name_class(document: Document, category: int, name: str, color: str = "") -> Document:

@@ -17,6 +17,9 @@ RATIO = "ratio"
 HIGHEST_RATIO = 0.99
 LOWEST_RATIO = 0.05
 
+MAIN = ("beta", RATIO, "annealing", *OF_STARTS, "smoothing", "polarity", "max_width", "pruning")
+"""Names of the controls that are not folded away."""
+
 _FULL_CONTRAST = 255.0
 
 _BY_ITSELF = {
@@ -158,9 +161,10 @@ class Control:
 
 
 def controls() -> tuple[Control, ...]:
-    """All controls in the order shown: how far a start reaches, the motion, which contours there are, advanced ones."""
+    """All controls in the order shown: the main ones, which contours there are, advanced ones."""
     made = [_ratio() if name == "w1" else _of_parameter(name) for name in PARAMETERS]
-    return tuple(sorted(made, key=lambda one: (one.advanced, one.name not in OF_STARTS, one.invalidates != "nothing")))
+    first = {name: place for place, name in enumerate(MAIN)}
+    return tuple(sorted(made, key=lambda one: (first.get(one.name, len(MAIN)), one.advanced)))
 
 
 def adapted(control: Control, usual: Parameters, ndim: int, contrast: float) -> Control:

@@ -1,4 +1,4 @@
-"""The situation: document, selection and run together, the conditions of actions, and what a volume lacks."""
+"""The situation: document, selection and run together, the conditions of actions, and what differs in a volume."""
 
 from __future__ import annotations
 
@@ -157,23 +157,14 @@ def can_step(situation: Situation) -> bool:
     return has_image(situation) and status.phase != "running" and not over
 
 
-_CONTOUR = tr("Contours are found in images; a run in a volume finds a surface.")
-_BRUSH = tr("Objects are painted in images; in a volume they are bodies that a surface encloses.")
-_ALIKE = tr("Objects that are alike are found in images by their gray values and size, not in volumes.")
-_BATCH = tr("Many images are run at once; volumes are run one by one.")
-
-NOT_IN_VOLUMES: Mapping[str, str] = MappingProxyType(
-    {
-        **dict.fromkeys(
-            ("contours", "edit_contours", "outline", "close_contours", "join_contours", "cut_contour",
-             "contour_skeleton", "next_contour", "all_contours", "other_contours",
-             "show_rejected"), _CONTOUR),
-        "brush": _BRUSH,
-        "objects_alike": _ALIKE,
-        "apply_to_folder": _BATCH,
-    }
-)  # fmt: skip
-"""Names of actions and of tools -> why they are not offered while a volume is open."""
+NOT_IN_VOLUMES = frozenset(
+    (
+        *("contours", "edit_contours", "outline", "brush", "close_contours", "join_contours", "cut_contour"),
+        *("contour_skeleton", "next_contour", "all_contours", "other_contours", "show_rejected"),
+        *("split", "objects_alike", "apply_to_folder"),
+    )
+)
+"""Names of actions and of tools that are hidden while a volume is open."""
 
 
 OTHERWISE_IN_VOLUMES: Mapping[str, tuple[str, str]] = MappingProxyType(

@@ -19,7 +19,7 @@ from app.session.features.background import LatestOnlyWorker
 from app.session.session import Session
 from cpm_core import Image, Surface
 from cpm_core.numerics import Place, Position, polyline
-from cpm_core.objects.segmented import Line, SegmentedObject, SegmentedObjects, painted, union
+from cpm_core.objects.segmented import Halves, Line, SegmentedObject, SegmentedObjects, painted, union
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,6 +173,12 @@ class ObjectList(QObject):
             return
         self._edit_chosen(tr("merge {what}"), objects.merge)
         self.choose((items[0].number,))
+
+    def split(self, whole: SegmentedObject, halves: Halves) -> None:
+        """Put the halves of an object, or of one that is not accepted yet, in its place, and choose them."""
+        before = {item.number for item in self.objects.items} - {whole.number}
+        self._edit(tr("split {what}"), [whole], lambda document: objects.split(document, whole, halves))
+        self.choose(item.number for item in self.objects.items if item.number not in before)
 
     def as_starts(self) -> None:
         """Start the next run on their outlines too."""

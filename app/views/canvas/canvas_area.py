@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, Qt
+from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, Qt, Signal
 from PySide6.QtGui import QFocusEvent, QKeyEvent
 from PySide6.QtWidgets import QGridLayout, QVBoxLayout, QWidget
 
@@ -42,6 +42,9 @@ _MIDDLE_FRACTION = 0.2
 
 class CanvasArea(QWidget):
     """Shows the scene of a session on the canvas, and lets the tools edit its document and select contours."""
+
+    tool_changed = Signal()
+    """Another tool is in use."""
 
     def __init__(self, workspace: Workspace) -> None:
         super().__init__()
@@ -88,12 +91,15 @@ class CanvasArea(QWidget):
 
         A drawing tool deselects the shape, because its handles would be in the way.
         """
+        changed = self.canvas.hold.tool.name != name
         self.canvas.use(self._tools[name])
         if name != "select":
             self._session.select(None)
         self.crosshair.move(0.0, 0.0)
         self.canvas.setFocus()
         self.refresh()
+        if changed:
+            self.tool_changed.emit()
 
     def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
         """What lies at a point, or at the cross-hair, or is chosen; see `MenuOwner`."""

@@ -12,7 +12,6 @@ from app.views.features.help import HelpFeature, PreferencesFeature
 from app.views.features.objects import ObjectsFeature
 from app.views.features.offers import BeginningFeature, PixelSizeFeature, StackFeature
 from app.views.features.run import (
-    ParametersFeature,
     RunControlFeature,
     TasksFeature,
     TimelineFeature,
@@ -37,7 +36,6 @@ FEATURES: tuple[type[Feature], ...] = (
     TimelineFeature,
     TasksFeature,
     ModesFeature,
-    ParametersFeature,
     BeginningFeature,
     StackFeature,
     PixelSizeFeature,

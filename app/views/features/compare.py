@@ -27,7 +27,7 @@ class CompareFeature(Feature):
         self.panel = ComparePanel(
             window.session, compared, window.workspace.navigation, self._load, self._export, self._jump
         )
-        self.panels = (Panel("compare", "Compare", self.panel, tab="settings", shown=False, shortcut="F12"),)
+        self.panels = (Panel("compare", "Compare", self.panel, "F12", shown=False),)
         self.panel.table.zoom_wanted.connect(self.panel.jump_to_next)
         self.wipe = Wipe(window.canvas_area.canvas)
         self.wipe.ended.connect(lambda: compared.choose(NOW))

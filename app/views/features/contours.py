@@ -37,7 +37,7 @@ class ContoursFeature(Feature):
         self._review = review = window.workspace.review
         layer = canvas.layers.contours
         self.panel = ContourPanel(review, self._fill_colors)
-        self.panels = (Panel("contours", "Contours", self.panel, "below", False, 160, "F11"),)
+        self.panels = (Panel("contours", "Contours", self.panel, "F11"),)
         window.preferences.follow(UNIT, self.panel.table.show_items)
         self.name_field = NameField(canvas, tr("Name of the contour"))
         session.image_changed.connect(self.name_field.leave)
@@ -67,7 +67,7 @@ class ContoursFeature(Feature):
                        when=found),
             ActionSpec("keep", "Contours", "&Keep",
                        "Keep the selected contours through all sliders and runs; press again to undo.",
-                       partial(review.judge, "kept"), "K", gap=True, when=selected),
+                       partial(review.judge, "kept"), "Shift+K", gap=True, when=selected),
             ActionSpec("reject", "Contours", "&Reject",
                        "Exclude the selected contours from exports; press again to undo.",
                        partial(review.judge, "rejected"), "X", when=selected),

@@ -24,7 +24,7 @@ class DrawFeature(Feature):
         super().__init__(window)
         area = window.canvas_area
         tools = [
-            ActionSpec(tool.name, "Draw", tool.text, tool.tip, partial(area.use_tool, tool.name), tool.shortcut,
+            ActionSpec(tool.name, "Tools", tool.text, tool.tip, partial(area.use_tool, tool.name), tool.shortcut,
                        icon=tool.name, group="tool", checked=tool.name == FIRST_TOOL,
                        gap=index > 0 and tool.group != TOOLS[index - 1].group, when=has_image)
             for index, tool in enumerate(TOOLS)
@@ -37,12 +37,12 @@ class DrawFeature(Feature):
                         tr("Start where the gradient is large; choose again to remove it."), tr("Edges")),
             self._start("centers", tr("Ce&nters"), "Ctrl+Shift+C",
                         tr("Start at the centers of regions enclosed by edges; choose again to remove it.")),
-            ActionSpec("add_circle", "Draw", "Add circle in the &middle",
-                       "Add a circle in the middle of the visible part.", area.add_circle, "Ctrl+K", gap=True,
+            ActionSpec("add_circle", ">" + tr("Tools"), "Add circle in the &middle",
+                       "Add a circle in the middle of the visible part.", area.add_circle, "Ctrl+K",
                        when=has_image),
-            ActionSpec("cross_hair", "Draw", "Draw by &keys",
+            ActionSpec("cross_hair", "Tools", "Draw by &keys",
                        "Draw with the current tool by a cross-hair that arrow keys move; or press Enter on the image.",
-                       area.crosshair.toggle, when=has_image),
+                       area.crosshair.toggle, gap=True, when=has_image),
         )  # fmt: skip
 
     def _start(self, kind: Kind, text: str, keys: str, tip: str, short: str = "") -> ActionSpec:
@@ -57,7 +57,7 @@ class DrawFeature(Feature):
             # The action must show the state of the document even if it has not changed.
             self.window.refresh()
 
-        return ActionSpec(f"start_{kind}", "Draw", text, tip, toggle, keys, icon=kind, gap=kind == "grid",
+        return ActionSpec(f"start_{kind}", "Tools", text, tip, toggle, keys, icon=kind, gap=kind == "grid",
                           short=short, when=has_image, holds=lambda now: start in now.document.shapes)  # fmt: skip
 
 
@@ -100,15 +100,15 @@ class UndoSelectionFeature(Feature):
                        worded=lambda situation: resolve(situation).redo_text),
             ActionSpec("select_next", "Edit", "Select &next shape", "Select the next shape.", session.select_next, "N",
                        gap=True, when=has_shapes),
-            ActionSpec("escape", "Edit", "Cance&l",
+            ActionSpec("escape", ">" + tr("Edit"), "Cance&l",
                        "Cancel the current drawing, or clear the selection and hide messages.",
                        window.canvas_area.escape, "Escape"),
             ActionSpec("delete", "Edit", "&Delete", "Remove the selected shape.", session.delete_selected,
                        "Delete Backspace", gap=True, when=has_selection),
-            ActionSpec("enlarge", "Edit", "Larger",
+            ActionSpec("enlarge", ">" + tr("Edit"), "Larger",
                        "Make the selected shape larger, or a charge stronger; so does the key ].",
                        partial(self._resize, 1.0), when=has_selection),
-            ActionSpec("shrink", "Edit", "Smaller",
+            ActionSpec("shrink", ">" + tr("Edit"), "Smaller",
                        "Make the selected shape smaller, or a charge weaker; so does the key [.",
                        partial(self._resize, -1.0), when=has_selection),
             ActionSpec("clear", "Edit", "Delete &all shapes", "Remove all shapes.",

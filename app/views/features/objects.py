@@ -35,7 +35,7 @@ class ObjectsFeature(Feature):
         self._list = objects = window.workspace.object_list
         self._selection = selection = window.workspace.object_selection
         self.panel = ObjectPanel(window.session, objects, self._fill_classes)
-        self.panels = (Panel("objects", "Objects", self.panel, "below", False, 160, "F10"),)
+        self.panels = (Panel("objects", "Objects", self.panel, "F10"),)
         window.preferences.follow(UNIT, self.panel.table.show_items)
         window.shortcuts.changed.connect(self.panel.show_keys)
         self.name_field = NameField(area.canvas, tr("Name of the object"))

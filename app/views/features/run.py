@@ -6,9 +6,7 @@ from functools import partial
 
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QMenu
 
-from app.model.parameters.controls import CHANNEL
 from app.model.preferences.table import TIMELINE_MEMORY, UNIT, WORDING
 from app.model.state.resolve import resolve
 from app.model.state.situation import Situation, can_step, has_image, has_particles, is_running, is_started
@@ -21,7 +19,7 @@ from app.views.panels.parameters import ParametersPanel
 from app.views.panels.presets import Presets
 from app.views.panels.run import RunPanel
 from app.views.panels.timeline import TimelinePanel
-from app.views.widgets.actions import ActionSpec, Submenu, add_choice
+from app.views.widgets.actions import ActionSpec
 from app.views.window.bars import TaskBar
 from app.views.window.docks import Panel
 from app.views.window.keyboard import Keys
@@ -40,8 +38,11 @@ class RunControlFeature(Feature):
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
         session, speed = window.session, window.speed
-        self.panel = RunPanel()
-        self.panels = (Panel("run", "Run", self.panel, height=140, shortcut="F5"),)
+        self.presets = Presets(window, PresetStore(parent=window))
+        parameters = ParametersPanel(session, self.presets)
+        self.panel = RunPanel(parameters)
+        self.panels = (Panel("run", "Run", self.panel, "F5"),)
+        window.preferences.follow(WORDING, lambda: parameters.use_wording(window.preferences.value(WORDING)))
         chosen = window.preferences.get(_PLOTS, list(self.panel.plot.shown))
         self.panel.plot.show_plots(chosen)
         self.panel.unfold(window.preferences.get(_UNFOLDED, []))
@@ -91,7 +92,7 @@ class RunControlFeature(Feature):
         self.panel.show_metrics(snapshot.metrics if snapshot else None)
 
 
-_MENU = "Run>" + tr("&Timeline")
+_MENU = ">" + tr("Timeline")
 
 
 class TimelineFeature(Feature):
@@ -101,9 +102,8 @@ class TimelineFeature(Feature):
         super().__init__(window)
         self.navigation = to = window.workspace.navigation
         self.panel = TimelinePanel(to, lambda: is_running(window.session.situation))
-        self.panels = (
-            Panel("timeline", "Timeline", self.panel, "below", height=40, shortcut="F9"),
-        )  # fmt: skip
+        self.panels = (Panel("timeline", "Timeline", self.panel, "F9", below=True),)
+        window.session.status_changed.connect(lambda: self.panel.setVisible(is_started(window.session.situation)))
 
         def go_to_end(event: QKeyEvent) -> bool:
             """Home and End on the canvas; in sliders and fields they keep their meaning."""
@@ -176,27 +176,3 @@ class TasksFeature(Feature):
                        self.bar.cancel, "Ctrl+.", gap=True,
                        when=lambda _: any(task.cancellable for task in tasks.current)),
         )  # fmt: skip
-
-
-class ParametersFeature(Feature):
-    """Parameters and presets."""
-
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
-        self.presets = Presets(window, PresetStore(parent=window))
-        self.panel = ParametersPanel(window.session, self.presets)
-        self.panels = (Panel("parameters", "Parameters", self.panel, tab="settings", shortcut="F7"),)
-        window.preferences.follow(WORDING, lambda: self.panel.use_wording(window.preferences.value(WORDING)))
-        self.actions = (
-            Submenu("presets", "Run", "&Preset", self.presets.fill, gap=True),
-            Submenu("channels", "Run", "C&hannel", self._fill_channels),
-        )
-
-    def _fill_channels(self, menu: QMenu) -> None:
-        """Fill a menu with the channels; a gray image has none."""
-        session = self.window.session
-        colored = session.image is not None and session.image.colors is not None
-        for value, title, about in self.panel.choices[CHANNEL].control.choices:
-            take = partial(self.panel.change, CHANNEL, value)
-            action = add_choice(menu, title, take, about, value == session.document.parameters.channel)
-            action.setEnabled(colored)

@@ -20,6 +20,9 @@ from app.views.widgets.actions import LAYER, ActionSpec
 from app.views.window.docks import Panel
 from app.views.window.window import Feature, MainWindow
 
+_LAYERS, _AREAS = ">" + tr("Layers"), ">" + tr("Panels")
+"""Groups in the list of keys."""
+
 _KEY = "layers/{layer}"
 """Preference: the settings of a layer."""
 
@@ -35,7 +38,7 @@ class LayersFeature(Feature):
         area, canvas, workspace = window.canvas_area, window.canvas_area.canvas, window.workspace
         layers, particles, legend = canvas.layers, canvas.layers.particles, area.strip.legend
         panel = LayersPanel(layers)
-        self.panels = (Panel("layers", "Layers", panel, tab="settings", shortcut="F8"),)
+        self.panels = (Panel("layers", "Layers", panel, "F8"),)
         canvas.pointed.connect(layers.forces.point_at)
         for layer in layers:
             layer.use_view_state(_kept(window.preferences, layer))
@@ -52,17 +55,16 @@ class LayersFeature(Feature):
 
         def toggle(layer: Layer) -> ActionSpec:
             tip = tr("Show or hide: {layer}").format(layer=layer.tip)
-            return ActionSpec(f"{LAYER}{layer.name}", "View", layer.title, tip,
-                              lambda: layer.set_shown(not layer.shown), layer.shortcut, gap=layer is first,
+            return ActionSpec(f"{LAYER}{layer.name}", _LAYERS, layer.title, tip,
+                              lambda: layer.set_shown(not layer.shown), layer.shortcut,
                               holds=lambda _: layer.shown)  # fmt: skip
 
         def coloring(way: str, title: str) -> ActionSpec:
             tip = QUANTITIES[way].tip if way in QUANTITIES else particles.tip
-            return ActionSpec(f"colour_{way}", "View>" + tr("Color particles by"), title, tip,
+            return ActionSpec(f"colour_{way}", _LAYERS, title, tip,
                               partial(particles.choose, "colour", way),
                               holds=lambda _: particles.word("colour") == way)  # fmt: skip
 
-        first = next(iter(layers))
         self.actions = (
             ActionSpec("fit", "View", "&Fit to window", "Show the whole image.", canvas.fit, "F Ctrl+0",
                        short=tr("Fit"), icon="fit", when=has_image),
@@ -98,9 +100,6 @@ def _kept(preferences: Preferences, layer: Layer) -> dict[str, object]:
     return {name: kept[name] for name in layer.chosen if name in kept} if isinstance(kept, dict) else {}
 
 
-_MENU = "View>" + tr("Gra&y values")
-
-
 class LevelsFeature(Feature):
     """Acts on the layer of the image, which slices and the view in space follow."""
 
@@ -111,11 +110,11 @@ class LevelsFeature(Feature):
         drag.moved.connect(self._say)
         drag.ended.connect(window.refresh)
         self.actions = (
-            ActionSpec("levels_full", _MENU, "&All gray values",
+            ActionSpec("levels_full", _LAYERS, "&All gray values",
                        "Show all gray values, from the least, black, to the largest, white.",
                        partial(self._choose, WHOLE), "Alt+Shift+W", when=has_image,
                        holds=lambda _: layer.word("range") == WHOLE),
-            ActionSpec("levels_auto", _MENU, "A&utomatic range",
+            ActionSpec("levels_auto", _LAYERS, "A&utomatic range",
                        "Show all gray values but 0.1 % at either end. Drag with Ctrl and the right button to "
                        "change it.",
                        partial(self._choose, AUTOMATIC), "Alt+W", when=has_image,
@@ -138,15 +137,15 @@ class KeyboardFeature(Feature):
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
         self.actions = (
-            ActionSpec("go_to_sliders", "View", "&Go to the sliders",
+            ActionSpec("go_to_sliders", _AREAS, "&Go to the sliders",
                        "Give the keyboard to the sliders; Enter or Esc gives it back to the image.",
-                       lambda: window.docks.enter("parameters"), "Q", gap=True),
-            ActionSpec("next_area", "View", "Go to the ne&xt area",
-                       "Give the keyboard to the image, the sliders, the table and the timeline in turn.",
+                       lambda: window.docks.enter("run"), "Q"),
+            ActionSpec("next_area", _AREAS, "Go to the ne&xt area",
+                       "Give the keyboard to the image, the panel and the timeline in turn.",
                        lambda: window.docks.go_on(1), "F6"),
-            ActionSpec("previous_area", "View", "Go to the pre&vious area", "The same in the other direction.",
+            ActionSpec("previous_area", _AREAS, "Go to the pre&vious area", "The same in the other direction.",
                        lambda: window.docks.go_on(-1), "Shift+F6"),
-            ActionSpec("open_menu", "View", "&Menu of what is chosen",
+            ActionSpec("open_menu", _AREAS, "Context &menu",
                        "Open the menu that a click with the right button opens.",
                        lambda: window.context_menus.open_at(QApplication.focusWidget()), "Shift+F10 Menu"),
         )  # fmt: skip

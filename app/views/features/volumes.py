@@ -32,7 +32,7 @@ from cpm_core import Image, write_animation
 from cpm_core.formats import ANIMATED, FOR_STACKS, stack_suffix_of, write_picture
 from cpm_core.numerics import Place
 
-_MENU = "View>" + tr("Sli&ces and pages")
+_MENU = ">" + tr("Slices and pages")
 _JUMP = 10
 
 _SIDES = "volumes/three_slices"
@@ -78,22 +78,22 @@ class SlicesFeature(Feature):
             name = AXES[axis]
             return ActionSpec(f"slices_across_{axis}", _MENU, tr("Across the &{axis}").format(axis=name),
                               tr("Show slices across this axis: {axis}.").format(axis=name), partial(turn_to, axis),
-                              f"Ctrl+Shift+{axis + 1}", gap=axis == 0, when=has_volume,
+                              f"Ctrl+Shift+{axis + 1}", there=has_volume,
                               holds=lambda _: slices.now is not None and slices.now.axis == axis)  # fmt: skip
 
         self.actions = (
             ActionSpec("previous_slice", _MENU, "&Previous slice or page", "Show the slice or page before this one.",
-                       go(-1), "PgUp", when=several),
+                       go(-1), "PgUp", there=several),
             ActionSpec("next_slice", _MENU, "&Next slice or page", "Show the slice or page after this one.", go(1),
-                       "PgDown", when=several),
+                       "PgDown", there=several),
             ActionSpec("slices_back", _MENU, "Ten &back", "Show the slice or page ten before this one.", go(-_JUMP),
-                       "Shift+PgUp", when=several),
+                       "Shift+PgUp", there=several),
             ActionSpec("slices_on", _MENU, "Ten &on", "Show the slice or page ten after this one.", go(_JUMP),
-                       "Shift+PgDown", when=several),
+                       "Shift+PgDown", there=several),
             *map(across, range(3)),
-            ActionSpec("three_slices", _MENU, "&Three slices side by side",
+            ActionSpec("three_slices", "View", "&Three slices side by side",
                        "Show the slices across the other axes beside the canvas, linked by a cross.", self.toggle_sides,
-                       "Shift+Q", gap=True, when=has_volume, holds=lambda _: self._wanted),
+                       "Shift+Q", gap=True, there=has_volume, holds=lambda _: self._wanted),
         )  # fmt: skip
 
     def close(self) -> bool:
@@ -167,9 +167,6 @@ class SlicesFeature(Feature):
         self.window.turns.ask(self._show)
 
 
-_PAGES_MENU = "Run>" + tr("Pages of a &stack")
-
-
 class PagesFeature(Feature):
     """The line that chooses a page, the actions for all pages, and their table."""
 
@@ -178,7 +175,7 @@ class PagesFeature(Feature):
         self._pages = pages = window.workspace.pages
         self.bar = PageBar()
         self.panel = PagePanel(pages, pages.show)
-        self.panels = (Panel("pages", "Pages", self.panel, "below", False, 160, "Shift+F11"),)
+        self.panels = (Panel("pages", "Pages", self.panel, "Shift+F11", shown=False),)
         self.bar.moved.connect(pages.open)
         self.bar.asked.connect(lambda: pages.cancel() if pages.running else pages.run())
         self.bar.followed.connect(self._follow)
@@ -191,23 +188,26 @@ class PagesFeature(Feature):
         window.preferences.follow(UNIT, self.panel.show_rows)
         window.shortcuts.changed.connect(self.bar.show_keys)
 
+        def stacked(_: Situation) -> bool:
+            return pages.count > 1
+
         def can_run(situation: Situation) -> bool:
-            return pages.count > 1 and not pages.running and situation.document.mode != "skeleton"
+            return not pages.running and situation.document.mode != "skeleton"
 
         self.actions = (
-            ActionSpec("run_pages", _PAGES_MENU, "&Run all pages",
+            ActionSpec("run_pages", "Run", "Run all &pages",
                        "Run every page of the stack, one after the other, in the background.", pages.run,
-                       "Ctrl+Shift+Return", when=can_run),
-            ActionSpec("run_pages_on", _PAGES_MENU, "Run from this page &on",
+                       "Ctrl+Shift+Return", gap=True, when=can_run, there=stacked),
+            ActionSpec("run_pages_on", "Run", "Run from this page &on",
                        "Run this page and all after it, one after the other, in the background.",
-                       lambda: pages.run(pages.number), when=can_run),
-            ActionSpec("follow_pages", _PAGES_MENU, "&Follow from page to page",
+                       lambda: pages.run(pages.number), when=can_run, there=stacked),
+            ActionSpec("follow_pages", "Run", "&Follow from page to page",
                        "Start each page from the contours of the one before.",
-                       lambda: self._follow(not pages.following), gap=True, when=lambda _: pages.count > 1,
+                       lambda: self._follow(not pages.following), there=stacked,
                        holds=lambda _: pages.following),
             ActionSpec("export_pages", "File", "Export all pa&ges…",
                        "Write the contours, labels or measures of all pages that are done.", self.export,
-                       when=lambda _: pages.result is not None and bool(pages.result.results)),
+                       when=lambda _: pages.result is not None and bool(pages.result.results), there=stacked),
         )  # fmt: skip
 
     def export(self) -> None:
@@ -243,7 +243,7 @@ class SpaceFeature(Feature):
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
         self.panel = SpacePanel(window.session)
-        self.panels = (Panel("space", "In space", self.panel, shown=False, shortcut="Shift+F9"),)
+        self.panels = (Panel("space", "In space", self.panel, "Shift+F9", shown=False),)
         self._seen = SeenInSpace()
         self._layers = layers = window.canvas_area.canvas.layers
         window.session.scene_changed.connect(self._show)
@@ -259,11 +259,11 @@ class SpaceFeature(Feature):
             ActionSpec("export_space", "File", "Export picture in s&pace…",
                        "Export what the view in space shows as a picture.",
                        lambda: self._ask(tr("Export picture in space"), "_space.png", png, self.write_picture),
-                       when=has_volume),
+                       there=has_volume),
             ActionSpec("export_turntable", "File", "Export &turntable…",
                        "Export a full turn of the view in space as GIF, APNG or MP4.",
                        lambda: self._ask(tr("Export turntable"), "_turntable.gif", ANIMATED, self.write_turntable),
-                       when=has_volume),
+                       there=has_volume),
         )  # fmt: skip
 
     def close(self) -> bool:
@@ -325,7 +325,7 @@ class SpaceFeature(Feature):
         if self.window.session.scene.slices is not None:
             self.window.docks.reveal("space")
         else:
-            self.window.docks["space"].hide()
+            self.window.docks.hide("space")
 
     def _show(self, *_: object) -> None:
         self.panel.show_contents(self._seen.of(self.window.session.scene, self._layers))

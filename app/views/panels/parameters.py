@@ -1,12 +1,12 @@
-"""The panel of parameters: the preset, the main sliders, the advanced ones folded away, and an explanation."""
+"""The parameters in the tab of the run: the preset, the sliders that matter, and the others folded away."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
 
-from PySide6.QtCore import QEvent, QObject, QPoint, QSize, Qt, QTimer, Signal
-from PySide6.QtGui import QAction, QEnterEvent, QResizeEvent
+from PySide6.QtCore import QEvent, QObject, QPoint, Qt, Signal
+from PySide6.QtGui import QAction
 from PySide6.QtWidgets import (
     QApplication,
     QCheckBox,
@@ -14,7 +14,6 @@ from PySide6.QtWidgets import (
     QGridLayout,
     QHBoxLayout,
     QLabel,
-    QSizePolicy,
     QToolButton,
     QVBoxLayout,
     QWhatsThis,
@@ -27,6 +26,7 @@ from app.model.document.document import Document
 from app.model.document.modes import acting_in, fresh_parameters
 from app.model.parameters.controls import (
     CHANNEL,
+    MAIN,
     ChoiceControl,
     Control,
     adapted,
@@ -40,23 +40,14 @@ from app.session.scene import NO_CONTOURS, ReviewedContours
 from app.session.session import Session
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
-from app.views.widgets.containers import Scrolled, Section, arrange, wrapped
+from app.views.widgets.containers import Section, arrange
 from app.views.widgets.fields import DecimalField, MarkedSlider, WheelWithFocus
 from cpm_core import Parameters
 
 _SAME = 1e-9
 
-_WIDTH, _ARROWS, _LONGEST = 106, 44, "0000.0"
-"""Width of the field of a number, that of its arrows and margins [px], and a number that has room with any unit."""
-
-_LOWEST, _ROWS = 120, 96
-"""Minimum height of the panel, and height that is left to the sliders when the explanation is shown [px]."""
-
-_EXPLAINED_FROM, _LINES = 800, 14
-"""Height of the window from which the explanation is shown [px], and its height [lines].
-
-It does not depend on what is folded next to it, so that it stays the same while one works.
-"""
+_WIDTH = 72
+"""Width of the field of a number [px]."""
 
 
 def tip(control: Control) -> str:
@@ -106,8 +97,6 @@ class ParameterRow(QWidget):
     """Name of the control and its new value."""
     released = Signal()
     """The user has finished one change."""
-    explained = Signal(object)
-    """The pointer or the focus is on this control."""
 
     def __init__(self, control: Control) -> None:
         super().__init__()
@@ -121,14 +110,13 @@ class ParameterRow(QWidget):
         self._label.installEventFilter(self)
         self.use_wording(FIRST_WORDING)
         self.effect.setObjectName("dim")
-        self.effect.hide()
         self.number.setRange(control.low, control.high)
         self.number.setSingleStep(control.step)
         self.number.setDecimals(control.decimals)
         self.number.setKeyboardTracking(False)
         self.number.setAlignment(Qt.AlignmentFlag.AlignRight)
-        longest = self.number.fontMetrics().horizontalAdvance(f"{_LONGEST} {control.unit}")
-        self.number.setFixedWidth(max(_WIDTH, longest + _ARROWS))
+        self.number.setButtonSymbols(DecimalField.ButtonSymbols.NoButtons)
+        self.number.setFixedWidth(_WIDTH)
         self.number.valueChanged.connect(self._report)
         self.number.editingFinished.connect(self.released)
         self.slider.moved_to.connect(self._report)
@@ -146,7 +134,6 @@ class ParameterRow(QWidget):
         if self._automatic is not None:
             self._automatic.setFocusPolicy(Qt.FocusPolicy.TabFocus)
             self._automatic.setToolTip(control.by_itself)
-            self._automatic.installEventFilter(self)
             self._automatic.clicked.connect(lambda on: self._finish("auto" if on else self.number.value()))
         self._lay_out()
         self.adapt(control)
@@ -165,7 +152,7 @@ class ParameterRow(QWidget):
             self.number.setSuffix(f" {control.unit}" if control.unit and value not in dict(control.words) else "")
             self.number.show_value(value)
             same = not isinstance(default, str) and abs(value - default) < _SAME
-        self._restore.setEnabled(not same)
+        self._restore.setVisible(not same)
 
     def use(self, usual: Parameters, ndim: int, contrast: float) -> None:
         """Use range, default and explanation as they are for an image; see `adapted`."""
@@ -201,18 +188,11 @@ class ParameterRow(QWidget):
         """Color the button."""
         self._restore.setIcon(icon("restore", theme.accent, faded=theme.line))
 
-    def enterEvent(self, event: QEnterEvent) -> None:
-        """Explain the control under the pointer."""
-        self.explained.emit(self.control)
-        super().enterEvent(event)
-
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Explain the control with the focus, and restore the default on a double click on the name."""
+        """End a change with the focus, and restore the default on a double click on the name."""
         if watched is self._label:
             if event.type() == QEvent.Type.MouseButtonDblClick:
                 self._reset()
-        elif event.type() == QEvent.Type.FocusIn:
-            self.explained.emit(self.control)
         elif event.type() == QEvent.Type.FocusOut:
             self.released.emit()
         return False
@@ -221,15 +201,16 @@ class ParameterRow(QWidget):
         grid = QGridLayout(self)
         grid.setContentsMargins(0, 2, 0, 2)
         grid.setVerticalSpacing(0)
-        grid.setHorizontalSpacing(6)
+        grid.setHorizontalSpacing(4)
         grid.addWidget(self._label, 0, 0)
-        grid.addWidget(self.slider, 1, 0, 1, 3)  # before the number, so that Tab reaches it first
+        grid.addWidget(self.slider, 1, 0, 1, 4)  # before the number, so that Tab reaches it first
         if self._automatic is not None:
             grid.addWidget(self._automatic, 0, 1)
-        grid.addWidget(self.number, 0, 2, 1, 2, Qt.AlignmentFlag.AlignRight)
-        grid.addWidget(self._restore, 1, 3, Qt.AlignmentFlag.AlignRight)
-        grid.addWidget(self.effect, 2, 0, 1, 3)
+        grid.addWidget(self._restore, 0, 2)
+        grid.addWidget(self.number, 0, 3)
+        grid.addWidget(self.effect, 2, 0, 1, 4)
         grid.setColumnStretch(0, 1)
+        self.effect.hide()
 
     def _add_actions(self) -> None:
         """Make the actions of its menu, when that is opened first."""
@@ -271,18 +252,10 @@ class ParametersPanel(QWidget):
         self.choices = {control.name: ChoiceRow(control, self.change) for control in choice_controls()}
         self.presets = presets
         self._acting: frozenset[str] = frozenset((*self.rows, *self.choices))
-        self.explanation = wrapped()
-        self.explanation.setObjectName("explanation")
-        self.explanation.setAlignment(Qt.AlignmentFlag.AlignTop | Qt.AlignmentFlag.AlignLeft)
-        self.explanation.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
-        # that of the longest explanation, so that the layout stays the same for all of them
-        self.explanation.setFixedHeight(_LINES * self.fontMetrics().lineSpacing())
-        self._explained = ""
-        self.advanced = self._lay_out()
+        self.more = self._lay_out()
         for name, row in self.rows.items():
             row.changed.connect(self.change)
             row.released.connect(session.seal)
-            row.explained.connect(self._explain)
             row.slider.sliderPressed.connect(partial(self._hold, name, True))
             row.slider.sliderReleased.connect(partial(self._hold, name, False))
         session.scene_changed.connect(self._follow)
@@ -308,9 +281,6 @@ class ParametersPanel(QWidget):
         self._show_effects()
         for name, choice in self.choices.items():
             choice.show_value(str(value_of(document.parameters, name)))
-        if self._explained not in acting:
-            self._explained = next(name for name in self.rows if name in acting)
-        self._explain(self.rows[self._explained].control)
 
     def use_wording(self, wording: str) -> None:
         """Label everything by name or by symbol first."""
@@ -322,37 +292,18 @@ class ParametersPanel(QWidget):
         for row in self.rows.values():
             row.use_theme(theme)
 
-    def resizeEvent(self, event: QResizeEvent) -> None:
-        """Show the explanation where the window has room for it."""
-        super().resizeEvent(event)
-        left = self.height() - self.presets.sizeHint().height() - self.explanation.height()
-        self.explanation.setVisible(self.window().height() >= _EXPLAINED_FROM and left >= _ROWS)
-
-    def minimumSizeHint(self) -> QSize:
-        """Room for the presets and two rows; the rest scrolls."""
-        return QSize(super().minimumSizeHint().width(), _LOWEST)
-
     def _lay_out(self) -> Section:
-        advanced, scrolled = QWidget(), QWidget()
-        # while it is empty: it lays out its content at once, and again in the window
-        area = Scrolled(scrolled, _LOWEST)
-        hidden = [choice for name, choice in self.choices.items() if name != CHANNEL]
-        arrange(QVBoxLayout(advanced), *hidden, *(row for row in self.rows.values() if row.control.advanced))
-        section = Section(tr("Advanced"), advanced, unfolded=False)
-        shown = (row for row in self.rows.values() if not row.control.advanced)
-        # the channel is not hidden under "Advanced": a color image needs it first
-        arrange(QVBoxLayout(scrolled), self.choices[CHANNEL], *shown, section, None, spacing=0)
-        # The unfolded rows are scrolled into view after the layout has placed them.
-        section.fold.toggled.connect(
-            lambda unfolded: QTimer.singleShot(
-                0, area, lambda: area.verticalScrollBar().setValue(section.y() if unfolded else 0)
-            )
-        )
+        more = QWidget()
+        others = (choice for name, choice in self.choices.items() if name != CHANNEL)
+        arrange(QVBoxLayout(more), *others, *(row for name, row in self.rows.items() if name not in MAIN), spacing=0)
+        section = Section(tr("More parameters"), more, unfolded=False)
         heading = QLabel(tr("Preset"))
         heading.setObjectName("heading")
         heading.setBuddy(self.presets)
         head = arrange(QHBoxLayout(), heading, self.presets, wide=self.presets)
-        arrange(QVBoxLayout(self), head, area, self.explanation, margins=(12, 8, 6, 6), spacing=4, wide=area)
+        # the channel is not folded away: a color image needs it first
+        shown = self.choices[CHANNEL], *(self.rows[name] for name in MAIN)
+        arrange(QVBoxLayout(self), head, *shown, section, spacing=2)
         return section
 
     def change(self, name: str, value: float | str) -> None:
@@ -398,7 +349,3 @@ class ParametersPanel(QWidget):
         self._before = {name: self._counts.present} if held else {}
         if not held:
             self._show_effects()
-
-    def _explain(self, control: Control) -> None:
-        self._explained = control.name
-        self.explanation.setText(tip(control))

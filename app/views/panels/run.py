@@ -1,4 +1,4 @@
-"""The panel of the run: its state in one line, the numbers that matter, and further numbers and plots folded away."""
+"""The tab of the run: its state, the numbers that matter, preset and sliders; more numbers and plots folded away."""
 
 from __future__ import annotations
 
@@ -8,19 +8,20 @@ from functools import partial
 
 import numpy as np
 import pyqtgraph as pg
-from PySide6.QtCore import QEvent, QPointF, Qt, QTimer, Signal
+from PySide6.QtCore import QEvent, QPoint, QPointF, Qt, QTimer, Signal
 from PySide6.QtGui import QColor, QFocusEvent, QKeyEvent, QMouseEvent, QPalette
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QToolButton, QVBoxLayout, QWidget
 
 from app.model.display.plots import PLOTS, Plot, RunMetrics, Series, figure
 from app.model.state.resolve import Resolved
 from app.model.text.language import tr, written
+from app.views.panels.parameters import ParametersPanel
 from app.views.widgets.containers import ElidedLabel, Scrolled, Section, arrange
 
 _WIDE = (tr("Contours"), tr("Bridged"), tr("Skeleton of"))
 """Numbers that need a row of their own."""
 
-_LOWEST = 74
+_LOWEST = 120
 """Minimum height of the panel, in which its content scrolls [px]."""
 
 _LOWEST_PLOT = 72
@@ -293,15 +294,14 @@ class PlotPanel(QWidget):
 
 
 class StatusPanel(QWidget):
-    """The state of the run, the leading numbers, and the other ones in a section."""
+    """The state of the run and the numbers that matter."""
 
     def __init__(self) -> None:
         super().__init__()
         self._label = ElidedLabel()
         self._label.setObjectName("state")
-        self._leading, self._others = Numbers(), Numbers()
-        self.section = Section(tr("More numbers"), self._others, unfolded=False)
-        arrange(QVBoxLayout(self), self._label, self._leading, self.section, spacing=4)
+        self.leading, self.others = Numbers(), Numbers()
+        arrange(QVBoxLayout(self), self._label, self.leading, spacing=4)
 
     def show_resolved(self, resolved: Resolved, frames_per_second: str) -> None:
         """Show a state and its numbers."""
@@ -311,17 +311,14 @@ class StatusPanel(QWidget):
             self._label.setText(f"{head}." if colon else head)
             self._label.setToolTip(resolved.state)
             self._label.setAccessibleName(resolved.state)
-        self._leading.show_numbers([number for number in resolved.numbers if number[0] in resolved.leading])
+        self.leading.show_numbers([number for number in resolved.numbers if number[0] in resolved.leading])
         others = [number for number in resolved.numbers if number[0] not in resolved.leading]
-        self.section.setVisible(bool(others))
-        if resolved.particles:
-            tip = tr("How often per second the window draws the newest particles.")
-            others.append((tr("Frames/s"), frames_per_second, tip))
-        self._others.show_numbers(others)
+        tip = tr("How often per second the window draws the newest particles.")
+        self.others.show_numbers([*others, (tr("Frames/s"), frames_per_second, tip)])
 
     def value(self, label: str) -> str:
         """The number shown next to a label."""
-        return (self._leading if label in self._leading else self._others).value(label)
+        return (self.leading if label in self.leading else self.others).value(label)
 
     @property
     def state(self) -> str:
@@ -330,24 +327,26 @@ class StatusPanel(QWidget):
 
 
 class RunPanel(Scrolled):
-    """Status above, plots below."""
+    """State, preset and sliders; further numbers and plots folded away."""
 
     folded = Signal()
     """A section has been folded or unfolded."""
 
-    def __init__(self) -> None:
-        self.status = StatusPanel()
-        self.plot = PlotPanel()
-        self.plots = Section(tr("Plots"), self.plot, unfolded=False)
-        self.sections = {"numbers": self.status.section, "plots": self.plots}
+    def __init__(self, parameters: ParametersPanel) -> None:
+        self.status, self.parameters, self.plot = StatusPanel(), parameters, PlotPanel()
+        further = QWidget()
+        arrange(QVBoxLayout(further), self.status.others, self.plot, spacing=4, wide=self.plot)
+        self.plots = Section(tr("Numbers and plots"), further, unfolded=False)
+        self.sections = {"parameters": parameters.more, "plots": self.plots}
         self._metrics: RunMetrics | None = None
         content = QWidget()
-        column = QVBoxLayout(content)
-        arrange(column, self.status, self.plots, margins=(12, 6, 12, 6), spacing=4, wide=self.plots).addStretch()
+        parts = self.status, parameters, self.plots, None
+        arrange(QVBoxLayout(content), *parts, margins=(10, 8, 6, 6), spacing=8)
         super().__init__(content, _LOWEST)
         for section in self.sections.values():
             section.fold.toggled.connect(lambda: self.show_metrics(self._metrics))
             section.fold.toggled.connect(self.folded)
+            section.fold.toggled.connect(partial(self._scroll_to, section))
 
     @property
     def unfolded(self) -> list[str]:
@@ -368,3 +367,9 @@ class RunPanel(Scrolled):
         self._metrics = metrics
         if self.plots.fold.isChecked():
             self.plot.chart.show_metrics(metrics)
+
+    def _scroll_to(self, section: Section, unfolded: bool) -> None:
+        """Scroll an unfolded section into view, after the layout has placed it."""
+        if unfolded and self.isVisible():
+            scroll = self.verticalScrollBar().setValue
+            QTimer.singleShot(0, self, lambda: scroll(section.mapTo(self.widget(), QPoint()).y()))

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import cache
 
 from PySide6.QtCore import QByteArray, QRectF, QSize, Qt
-from PySide6.QtGui import QColor, QIcon, QPainter, QPixmap
+from PySide6.QtGui import QColor, QCursor, QIcon, QPainter, QPixmap
 from PySide6.QtSvg import QSvgRenderer
 from PySide6.QtWidgets import QColorDialog, QMenu, QWidget
 
@@ -41,6 +41,21 @@ def icon(name: str, color: str, faded: str | None = None) -> QIcon:
             for size in _SIZES:
                 made.addPixmap(_pixmap(renderer, size), mode)
     return made
+
+
+@cache
+def pointer(name: str) -> QCursor:
+    """A pointer with the picture of an icon, light with a dark rim; it points with the middle."""
+    side = 24
+    pixmap = QPixmap(side, side)
+    pixmap.fill(Qt.GlobalColor.transparent)
+    painter = QPainter(pixmap)
+    rim, picture = (icon(name, color).pixmap(QSize(side, side), 1.0) for color in ("#101216", "#ffffff"))
+    for x, y in ((-1, 0), (1, 0), (0, -1), (0, 1)):
+        painter.drawPixmap(x, y, rim)
+    painter.drawPixmap(0, 0, picture)
+    painter.end()
+    return QCursor(pixmap)
 
 
 @cache

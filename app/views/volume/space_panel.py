@@ -113,7 +113,7 @@ class SpacePanel(QWidget):
         self.view.show_view(self.contents)
 
 
-_MENU = "View>" + tr("In s&pace")
+_MENU = ">" + tr("In space")
 
 _FROM = {"A": tr("From the &front"), "P": tr("From the &front"), "L": tr("From the &left side"),
          "R": tr("From the &left side"), "S": tr("From &below"), "I": tr("From &below")}  # fmt: skip
@@ -140,18 +140,18 @@ def specs(panel: SpacePanel, session: Session) -> Iterator[ActionSpec]:
         return ActionSpec(f"space_along_{axis}", _MENU, plain,
                           tr("Look at the volume as at its slices across the axis: {axis} ({key} in the view).")
                           .format(axis=AXES[axis], key=axis + 1), partial(panel.view.look_along, axis),
-                          when=has_volume, worded=text)  # fmt: skip
+                          there=has_volume, worded=text)  # fmt: skip
 
     def part(name: str) -> ActionSpec:
         (title, tip), check = PARTS[name], panel.bar.checks[name]
-        return ActionSpec(f"space_{name}", _MENU, title, tip, check.toggle, gap=name == "particles",
-                          when=has_volume, holds=lambda _: check.isChecked())  # fmt: skip
+        return ActionSpec(f"space_{name}", _MENU, title, tip, check.toggle,
+                          there=has_volume, holds=lambda _: check.isChecked())  # fmt: skip
 
     yield ActionSpec("space_whole", _MENU, "&Whole volume",
                      "See the whole volume from where it is seen first (0 in the view).", panel.view.show_all,
-                     when=has_volume)  # fmt: skip
+                     there=has_volume)  # fmt: skip
     yield from map(along, range(3))
     yield from map(part, PARTS)
     yield ActionSpec("copy_space", _MENU, "&Copy picture",
-                     "Copy what the view in space shows to the clipboard.", copy, gap=True,
-                     when=has_volume)  # fmt: skip
+                     "Copy what the view in space shows to the clipboard.", copy,
+                     there=has_volume)  # fmt: skip

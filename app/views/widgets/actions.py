@@ -43,7 +43,7 @@ class ActionSpec:
     name : str
         Name in code.
     menu : str
-        Its menu; ``"File>Open sample"`` names a submenu.
+        Its menu; ``"File>Open sample"`` names a submenu, ``">Timeline"`` a group in the list of keys, without a menu.
     text : str
         Text in the menu; in English, or in the language of the window already.
     tip : str
@@ -62,6 +62,8 @@ class ActionSpec:
         Whether a separator is drawn above it.
     when : callable
         Situations in which it is enabled.
+    there : callable
+        Situations in which it is in the menus, such as that a volume is open; else it is hidden.
     holds : callable, optional
         Situations in which it has a check mark.
     worded : callable, optional
@@ -83,6 +85,7 @@ class ActionSpec:
     checked: bool = False
     gap: bool = False
     when: Condition = always
+    there: Condition = always
     holds: Condition | None = None
     worded: Callable[[Situation], str] | None = None
     pictured: Callable[[Situation], str] | None = None
@@ -136,8 +139,11 @@ class Actions:
             self._specs[spec.name] = spec
             self._actions[spec.name] = self._make(spec, parent)
         self._changing = [spec for spec in self._specs.values() if spec.worded or spec.holds or spec.pictured]
-        self._conditional = [
-            (self._actions[name], spec.when) for name, spec in self._specs.items() if spec.when is not always
+        self._conditional = [(self._actions[name], spec.when) for name, spec in self._specs.items()]
+        self._kinds = [
+            (self._actions[name], spec.there, name in NOT_IN_VOLUMES)
+            for name, spec in self._specs.items()
+            if spec.there is not always or name in NOT_IN_VOLUMES
         ]
 
     def __getitem__(self, name: str) -> QAction:
@@ -153,9 +159,12 @@ class Actions:
 
     def show(self, situation: Situation) -> None:
         """Update state, text and icon of all actions."""
+        volume = has_volume(situation)
+        for action, there, flat in self._kinds:
+            action.setVisible(there(situation) and not (flat and volume))
         for action, allows in self._conditional:
             action.setEnabled(allows(situation))
-        self._show_limits(has_volume(situation))
+        self._show_limits(volume)
         for spec in self._changing:
             action = self._actions[spec.name]
             if spec.holds is not None:
@@ -168,7 +177,7 @@ class Actions:
                 self._tint(spec.name)
 
     def _show_limits(self, volume: bool) -> None:
-        """Gray what volumes lack, with the reason in place of the tip; it returns with the next image."""
+        """Name what does something else in volumes; it returns with the next image."""
         if not (volume or self._limited):
             return
         changed, self._limited = volume != self._limited, volume
@@ -177,10 +186,7 @@ class Actions:
             if name in ICONS_IN_VOLUMES:
                 self._icons[name] = ICONS_IN_VOLUMES[name] if volume else self._specs[name].icon
                 self._tint(name)
-        for name in NOT_IN_VOLUMES.keys() & self._actions.keys():
-            if volume or self._specs[name].when is always:
-                self._actions[name].setEnabled(not volume)
-        for name in {*OTHERWISE_IN_VOLUMES, *NOT_IN_VOLUMES} & self._actions.keys() if changed else ():
+        for name in OTHERWISE_IN_VOLUMES if changed else ():
             self._tell(name)
 
     def show_keys(self) -> None:
@@ -215,7 +221,7 @@ class Actions:
         """Set the tips of an action, in a volume those that hold there."""
         action, tip = self._actions[name], self._specs[name].tip
         if self._limited:
-            tip = NOT_IN_VOLUMES.get(name, OTHERWISE_IN_VOLUMES.get(name, ("", tip))[1])
+            tip = OTHERWISE_IN_VOLUMES.get(name, ("", tip))[1]
         said, key = with_keys(tip), action.shortcut().toString(QKeySequence.SequenceFormat.NativeText)
         action.setStatusTip(said)
         action.setToolTip(f"{_plain(action.text()).rstrip('…')}{f' ({key})' if key else ''}: {said}")

@@ -137,10 +137,18 @@ class ToolButton(QToolButton):
         self.setDefaultAction(actions[0])
         for action in actions:
             action.triggered.connect(partial(self.setDefaultAction, action))
+            action.visibleChanged.connect(self._follow)
 
     def contextMenuEvent(self, event: QContextMenuEvent) -> None:
         """Open the menu."""
         self.showMenu()
+
+    def _follow(self) -> None:
+        """Show an action that there is, or hide where there is none."""
+        shown = [action for action in self.menu().actions() if action.isVisible()]
+        self.setVisible(bool(shown))
+        if shown and not self.defaultAction().isVisible():
+            self.setDefaultAction(shown[0])
 
 
 SHOWN_AFTER = 0.3

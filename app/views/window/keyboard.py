@@ -15,7 +15,6 @@ from PySide6.QtWidgets import (
     QApplication,
     QComboBox,
     QDialog,
-    QDockWidget,
     QLineEdit,
     QMainWindow,
     QMenu,
@@ -84,7 +83,7 @@ _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 
 
 class Keyboard(QObject):
-    """Decides on the keys of the focused widget, in the window and its detached panels; dialogs are left alone.
+    """Decides on the keys of the focused widget of the window; dialogs are left alone.
 
     - A character that is not text for a field is a key of the window: Space runs, letters choose tools.
     - Enter enters the value of a field and gives the keyboard back to the canvas; it presses a button.
@@ -134,13 +133,9 @@ class Keyboard(QObject):
             (QApplication.activeModalWidget() or self._window).activateWindow()
 
     def _is_mine(self, widget: QWidget) -> bool:
-        """Whether a widget is in the window or in one of its detached panels, and is not the canvas."""
-        top = widget.window()
-        detached = isinstance(top, QDockWidget) and top.parentWidget() is self._window
+        """Whether a widget is in the window, and is not the canvas."""
         return (
-            (top is self._window or detached)
-            and widget is not self._canvas
-            and not isinstance(widget, QMenuBar | QMenu)
+            widget.window() is self._window and widget is not self._canvas and not isinstance(widget, QMenuBar | QMenu)
         )
 
     def _claim(self, widget: QWidget, event: QKeyEvent) -> bool:

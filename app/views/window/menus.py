@@ -29,7 +29,7 @@ def keep_apart(menu: QMenu) -> None:
 MENUS = {
     "File": tr("&File"),
     "Edit": tr("&Edit"),
-    "Draw": tr("&Draw"),
+    "Tools": tr("&Tools"),
     "View": tr("&View"),
     "Run": tr("&Run"),
     "Contours": tr("&Contours"),
@@ -56,6 +56,8 @@ class Menus:
         for name, title in zip(MENUS, distinct([*MENUS.values()]), strict=True):
             self._menus[name] = bar.addMenu(title)
         for spec in sorted(specs, key=lambda spec: spec.name == QUIT):
+            if not spec.menu or spec.menu.startswith(">"):
+                continue
             menu = self[spec.menu]
             if spec.gap and not menu.isEmpty():
                 menu.addSeparator()

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Generic, Protocol, TypeVar, cast, runtime_checkable
 
 from PySide6.QtCore import QByteArray, QSize, Qt, Signal
-from PySide6.QtGui import QAction, QCloseEvent, QDragEnterEvent, QDropEvent, QGuiApplication
+from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QGuiApplication
 from PySide6.QtWidgets import QDialog, QMainWindow, QWidget
 
 from app.model.display.lengths import prefer_unit
@@ -26,7 +26,7 @@ from app.session.storage.session_file import DocumentFile
 from app.views.canvas.canvas_area import FIRST_TOOL, CanvasArea
 from app.views.canvas.status_fields import PointerReadout, ZoomField
 from app.views.theme import theme
-from app.views.widgets.actions import LAYER, Actions, ActionSpec, Submenu
+from app.views.widgets.actions import Actions, ActionSpec, Submenu
 from app.views.widgets.fields import SpeedControl
 from app.views.widgets.turns import Turns
 from app.views.window.bars import ToolBar, ToolPalette
@@ -137,7 +137,7 @@ class MainWindow(QMainWindow):
         self.menus = Menus(self.menuBar(), specs, self.actions_by_name)
         panels = [panel for feature in self.features.values() for panel in feature.panels]
         self.panels = {panel.name: panel.widget for panel in panels}
-        self.docks = Docks(self, panels, self._keyboard)
+        self.docks = Docks(self, panels, self._keyboard, self.canvas_area.controls)
         self._add_shortcuts()
         self.context_menus = self._add_menus(specs)
         self.addToolBar(ToolBar(self.actions_by_name, self.speed))
@@ -148,15 +148,20 @@ class MainWindow(QMainWindow):
             self.statusBar().addPermanentWidget(field)
         session.status_changed.connect(self._show)
         session.image_changed.connect(self._keep_tool)
+        self.canvas_area.tool_changed.connect(self._follow_tool)
         self.preferences.changed.connect(self._follow)
         QGuiApplication.styleHints().colorSchemeChanged.connect(self._use_chosen_theme)
         self._use_chosen_theme()
         self._show()
+        self._restore_layout()
+        self._follow_tool()
+        canvas.setFocus()
+
+    def _restore_layout(self) -> None:
         geometry = self.preferences.get(_GEOMETRY, QByteArray())
         if not geometry.isEmpty():
             self.restoreGeometry(geometry)
             self.docks.restore_layout(self.preferences.get(_LAYOUT, QByteArray()))
-        canvas.setFocus()
 
     def feature(self, kind: type[P]) -> P:
         """A feature by its class."""
@@ -190,9 +195,8 @@ class MainWindow(QMainWindow):
             event.ignore()
             return
         self.preferences.put(_GEOMETRY, self.saveGeometry())
-        self.preferences.put(_LAYOUT, self.saveState(self.docks.version))
+        self.preferences.put(_LAYOUT, self.docks.layout_state())
         self.turns.stop()
-        self.docks.leave()
         self.hide()
         self.workspace.close()
         self._garbage.stop()
@@ -215,21 +219,22 @@ class MainWindow(QMainWindow):
             self.refresh()
             self.do(FIRST_TOOL)
 
+    def _follow_tool(self) -> None:
+        """Show the tab of the tool, once it has changed: the user may look at another one since."""
+        self.docks.bring(self.canvas_area.canvas.hold.tool.panel)
+        self.refresh()
+
     def _add_menus(self, specs: Sequence[ActionSpec | Submenu]) -> ContextMenus:
-        restore = QAction(tr("Restore pane&ls"), self)
-        restore.setStatusTip(tr("Move every panel to its initial place."))
-        restore.triggered.connect(self.docks.restore)
-        general = (*self.docks.actions, restore)
-        self.menus.add_section("View", general)
-        menus = ContextMenus(self, specs, self.actions_by_name, general)
-        menus.watch(self, *self.docks)
+        self.menus.add_section("View", self.docks.actions)
+        menus = ContextMenus(self, specs, self.actions_by_name, self.docks.actions)
+        menus.watch(self, self.docks.column)
         self.canvas_area.canvas.pointer.menu_wanted.connect(partial(menus.open_at, self.canvas_area))
         return menus
 
     def _add_shortcuts(self) -> None:
         for spec in self.actions_by_name.specs:
-            group = tr("Tools") if spec.group == "tool" else MENUS[spec.menu.partition(">")[0]].replace("&", "")
-            group = tr("Layers") if spec.name.startswith(LAYER) else group
+            menu, _, group = spec.menu.partition(">")
+            group = MENUS[menu].replace("&", "") if menu else group
             self.shortcuts.add(self.actions_by_name[spec.name], spec.name, spec.title, group)
         for action in self.docks.actions:
             self.shortcuts.add(action, action.objectName(), action.text(), tr("Panels"))

@@ -1,4 +1,4 @@
-"""Segmented objects, as a session keeps them: clicks, boundary and class of each, and the union of two."""
+"""Segmented objects, as a session keeps them: clicks, boundary and class of each, the union of two, halves of one."""
 
 from cpm_core.objects.segmented.areas import lies_on as lies_on
 from cpm_core.objects.segmented.areas import painted as painted
@@ -12,3 +12,6 @@ from cpm_core.objects.segmented.segmented_object import SegmentedObjects as Segm
 from cpm_core.objects.segmented.segmented_object import contours_of as contours_of
 from cpm_core.objects.segmented.segmented_object import places_of as places_of
 from cpm_core.objects.segmented.segmented_object import selection_of as selection_of
+from cpm_core.objects.segmented.splitting import Halves as Halves
+from cpm_core.objects.segmented.splitting import split as split
+from cpm_core.objects.segmented.splitting import split_along as split_along

@@ -91,9 +91,9 @@ def painted(
     way = shapely.LineString(path) if len(path) > 1 else shapely.Point(path[0])
     brush = way.buffer(radius, quad_segs=_ROUND)
     if not adds:
-        return _boundary_of(_area_of(boundary).difference(brush))
+        return boundary_of(area_of(boundary).difference(brush))
     within = brush.intersection(shapely.box(-0.5, -0.5, shape[0] - 0.5, shape[1] - 0.5))
-    return _boundary_of(_area_of(boundary).union(within))
+    return boundary_of(area_of(boundary).union(within))
 
 
 def union(first: SegmentedObject, second: SegmentedObject) -> SegmentedObject:
@@ -108,11 +108,11 @@ def union(first: SegmentedObject, second: SegmentedObject) -> SegmentedObject:
     clicks = tuple(said for item in (first, second) for said in item.clicks if said.inside)
     if first.surface and second.surface:
         return replace(first, clicks=clicks, surface=(surface_of_both(first.surface[0], second.surface[0]),))
-    one, other = _area_of(first.boundary), _area_of(second.boundary)
+    one, other = area_of(first.boundary), area_of(second.boundary)
     both = one.union(other)
     closed = both.buffer(0.5 * _SLIT, join_style="mitre").buffer(-0.5 * _SLIT, join_style="mitre")
     between = closed.intersection(one.buffer(_SLIT)).intersection(other.buffer(_SLIT))
-    boundary = _boundary_of(both.union(between))
+    boundary = boundary_of(both.union(between))
     lengths = [item.perimeter() for item in (first, second)]
     return replace(
         first,
@@ -130,7 +130,7 @@ def lies_on(gap: Line, boundary: tuple[Line, ...]) -> bool:
     return bool(np.median(away) <= _NEAR)
 
 
-def _area_of(boundary: Iterable[Line]) -> Any:
+def area_of(boundary: Iterable[Line]) -> Any:
     """What an odd number of closed curves encloses."""
     import shapely  # noqa: PLC0415 - needed for few edits
 
@@ -140,7 +140,7 @@ def _area_of(boundary: Iterable[Line]) -> Any:
     return area
 
 
-def _boundary_of(area: Any) -> tuple[Line, ...]:
+def boundary_of(area: Any) -> tuple[Line, ...]:
     """The closed curves around an area, the longest first, without remainders."""
     import shapely  # noqa: PLC0415 - needed for few edits
 

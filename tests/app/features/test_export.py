@@ -154,7 +154,7 @@ def test_kept_ones_only_and_the_selection_are_written_with_the_numbers_of_the_ta
     review = found.workspace.review
     numbers = {item.measures.number: item.key for item in review.items}
     review.select([numbers[2]])
-    hand.key(KEY.Key_K)
+    hand.key(KEY.Key_K, Qt.KeyboardModifier.ShiftModifier)
     review.select([numbers[1], numbers[3]])
     for source, wanted in (("kept", [2]), ("selected", [1, 3]), ("all", [1, 2, 3])):
         dialog = asked(hand, found)

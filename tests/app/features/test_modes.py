@@ -124,12 +124,12 @@ def find_skeleton(window, hand):
 
 
 def test_sliders_of_the_skeleton_act_without_a_new_run_and_are_undone(window, hand) -> None:
-    rows = window.panels["parameters"].rows
+    rows = window.panels["run"].parameters.rows
     assert not rows["pruning"].isVisibleTo(window)
     first = find_skeleton(window, hand)
     for name in ("polarity", "max_width", "pruning"):
-        assert rows[name].isVisibleTo(window.panels["parameters"])
-    assert not any(rows[name].isVisibleTo(window.panels["parameters"]) for name in ("beta", "ratio", "annealing"))
+        assert rows[name].isVisibleTo(window.panels["run"].parameters)
+    assert not any(rows[name].isVisibleTo(window.panels["run"].parameters) for name in ("beta", "ratio", "annealing"))
     assert (rows["polarity"].number.text(), rows["max_width"].number.text()) == ("auto", "auto")
     session = window.session
     rows["pruning"].slider.setFocus()

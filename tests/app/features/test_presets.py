@@ -11,7 +11,7 @@ from PySide6.QtCore import Qt
 
 from app.model.parameters.presets import Preset, built_in, checked_name, read, written
 from app.session.storage.presets import PresetStore
-from app.views.features.run import ParametersFeature
+from app.views.features.run import RunControlFeature
 from app.views.panels import presets as dialogs
 from app.views.panels.presets import Presets
 from app.views.window.dialogs import Question
@@ -95,7 +95,7 @@ def test_a_preset_is_saved_found_and_deleted_and_damaged_files_are_ignored(store
 
 @pytest.fixture
 def presets(window) -> Presets:
-    return window.feature(ParametersFeature).presets
+    return window.feature(RunControlFeature).presets
 
 
 def test_a_preset_is_chosen_with_the_keys_and_undone(window, hand, presets) -> None:
@@ -108,7 +108,7 @@ def test_a_preset_is_chosen_with_the_keys_and_undone(window, hand, presets) -> N
     assert not presets.popup.isVisible()
     assert window.session.document.parameters == PRESETS["automatic"]
     assert "Automatic" in presets.text()
-    window.panels["parameters"].rows["beta"].slider.setValue(3)
+    window.panels["run"].parameters.rows["beta"].slider.setValue(3)
     assert presets.current is None
     window.session.undo()
     window.session.undo()
@@ -116,7 +116,7 @@ def test_a_preset_is_chosen_with_the_keys_and_undone(window, hand, presets) -> N
 
 
 def test_own_presets_are_saved_and_deleted(window, presets, monkeypatch) -> None:
-    window.panels["parameters"].rows["beta"].slider.setValue(3)
+    window.panels["run"].parameters.rows["beta"].slider.setValue(3)
     mine = window.session.document.parameters
     assert not presets.delete.isEnabled()
     monkeypatch.setattr(dialogs, "ask_for_text", lambda *_: "Soft")

@@ -70,7 +70,7 @@ def test_a_moved_slider_acts_at_the_next_step_without_a_new_start(ready, hand) -
     hand.wait(lambda: ready.session.idle)
     generation = ready.session.generation
     state = engine.step(state, PRESETS["shape"])
-    slider = ready.panels["parameters"].rows["beta"].slider
+    slider = ready.panels["run"].parameters.rows["beta"].slider
     hand.qtbot.keyClick(slider, KEY.Key_PageUp)
     changed = ready.session.document.parameters
     assert changed.beta > PRESETS["shape"].beta
@@ -158,11 +158,12 @@ def test_overlays_appear_on_request_and_follow_the_smoothing(window, hand, recor
 
 @pytest.mark.parametrize("name", MOTION)
 def test_at_rest_a_moved_slider_continues_the_run_and_undo_brings_the_rest_back(ready, hand, name) -> None:
-    session, row = ready.session, ready.panels["parameters"].rows[name]
+    session, row = ready.session, ready.panels["run"].parameters.rows[name]
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
     hand.wait(lambda: session.idle)
     before, parameters = session.scene.snapshot, session.document.parameters
+    outline = session.scene.reconstruction.result.contours[0].points
     row.slider.setFocus()
     for _ in range(3):
         hand.qtbot.keyClick(row.slider, KEY.Key_PageDown)
@@ -178,6 +179,7 @@ def test_at_rest_a_moved_slider_continues_the_run_and_undo_brings_the_rest_back(
     assert session.document.parameters == parameters
     assert session.status.phase == "finished"
     np.testing.assert_array_equal(session.scene.snapshot.position, before.position)
+    np.testing.assert_array_equal(session.scene.reconstruction.result.contours[0].points, outline)
     hand.key(KEY.Key_Z, CONTROL | Qt.KeyboardModifier.ShiftModifier)
     hand.wait_for_phase("finished")
     hand.wait(lambda: session.idle)
@@ -186,7 +188,7 @@ def test_at_rest_a_moved_slider_continues_the_run_and_undo_brings_the_rest_back(
 
 
 def test_what_the_sliders_of_the_motion_change_is_shown_next_to_them(ready, hand) -> None:
-    rows = ready.panels["parameters"].rows
+    rows = ready.panels["run"].parameters.rows
     hand.key(KEY.Key_Period)
     hand.wait(lambda: ready.session.idle)
     assert rows["beta"].effect.text().endswith("px per step")
@@ -202,7 +204,7 @@ def test_what_the_sliders_of_the_motion_change_is_shown_next_to_them(ready, hand
 @pytest.mark.parametrize("name", ["beta"])
 def test_a_slider_drag_is_one_step_of_undo(window, hand, name) -> None:
     before = window.session.document.parameters
-    slider = window.panels["parameters"].rows[name].slider
+    slider = window.panels["run"].parameters.rows[name].slider
     slider.setFocus()
     for key in (KEY.Key_PageDown, KEY.Key_Left, KEY.Key_Left):
         hand.qtbot.keyClick(slider, key)

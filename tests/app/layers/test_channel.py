@@ -33,7 +33,7 @@ def color_at(hand, row: float, col: float) -> tuple[int, int, int]:
 
 
 def test_a_channel_is_taken_with_the_keys_and_undone(colored, hand) -> None:
-    row = colored.panels["parameters"].choices["channel"]
+    row = colored.panels["run"].parameters.choices["channel"]
     assert row.isVisible()
     row.box.setFocus()
     hand.qtbot.keyClick(row.box, Qt.Key.Key_Down)
@@ -44,7 +44,7 @@ def test_a_channel_is_taken_with_the_keys_and_undone(colored, hand) -> None:
 
 
 def test_a_session_brings_back_the_channel(colored, hand, image_file, tmp_path) -> None:
-    colored.panels["parameters"].change("channel", "blue")
+    colored.panels["run"].parameters.change("channel", "blue")
     colored.feature(OpenSaveFeature).document_file.save(tmp_path / "kept.cpm")
     colored.session.open(image_file)
     hand.wait(lambda: colored.session.document.image.name == image_file.name and colored.session.idle)
@@ -52,11 +52,11 @@ def test_a_session_brings_back_the_channel(colored, hand, image_file, tmp_path) 
     colored.session.open(tmp_path / "kept.cpm")
     hand.wait(lambda: colored.session.document.image.name == "colored.png" and colored.session.idle)
     assert colored.session.document.parameters.channel == "blue"
-    assert colored.panels["parameters"].choices["channel"].box.currentText() == "blue"
+    assert colored.panels["run"].parameters.choices["channel"].box.currentText() == "blue"
 
 
 def test_the_channel_of_the_run_can_be_seen_and_follows_the_choice(colored, hand) -> None:
-    layer, panel = hand.canvas.layers["image"], colored.panels["parameters"]
+    layer, panel = hand.canvas.layers["image"], colored.panels["run"].parameters
     assert color_at(hand, 30.0, 20.0) == (220, 60, 60)
     layer.choose("shown", "channel")
     panel.change("channel", "red")

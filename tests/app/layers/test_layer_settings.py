@@ -47,7 +47,7 @@ def test_an_invalid_setting_changes_nothing(window, cases):
 
 
 def test_the_panel_shows_and_changes_opacity_and_settings(window, hand):
-    window.docks["layers"].raise_()
+    window.docks.reveal("layers")
     for name, row in window.panels["layers"].rows.items():
         layer = hand.canvas.layers[name]
         slider = row.opacity

@@ -46,7 +46,7 @@ def deep(window, hand, tmp_path):
     np.save(tmp_path / "deep.npy", values)
     window.session.open(tmp_path / "deep.npy")
     hand.wait(lambda: window.session.document.image.name == "deep.npy" and window.session.idle)
-    window.docks["layers"].raise_()
+    window.docks.reveal("layers")
     row = window.panels["layers"].rows["image"]
     hand.qtbot.mouseClick(row.fold, Qt.MouseButton.LeftButton)
     return hand.canvas.layers["image"], row.settings, values

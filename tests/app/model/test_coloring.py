@@ -94,7 +94,7 @@ def test_colors_are_chosen_by_keys_and_come_with_a_legend(window, hand, ready):
     ready.session.step()
     hand.wait(lambda: layer.count > 0 and ready.session.status.step == 1)
     assert not layer.legend.isVisible()
-    window.docks["layers"].raise_()
+    window.docks.reveal("layers")
     row = window.panels["layers"].rows["particles"]
     row.fold.setFocus()
     hand.qtbot.keyClick(row.fold, Qt.Key.Key_Return)

@@ -220,8 +220,6 @@ from app.views.main_window import make_window
 
 application = make_application()
 window = make_window(Workspace())
-for dock in window.docks:
-    dock.show()
 window.show()
 application.processEvents()
 

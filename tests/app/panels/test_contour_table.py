@@ -55,8 +55,7 @@ def found(window: MainWindow, hand: Hand, tmp_path: Path) -> MainWindow:
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
     hand.wait(lambda: session.idle)
-    window.docks["contours"].show()
-    window.docks["contours"].raise_()
+    window.docks.reveal("contours")
     assert len(window.workspace.review.items) == 4
     return window
 
@@ -169,7 +168,7 @@ def test_a_contour_rejected_on_the_canvas_is_marked_in_its_row_and_missing_in_th
 def test_the_table_can_be_limited_to_a_verdict_and_keeps_the_selection(found, table, hand) -> None:
     shown = found.panels["contours"].shown
     click_row(hand, table, 1)
-    hand.key(KEY.Key_K)
+    hand.key(KEY.Key_K, SHIFT)
     click_row(hand, table, 2)
     hand.key(KEY.Key_X)
     for choice, numbers in ((1, ["2"]), (2, ["3"]), (3, ["1", "4"]), (0, ["1", "2", "3", "4"])):
@@ -187,7 +186,7 @@ def test_a_kept_contour_stays_with_its_number_when_a_slider_or_a_later_run_drops
     review, session = found.workspace.review, found.session
     weak = min(review.items, key=lambda item: item.measures.strength)
     review.select([weak.key])
-    hand.key(KEY.Key_K)
+    hand.key(KEY.Key_K, SHIFT)
     limit = weak.measures.strength + 1.0
     session.edit("raise", lambda document: edits.set_parameter(document, "min_strength", limit))
     hand.wait(lambda: session.idle)
@@ -288,15 +287,14 @@ def test_a_reconstruction_preserves_selection_order_and_a_name_being_edited(foun
 
 
 def test_a_table_that_is_opened_later_shows_the_present_selection_and_review(found, table, hand) -> None:
-    dock = found.docks["contours"]
-    dock.hide()
+    found.docks.bring("run")
     hand.canvas.setFocus()
     hand.key(KEY.Key_V)
     pick(hand, SINGLE)
     hand.key(KEY.Key_X)
     assert table.column("verdict") == ["–"] * 4, "a hidden table is not updated"
     hand.key(KEY.Key_T, Qt.KeyboardModifier.ControlModifier)
-    assert dock.isVisible()
+    assert table.isVisible()
     assert table.column("verdict") == ["–", "✗ rejected", "–", "–"]
     assert [index.row() for index in table.selectionModel().selectedRows()] == [1]
 

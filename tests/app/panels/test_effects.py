@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from PySide6.QtCore import QPoint, Qt
 
 from app.model.display.effects import MOTION, Distribution, FilterCounts, figures
-from app.model.parameters.controls import controls, with_value
+from app.model.parameters.controls import MAIN, controls, with_value
 from cpm_core import PRESETS, Engine, circle
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import measure
@@ -24,15 +24,13 @@ pytestmark = pytest.mark.shared_window
 LEFT = Qt.MouseButton.LeftButton
 
 
-def test_reach_stands_first_then_motion_then_what_decides_which_contours_there_are() -> None:
+def test_motion_comes_first_then_what_matters_for_starts_then_what_decides_which_contours_there_are() -> None:
     names = [control.name for control in controls()]
-    motion = ("beta", "ratio", "annealing")
-    filters = ("smoothing", "edge_floor", "max_gap", "min_strength", "min_length")
-    advanced = [control.name for control in controls() if control.advanced]
-    assert names[:2] == ["reach", "weakest_edge"]
-    assert max(map(names.index, motion)) < min(map(names.index, filters))
+    filters = ("edge_floor", "max_gap", "min_strength", "min_length")
+    advanced = [control.name for control in controls() if control.advanced and control.name not in MAIN]
+    assert names[:6] == ["beta", "ratio", "annealing", "reach", "weakest_edge", "smoothing"]
+    assert max(map(names.index, MAIN)) < min(map(names.index, filters))
     assert max(map(names.index, filters)) < min(map(names.index, advanced))
-    assert not {*motion, *filters} & {*advanced}
 
 
 CROSSED = np.full((72, 72), 40.0)
@@ -106,7 +104,7 @@ def test_gaps_are_counted_between_loose_ends_alone() -> None:
 
 @pytest.mark.usefixtures("found")
 def test_a_filter_that_is_dragged_tells_before_and_after_and_then_what_is_left(window, hand) -> None:
-    row = window.panels["parameters"].rows["min_strength"]
+    row = window.panels["run"].parameters.rows["min_strength"]
     assert row.effect.text() == "4 contours"
     slider = row.slider
     strengths = sorted(item.measures.strength for item in window.workspace.review.items)

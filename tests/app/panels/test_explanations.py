@@ -1,10 +1,10 @@
-"""Every parameter is named and explained; the explanation follows the focus."""
+"""Every parameter is named and explained."""
 
 from __future__ import annotations
 
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QCheckBox, QLabel
+from PySide6.QtWidgets import QLabel
 
 from app.model.parameters.controls import controls
 from app.model.preferences.table import WORDING
@@ -26,20 +26,8 @@ def test_no_two_controls_have_the_same_name() -> None:
     assert len(set(names)) == len(names)
 
 
-def test_the_explanation_follows_the_focus_and_fits_its_panel(window, hand) -> None:
-    window.resize(1500, 1000)
-    panel = window.panels["parameters"]
-    panel.advanced.fold.click()
-    hand.wait(panel.explanation.isVisible)
-    for name, row in panel.rows.items():
-        field = row.slider if row.slider.isEnabled() else row.findChild(QCheckBox)
-        field.setFocus(Qt.FocusReason.TabFocusReason)
-        hand.wait(lambda row=row: row.control.more in panel.explanation.text())
-        assert panel.explanation.heightForWidth(panel.explanation.width()) <= panel.explanation.height(), name
-
-
 def test_labels_begin_with_name_or_symbol_by_choice_which_is_remembered(window, hand) -> None:
-    row = window.panels["parameters"].rows["beta"]
+    row = window.panels["run"].parameters.rows["beta"]
     assert row.findChild(QLabel).text().startswith("Damping")
     window.preferences.choose(WORDING, "symbol")
     assert row.findChild(QLabel).text().startswith("<i>β</i>")

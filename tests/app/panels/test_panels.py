@@ -17,7 +17,7 @@ pytestmark = pytest.mark.shared_window
 
 
 def test_every_tooltip_has_symbol_effect_default_and_the_range_of_its_slider(window) -> None:
-    rows = window.panels["parameters"].rows
+    rows = window.panels["run"].parameters.rows
     assert list(rows) == [control.name for control in controls()]
     for name, row in rows.items():
         control, ends = row.control, []
@@ -32,8 +32,8 @@ def test_every_tooltip_has_symbol_effect_default_and_the_range_of_its_slider(win
 
 
 def test_a_double_click_on_a_slider_and_the_button_restore_the_default(window, hand, cases) -> None:
-    panel = window.panels["parameters"]
-    panel.advanced.fold.click()
+    panel = window.panels["run"].parameters
+    panel.more.fold.click()
     begun = window.session.document.parameters
     for name in cases(["reach", "beta", "ratio", "annealing", "w2", "time_step", "d_min", "edge_floor"]):
         row = panel.rows[name]
@@ -47,7 +47,7 @@ def test_a_double_click_on_a_slider_and_the_button_restore_the_default(window, h
 
 
 def test_automatic_smoothing_can_be_turned_on_and_off(window, hand) -> None:
-    row = window.panels["parameters"].rows["smoothing"]
+    row = window.panels["run"].parameters.rows["smoothing"]
     row.findChild(QCheckBox).click()
     assert window.session.document.parameters.smoothing == "auto"
     assert not row.slider.isEnabled()
@@ -57,8 +57,8 @@ def test_automatic_smoothing_can_be_turned_on_and_off(window, hand) -> None:
 
 
 def test_a_choice_is_taken_with_the_keys_undone_and_explained(window, hand) -> None:
-    row = window.panels["parameters"].choices["edges"]
-    window.panels["parameters"].advanced.fold.click()
+    row = window.panels["run"].parameters.choices["edges"]
+    window.panels["run"].parameters.more.fold.click()
     assert row.box.currentText() == "gray levels"
     row.box.setFocus()
     hand.qtbot.keyClick(row.box, Qt.Key.Key_Down)
@@ -81,7 +81,7 @@ def test_layers_are_switched_from_panel_menu_and_key_alike(window, hand) -> None
 def test_no_label_is_cut_off(window, hand) -> None:
     size = (1280, 720)
     window.resize(*size)
-    window.panels["parameters"].advanced.fold.click()
+    window.panels["run"].parameters.more.fold.click()
     hand.wait(lambda: (window.width(), window.height()) == size)
     for label in window.findChildren(QLabel):
         if label.isVisible() and label.text() and not label.wordWrap():
@@ -124,7 +124,7 @@ def test_arrows_neither_crowd_nor_leave_the_visible_part() -> None:
 
 
 def test_a_change_of_a_parameter_is_shown_once(window, monkeypatch) -> None:
-    panel = window.panels["parameters"]
+    panel = window.panels["run"].parameters
     shown = []
     show = panel.rows["beta"].show_value
     monkeypatch.setattr(panel.rows["beta"], "show_value", lambda *values: (shown.append(values), show(*values)))

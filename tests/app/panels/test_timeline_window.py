@@ -76,7 +76,7 @@ def scrub(window, hand, branch: int, *steps: int) -> None:
 
 def go_on_otherwise(window, hand) -> None:
     """Change the damping by its slider, and run to the end."""
-    hand.qtbot.keyClick(window.panels["parameters"].rows["beta"].slider, KEY.Key_PageUp)
+    hand.qtbot.keyClick(window.panels["run"].parameters.rows["beta"].slider, KEY.Key_PageUp)
     assert window.session.document.parameters.beta > PRESETS["shape"].beta
     window.canvas_area.canvas.setFocus()
     hand.key(KEY.Key_Space)

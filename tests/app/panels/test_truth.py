@@ -76,7 +76,7 @@ def test_a_shifted_disc_has_the_overlap_and_the_distances_of_geometry(compared) 
     assert figure(compared, "jaccard") == pytest.approx(common / (2 * area - common), abs=0.03)
     assert figure(compared, "largest") == pytest.approx(SHIFT, abs=0.8)
     assert compared.panels["compare"].table.column("name") == ["Shown now", "mask.npy"]
-    assert compared.docks["compare"].isVisible()
+    assert compared.panels["compare"].isVisible()
 
 
 def test_differences_are_drawn_and_vanish_with_a_larger_tolerance(compared, hand) -> None:

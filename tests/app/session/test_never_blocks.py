@@ -176,7 +176,7 @@ def test_nothing_blocks_the_window_while_it_runs(large: MainWindow, hand, qtbot)
 
     def steer() -> None:
         for name in ("beta", "ratio"):
-            slider = large.panels["parameters"].rows[name].slider
+            slider = large.panels["run"].parameters.rows[name].slider
             for key in (Qt.Key.Key_Right, Qt.Key.Key_Right, Qt.Key.Key_Left):
                 qtbot.keyClick(slider, key)
                 qtbot.wait(20)

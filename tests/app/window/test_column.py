@@ -11,7 +11,7 @@ from app.views.window.bars import ToolPalette
 from app.views.window.window import MainWindow
 
 LEFT = Qt.MouseButton.LeftButton
-DECISIVE = ("reach", "weakest_edge", "beta", "ratio", "annealing")
+DECISIVE = ("beta", "ratio", "annealing", "reach", "weakest_edge")
 
 
 def resized(window: MainWindow, hand, width: int, height: int) -> None:
@@ -25,34 +25,42 @@ def seen_whole(widget) -> bool:
 
 
 def test_the_parameters_that_decide_are_seen_without_scrolling(window, hand) -> None:
-    resized(window, hand, 1400, 880)
-    rows = window.panels["parameters"].rows
-    hand.wait(lambda: all(seen_whole(rows[name]) for name in DECISIVE))
+    resized(window, hand, 1280, 720)
     run = window.panels["run"]
-    assert run.status.mapTo(window, QPoint()).y() < rows["reach"].mapTo(window, QPoint()).y()
+    rows = run.parameters.rows
+    hand.wait(lambda: all(seen_whole(rows[name]) for name in DECISIVE))
+    assert run.status.mapTo(window, QPoint()).y() < rows["beta"].mapTo(window, QPoint()).y()
     assert not run.plot.isVisible()
     assert seen_whole(run.plots.fold)
 
 
-def test_the_image_has_its_room_in_a_window_of_1280_by_720(window, hand) -> None:
-    resized(window, hand, 1280, 720)
-    canvas = window.canvas_area.canvas
-    hand.wait(lambda: canvas.width() * canvas.height() >= 0.5 * 1280 * 720)
+def test_the_image_has_its_room_in_small_windows(ready, hand) -> None:
+    picture = ready.canvas_area.views.geometry
+    for width, height in ((1280, 720), (960, 540)):
+        resized(ready, hand, width, height)
+        hand.key(Qt.Key.Key_R)
+        hand.wait_for_phase("ready")
+        for _ in range(2):
+            hand.wait(lambda: picture().width() >= 0.6 * ready.width())
+            hand.wait(lambda: picture().height() >= 0.65 * ready.height())
+            hand.key(Qt.Key.Key_Space)
+            hand.wait_for_phase("finished")
 
 
-def test_in_a_window_of_800_by_500_everything_can_be_reached(window, hand) -> None:
-    resized(window, hand, 800, 500)
-    panel = window.panels["parameters"]
-    panel.advanced.fold.click()
-    (area,) = (area for area in panel.findChildren(QScrollArea) if area.widget().isAncestorOf(panel.rows["beta"]))
-    for row in panel.rows.values():
-        if row.isVisibleTo(panel):
-            area.ensureWidgetVisible(row)
+def test_in_a_window_of_800_by_500_everything_can_be_reached(ready, hand) -> None:
+    resized(ready, hand, 800, 500)
+    run = ready.panels["run"]
+    run.parameters.more.fold.click()
+    for row in run.parameters.rows.values():
+        if row.isVisibleTo(run):
+            run.ensureWidgetVisible(row)
             hand.wait(lambda row=row: seen_whole(row.slider) and seen_whole(row.number))
             assert row.slider.width() >= 60
-    assert window.panels["timeline"].view.width() >= 120
-    assert seen_whole(window.panels["timeline"].branch)
-    palette = window.findChild(ToolPalette)
+    hand.key(Qt.Key.Key_Space)
+    hand.wait_for_phase("finished")
+    assert ready.panels["timeline"].view.width() >= 120
+    assert seen_whole(ready.panels["timeline"].branch)
+    palette = ready.findChild(ToolPalette)
     (tools,) = palette.findChildren(QScrollArea)
     for button in palette.buttons.values():
         tools.ensureWidgetVisible(button)

@@ -25,7 +25,7 @@ def board(ready, hand):
 
 @pytest.fixture
 def beta(board):
-    return board.panels["parameters"].rows["beta"]
+    return board.panels["run"].parameters.rows["beta"]
 
 
 def focus(hand, widget) -> None:
@@ -41,8 +41,8 @@ def type_in(hand, widget, text: str) -> None:
 
 def fields(window) -> dict[str, object]:
     """One field of each kind in the window."""
-    window.panels["parameters"].advanced.fold.setChecked(True)
-    parameters = window.panels["parameters"]
+    window.panels["run"].parameters.more.fold.setChecked(True)
+    parameters = window.panels["run"].parameters
     return {
         "number": parameters.rows["beta"].number,
         "slider": parameters.rows["beta"].slider,
@@ -66,7 +66,7 @@ def test_space_runs_from_every_field_that_is_no_text(board, hand, cases) -> None
         hand.key(KEY.Key_Space)
         assert board.session.status.phase != "ready"
         assert board.session.document.parameters == parameters
-        assert not board.panels["parameters"].presets.popup.isVisible()
+        assert not board.panels["run"].parameters.presets.popup.isVisible()
         board.session.reset()
         hand.wait_for_phase("ready")
 
@@ -133,7 +133,7 @@ def test_a_table_that_opens_is_walked_at_once(board, hand) -> None:
     hand.wait(lambda: board.session.status.phase == "finished" and bool(board.workspace.review.items))
     shapes = board.session.document.shapes
     for key, modifier in ((KEY.Key_T, MODIFIER.ControlModifier), (KEY.Key_F11, MODIFIER.NoModifier)):
-        board.docks["contours"].hide()
+        board.docks.bring("run")
         board.workspace.review.select(())
         hand.canvas.setFocus()
         hand.key(key, modifier)
@@ -145,47 +145,29 @@ def test_a_table_that_opens_is_walked_at_once(board, hand) -> None:
     assert hand.canvas.hasFocus()
 
 
-def test_a_panel_behind_a_tab_is_raised_by_its_key_before_it_is_closed(board, hand) -> None:
-    board.docks.reveal("layers")
-    board.docks.reveal("parameters")
-    hand.wait(lambda: board.docks["layers"].visibleRegion().isEmpty())
+def test_the_key_of_a_panel_brings_its_tab_to_the_front_and_the_keyboard_there_and_back(board, hand) -> None:
+    layers = board.panels["layers"]
     hand.canvas.setFocus()
     hand.key(KEY.Key_F8)
-    hand.wait(lambda: not board.docks["layers"].visibleRegion().isEmpty())
-    action = next(action for action in board.docks.actions if action.text() == "Layers")
-    assert action.isChecked()
+    assert layers.isVisible()
+    assert layers.isAncestorOf(QApplication.focusWidget())
     hand.key(KEY.Key_F8)
-    assert board.docks["layers"].isHidden()
-    assert not action.isChecked()
+    assert layers.isVisible()
     assert hand.canvas.hasFocus()
 
 
-@pytest.mark.own_window
-def test_f6_goes_around_the_open_areas_both_ways(board, hand) -> None:
-    board.docks.reveal("contours")
-    board.docks.reveal("timeline")
+def test_f6_goes_around_the_areas_that_are_seen_both_ways(board, hand) -> None:
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
     hand.canvas.setFocus()
-    parameters, timeline = sliders_of(board.panels["parameters"])[0], board.panels["timeline"].view
-    around = [parameters, board.panels["contours"].table, timeline, hand.canvas]
+    slider, timeline = sliders_of(board.panels["run"])[0], board.panels["timeline"].view
+    around = [slider, timeline, hand.canvas]
     for widget in around:
         hand.key(KEY.Key_F6)
         hand.wait(widget.hasFocus)
     for widget in (*around[-2::-1], hand.canvas):
         hand.key(KEY.Key_F6, MODIFIER.ShiftModifier)
         hand.wait(widget.hasFocus)
-
-
-@pytest.mark.own_window
-def test_keys_work_from_a_detached_panel(board, hand, beta) -> None:
-    board.docks["parameters"].setFloating(True)
-    hand.wait(board.docks["parameters"].isVisible)
-    board.docks["parameters"].activateWindow()
-    focus(hand, beta.number)
-    beta.number.selectAll()
-    hand.qtbot.keyClicks(beta.number, "0.5")
-    hand.qtbot.keyClick(beta.number, KEY.Key_Return)
-    assert board.session.document.parameters.beta == 0.5
-    hand.wait(hand.canvas.hasFocus)
 
 
 @pytest.mark.own_window

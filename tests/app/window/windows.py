@@ -58,7 +58,8 @@ def begin_anew(window: MainWindow, views: dict[str, dict[str, object]]) -> None:
     for table in window.findChildren(ItemTable):
         table.sortByColumn(0, Qt.SortOrder.AscendingOrder)
     window.panels["contours"].shown.setCurrentIndex(0)
-    window.docks.restore()
+    window.docks.column.show()
+    window.docks.bring("run")
     for tool in window.canvas_area._tools.values():
         tool.used = False
         if isinstance(tool, RingTool):

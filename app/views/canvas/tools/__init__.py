@@ -10,6 +10,7 @@ from app.views.canvas.tools.objects import ObjectTool
 from app.views.canvas.tools.outline import OutlineTool
 from app.views.canvas.tools.path import BarrierTool, GridTool, PolygonTool, RegionTool, StrokeTool, ThresholdTool
 from app.views.canvas.tools.select import SelectTool
+from app.views.canvas.tools.split import SplitTool
 from app.views.canvas.tools.tool import Tool
 
 TOOLS: tuple[type[Tool], ...] = (
@@ -20,6 +21,7 @@ TOOLS: tuple[type[Tool], ...] = (
     ContourTool,
     EditContoursTool,
     BrushTool,
+    SplitTool,
     CircleTool,
     EllipseTool,
     PolygonTool,

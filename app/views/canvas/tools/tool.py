@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from PySide6.QtCore import Qt
+from PySide6.QtGui import QCursor
 
 from app.model.document import edits
 from app.model.document.document import ImageReference
@@ -162,7 +163,7 @@ class Tool:
     def put_away(self) -> None:
         """Hide its marks: the pointer has left, or another tool is used."""
 
-    def cursor(self, at: Place, reach: float) -> Cursor:
+    def cursor(self, at: Place, reach: float) -> Cursor | QCursor:
         """Shape of the pointer over a position."""
         return Cursor.CrossCursor
 

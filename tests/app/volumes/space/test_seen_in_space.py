@@ -33,11 +33,10 @@ def patient(hand, monkeypatch):
 
 
 def test_a_volume_opens_its_view_in_space_and_an_image_closes_it(volume, hand, image_file, space) -> None:
-    dock = volume.docks["space"]
-    assert dock.isVisible()
+    hand.wait(space.isVisible)
     assert space.contents.image is volume.session.image
     open_file(volume, hand, image_file)
-    assert not dock.isVisible()
+    hand.wait(lambda: not space.isVisible())
     assert space.contents is None
 
 
