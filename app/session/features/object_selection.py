@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -32,7 +32,7 @@ from app.session.session import Session
 from app.session.tasks.tasks import Task
 from cpm_core import Partition, Result, Selection, select_all
 from cpm_core.numerics import Place
-from cpm_core.objects.segmented import Click, SegmentedObject, selection_of
+from cpm_core.objects.segmented import Click, selection_of
 from cpm_core.shapes import Everywhere, ImageStart, Start
 
 _COVERED = 0.5
@@ -103,8 +103,6 @@ class ObjectSelection(QObject):
 
     changed = Signal()
     """The proposals have changed, or whether one can be made."""
-    accepted = Signal(object)
-    """Proposals have become objects of these numbers: tuple of int."""
 
     def __init__(self, session: Session, object_list: ObjectList) -> None:
         super().__init__(session)
@@ -112,7 +110,6 @@ class ObjectSelection(QObject):
         self._in_use, self._over = False, False
         self._pointed: Click | None = None
         self._steps = 0
-        self._rejected: tuple[AnySelection | SegmentedObject, ...] = ()
         self._searched: AnyPartition | None = None
         self._found: tuple[Proposal, ...] = ()
         self._selectors: dict[int, Selector] = {}
@@ -142,14 +139,6 @@ class ObjectSelection(QObject):
         return self._session.scene.objects.proposals
 
     @property
-    def meant(self) -> tuple[Proposal, ...]:
-        """What is accepted or rejected: the object of the clicks, or else the chosen proposals, or else all."""
-        if self.selecting:
-            return tuple(each for each in self.proposals if not each.key)
-        chosen = self._session.scene.objects.chosen
-        return tuple(each for each in self.proposals if each.key in chosen) or self.proposals
-
-    @property
     def ready(self) -> bool:
         """Whether objects can be selected at once."""
         return self.partitions.partition is not None
@@ -162,21 +151,25 @@ class ObjectSelection(QObject):
     @property
     def advice(self) -> str:
         """What can be done with what is offered; empty where nothing is."""
-        meant, count = self.meant, len(self.proposals)
+        offered, chosen = self.proposals, self._session.scene.objects.chosen
+        meant = [each for each in offered if each.key in chosen] or offered
         if self.selecting:
             said = tr(
                 "Click to add, Shift-click to remove, [ ] for smaller and larger. Enter accepts, {key:escape} cancels."
             )
         elif len(meant) > 1:
-            said = tr("{count} objects found. Enter: accept all · click one: accept or correct it · X: reject")
-        elif count > 1:
-            said = tr("1 of {count} objects{likely}. Enter: accept · click again: correct · X: reject")
-        else:
-            said = (
-                tr("1 object found{likely}. Enter: accept · {key:objects}, click: correct · X: reject") if count else ""
+            said = tr(
+                "{count} objects found. Enter: accept all · click one: accept or correct it · {key:reject}: reject"
             )
+        elif len(offered) > 1:
+            said = tr("1 of {count} objects{likely}. Enter: accept · click again: correct · {key:reject}: reject")
+        elif offered:
+            said = tr("1 object found{likely}. Enter: accept · {key:objects}, click: correct · {key:reject}: reject")
+        else:
+            return ""
         likely = percent(meant[0].selection) if meant else ""
-        return with_keys(said, count=len(meant) if len(meant) > 1 else count, likely=likely and f", {likely}")
+        count = len(meant) if len(meant) > 1 else len(offered)
+        return with_keys(said, count=count, likely=likely and f", {likely}")
 
     def under(self, at: Place) -> int:
         """Number of the smallest object at a place, or key of the proposal there, which comes first; 0 for none."""
@@ -225,42 +218,6 @@ class ObjectSelection(QObject):
         """Give up the object that is being selected."""
         if self.selecting:
             self._select(tr("drop the selection"), ())
-
-    # Proposals
-
-    def accept(self, proposals: Iterable[Proposal] | None = None) -> None:
-        """Make objects of proposals, by default of those that are meant."""
-        found = [each for each in (self.meant if proposals is None else proposals) if each.selection.found]
-        if not found:
-            self._session.say(tr("There is nothing to accept: click in an object first."))
-            return
-        taken = [(each.selection, each.clicks, each.number) for each in found]
-        ends = not all(each.key for each in found)
-
-        def edit(document: Document) -> Document:
-            after = objects.take(document, taken)
-            return objects.select(after, ()) if ends else after
-
-        before = {item.number for item in self._session.document.objects.items}
-        words = tr("accept object") if len(found) == 1 else tr("accept {count} objects").format(count=len(found))
-        self._session.edit(words, edit)
-        self._session.seal()
-        self._offer(tuple(each for each in self.proposals if each not in found))
-        changed = {each.number for each in found} - {0}
-        now = self._session.document.objects.items
-        self.accepted.emit(tuple(item.number for item in now if item.number in changed or item.number not in before))
-
-    def reject(self, proposals: Iterable[Proposal] | None = None) -> None:
-        """Offer proposals no longer, by default those that are meant, until a run ends again."""
-        if proposals is None and self.selecting:
-            self.drop()
-        else:
-            self.offer_not(each.selection for each in (self.meant if proposals is None else proposals))
-
-    def offer_not(self, rejected: Iterable[AnySelection | SegmentedObject]) -> None:
-        """Offer no objects like these at their places, until a run ends again."""
-        self._rejected = (*self._rejected, *rejected)
-        self._follow()
 
     # Objects of the document
 
@@ -364,18 +321,17 @@ class ObjectSelection(QObject):
         over = result is not None and bool(result.stop_reason)
         if over != self._over:
             self._over = over
-            self._rejected = self._rejected if over else ()
             self._follow()
 
     def _offer_of(self, partition: AnyPartition) -> Offer:
         """What the run offers: all objects that have been found when it has started everywhere."""
-        starts, source = self._offering, self.partitions.source
+        starts, source, rejected = self._offering, self.partitions.source, self._session.document.objects.rejected
         if not isinstance(partition, Partition) or not any(isinstance(start, Everywhere) for start in starts):
-            return Offer(tuple(start for start in starts if not isinstance(start, ImageStart)), (), self._rejected)
+            return Offer(tuple(start for start in starts if not isinstance(start, ImageStart)), (), rejected)
         if self._searched is not partition and isinstance(source, Result) and source.stop_reason:
             self._searched, self._found = partition, ()
             self._finder.ask(partial(all_objects, partition), partial(self._use_found, partition))
-        return Offer((), self._found if self._searched is partition else (), self._rejected)
+        return Offer((), self._found if self._searched is partition else (), rejected)
 
     def _use_found(self, partition: AnyPartition, found: tuple[Proposal, ...]) -> None:
         if self._searched is partition:
@@ -474,7 +430,7 @@ class ObjectSelection(QObject):
     def _forget(self) -> None:
         self._latest.forget()
         self._finder.forget()
-        self._selectors, self._rejected, self._found = {}, (), ()
+        self._selectors, self._found = {}, ()
         self._asked = self._pointed = self._searched = None
         self._steps, self._over = 0, False
 

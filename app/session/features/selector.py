@@ -16,7 +16,6 @@ from app.model.document.document import Document
 from app.model.document.modes import MODES
 from app.model.document.objects import AnySelection, first_clicks
 from app.model.text.language import tr
-from app.model.volume.surface_section import size_of
 from app.session.features.background import LatestOnlyWorker
 from app.session.scene import Proposal
 from app.session.session import Session
@@ -36,8 +35,7 @@ from cpm_core import (
     uniform_grid,
 )
 from cpm_core.image import AnyRegions, of_plane
-from cpm_core.numerics import Mask, Place
-from cpm_core.numerics.grids import ends
+from cpm_core.numerics import Array, Mask, Place
 from cpm_core.objects import EVERYWHERE
 from cpm_core.objects.segmented import Click, SegmentedObject, places_of, selection_of
 from cpm_core.shapes import Start
@@ -223,8 +221,8 @@ _SAME_OBJECT = 0.5
 _UNCHANGED = 0.97
 """Overlap from which a selection is what an object is already."""
 
-_ALIKE = 0.5
-"""Ratio of the sizes of two objects around one place from which they are the same."""
+_MUCH = 2.0
+"""How many times as large as another one an object is that does not count as the same."""
 
 _PLACES = 100
 """About so many pixels by which the object of a selection is found."""
@@ -239,7 +237,7 @@ class Offer:
 
     starts: tuple[Start, ...] = ()
     found: tuple[Proposal, ...] = ()
-    rejected: tuple[AnySelection | SegmentedObject, ...] = ()
+    rejected: tuple[SegmentedObject, ...] = ()
 
 
 class Selector:
@@ -331,30 +329,9 @@ class Selector:
         """
         partition, offer = self.partition, self.offer
         if isinstance(partition, VolumePartition):
-            found = self._bodies(partition, offer.starts)
-        else:
-            found = self._of_starts(partition, offer.starts)
-            found += self._new(offer.found)
-        spots = [_spot_of(each, partition.shape) for each in offer.rejected]
-        gone = [
-            any(
-                each.selection.holds(np.array([place]))[0] and _are_alike(extent(each.selection), size)
-                for place, size in spots
-            )
-            for each in found
-        ]
-        return tuple(each for each, rejected in zip(found, gone, strict=True) if not rejected)
-
-    def _new(self, found: tuple[Proposal, ...]) -> list[Proposal]:
-        """What has been found and is not among the objects yet."""
-        if not found:
-            return []
-        spots = [_spot_of(each.selection, self.partition.shape) for each in found]
-        places, sizes = np.array([place for place, _ in spots]), [size for _, size in spots]
-        known = np.zeros(len(found), np.bool_)
-        for item in self.items:
-            known |= item.encloses(places) & [_are_alike(item.area, size) for size in sizes]
-        return [each for each, taken in zip(found, known.tolist(), strict=True) if not taken]
+            return tuple(self._bodies(partition, offer.starts))
+        found = _uncovered(self._of_starts(partition, offer.starts), offer.rejected)
+        return (*found, *_uncovered(offer.found, (*self.items, *offer.rejected)))
 
     def _of_starts(self, partition: Partition, starts: Sequence[Start]) -> list[Proposal]:
         """The objects in which runs were started."""
@@ -366,10 +343,8 @@ class Selector:
                 continue  # nothing was found, as from a start across an edge
             if any(overlap(selection.mask, other.selection.mask) > _SAME_OBJECT for other in found):
                 continue
-            # the places that lie in it; if a line was drawn around it, pixels all over it
-            places, pixels = selection.inside[selection.holds(selection.inside)], np.argwhere(selection.mask)
-            if not len(places):
-                places = pixels[:: max(len(pixels) // _PLACES, 1)].astype(float)
+            places = selection.inside[selection.holds(selection.inside)]  # none where a line was drawn around it
+            places = places if len(places) else _places_in(selection)
             known = next((item for item in self.items if item.encloses(places).mean() > 0.5), None)
             if known is None:
                 found.append(Proposal(selection, clicks, key=-key))
@@ -380,7 +355,8 @@ class Selector:
     def _bodies(self, partition: VolumePartition, starts: Sequence[Start]) -> list[Proposal]:
         """The bodies in which most seeds of a start lie."""
         found: list[Proposal] = []
-        taken = {0, *(body for item in self.items for body in partition.bodies_at(item.inside).tolist())}
+        known = (*self.items, *self.offer.rejected)
+        taken = {0, *(body for item in known for body in partition.bodies_at(item.inside).tolist())}
         for key, start in enumerate(starts, start=1):
             seeds = start.seeds()
             bodies = partition.bodies_at(seeds)
@@ -395,33 +371,47 @@ class Selector:
 
 
 def all_objects(partition: AnyPartition) -> tuple[Proposal, ...]:
-    """All objects of an image, each as what a click in it means; none in a volume."""
+    """All objects of an image, each as what a click where it is widest means; none in a volume."""
     found = select_all(partition) if isinstance(partition, Partition) else ()
-    clicks = ((Click((_spot_of(each, partition.shape)[0],)),) for each in found)
-    return tuple(Proposal(each, said, key=~index) for index, (each, said) in enumerate(zip(found, clicks, strict=True)))
+    return tuple(Proposal(each, (Click((_widest(each),)),), key=~index) for index, each in enumerate(found))
 
 
-def _spot_of(one: AnySelection | SegmentedObject, shape: tuple[int, ...]) -> tuple[Place, float]:
-    """A place in an object, the deepest where it has not been said to have one, and its size."""
-    if isinstance(one, SegmentedObject):
-        return first_clicks(one, shape)[0].places[0], size_of(one)
-    within = one.inside[one.holds(one.inside)].tolist() if len(one.inside) else []
-    if not within and isinstance(one, Selection):
-        low, high = ends(one.mask)
-        part = np.pad(one.mask[tuple(map(slice, low, high + 1))], 1)
-        depth = scipy.ndimage.distance_transform_edt(part)
-        within = [(low + np.unravel_index(int(depth.argmax()), part.shape) - 1.0).tolist()]
-    return tuple(within[0]), extent(one)
+def _uncovered(found: Sequence[Proposal], items: Sequence[SegmentedObject]) -> list[Proposal]:
+    """Proposals at least half of which lies in no objects, or in ones that are much larger."""
+    left = []
+    for each in found:
+        places, most = _places_in(cast("Selection", each.selection)), _MUCH * extent(each.selection)
+        within = [item.encloses(places) for item in items if item.area < most]
+        if not within or np.any(within, axis=0).mean() < 0.5:
+            left.append(each)
+    return left
+
+
+def _box_of(selection: Selection) -> tuple[slice, ...]:
+    """Rows and columns of an object."""
+    low, high = (np.array([contour.box[end] for contour in selection.contours]) for end in (0, 1))
+    first = np.maximum(np.floor(low.min(axis=0)), 0).astype(int).tolist()
+    return tuple(map(slice, first, np.ceil(high.max(axis=0) + 1).astype(int).tolist()))
+
+
+def _places_in(selection: Selection) -> Array:
+    """Some of the pixels of an object, all over it, shape (N, 2)."""
+    box = _box_of(selection)
+    pixels = np.argwhere(selection.mask[box]) + [part.start for part in box]
+    return pixels[:: max(len(pixels) // _PLACES, 1)].astype(float)
+
+
+def _widest(selection: Selection) -> Place:
+    """The pixel of an object that is farthest from its boundary."""
+    box = _box_of(selection)
+    depth = scipy.ndimage.distance_transform_edt(np.pad(selection.mask[box], 1))
+    row, col = np.unravel_index(int(depth.argmax()), depth.shape)
+    return float(row - 1 + box[0].start), float(col - 1 + box[1].start)
 
 
 def extent(selection: AnySelection) -> float:
     """Volume of a selection; its area [px²] in an image."""
     return selection.volume if isinstance(selection, VolumeSelection) else float(np.count_nonzero(selection.mask))
-
-
-def _are_alike(size: float, other: float) -> bool:
-    """Whether two sizes are those of one object."""
-    return min(size, other) > _ALIKE * max(size, other)
 
 
 def overlap(one: Mask, other: Mask) -> float:

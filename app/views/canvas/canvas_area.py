@@ -41,7 +41,7 @@ _MIDDLE_FRACTION = 0.2
 
 
 class CanvasArea(QWidget):
-    """Shows the scene of a session on the canvas, and lets the tools edit its document and select contours."""
+    """Shows the scene of a session on the canvas, and lets the tools edit its document and select."""
 
     tool_changed = Signal()
     """Another tool is in use."""
@@ -128,8 +128,7 @@ class CanvasArea(QWidget):
         else:
             self.messages.dismiss()
             self._session.select(None)
-            self._workspace.review.select(())
-            self._workspace.object_list.choose(())
+            self._workspace.review.choose()
 
     def refresh(self) -> None:
         """Show what to do next below the canvas; advice of the tool has priority."""
@@ -192,16 +191,18 @@ class CanvasArea(QWidget):
 
     def _take_key(self, event: QKeyEvent) -> bool:
         key, held, index = Qt.Key(event.key()), event.modifiers(), self._session.selected
-        tool, keyed = self.canvas.hold.tool, self.crosshair.at is not None
+        tool, keyed, objects = self.canvas.hold.tool, self.crosshair.at is not None, self._workspace.object_list
         given, self._given = self._given, False
-        if given and key in _ENTER and self._selection.meant:
+        accepted = key in _ENTER and not keyed and (tool.panel == "objects" or self._selection.proposals)
+        if given and accepted and objects.open_rows:
             self._session.say(tr("The value is set. Enter accepts what is offered."))
             return True
         ends = not keyed or held & Qt.KeyboardModifier.ControlModifier or key == Qt.Key.Key_Backspace
         if tool.drafting and key in _DRAFT_KEYS and ends:
             (tool.take_back if key == Qt.Key.Key_Backspace else tool.finish)()
-        elif key in _ENTER and not keyed and self._selection.meant:
-            self._selection.accept()
+        elif accepted and (objects.open_rows or objects.selected):
+            if objects.open_rows:  # objects are accepted already
+                objects.accept()
         elif key in _ENTER:
             self.canvas.hold.set_modifiers(held)
             (self.crosshair.enter if keyed else self.crosshair.show)()
@@ -218,16 +219,18 @@ class CanvasArea(QWidget):
                 by = by if slices is None else slices.current.along(by)
                 name = tr("move {shape}").format(shape=from_core(self._session.document.shapes[index].title))
                 self._session.edit(name, lambda document: edits.move_shape(document, index, by), f"nudge {index}")
-        elif key in _SIZES and index is not None:
-            self.grow(index, _SIZES[key])
-        elif key in _SIZES and tool.sized:
-            tool.resize(_SIZES[key])
+        elif key in _SIZES and (index is not None or tool.sized):
+            self.enlarge(_SIZES[key])
         else:
             return False
         return True
 
-    def grow(self, index: int, by: float) -> None:
-        """Make a shape larger, or smaller for `by` below 0."""
+    def enlarge(self, by: float) -> None:
+        """Make the selected shape larger, or what the tool works with, or smaller for `by` below 0."""
+        index = self._session.selected
+        if index is None:
+            self.canvas.hold.tool.resize(by)
+            return
         shape = self._session.document.shapes[index]
         verb = tr("resize {shape}") if shape.outline.size else tr("change {shape}")
         name, resized = verb.format(shape=from_core(shape.title)), shape.resized(by)

@@ -25,7 +25,6 @@ from PySide6.QtGui import QKeyEvent, QResizeEvent, QShowEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QBoxLayout,
-    QGridLayout,
     QHeaderView,
     QLineEdit,
     QMenu,
@@ -54,7 +53,7 @@ ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
 _ALONG = (Qt.Key.Key_Up, Qt.Key.Key_Down)
 
-_LEAST, _BESIDE, _PAD = 48, 236, 18
+_LEAST, _BESIDE, _PAD = 48, 236, 12
 """Minimum height of a table, width of what is placed next to it, and margins of a column [px]."""
 
 _NARROW, _LEAST_WIDTH = 640, 260
@@ -79,8 +78,8 @@ class Column(Generic[Row]):
         The widest usual text.
     power : int
         1 for lengths, 2 for areas, 3 for volumes, which are shown in the preferred unit.
-    form : str
-        Format of a number; empty for three significant digits.
+    form, suffix : str
+        Format of a number, empty for three significant digits, and what follows it.
     key : callable, optional
         What rows are sorted by if not by the value.
     """
@@ -92,6 +91,7 @@ class Column(Generic[Row]):
     sample: str
     power: int = 0
     form: str = ""
+    suffix: str = ""
     key: Callable[[Row], float] | None = None
 
     @property
@@ -108,7 +108,7 @@ class Column(Generic[Row]):
             return NONE
         value *= factor**self.power
         if self.form:
-            return written(format(value, self.form))
+            return written(format(value, self.form)) + self.suffix
         return written(f"{value:,.0f}" if value >= 1000 else f"{value:.0f}" if value >= 100 else f"{value:.3g}")
 
     def sort_key(self, row: Row) -> float | str:
@@ -145,7 +145,7 @@ class TableModel(QAbstractTableModel, Generic[Row]):
         self.columns = columns
         self.items: list[Row] = []
         self._key, self._look, self._rename = key, look, rename
-        self._unit, self._factor = "px", 1.0
+        self.unit, self.factor = "px", 1.0
 
     def key(self, row: int) -> Any:
         """Key of the item in a row."""
@@ -157,7 +157,7 @@ class TableModel(QAbstractTableModel, Generic[Row]):
         """Show these items, new ones at the end, with lengths in the unit of a size of a pixel."""
         if size is not None:
             square = set(size.spacing) == {1.0}
-            self._unit, self._factor = size.unit or ("px" if square else tr("units")), size.factor
+            self.unit, self.factor = size.unit or ("px" if square else tr("units")), size.factor
         self.columns = columns or self.columns
         present = {self._key(item): item for item in items}
         for row in reversed(range(len(self.items))):
@@ -174,6 +174,10 @@ class TableModel(QAbstractTableModel, Generic[Row]):
             self.items += present.values()
             self.endInsertRows()
 
+    def unit_of(self, column: Column[Row]) -> str:
+        """Unit of the numbers in a column, with a space before it; empty for what has none."""
+        return f" {self.unit}{('', '', '²', '³')[column.power]}" if column.power else ""
+
     # Qt interface
 
     def rowCount(self, parent: Index = QModelIndex()) -> int:  # noqa: B008  # as Qt declares it
@@ -189,15 +193,16 @@ class TableModel(QAbstractTableModel, Generic[Row]):
         if orientation == Qt.Orientation.Vertical:
             return None
         if role == Role.DisplayRole:
-            return self.columns[section].title.format(unit=self._unit)
-        return with_keys(self.columns[section].tip) if role == Role.ToolTipRole else None
+            return self.columns[section].title.format(unit=self.unit)
+        column = self.columns[section]
+        return f"{with_keys(column.tip)}{self.unit_of(column)}" if role == Role.ToolTipRole else None
 
     def data(self, index: Index, role: int = Role.DisplayRole) -> Any:
         """The text, sort key, alignment and look of a cell."""
         item, column = self.items[index.row()], self.columns[index.column()]
         match role:
             case Role.DisplayRole | Role.ToolTipRole:
-                return column.text(item, self._factor)
+                return column.text(item, self.factor)
             case Role.EditRole:
                 return column.value(item)
             case Role.UserRole:
@@ -254,7 +259,7 @@ class Table(QTableView):
         header.setSectionResizeMode(self._wide, QHeaderView.ResizeMode.Stretch)
         self._asked: dict[int, bool] = {}
         self._widths = [self.fontMetrics().horizontalAdvance(column.sample) + _PAD for column in rows.columns]
-        self._widths[self._wide] += 2 * _PAD
+        self._widths[self._wide] += _PAD  # the color
 
     def number(self, column: str) -> int:
         """Number of a column."""
@@ -264,6 +269,11 @@ class Table(QTableView):
         """The texts of a column, from top to bottom."""
         number = self.number(name)
         return [str(self._sorted.index(row, number).data()) for row in range(self._sorted.rowCount())]
+
+    def said(self, row: Any, column: Column[Any]) -> str:
+        """The text of a column for a row, with its name and the unit; empty where there is none."""
+        text = column.text(row, self.rows.factor)
+        return f"{column.title} {text}{self.rows.unit_of(column)}" if text != NONE else ""
 
     def row_at(self, index: Index) -> int:
         """The row of the model in a row of the table."""
@@ -329,9 +339,9 @@ class Selection:
 
     item: str
     refresh: Callable[[], None]
-    hover: Callable[[int | None], None]
-    choose: Callable[[Iterable[int]], None]
-    chosen: Callable[[], Set[int]]
+    hover: Callable[[Any], None]
+    choose: Callable[[Iterable[Any]], None]
+    chosen: Callable[[], Set[Any]]
     remove: Callable[[], None]
 
 
@@ -505,14 +515,3 @@ def menu_button(text: str, fill: Callable[[QMenu], None]) -> QToolButton:
     button.setMenu(menu)
     button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
     return button
-
-
-def button_grid(buttons: Iterable[QWidget]) -> QWidget:
-    """Buttons in two columns."""
-    widget = QWidget()
-    grid = QGridLayout(widget)
-    grid.setContentsMargins(0, 0, 0, 0)
-    grid.setSpacing(4)
-    for place, button in enumerate(buttons):
-        grid.addWidget(button, *divmod(place, 2))
-    return widget

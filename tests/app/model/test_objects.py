@@ -37,11 +37,18 @@ def selected(*squares: tuple[float, float], confidence: float = 0.5) -> Selectio
 FRAME, DOT = selected((4.5, 25.5), (9.5, 20.5)), selected((11.5, 18.5))
 
 
+def take(document: Document, found, *, ends: bool = False) -> Document:
+    """The document with the objects of selections, each with its clicks, and its number unless it is new."""
+    fresh, category = document.objects.next_number, document.objects.category
+    made = [objects.made(one, clicks, number or fresh, category) for one, clicks, number in found]
+    return objects.accept(document, made, ends=ends)
+
+
 @pytest.fixture
 def document() -> Document:
     """A document with a frame, and a dot of another class in its hole."""
-    one = objects.take(Document(IMAGE), [(FRAME, (HERE,), 0)])
-    return objects.take(objects.classify(one, (), 2), [(DOT, (THERE,), 0)])
+    one = take(Document(IMAGE), [(FRAME, (HERE,), 0)])
+    return take(objects.classify(one, (), 2), [(DOT, (THERE,), 0)])
 
 
 def numbers(document: Document) -> list[int]:
@@ -53,23 +60,17 @@ def test_what_is_taken_has_the_boundary_of_the_selection_and_a_number_of_its_own
     assert (frame.number, dot.number) == (1, 2)
     assert [np.array(curve).tolist() for curve in frame.boundary] == [c.points.tolist() for c in FRAME.contours]
     assert (frame.clicks, frame.confidence, frame.strength, dot.category) == ((HERE,), 0.5, 3.0, 2)
-    assert numbers(objects.take(objects.delete(document, (1,)), [(FRAME, (HERE,), 0)])) == [2, 3]
-
-
-def test_an_empty_selection_is_not_taken(document) -> None:
-    nothing = Selection(np.zeros((40, 40), bool), (), (), 0.0, np.empty((0, 2)), np.empty((0, 2)))
-    assert objects.take(document, [(nothing, (HERE,), 0)]) == document
+    assert numbers(take(objects.delete(document, (1,)), [(FRAME, (HERE,), 0)])) == [2, 3]
 
 
 def test_a_changed_object_keeps_its_number_name_and_class(document) -> None:
     named = objects.rename(document, 2, " dot ")
     changing = objects.select(named, objects.first_clicks(named.objects[2], IMAGE.shape), 2)
     assert (changing.objects.clicks, changing.objects.edited, changing.objects.category) == ((THERE,), 2, 2)
-    changed = objects.take(changing, [(FRAME, (THERE, HERE), 2)])
+    changed = take(changing, [(FRAME, (THERE, HERE), 2)], ends=True)
     item = changed.objects[2]
     assert (item.name, item.category, len(item.boundary), item.clicks) == ("dot", 2, 2, (THERE, HERE))
-    assert changed.objects.edited == 2
-    assert objects.select(changed, ()).objects.edited == 0
+    assert changed.objects.edited == 0
 
 
 def test_deleting_the_object_that_is_being_changed_ends_the_change(document) -> None:
@@ -100,7 +101,7 @@ def test_the_start_from_an_object_is_its_outer_boundary(document) -> None:
 
 
 def test_exported_labels_are_the_numbers_of_the_objects_and_holes_have_none(document) -> None:
-    rest = objects.delete(objects.take(document, [(selected((30.5, 36.5)), (HERE,), 0)]), (2,))
+    rest = objects.delete(take(document, [(selected((30.5, 36.5)), (HERE,), 0)]), (2,))
     labels = labels_of(objects.objects_result(rest))
     assert labels[7, 7] > 0
     assert labels[15, 15] == 0
@@ -122,7 +123,7 @@ def test_an_export_names_the_objects_and_tells_what_was_bridged(document) -> Non
 
 def test_a_guard_counts_the_objects_that_are_not_saved() -> None:
     none = Document(IMAGE)
-    two = objects.take(none, [(FRAME, (HERE,), 0), (selected((2.0, 3.5)), (THERE,), 0)])
+    two = take(none, [(FRAME, (HERE,), 0), (selected((2.0, 3.5)), (THERE,), 0)])
     assert changed_parts(two, none) == ("2 objects",)
     assert changed_parts(objects.rename(two, 2, "spot"), two) == ("1 object",)
     assert changed_parts(objects.delete(two, [1]), two) == ("the objects",)

@@ -95,7 +95,7 @@ class ObjectTool(Tool):
     def hover(self, at: Place) -> None:
         """Show what a click would choose, or what it would change."""
         existing = self._existing(at)
-        self._list.hover(existing)
+        self._list.hover(("object" if existing > 0 else "proposal", existing) if existing else None)
         self._selection.point(None if existing else at, self._inside)
 
     def resize(self, by: float) -> None:
@@ -104,7 +104,7 @@ class ObjectTool(Tool):
 
     def finish(self) -> None:
         """Accept the object."""
-        self._selection.accept()
+        self._list.accept()
 
     def take_back(self) -> None:
         """Take back the last click."""
@@ -119,7 +119,7 @@ class ObjectTool(Tool):
 
     def put_away(self) -> None:
         """Hide what a click would take."""
-        self._list.hover(0)
+        self._list.hover(None)
         self._selection.point(None)
 
     def cursor(self, at: Place, reach: float) -> Cursor:
