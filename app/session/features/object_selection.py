@@ -357,8 +357,9 @@ class ObjectSelection(QObject):
         if partition is None:
             self._offer(())
             return
-        if not known.clicks:  # what was being selected has been accepted or dropped
-            self._offer(tuple(each for each in self.proposals if each.key))
+        changed = self._asked is not None and known.items is not self._asked.selector.items
+        gone = {item.clicks for item in known.items} if changed else set()  # what has been accepted
+        self._offer(tuple(each for each in self.proposals if each.clicks not in gone and (each.key or known.clicks)))
         pointed, stepped = None, None
         if self._pointed is not None:
             clicks, number = self._before(self._corrected(self._pointed))

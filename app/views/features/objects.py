@@ -83,7 +83,7 @@ class ObjectsFeature(Feature):
                        when=lambda _: bool(selection.proposals) or selects("proposal", "closed", "open", "rejected")),
             ActionSpec("reject", "Objects", "&Reject",
                        "Dismiss proposals, remove objects, and leave contours out of files; none is proposed again.",
-                       objects.reject, "X", when=some),
+                       objects.reject, "X", when=lambda _: bool(objects.selected or selection.proposals)),
             ActionSpec("name_object", "Objects", "&Name…", "Give the selected object or contour a name.",
                        self.ask_name, "F2", gap=True, when=some),
             Submenu("object_class", "Objects", "C&lass", self._fill_classes),

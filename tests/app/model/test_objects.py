@@ -64,7 +64,7 @@ def test_what_is_taken_has_the_boundary_of_the_selection_and_a_number_of_its_own
 
 
 def test_a_changed_object_keeps_its_number_name_and_class(document) -> None:
-    named = objects.rename(document, 2, " dot ")
+    named = objects.rename(document, (2,), " dot ")
     changing = objects.select(named, objects.first_clicks(named.objects[2], IMAGE.shape), 2)
     assert (changing.objects.clicks, changing.objects.edited, changing.objects.category) == ((THERE,), 2, 2)
     changed = take(changing, [(FRAME, (THERE, HERE), 2)], ends=True)
@@ -125,5 +125,5 @@ def test_a_guard_counts_the_objects_that_are_not_saved() -> None:
     none = Document(IMAGE)
     two = take(none, [(FRAME, (HERE,), 0), (selected((2.0, 3.5)), (THERE,), 0)])
     assert changed_parts(two, none) == ("2 objects",)
-    assert changed_parts(objects.rename(two, 2, "spot"), two) == ("1 object",)
+    assert changed_parts(objects.rename(two, (2,), "spot"), two) == ("1 object",)
     assert changed_parts(objects.delete(two, [1]), two) == ("the objects",)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
+from app.model.document.objects import delete
 from app.session.storage.session_file import DocumentFile
 from app.views.widgets.fields import DecimalField
 from cpm_core.shapes import Barrier, Circle, Polygon, Region
@@ -61,7 +62,9 @@ def click(hand, row: float, col: float, modifier: Qt.KeyboardModifier = NONE) ->
     selection = hand.window.workspace.object_selection
     for act in (hand.qtbot.mousePress, hand.qtbot.mouseRelease):
         act(hand.canvas.viewport(), Qt.MouseButton.LeftButton, modifier, hand.at(row, col))
-    hand.wait(lambda: selection.idle and (not selection.selecting or len(selection.meant) == 1))
+    hand.wait(
+        lambda: selection.idle and (not selection.selecting or [each.key for each in selection.proposals[:1]] == [0])
+    )
     hand.qtbot.wait(20)
 
 
@@ -125,6 +128,7 @@ def test_enter_accepts_the_object_without_a_word_and_the_next_click_begins_the_n
 
 def test_one_enter_too_many_after_a_typed_value_accepts_nothing(window, hand, objects) -> None:
     click(hand, 18, 18)
+    hand.key(KEY.Key_C)
     field = next(each for each in window.findChildren(DecimalField) if each.isVisible())
     field.setFocus()
     hand.qtbot.keyClick(field, KEY.Key_Return)
@@ -238,10 +242,12 @@ def test_a_click_chooses_one_of_several_which_is_accepted_or_rejected_alone(wind
     (rest,) = objects.proposals
     hand.wait(lambda: objects.idle)
     assert rest.selection.holds(np.array([LARGE[0]])).all()
-    objects.reject()
+    window.workspace.object_list.choose((rest.key,))
+    hand.key(KEY.Key_X)
     hand.wait(lambda: objects.idle and not objects.proposals)
+    assert len(taken(window)) == 1
     hand.key(KEY.Key_Z, CONTROL)
-    hand.wait(lambda: objects.idle and len(objects.proposals) == 1)  # what was rejected is not offered again
+    hand.wait(lambda: objects.idle and len(objects.proposals) == 1)
 
 
 def test_a_second_click_in_a_chosen_proposal_corrects_it_and_the_others_stay(window, hand, objects) -> None:
@@ -263,12 +269,13 @@ def test_a_click_a_circle_and_a_run_from_everywhere_give_the_same_object(window,
     (row, col), radius = where
     run_everywhere(hand)
     everywhere = next(each for each in objects.proposals if each.selection.holds(np.array([[row, col]]))[0])
-    objects.reject()
+    hand.key(KEY.Key_X)
     hand.wait(lambda: objects.idle and not objects.proposals)
     click(hand, row, col)
     np.testing.assert_array_equal(offered(objects), everywhere.selection.mask)
     hand.key(KEY.Key_Escape)
     window.actions_by_name["start_grid"].trigger()
+    window.session.edit("forget", lambda d: delete(d, [item.number for item in d.objects.rejected]))
     window.session.edit("draw", lambda d: replace(d, shapes=(Circle((row, col), 0.5 * radius),)))
     window.session.run()
     hand.wait_for_phase("finished")
@@ -291,13 +298,11 @@ def test_who_draws_a_circle_in_an_object_and_runs_gets_it_offered_and_enter_take
     hand.wait(lambda: selection.idle and not selection.proposals)
 
 
-@pytest.mark.parametrize(
-    ("action", "kind"), [("object_start", Polygon), ("object_region", Region), ("object_barrier", Barrier)]
-)
-def test_an_object_becomes_a_start_a_region_or_a_barrier(window, hand, objects, action, kind) -> None:
+@pytest.mark.parametrize(("use", "kind"), [("as_starts", Polygon), ("as_regions", Region), ("as_barriers", Barrier)])
+def test_an_object_becomes_a_start_a_region_or_a_barrier(window, hand, objects, use, kind) -> None:
     click(hand, 18, 18)
     take(hand)
-    window.actions_by_name[action].trigger()
+    getattr(window.workspace.object_list, use)()
     (shape,) = window.session.document.shapes
     assert isinstance(shape, kind)
     away = np.hypot(*(np.array(shape.points) - SMALL[0]).T)
