@@ -36,7 +36,7 @@ from cpm_core.formats import Reading, differ
 from cpm_core.formats.images.reading import DEFAULT
 from cpm_core.shapes import Sphere
 
-_PREPARING = tr("Preparing (longer the very first time)…")
+_PREPARING = tr("Preparing (takes longer the first time)…")
 
 FRAME = 16
 """Time between two display frames, in each of which reports of the worker are taken [ms]."""
@@ -257,7 +257,7 @@ class Session(QObject):
             self.post(run_call(None, Run.discard, self._board.generation))
             if kept:
                 kept_on = tr(
-                    "The run is kept on the timeline: click it there, or press {key:timeline_last}, to go back to it."
+                    "The run stays on the timeline: click it there or press {key:timeline_last} to return to it."
                 )
                 self.say(with_keys(kept_on))
 
@@ -488,7 +488,7 @@ class Session(QObject):
         known = opened.saved.file.image
         if known is not None and known.sha256 and differ(known.sha256, opened.sha256):
             return  # the notes report that the image has changed
-        self._board.busy("restoring", tr("Bringing back the runs…"))
+        self._board.busy("restoring", tr("Restoring the runs…"))
         self.post(run_call(None, Run.place, self._board.image_generation, self.document.charges))
         self.post(run_call(None, Run.limit, self.document.regions))
         self.post(restore_runs(self._board.image_generation, opened.saved.file.runs, image))

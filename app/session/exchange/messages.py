@@ -45,7 +45,7 @@ def sentence(error: Exception, activity: str) -> str:
         text = message.format(activity=activity)
     else:
         log.error("unexpected error while %s", activity, exc_info=error)
-        message = tr("Something unexpected happened while {activity}: {error}")
+        message = tr("An unexpected error occurred while {activity}: {error}")
         text = message.format(activity=activity, error=str(error) or type(error).__name__)
     text = " ".join(text.split())
     if text.partition(" ")[0].isalpha():  # file names are not changed

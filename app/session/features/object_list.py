@@ -328,15 +328,17 @@ class ObjectList(QObject):
         self.taken.emit(numbers)
 
     def reject(self) -> None:
-        """Dismiss the selected proposals, mark contours as rejected, and remove objects; none is proposed again.
+        """Dismiss the selected proposals, remove objects, and mark contours as rejected, those around them too.
 
-        Without a selection, all proposals; the object that is being selected is dropped.
+        Without a selection, all proposals are dismissed; the object that is being selected is dropped.
         """
         rows = [row for row in self.selected_rows or self.open_rows if row.kind != "rejected"]
         draft = any(row.key == _DRAFT for row in rows)
         offered = [row.item for row in rows if row.item is not None and row.kind == "proposal" and row.key != _DRAFT]
         numbers = [row.key[1] for row in rows if row.kind == "object"]
-        lines = [self._review.target(row.contour) for row in rows if row.contour is not None]
+        own = _own(self._session.scene.contours, [row.item for row in rows if row.item is not None])
+        kept = {item.key for item in own} - {row.contour.key for row in rows if row.contour is not None}
+        lines = [self._review.target(item) for item in self._review.items if item.key not in kept]
 
         def edit(document: Document) -> Document:
             marked = contours.judge(document, lines, "rejected")
@@ -462,6 +464,9 @@ class ObjectList(QObject):
         given += [objects.bounded(known, *outline) for outline in self._outlines(rows)]
         kept = [row.contour for row in rows if row.kind == "open" and row.contour is not None]
         undecided = [row.contour for row in rows if row.kind == "rejected" and row.contour is not None]
+        back = [row.item for row in rows if row.kind == "rejected" and row.item is not None]
+        left = {item.key for item in _own(self._session.scene.contours, back)}
+        undecided += [item for item in self._review.items if item.key not in left]
         marks = [(self._review.target(item), item in kept) for item in (*kept, *undecided)]
         old = {row.key[1] for row in rows if row.kind == "object"}
         numbers: list[int] = []

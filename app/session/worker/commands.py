@@ -134,9 +134,7 @@ def find_seeds(image_generation: int, document: Document) -> Command:
         if image_generation == context.run.image_generation:
             context.report(SeedsFound(image_generation, context.run.seeds_for(document)))
 
-    return Command(
-        work, tr("looking for places to start from"), "seeds", partial(SeedsFound, image_generation, NO_SEEDS)
-    )
+    return Command(work, tr("looking for starting positions"), "seeds", partial(SeedsFound, image_generation, NO_SEEDS))
 
 
 def write_contours(
@@ -291,4 +289,4 @@ def restore_runs(generation: int, plain: Plain, image: ImageReference) -> Comman
             run.go_to(*here, lambda: not context.closing())
             run.halt()
 
-    return Command(work, tr("bringing back the runs"), failed=partial(RunFailed, generation))
+    return Command(work, tr("restoring the runs"), failed=partial(RunFailed, generation))

@@ -204,7 +204,7 @@ class Canvas(ImageView):
         super().__init__(requests)
         self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.setAcceptDrops(False)
-        self.setMinimumSize(320, 240)
+        self.setMinimumSize(240, 160)
         self.setAccessibleName(tr("Image"))
         self.led_by_keys = False
         self._pointer: Position | None = None

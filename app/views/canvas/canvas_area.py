@@ -61,7 +61,7 @@ class CanvasArea(QWidget):
         self.offers, self.controls, self.views = OfferBar(), QVBoxLayout(), QGridLayout()
         """The line above the canvas, lines below it, and views next to it, which features add."""
         self.views.setSpacing(2)
-        self.views.addWidget(self.canvas, 0, 0, 2, 1)  # as high as two views next to it
+        self.views.addWidget(self.canvas, 0, 0)
         layout.addWidget(self.offers)
         layout.addLayout(self.views, 1)
         layout.addLayout(self.controls)

@@ -228,8 +228,9 @@ class ObjectsFeature(Feature):
 
     def _closed(self) -> list[Contour]:
         """The closed ones of the selected contours, or of all that have not been rejected if none is selected."""
-        rows = [row for row in self._list.selected_rows or self._list.rows if row.kind == "closed"]
-        return [row.contour.contour for row in rows if row.contour is not None]
+        review = self.window.workspace.review
+        items = review.chosen or [item for item in review.items if not item.reviewed.rejected]
+        return [item.contour for item in items if item.contour.closed]
 
     def _find_skeleton(self) -> None:
         """Find the skeleton of the chosen objects, or of closed contours."""

@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 
 from PySide6.QtCore import QPoint
+from PySide6.QtWidgets import QWidget
 
 from app.model.preferences.table import UNIT
 from app.model.state.situation import Situation, has_volume
@@ -55,6 +56,8 @@ class SlicesFeature(Feature):
         area.controls.addWidget(self.bar)
         self.sides: tuple[SideView, ...] = ()
         """Views of the slices across the other axes, made when they are first shown."""
+        self.space: QWidget | None = None
+        """The view in space, which is shown with them."""
         self._wanted = bool(window.preferences.get(_SIDES, True))
         self._cross = Cross(area.canvas)
         self._later: list[AsyncCache] = []
@@ -91,8 +94,9 @@ class SlicesFeature(Feature):
             ActionSpec("slices_on", _MENU, "Ten &on", "Show the slice or page ten after this one.", go(_JUMP),
                        "Shift+PgDown", there=several),
             *map(across, range(3)),
-            ActionSpec("three_slices", "View", "&Three slices side by side",
-                       "Show the slices across the other axes beside the canvas, linked by a cross.", self.toggle_sides,
+            ActionSpec("three_slices", "View", "&Three slices and space",
+                       "Show the slices across the other axes and the view in space, or one slice alone.",
+                       self.toggle_sides,
                        "Shift+Q", gap=True, there=has_volume, holds=lambda _: self._wanted),
         )  # fmt: skip
 
@@ -116,7 +120,7 @@ class SlicesFeature(Feature):
             area.canvas.pointer.menu_wanted.emit(point)
 
     def toggle_sides(self) -> None:
-        """Show or hide the slices across the other axes."""
+        """Show or hide the slices across the other axes, and the view in space."""
         self._wanted = not self._wanted
         self.window.preferences.put(_SIDES, self._wanted)
         self._show()
@@ -143,9 +147,13 @@ class SlicesFeature(Feature):
                 self.window.turns.ask(self._make_side)
             return
         if self.sides[0].isVisibleTo(self.window.canvas_area) != shown:
-            self.window.canvas_area.views.setColumnStretch(1, 1 if shown else 0)
-            for view in self.sides:
-                view.setVisible(shown)
+            grid = self.window.canvas_area.views
+            for stretch in (grid.setColumnStretch, grid.setRowStretch):
+                stretch(0, 3)
+                stretch(1, 2 if shown else 0)
+            for view in (*self.sides, self.space):
+                if view is not None:
+                    view.setVisible(shown)
         if shown and scene.slices is not None:
             others = [axis for axis in range(3) if axis != scene.slices.axis]
             for view, axis in zip(self.sides, others, strict=True):
@@ -157,7 +165,6 @@ class SlicesFeature(Feature):
         view = SideView(area.canvas, area)
         view.hide()
         area.level_drag.watch(view.viewport())
-        area.views.setColumnStretch(0, 2)
         area.views.addWidget(view, row, 1)
         self._draw_later(view)
         view.pointer.menu_wanted.connect(self._open_menu)
@@ -227,6 +234,7 @@ class PagesFeature(Feature):
 
     def _show(self) -> None:
         self._show_bar()
+        self.window.docks.offer("pages", self._pages.count > 1)
         self.window.refresh()
 
     def _show_bar(self) -> None:
@@ -245,9 +253,12 @@ class SpaceFeature(Feature):
         self.panel = SpacePanel(window.session)
         self.panels = (Panel("space", "In space", self.panel, "Shift+F9", shown=False),)
         self._seen = SeenInSpace()
+        self.panel.view.hide()
+        window.feature(SlicesFeature).space = self.panel.view
+        window.canvas_area.views.addWidget(self.panel.view, 1, 0)
         self._layers = layers = window.canvas_area.canvas.layers
         window.session.scene_changed.connect(self._show)
-        window.session.image_changed.connect(lambda: window.turns.ask(self.reveal))
+        window.session.image_changed.connect(self.reveal)
         self.panel.view.picked.connect(self._pick)
         self.panel.bar.changed.connect(window.refresh)
         window.canvas_area.level_drag.watch(self.panel.view)
@@ -321,11 +332,8 @@ class SpaceFeature(Feature):
             draw_at(self.window.session, tool.name, place)
 
     def reveal(self) -> None:
-        """A volume is seen in space from the start; an image has no space."""
-        if self.window.session.scene.slices is not None:
-            self.window.docks.reveal("space")
-        else:
-            self.window.docks.hide("space")
+        """An image has no space."""
+        self.window.docks.offer("space", self.window.session.scene.slices is not None)
 
     def _show(self, *_: object) -> None:
         self.panel.show_contents(self._seen.of(self.window.session.scene, self._layers))

@@ -92,7 +92,7 @@ def _state(row: Row) -> str | None:
     return ", ".join(word for holds, word in words if holds) or None
 
 
-CONFIDENCE = tr("Estimated probability that the object is right: that it covers most of the true one and little else.")
+CONFIDENCE = tr("Confidence: the estimated probability that the object is right, most of the true one and little else.")
 
 
 def columns_of(shown: _Shown) -> tuple[Column[Row], ...]:
@@ -116,16 +116,16 @@ def columns_of(shown: _Shown) -> tuple[Column[Row], ...]:
                lambda row: row.contour.measures.number if row.contour else row.key[1] if row.key[1] > 0 else None,
                "000", form=".0f", key=lambda row: list(_KIND).index(row.kind) * 1e7 + abs(row.key[1])),
         Column("name", tr("Name"), tr("Name and color; double-click or press {key:name_object} to rename."),
-               lambda row: row.name, "nerve"),
+               lambda row: row.name, "name"),
         Column("class", tr("Class"), tr("Class of an object, which the digits 1 to 9 set; what else it is."), kind,
-               "1 nucleus",
+               "proposal",
                key=lambda row: 10 * list(_KIND).index(row.kind) + (row.item.category if row.item else 0)),
         Column("area", tr("Volume"), tr("Volume without hollows."), _figure(lambda found: found.volume),
                "00,000", 3)
         if solid else
         Column("area", tr("Area"), tr("Area without holes."),
                _of(area, lambda found: found.net_area_in_units if found.closed else None), "00,000", 2),
-        Column("confidence", tr("Conf."), CONFIDENCE,
+        Column("confidence", tr("%"), CONFIDENCE,
                lambda row: row.item.confidence * 100 if row.item is not None and row.item.confidence else None,
                "00 %", form=".0f", suffix=" %"),
         Column("length", tr("Area"), tr("Area of the surface, that of hollows included."),
@@ -143,8 +143,8 @@ def columns_of(shown: _Shown) -> tuple[Column[Row], ...]:
         if solid else
         Column("gaps", tr("Bridged"), tr("Length of the boundary that follows no contour; dashed."),
                lambda row: row.item.bridged(spacing) if row.item is not None and row.item.gaps else None, "0,000", 1),
-        Column("euler", tr("Euler char."),
-               tr("Euler characteristic of its surface: 2 for each ball, less by 2 for each handle."),
+        Column("euler", tr("Euler number"),
+               tr("Euler characteristic of its surface: 2 for a sphere, 2 less for each handle."),
                _figure(lambda found: found.euler if solid else None), "000", form=".0f"),
         Column("inside", tr("Inside"), tr("Number of the closed contour that encloses it."),
                _measure(lambda found: found.inside or None), "0000", form=".0f"),
@@ -352,7 +352,7 @@ class ObjectPanel(QWidget):
         self.summary = wrapped(dim=True)
         row = arrange(QHBoxLayout(), self.summary, self.shown, spacing=6, wide=self.summary)
         arrange(QVBoxLayout(self), self.name, self.figures, self.histogram, self._classes, self._grid, row, self.table,
-                margins=(10, 6, 10, 6), spacing=6, wide=self.table)  # fmt: skip
+                margins=(2, 6, 2, 6), spacing=6, wide=self.table)  # fmt: skip
         for changed in (object_list.changed, object_list.selection_changed, session.image_changed):
             changed.connect(self.show_chosen)
         self.show_chosen()
@@ -414,8 +414,10 @@ class ObjectPanel(QWidget):
     def _said(self, row: Row) -> str:
         """What a row is, its area, length and confidence."""
         columns = {column.name: column for column in self.table.rows.columns}
-        kind, *rest = (columns[name] for name in ("class", "area", "length", "confidence"))
-        return " · ".join(filter(None, (kind.text(row, 1.0), *(self.table.said(row, column) for column in rest))))
+        said = [columns["class"].text(row, 1.0), *(self.table.said(row, columns[name]) for name in ("area", "length"))]
+        if row.item is not None and row.item.confidence:
+            said.append(tr("{share} sure").format(share=columns["confidence"].text(row, 1.0)))
+        return " · ".join(filter(None, said))
 
     def _rename(self) -> None:
         rows = self._list.selected_rows

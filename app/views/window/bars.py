@@ -7,7 +7,7 @@ from functools import partial
 from typing import cast
 
 from PySide6.QtCore import QSize, Qt, QTimer
-from PySide6.QtGui import QAction, QContextMenuEvent, QFontMetrics
+from PySide6.QtGui import QAction, QContextMenuEvent, QFontMetrics, QResizeEvent
 from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
@@ -41,7 +41,7 @@ _ICON_ONLY = ("undo", "redo", "fit")
 
 
 class ToolBar(QToolBar):
-    """Buttons for the most frequent actions that exist, and the speed control."""
+    """Buttons for the most frequent actions, without words where the window is narrow, and the speed control."""
 
     def __init__(self, actions: Actions, speed: QWidget) -> None:
         super().__init__(tr("Run"))
@@ -49,6 +49,8 @@ class ToolBar(QToolBar):
         self.setMovable(False)
         self.toggleViewAction().setEnabled(False)
         self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self._worded: list[QToolButton] = []
+        self._words, self._needed = True, 0
         self._add(actions, _BEFORE)
         self.addWidget(_modes(actions))
         self._add(actions, _RUN)
@@ -68,10 +70,23 @@ class ToolBar(QToolBar):
             if name in _ICON_ONLY:
                 button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonIconOnly)
                 button.setAccessibleName(action.iconText())
+            elif name != PRIMARY:
+                self._worded.append(button)
             if name == PRIMARY:
                 bold = button.font()
                 bold.setBold(True)
                 button.setMinimumWidth(QFontMetrics(bold).horizontalAdvance(tr("Run again")) + 52)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Show words where there is room for them."""
+        super().resizeEvent(event)
+        if self._words:
+            self._needed = self.sizeHint().width()
+        words, style = self.width() >= self._needed, Qt.ToolButtonStyle
+        if words != self._words:
+            self._words = words
+            for button in self._worded:
+                button.setToolButtonStyle(style.ToolButtonTextBesideIcon if words else style.ToolButtonIconOnly)
 
 
 def _modes(actions: Actions) -> QWidget:

@@ -17,6 +17,7 @@ from PySide6.QtWidgets import QFileDialog
 
 import cpm_core
 from app.model.document import edits
+from app.model.document.contours import judge
 from app.model.export import formats, listed
 from app.views.export.dialog import ExportDialog
 from app.views.features.exchange import ExportFeature
@@ -153,8 +154,8 @@ def test_open_contours_are_closed_on_request(found, hand, dialog, closing) -> No
 def test_kept_ones_only_and_the_selection_are_written_with_the_numbers_of_the_table(found, hand) -> None:
     review = found.workspace.review
     numbers = {item.measures.number: item.key for item in review.items}
-    review.select([numbers[2]])
-    hand.key(KEY.Key_K, Qt.KeyboardModifier.ShiftModifier)
+    target = review.target(review[numbers[2]])
+    found.session.edit("keep", lambda document: judge(document, [target], "kept"))
     review.select([numbers[1], numbers[3]])
     for source, wanted in (("kept", [2]), ("selected", [1, 3]), ("all", [1, 2, 3])):
         dialog = asked(hand, found)

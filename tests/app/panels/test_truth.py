@@ -12,6 +12,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
 from app.model.display.differences import differences
+from app.model.document.contours import judge
 from app.model.document.imported import add_objects, objects_of
 from app.session.features.background import LatestOnlyWorker
 from app.session.features.comparison import NOW, Row
@@ -109,8 +110,9 @@ def test_the_largest_difference_is_brought_into_view(compared, hand) -> None:
 
 def test_a_rejected_contour_is_excluded_until_it_is_restored(compared, hand) -> None:
     before, agreed = figure(compared, "dice"), compared.workspace.comparison.agreed
-    compared.workspace.review.select(item.key for item in compared.workspace.review.items)
-    compared.workspace.review.judge("rejected")
+    review = compared.workspace.review
+    targets = [review.target(item) for item in review.items]
+    compared.session.edit("reject", lambda document: judge(document, targets, "rejected"))
     hand.wait(lambda: figure(compared, "dice") == 0.0)
     assert math.isinf(compared.workspace.comparison.agreed[NOW].hausdorff)
     compared.session.undo()

@@ -47,7 +47,7 @@ def test_each_slice_shows_where_it_cuts_the_surface(found) -> None:
 
 def test_the_panel_tells_what_makes_the_surface_worth_trust(found) -> None:
     shown = numbers(found)
-    assert (shown["Surface"], shown["Closed"], shown["Euler char."]) == ("1 part", "yes", "2")
+    assert (shown["Surface"], shown["Closed"], shown["Euler number"]) == ("1 part", "yes", "2")
     assert float(shown["Volume"].split()[0].replace(",", "")) == pytest.approx(4 / 3 * np.pi * RADIUS**3, rel=0.1)
     assert float(shown["Area"].split()[0].replace(",", "")) == pytest.approx(4 * np.pi * RADIUS**2, rel=0.1)
     assert "Contours" not in shown
