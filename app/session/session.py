@@ -28,7 +28,7 @@ from app.session.signals import EDITING, EXPORTING, OPENING, RUNNING, Board
 from app.session.tasks.opening import Opener, Wanted
 from app.session.tasks.tasks import Tasks
 from app.session.undo_history import Change, Erasure, History
-from app.session.worker.commands import Command, RunsRestored, restore_runs, run_call, start, warm_up, write_contours
+from app.session.worker.commands import Command, RunsRestored, restore_runs, run_call, start, warm_up, write_files
 from app.session.worker.run import Run
 from app.session.worker.worker_thread import WorkerThread
 from cpm_core import METHODS, Image, Parameters
@@ -345,18 +345,11 @@ class Session(QObject):
         if former is not None:
             self.edit(tr("parameters of the last image"), lambda document: edits.set_parameters(document, former))
 
-    def export(self, path: str | Path, order: ExportOrder | None = None) -> None:
-        """Write the contours that are shown, by default all but the rejected ones; the suffix gives the format."""
-        path = Path(path)
+    def export(self, order: ExportOrder, then: Callable[[tuple[bytes, ...]], object] | None = None) -> None:
+        """Write files, all or none, or prepare what they would hold for `then`."""
         self.attempt(EXPORTING)
-        task = self.tasks.begin(tr("Writing {name}…").format(name=path.name))
-        self.post(write_contours(task, self.scene.reconstruction, self.document, order or ExportOrder(), path))
-
-    def copy_contours(self, suffix: str, then: Callable[[bytes], object]) -> None:
-        """Prepare the contours that are shown for the clipboard, as a file with this suffix would hold them."""
-        self.attempt(EXPORTING)
-        task = self.tasks.begin(tr("Copying contours…"))
-        self.post(write_contours(task, self.scene.reconstruction, self.document, ExportOrder(), suffix, then))
+        task = self.tasks.begin(tr("Writing {name}…").format(name=order.files[0].path.name))
+        self.post(write_files(task, self.scene.reconstruction, self.document, order, then))
 
     def warm_up(self) -> None:
         """Compile or load the kernels ahead of the first step."""

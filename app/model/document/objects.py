@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Container, Iterable, Sequence
 from dataclasses import replace
 from functools import reduce
 
@@ -243,15 +243,15 @@ def _spread(surface: Surface) -> tuple[Place, ...]:
 # Exports
 
 
-def objects_result(document: Document) -> Result | None:
-    """The objects as a result, for writers: each with its name, or its class and number, and its color.
+def objects_result(document: Document, only: Container[int] | None = None) -> Result | None:
+    """The objects, or those with some numbers, as a result for writers: each with class, name and color.
 
     The contours of an object have its number as their group, and holes are marked, so that a label mask has one label
     for it and none in its holes. Gaps are bridges, whose strength is not known and 0. Hidden objects are left out; None
     when there is no other. Nothing is computed from the image, so that it can be asked for at any time.
     """
     objects, image = document.objects, document.image
-    shown = [item for item in objects.items if not item.hidden]
+    shown = [item for item in objects.items if not item.hidden and (only is None or item.number in only)]
     if image is None or not shown:
         return None
     surface = surface_of(shown, image.spacing, image.unit)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
@@ -30,7 +30,7 @@ from app.views.widgets.actions import ActionSpec
 from app.views.window.docks import Panel
 from app.views.window.window import Feature, MainWindow
 from cpm_core import Image, write_animation
-from cpm_core.formats import ANIMATED, FOR_STACKS, stack_suffix_of, write_picture
+from cpm_core.formats import write_picture
 from cpm_core.numerics import Place
 
 _MENU = ">" + tr("Slices and pages")
@@ -186,7 +186,7 @@ class PagesFeature(Feature):
         self.bar.moved.connect(pages.open)
         self.bar.asked.connect(lambda: pages.cancel() if pages.running else pages.run())
         self.bar.followed.connect(self._follow)
-        self.panel.export.clicked.connect(self.export)
+        self.panel.export.clicked.connect(partial(window.do, "export"))
         window.canvas_area.controls.addWidget(self.bar)
         pages.set_session_file(window.document_file)
         pages.changed.connect(self._show)
@@ -212,19 +212,7 @@ class PagesFeature(Feature):
                        "Start each page from the contours of the one before.",
                        lambda: self._follow(not pages.following), there=stacked,
                        holds=lambda _: pages.following),
-            ActionSpec("export_pages", "File", "Export all pa&ges…",
-                       "Write the contours, labels or measures of all pages that are done.", self.export,
-                       when=lambda _: pages.result is not None and bool(pages.result.results), there=stacked),
         )  # fmt: skip
-
-    def export(self) -> None:
-        """Ask where to write what was found on all pages, and write it."""
-        if self._pages.result is None:
-            return
-        kinds = {suffix: text[:1].upper() + text[1:] for suffix, text in FOR_STACKS.items() if suffix != ".tiff"}
-        path = self.window.files.ask_where_to_export(tr("Export all pages"), "_pages.measures.csv", kinds)
-        if path is not None and stack_suffix_of(path):
-            self._pages.export(path)
 
     # Internal
 
@@ -264,18 +252,7 @@ class SpaceFeature(Feature):
         window.canvas_area.level_drag.watch(self.panel.view)
         for layer in (layers.particles, layers.image, layers.drawing, layers["objects"], layers["truth"]):
             layer.changed.connect(self._show)
-        png = {".png": tr("PNG image")}
-        self.actions = (
-            *specs(self.panel, window.session),
-            ActionSpec("export_space", "File", "Export picture in s&pace…",
-                       "Export what the view in space shows as a picture.",
-                       lambda: self._ask(tr("Export picture in space"), "_space.png", png, self.write_picture),
-                       there=has_volume),
-            ActionSpec("export_turntable", "File", "Export &turntable…",
-                       "Export a full turn of the view in space as GIF, APNG or MP4.",
-                       lambda: self._ask(tr("Export turntable"), "_turntable.gif", ANIMATED, self.write_turntable),
-                       there=has_volume),
-        )  # fmt: skip
+        self.actions = tuple(specs(self.panel, window.session))
 
     def close(self) -> bool:
         """End the thread that draws."""
@@ -315,11 +292,6 @@ class SpaceFeature(Feature):
         return begin_writing(self.window.session, path, work)
 
     # Internal
-
-    def _ask(self, title: str, ending: str, kinds: Mapping[str, str], write: Callable[[Path], object]) -> None:
-        path = self.window.files.ask_where_to_export(title, ending, kinds)
-        if path is not None:
-            write(path)
 
     def _pick(self, place: Place) -> None:
         """Move the slices there, and draw there what the tool in use draws without a slice."""

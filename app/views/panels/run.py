@@ -340,7 +340,7 @@ class RunPanel(Scrolled):
         self._metrics: RunMetrics | None = None
         content = QWidget()
         parts = self.status, parameters, self.plots, None
-        arrange(QVBoxLayout(content), *parts, margins=(10, 8, 6, 6), spacing=8)
+        arrange(QVBoxLayout(content), *parts, margins=(8, 8, 6, 6), spacing=8)
         super().__init__(content, _LOWEST)
         for section in self.sections.values():
             section.fold.toggled.connect(lambda: self.show_metrics(self._metrics))

@@ -32,8 +32,7 @@ from app.views.widgets.actions import PRIMARY, Actions
 from app.views.widgets.containers import Scrolled
 from cpm_core.shapes import KINDS
 
-_BEFORE = ("open", "save", "", "undo", "redo", "")
-_RUN, _AFTER = ("", "run", "step", "reset", ""), ("", "fit", "export")
+_BEFORE, _RUN, _AFTER = ("open", "save", "", "undo", "redo"), ("run", "step", "reset"), ("", "fit", "export")
 """Actions of the tool bar before the modes, after them, and after the speed control; an empty name is a line."""
 
 _ICON_ONLY = ("undo", "redo", "fit")
@@ -116,14 +115,14 @@ class ToolPalette(QToolBar):
         self.setObjectName("palette")
         self.setMovable(False)
         self.toggleViewAction().setEnabled(False)
-        self.setIconSize(QSize(22, 22))
+        self.setIconSize(QSize(20, 20))
         names = {group: [tool.name for tool in TOOLS if tool.group == group] for group in GROUPS}
         names[AUTO] = [f"start_{kind}" for kind in KINDS]
         self.buttons = {group: ToolButton(group, [actions[name] for name in named]) for group, named in names.items()}
         case = QWidget()
         column = QVBoxLayout(case)
         column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(2)
+        column.setSpacing(0)
         for button in self.buttons.values():
             button.setIconSize(self.iconSize())
             column.addWidget(button)

@@ -42,7 +42,7 @@ class Panel:
     below: bool = False
 
 
-_WIDTH, _LEAST, _SHARE = 300, 280, 0.29
+_WIDTH, _LEAST, _SHARE = 300, 284, 0.29
 """Initial and least width of the column [px], and the part of the window that it may have."""
 
 _VERSION = 2

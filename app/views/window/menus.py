@@ -92,10 +92,9 @@ THINGS: Mapping[str, tuple[str, ...]] = {
     "object": ("accept", "reject", "name_object", "object_class", "object_color", "", "merge_objects", "close_contours",
                "objects_alike", "change_object", "", "freeze_object", "hide_object", "use_as", "skeleton", "",
                "delete_object"),
-    "step": ("timeline_parameters", "timeline_delete", "", "export_animation"),
+    "step": ("timeline_parameters", "timeline_delete", "", "export"),
     "space": ("space_whole", "space_along_0", "space_along_1", "space_along_2", "", "space_particles", "space_surface",
-              "space_objects", "space_slices", "space_projection", "space_box", "", "copy_space", "export_space",
-              "export_turntable"),
+              "space_objects", "space_slices", "space_projection", "space_box", "", "copy_space", "export"),
     "parameter": (),
 }  # fmt: skip
 """Names of actions and submenus by thing; an empty name is a line between groups. An action is a thing, too."""

@@ -59,7 +59,7 @@ class Click:
 
     def __post_init__(self) -> None:
         if not self.places:
-            raise ValueError("A click has no place: give at least one position (row, col).")
+            raise ValueError("A click has no position: give at least one, (row, col).")
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
+from app.model.export import ExportOrder
 from app.views.features.files import OpenSaveFeature
 from app.views.window.window import MainWindow
 from cpm_core.formats.sessions.session_file import load_session
@@ -177,7 +178,7 @@ def test_an_outline_along_the_edge_is_a_contour_before_any_run(window, hand, tmp
     hand.wait(table.isVisible)
     assert table.column("by_hand") == [f"{one.length:.0f}"]
     path = tmp_path / "hand.measures.csv"
-    window.session.export(path)
+    window.session.export(ExportOrder.of(path))
     hand.wait(path.exists)
     settle(window, hand)
     (row,) = csv.DictReader(path.read_text().splitlines())

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -35,10 +36,15 @@ def image_file(tmp_path):
     return path
 
 
+def both(document):
+    """One object around both nuclei, with a name."""
+    return replace(objects.bounded(document.objects, (Contour(around(), True),)), name="both")
+
+
 @pytest.fixture
 def pair(window, hand):
     """One object around both nuclei, with a name, and the tool in use with the edges at hand."""
-    window.session.edit("both", lambda d: objects.add_region(d, (Contour(around(), True),), "both"))
+    window.session.edit("both", lambda d: objects.accept(d, [both(d)]))
     hand.canvas.setFocus()
     hand.key(KEY.Key_K)
     hand.move(5, 5)
