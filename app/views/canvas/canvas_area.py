@@ -193,14 +193,14 @@ class CanvasArea(QWidget):
         key, held, index = Qt.Key(event.key()), event.modifiers(), self._session.selected
         tool, keyed, objects = self.canvas.hold.tool, self.crosshair.at is not None, self._workspace.object_list
         given, self._given = self._given, False
-        accepted = key in _ENTER and not keyed and (tool.panel == "objects" or self._selection.proposals)
-        if given and accepted and objects.open_rows:
+        accepts = key in _ENTER and not keyed and (objects.open_rows or objects.selected)
+        if given and accepts:
             self._session.say(tr("The value is set. Enter accepts what is offered."))
             return True
         ends = not keyed or held & Qt.KeyboardModifier.ControlModifier or key == Qt.Key.Key_Backspace
         if tool.drafting and key in _DRAFT_KEYS and ends:
             (tool.take_back if key == Qt.Key.Key_Backspace else tool.finish)()
-        elif accepted and (objects.open_rows or objects.selected):
+        elif accepts:
             if objects.open_rows:  # objects are accepted already
                 objects.accept()
         elif key in _ENTER:

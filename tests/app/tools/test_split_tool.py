@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -36,15 +35,15 @@ def image_file(tmp_path):
     return path
 
 
-def both(document):
-    """One object around both nuclei, with a name."""
-    return replace(objects.bounded(document.objects, (Contour(around(), True),)), name="both")
-
-
 @pytest.fixture
 def pair(window, hand):
     """One object around both nuclei, with a name, and the tool in use with the edges at hand."""
-    window.session.edit("both", lambda d: objects.accept(d, [both(d)]))
+    window.session.edit(
+        "both",
+        lambda d: objects.rename(
+            objects.accept(d, [objects.bounded(d.objects, [Contour(around(), True)])]), (1,), "both"
+        ),
+    )
     hand.canvas.setFocus()
     hand.key(KEY.Key_K)
     hand.move(5, 5)
