@@ -16,7 +16,6 @@ from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
     QMenu,
-    QProgressBar,
     QPushButton,
     QStackedWidget,
     QToolButton,
@@ -26,7 +25,6 @@ from PySide6.QtWidgets import (
 
 from app.model.display.differences import Difference
 from app.model.display.lengths import PixelSize, shown_in
-from app.model.state.situation import remaining_text
 from app.model.text.language import reason, tr, written
 from app.session.features.comparison import NOW, Agreed, ComparedResults, Row
 from app.session.features.timeline import TimelineNavigation
@@ -161,7 +159,7 @@ class ComparePanel(QWidget):
         self._session, self._compared, self._navigation = session, compared, navigation
         self._load, self._jump = load, jump
         self._seen: tuple[tuple[Difference, ...], int] = ((), 0)
-        self.table, self.words, self.trouble = ResultTable(session, compared), wrapped(dim=True), wrapped()
+        self.table, self.words = ResultTable(session, compared), wrapped(dim=True)
         self.methods, self.values = MethodChoice(session), ParameterChoice(session)
         self.setFocusProxy(self.table)
         self.acts = {
@@ -177,8 +175,6 @@ class ComparePanel(QWidget):
         self.keep = wide_button(tr("Keep this result"), compared.keep)
         self.keep.setToolTip(tr("Keep what is found now, to compare later results with it."))
         self.export = wide_button(tr("Export table…"), export)
-        self.bar, self.cancel = QProgressBar(), wide_button(tr("Cancel"), compared.cancel)
-        self.bar.setTextVisible(False)
         self.holes = QCheckBox(tr("Inner contours are holes"))
         self.holes.setToolTip(tr("Otherwise everything inside a contour belongs to the object."))
         self.holes.toggled.connect(compared.set_holes)
@@ -194,13 +190,17 @@ class ComparePanel(QWidget):
         arrange(QVBoxLayout(self), self.pages)
         compared.changed.connect(self._show)
         compared.chosen_changed.connect(self._show)
-        session.tasks.advanced.connect(self._show_progress)
         session.image_changed.connect(lambda: self.pages.setCurrentIndex(0))
         self._show()
 
     def sizeHint(self) -> QSize:
         """As wide as the other panels."""
         return QSize(320, 380)
+
+    @property
+    def figures(self) -> list[dict[str, float | str | None]]:
+        """All figures of all results."""
+        return [{column.name: column.value(line) for column in COLUMNS} for line in self.table.rows.items]
 
     def jump_to_next(self) -> None:
         """Show the next difference; after the last one, the largest again."""
@@ -232,7 +232,6 @@ class ComparePanel(QWidget):
         arrange(
             QVBoxLayout(page),
             arrange(QHBoxLayout(), self.add, self.keep, spacing=6),
-            arrange(QHBoxLayout(), self.bar, self.cancel, spacing=6),
             self.table,
             self.words,
             arrange(QHBoxLayout(), self._button("use"), self._button("refer"), spacing=6),
@@ -298,15 +297,6 @@ class ComparePanel(QWidget):
         with QSignalBlocker(self.holes):
             self.holes.setChecked(compared.holes)
         self.words.setText(row.state or self._summary())
-        self._show_progress()
-
-    def _show_progress(self) -> None:
-        task = self._compared.task
-        for widget in (self.bar, self.cancel):
-            widget.setVisible(task is not None)
-        if task is not None:
-            self.bar.setValue(round(100 * (task.fraction or 0.0)))
-            self.bar.setToolTip(remaining_text(task.seconds_left))
 
     def _summary(self) -> str:
         """How the marked row differs from the reference, or what can be done."""

@@ -56,7 +56,6 @@ class ObjectsFeature(Feature):
         area.canvas.pointed.connect(lambda at: objects.hover(None) if at is None else None)
         objects.selection_changed.connect(window.refresh)
         selection.changed.connect(window.refresh)
-        objects.taken.connect(lambda numbers: self.ask_name() if len(numbers) == 1 else None)
         objects.class_begun.connect(self._ask_class)
 
         def selects(*kinds: Kind, least: int = 1) -> bool:
@@ -84,10 +83,9 @@ class ObjectsFeature(Feature):
                        objects.accept,
                        when=lambda _: bool(selection.proposals) or selects("proposal", "closed", "open", "rejected")),
             ActionSpec("reject", "Objects", "&Reject",
-                       "Dismiss proposals, remove objects, and exclude contours from exports; none is "
-                       "proposed again.",
-                       objects.reject, "X", when=some),
-            ActionSpec("name_object", "Objects", "&Name…", "Name the selected object or contour.",
+                       "Dismiss proposals, remove objects, and leave contours out of files; none is proposed again.",
+                       objects.reject, "X", when=lambda _: bool(objects.selected or selection.proposals)),
+            ActionSpec("name_object", "Objects", "&Name…", "Give the selected object or contour a name.",
                        self.ask_name, "F2", gap=True, when=some),
             Submenu("object_class", "Objects", "C&lass", self._fill_classes),
             ActionSpec("object_color", "Objects", "C&olor…", "Give objects and contours a color of their own.",
@@ -161,17 +159,11 @@ class ObjectsFeature(Feature):
 
     def take_key(self, event: QKeyEvent) -> bool:
         """Handle the keys for what is selected on the canvas; return whether the key was one of them."""
-        tool, crosshair = self.window.canvas_area.canvas.hold.tool, self.window.canvas_area.crosshair
+        tool = self.window.canvas_area.canvas.hold.tool
         if tool is None or event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier:
             return False
         key, selecting = event.key(), tool.name in _SELECTING
-        if key in _ENTER:
-            selected = selecting and any(row.kind != "object" for row in self._list.selected_rows)
-            offered = tool.name != "objects" and bool(self._selection.proposals) and not self._selection.selecting
-            if crosshair.at is not None or tool.drafting or not (selected or offered):
-                return False
-            self._list.accept()
-        elif selecting and 1 <= key - Qt.Key.Key_0 <= len(self._list.objects.classes):
+        if selecting and 1 <= key - Qt.Key.Key_0 <= len(self._list.objects.classes):
             self._list.classify(key - Qt.Key.Key_0)
         elif key in _DELETE and len(self._editing.marked) == 2:
             self._editing.delete_stretch()
@@ -206,7 +198,7 @@ class ObjectsFeature(Feature):
 
     def _change(self) -> None:
         self.window.canvas_area.use_tool("objects")
-        self._list.begin_change(self._list.items[0].number)
+        self._selection.correct(self._list.items[0].number)
 
     def _ask_class(self, category: int) -> None:
         """Ask for the name of a class that is used for the first time."""

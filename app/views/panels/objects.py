@@ -227,7 +227,7 @@ def color_of(object_list: ObjectList, row: Row) -> str:
         return theme.CHOSEN if row.kind == "proposal" else object_list.objects.color(row.item)
     assert row.contour is not None
     contour = row.contour.contour
-    return contour.color or (theme.CLOSED if contour.closed else theme.OPEN)
+    return contour.color or theme.CONTOUR
 
 
 class Histogram(QWidget):
