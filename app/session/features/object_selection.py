@@ -196,7 +196,7 @@ class ObjectSelection(QObject):
         """Say that places are inside of the object, or outside of it."""
         said = Click(places, inside)
         clicks, number = self._before(self._corrected(said))
-        self._select(tr("select") if inside else tr("select without"), (*clicks, said), number)
+        self._select(tr("select") if inside else tr("remove from selection"), (*clicks, said), number)
 
     def correct(self, number: int) -> None:
         """Select the object of a number, or the proposal of a key, anew, beginning with what it is."""
@@ -212,12 +212,12 @@ class ObjectSelection(QObject):
         """Take back the last click."""
         if self.selecting:
             known = self._session.document.objects
-            self._select(tr("take back a click"), known.clicks[:-1], known.edited)
+            self._select(tr("undo a click"), known.clicks[:-1], known.edited)
 
     def drop(self) -> None:
         """Give up the object that is being selected."""
         if self.selecting:
-            self._select(tr("drop the selection"), ())
+            self._select(tr("discard the selection"), ())
 
     # Objects of the document
 
@@ -444,5 +444,5 @@ def without_effect(before: tuple[Proposal, ...], after: tuple[Proposal, ...]) ->
     if not before[0].clicks or type(one) is not type(other) or not one.same(other):  # type: ignore[arg-type]
         return ""
     if after[0].clicks[-1].inside:
-        return tr("This click changes nothing: the place belongs to the object already.")
-    return tr("This click changes nothing: the place does not belong to the object.")
+        return tr("This click changes nothing: the position is already in the object.")
+    return tr("This click changes nothing: the position is outside the object.")

@@ -83,9 +83,10 @@ class ObjectsFeature(Feature):
                        objects.accept,
                        when=lambda _: bool(selection.proposals) or selects("proposal", "closed", "open", "rejected")),
             ActionSpec("reject", "Objects", "&Reject",
-                       "Dismiss proposals, remove objects, and leave contours out of files; none is proposed again.",
+                       "Dismiss proposals, remove objects, and exclude contours from exports; none is "
+                       "proposed again.",
                        objects.reject, "X", when=lambda _: bool(objects.selected or selection.proposals)),
-            ActionSpec("name_object", "Objects", "&Name…", "Give the selected object or contour a name.",
+            ActionSpec("name_object", "Objects", "&Name…", "Name the selected object or contour.",
                        self.ask_name, "F2", gap=True, when=some),
             Submenu("object_class", "Objects", "C&lass", self._fill_classes),
             ActionSpec("object_color", "Objects", "C&olor…", "Give objects and contours a color of their own.",

@@ -27,9 +27,9 @@ _KINDS: tuple[tuple[str, str, str, Sign], ...] = (
     (tr("contours"), tr("Lines that particles have found, closed and open ones; short open ones are pale."),
      theme.CONTOUR, "line"),
     (tr("bridged"), tr("Gaps in edges that contours bridge."), theme.CONTOUR, "dashed"),
-    (tr("by hand"), tr("Stretches that were drawn by hand."), theme.BY_HAND, "dashed"),
-    (tr("kept"), tr("Contours that stay through all sliders and runs."), theme.CONTOUR, "check"),
-    (tr("rejected"), tr("Contours that are left out of files."), theme.REJECTED, "dashed"),
+    (tr("by hand"), tr("Segments drawn by hand."), theme.BY_HAND, "dashed"),
+    (tr("kept"), tr("Contours that are kept through all slider changes and runs."), theme.CONTOUR, "check"),
+    (tr("rejected"), tr("Contours that are not exported."), theme.REJECTED, "dashed"),
 )  # fmt: skip
 """Text, tip, color and sign of each kind of contour in the legend."""
 
