@@ -1,112 +1,180 @@
-"""Export: the formats on offer, what is written to a file, and what a format leaves out."""
+"""Export: what can be written and in which formats, how files are called, and what each of them holds."""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Literal
+
+import numpy as np
 
 from app.model.document.document import Document
 from app.model.document.modes import MODES
 from app.model.document.objects import objects_result
 from app.model.text.language import from_core, tr, written
-from cpm_core import METHODS, Image, Parameters, Result, Skeleton, edge_map
-from cpm_core.contours import apply, reviewed, with_kept
-from cpm_core.formats import DRAWN, FOR_VOLUMES, WRITABLE, facts_on, left_out, plain_shapes, text_of
+from cpm_core import METHODS, Contour, Image, Parameters, Result, Skeleton, edge_map
+from cpm_core.contours import apply, with_kept
+from cpm_core.formats import (
+    ANIMATED,
+    DRAWN,
+    FOR_CENTERLINES,
+    FOR_SKELETONS,
+    FOR_STACKS,
+    FOR_VOLUMES,
+    WRITABLE,
+    facts_on,
+    left_out,
+    plain_shapes,
+    suffix_of,
+    text_of,
+)
 from cpm_core.image import Convention, has_matplotlib
+from cpm_core.numerics import polyline
 from cpm_core.parameters import Provenance, taken
 from cpm_core.reconstruction import can_be_closed, close_contours
 
-_IMAGES = {
-    ".png": tr("PNG mask"),
-    ".tif": tr("TIFF mask"),
-    ".nii.gz": tr("NIfTI mask, compressed"),
-    ".nii": tr("NIfTI mask"),
-    ".svg": tr("SVG drawing"),
-    ".dxf": tr("DXF for CAD"),
-    ".figure.svg": tr("Figure as SVG, with image and scale bar"),
-    ".figure.pdf": tr("Figure as PDF"),
-    ".figure.png": tr("Figure as PNG"),
-    ".geojson": tr("GeoJSON for QuPath"),
+What = Literal["objects", "contours", "skeleton", "surface", "lines", "pages", "space", "turntable", "run"]
+
+KINDS: Mapping[What, tuple[str, str]] = {
+    "objects": (tr("Objects"), tr("Export objects")),
+    "contours": (tr("Contours except rejected"), tr("Export contours")),
+    "skeleton": (tr("Skeleton"), tr("Export skeleton")),
+    "surface": (tr("Surface"), tr("Export surface")),
+    "lines": (tr("Center lines"), tr("Export center lines")),
+    "pages": (tr("All pages"), tr("Export all pages")),
+    "space": (tr("View in space"), tr("Export view in space")),
+    "turntable": (tr("Turn of the view in space"), tr("Export turntable")),
+    "run": (tr("Animation of the run"), tr("Export animation")),
+}
+"""Headings of what can be written, and titles of the dialog where nothing else is."""
+
+_NAMES = {
     ".labelme.json": tr("labelme"),
     ".coco.json": tr("COCO"),
-    ".zip": tr("ImageJ, all selections"),
-    ".roi": tr("ImageJ, one selection"),
+    ".geojson": tr("GeoJSON for QuPath"),
+    ".zip": tr("ImageJ ROI set"),
+    ".png": tr("Labels, PNG"),
+    ".tif": tr("Labels, TIFF"),
+    ".nii.gz": tr("Labels, NIfTI"),
+    ".nrrd": tr("Labels, NRRD"),
+    ".table.csv": tr("CSV, one row per object"),
     ".measures.csv": tr("CSV, one row per contour"),
     ".csv": tr("CSV, one row per vertex"),
-    ".json": tr("JSON with everything"),
-}
-"""Formats of the contours of an image by the suffix of their files, images first."""
-
-_VOLUMES = {
-    ".ply": tr("PLY, with normals"),
-    ".stl": tr("STL for printing"),
-    ".obj": tr("OBJ, as text"),
-    ".vtk": tr("VTK poly data"),
-    ".nii.gz": tr("NIfTI labels, compressed"),
-    ".nii": tr("NIfTI labels"),
-    ".tif": tr("TIFF stack of labels"),
     ".points.csv": tr("CSV, one row per particle"),
-    ".swc": tr("SWC, a tree of points with radii"),
+    ".json": tr("JSON with everything"),
+    ".svg": tr("SVG drawing"),
+    ".dxf": tr("DXF for CAD"),
+    ".figure.png": tr("Figure, PNG"),
+    ".figure.pdf": tr("Figure, PDF"),
+    ".figure.svg": tr("Figure, SVG"),
+    ".stl": tr("STL for printing"),
+    ".ply": tr("PLY, with normals"),
+    ".obj": tr("OBJ"),
+    ".vtk": tr("VTK poly data"),
+    ".swc": tr("SWC"),
 }
-"""Formats of what a run in a volume has found."""
+"""Formats by the suffixes that writers know them by, in the order shown."""
 
-_SAME = {".tiff": ".tif"}
-"""Suffixes of the same format."""
+_MOVING = {".gif": tr("GIF"), ".png": tr("APNG, in full color"), ".mp4": tr("MP4 video")}
+_WRITABLE: Mapping[What, Mapping[str, str]] = {
+    "skeleton": FOR_SKELETONS,
+    "surface": FOR_VOLUMES,
+    "lines": FOR_CENTERLINES,
+    "pages": FOR_STACKS,
+    "run": ANIMATED,
+    "turntable": ANIMATED,
+    "space": {".png": tr("PNG")},
+}
+_SAME = {".tiff": ".tif", ".nii": ".nii.gz", ".roi": ".zip", ".apng": ".png"}
+"""Suffixes of the same format, or of one that holds less."""
+
+_LEFT_OUT: Mapping[str, str] = {"objects": ".measures.csv .points.csv", "contours": ".table.csv"}
+_ENDINGS = {".table.csv": ".csv", ".measures.csv": ".csv", ".csv": ".vertices.csv"}
+"""How files end whose suffixes only tell formats of one writer apart."""
 
 
-def formats(*, of_volumes: bool = False) -> Mapping[str, str]:
-    """Names of all formats that can be written, by suffix; new ones are last.
+def formats(what: What = "contours", in_volume: bool = False) -> dict[str, str]:
+    """Names of the formats of something, by suffix; new ones are last.
 
     A frozen application without matplotlib, which nobody can add to it, offers no figures.
     """
-    known, writable = (_VOLUMES, FOR_VOLUMES) if of_volumes else (_IMAGES, WRITABLE)
-    lacking = DRAWN if getattr(sys, "frozen", False) and not has_matplotlib() else ()
-    others = {suffix: from_core(text) for suffix, text in writable.items() if suffix not in {*known, *_SAME}}
-    return {suffix: name for suffix, name in {**known, **others}.items() if suffix not in lacking}
+    writable = FOR_VOLUMES if in_volume and what == "objects" else _WRITABLE.get(what, WRITABLE)
+    names = {"space": writable, "run": _MOVING, "turntable": _MOVING}.get(what, _NAMES)
+    lacking = {*_SAME, *_LEFT_OUT.get(what, "").split()}
+    if getattr(sys, "frozen", False) and not has_matplotlib():
+        lacking |= DRAWN
+    known = {suffix: name for suffix, name in names.items() if suffix in writable}
+    known |= {suffix: from_core(text) for suffix, text in writable.items() if suffix not in known}
+    return {suffix: name for suffix, name in known.items() if suffix not in lacking}
 
 
-def listed(suffix: str) -> str:
-    """The suffix under which the format of a suffix is listed."""
-    return _SAME.get(suffix, suffix)
+def file_name(base: str, what: What, suffix: str, alone: bool) -> str:
+    """Name of a file; that of labelme is the one that labelme opens with the image, where it is `alone`."""
+    if suffix == ".labelme.json" and alone:
+        return f"{base}.json"
+    return f"{base}_{what}{_ENDINGS.get(suffix, suffix) if what != 'pages' else suffix}"
 
-
-SOURCES = {
-    "all": tr("All that are not rejected"),
-    "kept": tr("Kept ones only"),
-    "selected": tr("The selection"),
-    "objects": tr("Objects"),
-}
-"""What can be exported, in the order shown; all but objects are contours of the run."""
 
 Closing = Literal["", "edges", "straight"]
 """How open contours are closed: not at all, along the edges of the image, or straight."""
 
+BY_HAND = frozenset({".labelme.json"})
+"""Suffixes of formats that are edited by hand, for which few vertices count."""
+
+
+@dataclass(frozen=True, slots=True)
+class ExportFile:
+    """A file to write: where, what, and the suffix of its format."""
+
+    path: Path
+    what: What
+    suffix: str
+
 
 @dataclass(frozen=True, slots=True)
 class ExportOrder:
-    """How contours are exported.
+    """Files to write, and how.
 
     Attributes
     ----------
-    source : str
-        One of `SOURCES`.
-    selected : frozenset of int
-        Numbers of the selected contours.
+    files : tuple of ExportFile
+        The files.
+    objects, contours : frozenset of int or None
+        Numbers of those that are written; None for all.
     closing : {"", "edges", "straight"}
         How open contours are closed whose ends are near each other.
+    tolerance : float
+        How far a line may move where vertices are left out [px]; 0 keeps all.
+    everywhere : bool
+        Whether vertices are left out in all formats, not only in those that are edited by hand.
     outlines : bool
         Whether masks hold lines in place of filled contours.
     space : {"LPS", "RAS"}
         Where the coordinates of a surface point.
+    in_units : bool
+        Whether lengths are in the unit of the image too, where it is known.
     """
 
-    source: str = "all"
-    selected: frozenset[int] = frozenset()
+    files: tuple[ExportFile, ...] = ()
+    objects: frozenset[int] | None = None
+    contours: frozenset[int] | None = None
     closing: Closing = ""
+    tolerance: float = 0.0
+    everywhere: bool = False
     outlines: bool = False
     space: Convention = "LPS"
+    in_units: bool = True
+
+    @classmethod
+    def of(cls, *paths: Path) -> ExportOrder:
+        """Contours, in the formats that the suffixes name."""
+        return cls(tuple(ExportFile(path, "contours", suffix_of(path)) for path in paths))
+
+    def thins(self, suffix: str) -> bool:
+        """Whether vertices are left out in a format."""
+        return self.tolerance > 0.0 and (self.everywhere or suffix in BY_HAND)
 
 
 def has_objects(document: Document) -> bool:
@@ -115,33 +183,28 @@ def has_objects(document: Document) -> bool:
 
 
 def chosen(
-    found: Result | Skeleton | None, document: Document, order: ExportOrder, image: Image | None = None
+    found: Result | Skeleton | None, document: Document, order: ExportOrder, what: What, image: Image | None = None
 ) -> Result | Skeleton:
     """What is exported, before open contours are closed; ValueError where there is nothing of the kind."""
-    result = objects_result(document) if order.source == "objects" else found
+    result = objects_result(document, order.objects) if what == "objects" else found
     if result is None:
         raise ValueError(tr("There is nothing to export yet: let the particles run first."))
     known = document.image
     if known is not None and known.unit and not known.is_volume:  # it may have been set after the run
         result = replace(result, spacing=known.spacing, unit=known.unit)
+    if not order.in_units:
+        result = replace(result, spacing=(1.0,) * len(result.spacing), unit=None)
     if isinstance(result, Skeleton):
         return result
-    if order.source == "objects":  # the image says where a volume lies in space
-        return result if result.surface is None else replace(result, image=image)
-    kept = with_kept(result, document.marks)
-    shown = apply(kept, document.marks)
-    if order.source == "kept":
-        verdicts = reviewed(kept.contours, document.marks)
-        return _only(shown, {kept.contours[one.index].number for one in verdicts if one.verdict == "kept"})
-    return _only(shown, order.selected) if order.source == "selected" else shown
-
-
-def _only(found: Result, numbers: set[int] | frozenset[int]) -> Result:
-    """The contours with some numbers, and the bridges on them."""
-    contours = tuple(contour for contour in found.contours if contour.number in numbers)
+    if what == "objects":  # tables measure gray levels in the image, and it says where a volume lies in space
+        return replace(result, image=image)
+    shown = apply(with_kept(result, document.marks), document.marks)
+    if order.contours is None:
+        return shown
+    contours = tuple(contour for contour in shown.contours if contour.number in order.contours)
     vertices = {tuple(point) for contour in contours for point in contour.points.tolist()}
-    bridges = tuple(bridge for bridge in found.bridges if tuple(bridge.points[1].tolist()) in vertices)
-    return replace(found, contours=contours, bridges=bridges)
+    bridges = tuple(bridge for bridge in shown.bridges if tuple(bridge.points[1].tolist()) in vertices)
+    return replace(shown, contours=contours, bridges=bridges)
 
 
 def closed(result: Result | Skeleton, order: ExportOrder, image: Image, parameters: Parameters) -> Result | Skeleton:
@@ -152,48 +215,36 @@ def closed(result: Result | Skeleton, order: ExportOrder, image: Image, paramete
     return close_contours(result, edge_map(gray, parameters.smoothing) if order.closing == "edges" else None)
 
 
-@dataclass(frozen=True, slots=True)
-class ExportSummary:
-    """How many contours are written and left out, and how many of those written were open and have been closed.
-
-    `objects` is the number of objects whose boundaries the contours are, 0 for other contours. `triangles` is the
-    number of those of the surface that a run in a volume has found, 0 for an image.
-    """
-
-    written: int
-    left_out: int
-    bridged: int
-    objects: int = 0
-    triangles: int = 0
+def thinned(result: Result | Skeleton, tolerance: float) -> Result | Skeleton:
+    """The result with only those vertices that are needed to be no farther off than a tolerance [px]."""
+    if isinstance(result, Skeleton):  # whose vertices have radii
+        return result
+    return replace(result, contours=tuple(_thinned(contour, tolerance) for contour in result.contours))
 
 
-def summarize(before: Result | Skeleton, after: Result | Skeleton, suffix: str, order: ExportOrder) -> ExportSummary:
-    """What a file with a suffix holds of a result `before` and `after` open contours were closed."""
-    missing = left_out(after, suffix, outlines=order.outlines)
-    bridged = sum(one.closed for one in after.contours) - sum(one.closed for one in before.contours)
-    whole = isinstance(after, Result) and order.source == "objects"
-    objects = len({one.group for one in after.contours}) if whole else 0
-    surface = after.surface if isinstance(after, Result) else None
-    triangles = 0 if surface is None else len(surface.faces)
-    if surface is not None and surface.numbers is not None:
-        objects = len(set(surface.numbers.tolist()))
-    return ExportSummary(len(after.contours) - missing, missing, bridged, objects, triangles)
+def _thinned(contour: Contour, tolerance: float) -> Contour:
+    points = contour.points
+    if not contour.closed:
+        return replace(contour, points=np.array(polyline.thinned(points.tolist(), tolerance)))
+    middle = int(np.linalg.norm(points - points[0], axis=1).argmax())
+    halves = points[: middle + 1], np.concatenate([points[middle:], points[:1]])
+    few = [corner for half in halves for corner in polyline.thinned(half.tolist(), tolerance)[:-1]]
+    return replace(contour, points=np.array(few)) if len(few) > 2 else contour
 
 
-def summary_text(summary: ExportSummary) -> str:
-    """What is written and what is left out, in one line."""
-    parts = []
-    if summary.objects:
-        parts = [tr("1 object") if summary.objects == 1 else tr("{count} objects").format(count=summary.objects)]
-    elif not summary.triangles:
-        parts = [tr("1 contour") if summary.written == 1 else tr("{count} contours").format(count=summary.written)]
-    if summary.triangles:
-        parts.append(tr("a surface of {count} triangles").format(count=written(f"{summary.triangles:,}")))
-    if summary.bridged:
-        parts.append(tr("{count} of them closed for the export").format(count=summary.bridged))
-    if summary.left_out:
-        parts.append(tr("{count} open ones left out").format(count=summary.left_out))
-    return ", ".join(parts)
+def summary_text(result: Result | Skeleton, what: What, suffix: str, order: ExportOrder) -> str:
+    """What a file with a suffix holds of a result, and what not."""
+    surface = result.surface if isinstance(result, Result) else None
+    if what == "objects":
+        count = len({one.group for one in result.contours} if surface is None else np.unique(surface.numbers))
+        text = tr("1 object") if count == 1 else tr("{count} objects").format(count=count)
+    elif surface is not None:
+        return tr("a surface of {count} triangles").format(count=written(f"{len(surface.faces):,}"))
+    else:
+        count = len(result.contours) - left_out(result, suffix, outlines=order.outlines)
+        text = tr("1 contour") if count == 1 else tr("{count} contours").format(count=count)
+    missing = left_out(result, suffix, outlines=order.outlines)
+    return f"{text}, {tr('{count} open ones left out').format(count=missing)}" if missing else text
 
 
 def provenance_comment(document: Document, *, steered: bool) -> str:

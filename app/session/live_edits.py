@@ -95,7 +95,7 @@ class Live:
         if before.parameters != after.parameters:
             self._post(run_call(None, Run.set_parameters, after.parameters))
         if after.image_starts and before.seeding_inputs != after.seeding_inputs:
-            self._board.busy("seeding", tr("Looking for places to start from…"))
+            self._board.busy("seeding", tr("Looking for starting positions…"))
             self._post(find_seeds(board.image_generation, after))
         if before.charges != after.charges:
             self._post(run_call(None, Run.place, board.image_generation, after.charges))

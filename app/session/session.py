@@ -28,7 +28,7 @@ from app.session.signals import EDITING, EXPORTING, OPENING, RUNNING, Board
 from app.session.tasks.opening import Opener, Wanted
 from app.session.tasks.tasks import Tasks
 from app.session.undo_history import Change, Erasure, History
-from app.session.worker.commands import Command, RunsRestored, restore_runs, run_call, start, warm_up, write_contours
+from app.session.worker.commands import Command, RunsRestored, restore_runs, run_call, start, warm_up, write_files
 from app.session.worker.run import Run
 from app.session.worker.worker_thread import WorkerThread
 from cpm_core import METHODS, Image, Parameters
@@ -36,7 +36,7 @@ from cpm_core.formats import Reading, differ
 from cpm_core.formats.images.reading import DEFAULT
 from cpm_core.shapes import Sphere
 
-_PREPARING = tr("Preparing (longer the very first time)…")
+_PREPARING = tr("Preparing (takes longer the first time)…")
 
 FRAME = 16
 """Time between two display frames, in each of which reports of the worker are taken [ms]."""
@@ -257,7 +257,7 @@ class Session(QObject):
             self.post(run_call(None, Run.discard, self._board.generation))
             if kept:
                 kept_on = tr(
-                    "The run is kept on the timeline: click it there, or press {key:timeline_last}, to go back to it."
+                    "The run stays on the timeline: click it there or press {key:timeline_last} to return to it."
                 )
                 self.say(with_keys(kept_on))
 
@@ -345,18 +345,11 @@ class Session(QObject):
         if former is not None:
             self.edit(tr("parameters of the last image"), lambda document: edits.set_parameters(document, former))
 
-    def export(self, path: str | Path, order: ExportOrder | None = None) -> None:
-        """Write the contours that are shown, by default all but the rejected ones; the suffix gives the format."""
-        path = Path(path)
+    def export(self, order: ExportOrder, then: Callable[[tuple[bytes, ...]], object] | None = None) -> None:
+        """Write files, all or none, or prepare what they would hold for `then`."""
         self.attempt(EXPORTING)
-        task = self.tasks.begin(tr("Writing {name}…").format(name=path.name))
-        self.post(write_contours(task, self.scene.reconstruction, self.document, order or ExportOrder(), path))
-
-    def copy_contours(self, suffix: str, then: Callable[[bytes], object]) -> None:
-        """Prepare the contours that are shown for the clipboard, as a file with this suffix would hold them."""
-        self.attempt(EXPORTING)
-        task = self.tasks.begin(tr("Copying contours…"))
-        self.post(write_contours(task, self.scene.reconstruction, self.document, ExportOrder(), suffix, then))
+        task = self.tasks.begin(tr("Writing {name}…").format(name=order.files[0].path.name))
+        self.post(write_files(task, self.scene.reconstruction, self.document, order, then))
 
     def warm_up(self) -> None:
         """Compile or load the kernels ahead of the first step."""
@@ -488,7 +481,7 @@ class Session(QObject):
         known = opened.saved.file.image
         if known is not None and known.sha256 and differ(known.sha256, opened.sha256):
             return  # the notes report that the image has changed
-        self._board.busy("restoring", tr("Bringing back the runs…"))
+        self._board.busy("restoring", tr("Restoring the runs…"))
         self.post(run_call(None, Run.place, self._board.image_generation, self.document.charges))
         self.post(run_call(None, Run.limit, self.document.regions))
         self.post(restore_runs(self._board.image_generation, opened.saved.file.runs, image))

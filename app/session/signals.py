@@ -11,7 +11,6 @@ from typing import Any, TypeVar
 
 from PySide6.QtCore import QObject, Signal
 
-from app.model.export import summary_text
 from app.model.state.situation import Phase, RunStatus
 from app.model.text.language import shortened, tr
 from app.session.exchange.messages import (
@@ -249,7 +248,7 @@ class Board(QObject):
                     self._show(image_seeds=image_seeds)
             case Exported(path, counts):
                 written = tr("Written: {path}").format(path=path)
-                self.say(written if counts is None else f"{written} ({summary_text(counts)})", topic=EXPORTING)
+                self.say(f"{written} ({counts})" if counts else written, topic=EXPORTING)
             case CommandFailed(sentence, topic):
                 self.say(sentence, True, topic)
             case Compiling(percent) if "preparing" in self._busy:

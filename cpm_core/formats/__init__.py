@@ -37,6 +37,7 @@ from cpm_core.formats.contours.contents import color_of as color_of
 from cpm_core.formats.contours.contour_json import page_from_plain as page_from_plain
 from cpm_core.formats.contours.contour_json import page_to_plain as page_to_plain
 from cpm_core.formats.contours.curves import ellipse as ellipse
+from cpm_core.formats.contours.labelme import located as located
 from cpm_core.formats.contours.points_csv import load_points
 from cpm_core.formats.images.dicom import dicom_files_beside as dicom_files_beside
 from cpm_core.formats.images.readers import READABLE, holds_volume, load_image, load_pages, load_volume, open_stack

@@ -106,7 +106,7 @@ def area(path: Array | Sequence[Position]) -> float:
     return 0.5 * abs(float(row @ np.roll(col, -1) - col @ np.roll(row, -1)))
 
 
-def thinned(path: Sequence[Position]) -> tuple[Position, ...]:
+def thinned(path: Sequence[Position], tolerance: float = _TOLERANCE) -> tuple[Position, ...]:
     """Path without the corners that are not needed; both ends stay.
 
     A freehand path has a corner for every movement of the pointer, but a document should stay small. Of the corners
@@ -119,7 +119,7 @@ def thinned(path: Sequence[Position]) -> tuple[Position, ...]:
     while stretches:
         first, last = stretches.pop()
         off = distances_to_segments(corners[first + 1 : last], corners[first], corners[last] - corners[first])
-        if len(off) and off.max() > _TOLERANCE:
+        if len(off) and off.max() > tolerance:
             farthest = first + 1 + int(off.argmax())
             kept.add(farthest)
             stretches += [(first, farthest), (farthest, last)]

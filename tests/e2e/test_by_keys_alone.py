@@ -125,16 +125,19 @@ def select_and_name_an_object(window: MainWindow, keys: Keys) -> None:
 
 
 def export(window: MainWindow, keys: Keys, path: Path) -> None:
-    """To a file in another folder: the format in the form, the name in the dialog of the system."""
+    """To a file in another folder: format and name in the form, the folder in the dialog of the system."""
     keys.press(KEY.Key_E, held=CONTROL)
     keys.wait(lambda: QApplication.activeModalWidget() is not None)
     dialog = QApplication.activeModalWidget()
     keys.wait(dialog.isActiveWindow)
-    keys.go_to(dialog.format)
-    for _ in range(dialog.format.count()):
-        if dialog.suffix != path.suffix:
-            keys.press(KEY.Key_Down)
-    assert dialog.suffix == path.suffix
+    keys.go_to(dialog.list)
+    for _ in range(40):
+        if not any(file.suffix == path.suffix for file in dialog.files):
+            keys.press(KEY.Key_Down, KEY.Key_Space)
+    keys.go_to(dialog.base)
+    keys.press(KEY.Key_A, held=CONTROL)
+    keys.type(path.stem)
+    keys.go_to(dialog._place)
     named = []
 
     def name_the_file() -> None:
@@ -143,7 +146,7 @@ def export(window: MainWindow, keys: Keys, path: Path) -> None:
         if not isinstance(asked, QFileDialog) or not asked.isActiveWindow():
             return
         asking.stop()
-        keys.type(str(path))
+        keys.type(str(path.parent))
         keys.press(KEY.Key_Return)
         named.append(asked.result())
         if asked.isVisible():
@@ -152,8 +155,10 @@ def export(window: MainWindow, keys: Keys, path: Path) -> None:
     asking = QTimer(dialog, interval=20)
     asking.timeout.connect(name_the_file)
     asking.start()
-    keys.press(KEY.Key_Return)
+    keys.press(KEY.Key_Space)
     assert named == [QFileDialog.DialogCode.Accepted]
+    path = next(file.path for file in dialog.files if file.suffix == path.suffix)
+    keys.press(KEY.Key_E, held=Qt.KeyboardModifier.AltModifier)
     keys.wait(path.exists)
     assert json.loads(path.read_text())["features"]
     keys.wait(lambda: window.session.idle)

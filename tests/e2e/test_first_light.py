@@ -7,12 +7,12 @@ import pytest
 from PIL import Image as Picture
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor
-from PySide6.QtWidgets import QFileDialog
 
 from app.model.document.samples import samples
 from app.views.application import make_application
-from app.views.features.exchange import ExportFeature
+from app.views.features.files import StartFeature
 from app.views.main_window import open_window
+from tests.app.exporting import export
 from tests.e2e.conftest import PATIENCE
 
 
@@ -25,21 +25,9 @@ def test_the_first_press_of_run_recovers_the_u_and_export_writes_it(window, qtbo
     qtbot.waitUntil(lambda: session.status.phase == "finished", timeout=PATIENCE)
     qtbot.waitUntil(lambda: session.idle, timeout=PATIENCE)
     assert window.canvas_area.canvas.layers.contours.counts == (1, 0)
-    for suffix in (".svg", ".csv", ".png"):
-        path = tmp_path / f"u{suffix}"
-        window.activateWindow()  # which the dialog before was
-        qtbot.waitUntil(window.isActiveWindow, timeout=PATIENCE)
-        qtbot.keyClick(window.canvas_area.canvas, Qt.Key.Key_E, Qt.KeyboardModifier.ControlModifier)
-        dialog = window.feature(ExportFeature).dialog
-        to = dialog.format.findData(suffix)
-        while (away := to - dialog.format.currentIndex()) != 0:
-            qtbot.keyClick(dialog.format, Qt.Key.Key_Down if away > 0 else Qt.Key.Key_Up)
-            assert abs(to - dialog.format.currentIndex()) == abs(away) - 1
-        monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_, path=path: (str(path), ""))
-        qtbot.keyClick(dialog.format, Qt.Key.Key_Return)
-        qtbot.waitUntil(path.exists, timeout=PATIENCE)
-        qtbot.waitUntil(lambda path=path: str(path) in window.canvas_area.messages.text, timeout=PATIENCE)
-    mask = np.asarray(Picture.open(tmp_path / "u.png"))
+    paths = export(qtbot, window, tmp_path, "contours:.svg", "contours:.csv", "contours:.png")
+    assert "3 files, 1 contour" in window.canvas_area.messages.text
+    mask = np.asarray(Picture.open(paths[0]))
     assert mask.shape == values.shape
     inside, bright = mask > 0, values > 0.5 * (values.min() + values.max())
     # The mask is the bright U up to the pixels that its rim runs through.
@@ -101,13 +89,14 @@ def test_every_sample_opens_ready_and_runs(window, qtbot) -> None:
         window.session.reset()
 
 
-def test_a_file_that_is_not_an_image_is_reported_and_the_window_opens_the_sample(qtbot, tmp_path) -> None:
+def test_a_file_that_is_not_an_image_is_reported_on_the_start_screen_and_no_sample_opens(qtbot, tmp_path) -> None:
     path = tmp_path / "notes.txt"
     path.write_text("no picture")
     make_application()
     window = open_window(str(path))
-    qtbot.waitUntil(lambda: window.session.document.image is not None, timeout=PATIENCE)
-    assert window.session.document.image.name == "u_shape.png"
-    assert "notes.txt" in window.canvas_area.messages.text
+    screen = window.feature(StartFeature).screen
+    qtbot.waitUntil(screen.isVisible, timeout=PATIENCE)
+    assert screen.trouble.text().startswith("notes.txt ")
+    assert window.session.document.image is None
     window.close()
     window.deleteLater()

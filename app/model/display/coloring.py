@@ -79,7 +79,7 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
         "age": Quantity(tr("Age"), tr("Steps since each particle was inserted, or since its scale began."), age),
         "convergence": Quantity(
             tr("Convergence"),
-            tr("What each particle adds to ε of eq. (23); the run rests when their mean is small."),
+            tr("Contribution of each particle to ε of eq. (23); the run is at rest when the mean is small."),
             convergence,
             (EPSILON / 10.0, 1000.0 * EPSILON),
         ),

@@ -59,7 +59,7 @@ class Imported:
     def of_surface(cls, surface: Surface, volume: Image, name: str, notes: tuple[str, ...] = ()) -> Imported:
         """A surface in a volume, with an object for each body inside; ValueError when those are too many."""
         objects = bodies_of(surface, volume) if surface.closed else ()
-        _check(tr("{name} has {count} objects, but no more than {most} can be taken over."), name, len(objects))
+        _check(tr("{name} has {count} objects, but at most {most} can be imported."), name, len(objects))
         return cls(name, 1, (start_on_surface(surface),), objects, int(not surface.closed), notes, "surface")
 
     @classmethod
@@ -72,7 +72,7 @@ class Imported:
     def of(cls, found: ContourFile, name: str) -> Imported:
         """What a file of contours holds; ValueError when that is too much."""
         count = len(found.contours)
-        _check(tr("{name} has {count} contours, but no more than {most} can be taken over."), name, count)
+        _check(tr("{name} has {count} contours, but at most {most} can be imported."), name, count)
         closed = [contour for contour in found.contours if contour.closed]
         starts = starts_along(found.contours, found.places)
         return cls(name, count, starts, objects_of(closed), count - len(closed), found.notes)

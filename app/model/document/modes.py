@@ -50,14 +50,14 @@ MODES: Mapping[Mode, ModeInfo] = MappingProxyType(
         "shape": ModeInfo(
             tr("Shape &recovery"),
             tr("Shape"),
-            tr("Draw where to start; the particles find the whole outline."),
+            tr("Finds the whole outline from a start that you draw."),
             "shape",
             "cpm",
         ),
         "automatic": ModeInfo(
             tr("&Automatic segmentation"),
             tr("Automatic"),
-            tr("Start everywhere and find all objects; nothing has to be drawn."),
+            tr("Finds all objects. No drawing needed."),
             "automatic",
             "cpm",
             tr("Press {key:run} to run; particles start everywhere."),
@@ -65,10 +65,10 @@ MODES: Mapping[Mode, ModeInfo] = MappingProxyType(
         "skeleton": ModeInfo(
             tr("S&keleton"),
             tr("Skeleton"),
-            tr("Find the middle lines of objects and how thick they are; nothing has to be drawn."),
+            tr("Finds the center lines of objects and their thickness. No drawing needed."),
             "noisy",
             "skeleton",
-            tr("Press {key:run} to find the skeleton of what is in the image."),
+            tr("Press {key:run} to find the skeleton of the objects in the image."),
         ),
     }
 )

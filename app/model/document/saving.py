@@ -64,7 +64,7 @@ def changed_parts(document: Document, known: Document | None) -> tuple[str, ...]
         for words, names in _PARTS
         if any(getattr(document, name) != getattr(before, name) for name in names)
     )
-    return found or (tr("the choices that you made"),)
+    return found or (tr("your choices"),)
 
 
 def restored(file: SessionFile, image: ImageReference, parameters: Parameters) -> Document:

@@ -19,18 +19,21 @@ _LARGEST = 4_000_000
 """Maximum length of a preset file [bytes]."""
 
 _BUILT_IN = {
-    "shape": (tr("Shape recovery"), tr("Finds the whole outline of what a start is drawn in or around.")),
-    "automatic": (tr("Automatic segmentation"), tr("Starts everywhere and keeps the contours of sure edges.")),
-    "vessels": (tr("Vessels"), tr("Finds both sides of what is long and thin, darker or brighter than around it.")),
+    "shape": (tr("Shape recovery"), tr("Finds the whole outline of an object from a start in or around it.")),
+    "automatic": (tr("Automatic segmentation"), tr("Starts everywhere and keeps the contours of clear edges.")),
+    "vessels": (
+        tr("Vessels"),
+        tr("Finds both sides of anything long and thin, darker or brighter than its surroundings."),
+    ),
     "noisy": (tr("Noisy image"), tr("Chooses the smoothing from the noise of the image.")),
     "fluorescence": (
         tr("Fluorescence"),
         tr("Finds bright objects on a dark background, without their texture."),
     ),
-    "angiogram": (tr("Angiogram"), tr("Finds vessels with a contrast medium, and leaves out faint lines.")),
+    "angiogram": (tr("Angiogram"), tr("Finds vessels filled with contrast medium, and leaves out faint lines.")),
     "ultrasound": (
         tr("Ultrasound"),
-        tr("Finds the strongest outlines on a very smooth image, without speckle."),
+        tr("Finds the strongest outlines in a heavily smoothed image, without speckle."),
     ),
 }
 
@@ -66,10 +69,10 @@ def checked_name(name: str) -> str:
     if not name:
         raise ValueError(tr("A preset needs a name: type one."))
     if len(name) > _LONGEST_NAME:
-        message = tr("The name has {length} letters but a preset's may have {most} at most: shorten it.")
+        message = tr("The name has {length} characters, but at most {most} are allowed: shorten it.")
         raise ValueError(message.format(length=len(name), most=_LONGEST_NAME))
     if any(name == preset.name for preset in built_in()):
-        raise ValueError(tr("“{name}” comes with the program: choose another name.").format(name=name))
+        raise ValueError(tr("“{name}” is built in: choose another name.").format(name=name))
     return name
 
 
@@ -99,7 +102,7 @@ def read(content: bytes, source: str) -> Preset:
         message = tr("{file} is not a preset of CPM: choose a file that was exported as one.")
         raise ValueError(message.format(file=source))
     if kept.get("version") != _VERSION:
-        message = tr("{file} has version {version} but this program reads version {most}.")
+        message = tr("{file} has version {version}, but this program reads version {most}.")
         raise ValueError(message.format(file=source, version=shown(kept.get("version")), most=_VERSION))
     try:
         parameters, unknown = parameters_from_plain(kept["parameters"])

@@ -114,34 +114,34 @@ PAGES = {
 
 LANGUAGE = Choice(
     name=language.KEY, label=tr("Language"), default=language.OF_THE_DESKTOP,
-    ways={language.OF_THE_DESKTOP: tr("As on the desktop"), **language.languages()},
-    note=tr("The window changes its language when the program is started again."),
+    ways={language.OF_THE_DESKTOP: tr("System"), **language.languages()},
+    note=tr("The language changes when you restart the program."),
 )  # fmt: skip
 THEME = Choice(
-    name="theme", label=tr("Colors of the window"), default="system",
-    ways={"system": tr("As on the desktop"), "light": tr("Light"), "dark": tr("Dark")},
+    name="theme", label=tr("Theme"), default="system",
+    ways={"system": tr("System"), "light": tr("Light"), "dark": tr("Dark")},
 )  # fmt: skip
 UNIT = Choice(
     name="units", label=tr("Lengths and areas"), default="image", ways=UNITS,
-    note=tr("In tables, in the panel Run, in the status bar and on the scale bar. An image that does not say how large "
-            "a pixel is has lengths in px."),
+    note=tr("In tables, the Run panel, the status bar and the scale bar. Without a known pixel size, "
+            "lengths are in px."),
 )  # fmt: skip
 WORDING = Choice(
     name="parameters/wording", label=tr("Labels"), default=FIRST_WORDING,
-    ways={"name": tr("Names of parameters first"), "symbol": tr("Symbols of parameters first")},
+    ways={"name": tr("Parameter names first"), "symbol": tr("Parameter symbols first")},
 )  # fmt: skip
 
 CONTOUR_WIDTH = Number(
-    name="canvas/contour_width", label=tr("Width of contours"), default=2.0, low=0.5, high=5.0,
+    name="canvas/contour_width", label=tr("Contour width"), default=2.0, low=0.5, high=5.0,
     step=0.25, decimals=2, suffix=" px",
 )  # fmt: skip
 SHAPE_WIDTH = Number(
-    name="canvas/shape_width", label=tr("Width of drawn shapes"), default=1.4, low=0.5, high=5.0,
+    name="canvas/shape_width", label=tr("Shape width"), default=1.4, low=0.5, high=5.0,
     step=0.1, decimals=1, suffix=" px",
 )  # fmt: skip
 POINT_SIZE = Number(
-    name="canvas/point_size", label=tr("Size of particles"), default=7.0, low=3.0, high=20.0,
-    step=0.5, decimals=1, suffix=" px", note=tr("Particles are smaller where the image is shown small."),
+    name="canvas/point_size", label=tr("Particle size"), default=7.0, low=3.0, high=20.0,
+    step=0.5, decimals=1, suffix=" px", note=tr("Particles shrink when the image is zoomed out."),
 )  # fmt: skip
 
 INKS = {
@@ -163,8 +163,8 @@ AUTOSAVE = Flag(
     note=tr("After a crash, the next start offers to restore it."),
 )  # fmt: skip
 SAVE_IN_FOLDER = Flag(
-    name="files/save_in_folder", label=tr("Next image of the folder"), default=False,
-    text=tr("Save without asking"), note=tr("The session is written beside the image, under its name."),
+    name="files/save_in_folder", label=tr("Next image in the folder"), default=False,
+    text=tr("Save without asking"), note=tr("The session is saved next to the image, under the same name."),
 )  # fmt: skip
 KEEP_PARAMETERS = Flag(
     name="parameters/keep", label=tr("Next image"), default=False,
@@ -172,7 +172,7 @@ KEEP_PARAMETERS = Flag(
 )  # fmt: skip
 OFFER_SETTINGS = Flag(
     name="parameters/offer", label=tr("Kind of image"), default=True,
-    text=tr("Offer settings for kinds of images"),
+    text=tr("Suggest settings for the kind of image"),
     note=tr("Fluorescence, angiograms and ultrasound are recognized by their gray levels."),
 )  # fmt: skip
 TIMELINE_MEMORY = Number(

@@ -34,7 +34,6 @@ PACES: tuple[float | None, ...] = (1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0, 120.0,
 FIRST_PACE = 6
 
 _LEADING = (
-    tr("Step"),
     tr("Particles"),
     tr("Contours"),
     tr("Branches"),
@@ -114,16 +113,17 @@ def _state(situation: Situation) -> str:
         case "empty":
             return tr("No image is open.")
         case "running":
-            return tr("Running")
+            return tr("Running, step {step}").format(step=written(f"{status.step:,}"))
         case "paused":
-            return tr("Paused")
+            return tr("Paused at step {step}").format(step=written(f"{status.step:,}"))
         case "finished":
-            message = tr("Done – {reason}") if status.converged else tr("Stopped – {reason}")
-            text = message.format(reason=from_core(status.stop_reason))
-            return text if text.endswith((".", "!", "?")) else f"{text}."
+            message = tr("Finished: {reason}") if status.converged else tr("Stopped – {reason}")
+            return message.format(reason=from_core(status.stop_reason))
     if document.starts or not needs_start(document.mode):
         return tr("Ready")
-    return tr("Nothing to start from yet") if document.shapes else tr("Nothing drawn yet")
+    if items := document.objects.items:
+        return tr("1 object") if len(items) == 1 else tr("{count} objects").format(count=len(items))
+    return tr("No start yet")
 
 
 def _hint(situation: Situation) -> str:
@@ -133,9 +133,9 @@ def _hint(situation: Situation) -> str:
     if status.phase == "empty":
         message = tr("Open an image ({key:open}) or drop one here.")
     elif status.started and status.stale and status.phase == "running":
-        message = tr("A start or the scales have changed: Reset ({key:reset}) to begin from them.")
+        message = tr("The starts or scales have changed: Reset ({key:reset}) to use them.")
     elif status.started and status.stale:
-        message = tr("A start or the scales have changed: Run starts again from them.")
+        message = tr("The starts or scales have changed: Run starts over with them.")
     elif status.started and status.steered:
         message = tr(
             "The parameters have changed: Resume ({key:run}) continues with them, Reset ({key:reset}) starts over."
@@ -152,16 +152,16 @@ def _hint(situation: Situation) -> str:
         message = usual
     elif not document.shapes and in_volume:
         message = tr(
-            "Drag to draw a sphere in or around an object; {key:previous_slice} and {key:next_slice} go through "
-            "the slices."
+            "Drag to draw a sphere in or around an object; {key:previous_slice} and {key:next_slice} move "
+            "through the slices."
         )
     elif not document.shapes:
         message = tr("Drag on the image to draw a circle in or around an object.")
     elif not document.starts and in_volume:
-        message = tr("Now draw where particles start: a sphere, a box, a stroke or points.")
+        message = tr("Now draw a start for the particles: a sphere, a box, a stroke or points.")
     elif not document.starts:
         message = tr(
-            "Now draw where particles start: a circle, a stroke or points; or start everywhere ({key:start_grid})."
+            "Now draw a start for the particles: a circle, a stroke or points; or start everywhere ({key:start_grid})."
         )
     else:
         return with_keys(usual or tr("Press {key:run} to run.")) if shape is None else _what_can_be_done_to(shape)
@@ -209,8 +209,8 @@ def _numbers(status: RunStatus, image: ImageReference | None) -> _Numbers:
     speed = written(f"{status.steps_per_second:.0f}") if status.phase == "running" else "–"
     numbers = (
         (tr("Step"), written(f"{status.step:,}"), tr("Steps taken over all scales.")),
-        (tr("Particles"), written(f"{status.count:,}"), tr("Free particles there are now.")),
-        (tr("Scale"), scale, tr("Level of the image pyramid; at 1:4 a pixel stands for 4 by 4.")),
+        (tr("Particles"), written(f"{status.count:,}"), tr("Current number of free particles.")),
+        (tr("Scale"), scale, tr("Level of the image pyramid; at 1:4 each pixel represents 4 by 4.")),
         ("ε", "–" if math.isnan(status.epsilon) else epsilon,
          tr("How much the particles still move, eq. (23); small at rest.")),
         (tr("Steps/s"), speed, tr("Speed of the run.")),
@@ -241,8 +241,8 @@ def _numbers_of_skeleton(status: RunStatus, image: ImageReference | None) -> _Nu
     numbers = (
         (tr("Branches"), written(f"{len(found.contours):,}"), tr("Center lines between tips and forks.")),
         (tr("Length"), _length(found.length, image, 0), tr("Length of all branches together.")),
-        (tr("Thickness"), thickness, tr("Thickness that 95 % of the length stays below.")),
-        (tr("Skeleton of"), skeleton_of(found.polarity, found.width), tr("What has a skeleton in the image.")),
+        (tr("Thickness"), thickness, tr("95 % of the length is thinner than this.")),
+        (tr("Skeleton of"), skeleton_of(found.polarity, found.width), tr("The objects whose skeleton is shown.")),
     )
     return _known(bool(found.contours), numbers)
 

@@ -8,8 +8,8 @@ from app.model.display.lengths import shown_in
 from app.model.text.language import tr, written
 from cpm_core import Surface
 
-SURFACE, CLOSED, EULER = tr("Surface"), tr("Closed"), tr("Euler char.")
-AREA, VOLUME, SUPPORT = tr("Area"), tr("Volume"), tr("Support")
+SURFACE, CLOSED, EULER = tr("Surface"), tr("Closed"), tr("Euler number")
+AREA, VOLUME, SUPPORT = tr("Area"), tr("Volume"), tr("Supported")
 
 
 def figure_texts(found: Surface | None) -> tuple[tuple[str, str, str], ...]:
@@ -19,12 +19,12 @@ def figure_texts(found: Surface | None) -> tuple[tuple[str, str, str], ...]:
     """
     texts = ("–",) * 6 if found is None else _texts(found)
     tips = (
-        tr("Parts of the surface that do not hang together."),
-        tr("Whether every edge of the surface has two triangles, so that there is an inside."),
-        tr("Euler characteristic: 2 for a ball, 0 for a ring, their sum for several parts."),
+        tr("Separate parts of the surface."),
+        tr("Whether the surface is closed, so that it has an inside."),
+        tr("Euler characteristic: 2 for a sphere, 0 for a ring; the sum over all parts."),
         tr("Area of the surface."),
         tr("Volume that a closed surface encloses."),
-        tr("Share of the surface that has particles near; elsewhere it is a guess."),
+        tr("Fraction of the surface with particles nearby; the rest is interpolated."),
     )
     return tuple(zip((SURFACE, CLOSED, EULER, AREA, VOLUME, SUPPORT), texts, tips, strict=True))
 
@@ -38,7 +38,7 @@ def _texts(found: Surface) -> tuple[str, ...]:
     if found.left_out:
         parts = tr("{parts}, {count} left out").format(parts=parts, count=written(f"{found.left_out:,}"))
     edges = found.free_edges + found.nonmanifold_edges
-    closed = tr("yes") if not edges else tr("no, at {count} edges").format(count=written(f"{edges:,}"))
+    closed = tr("yes") if not edges else tr("no, {count} open edges").format(count=written(f"{edges:,}"))
     area, volume = found.area * size.factor**2, found.volume * size.factor**3
     support = "–" if math.isnan(found.unsupported) else written(f"{100.0 * (1.0 - found.unsupported):.1f} %")
     square, cube = (f"{unit}²", f"{unit}³") if size.unit else (tr("voxel faces"), unit)

@@ -8,7 +8,7 @@ from importlib import metadata
 from app.model.text.language import tr
 from cpm_core import __version__
 
-PURPOSE = tr("Finds contours in images by letting charged particles flow to them.")
+PURPOSE = tr("Finds objects and contours in images with charged particles.")
 
 PAPER = tr(
     "A. C. Jalba, M. H. F. Wilkinson and J. B. T. M. Roerdink, “CPM: A deformable model for shape recovery and "
@@ -38,7 +38,7 @@ def versions() -> tuple[tuple[str, str], ...]:
         try:
             used.append((name, metadata.version(package)))
         except metadata.PackageNotFoundError:  # as in a copy that was put together by hand
-            used.append((name, tr("not known")))
+            used.append((name, tr("unknown")))
     return (*used, (tr("System"), platform.platform()))
 
 

@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from app.model.display.display_image import DisplayImage, DisplayVolume
 from app.model.display.plots import RunMetrics
 from app.model.document.document import Document
-from app.model.export import ExportSummary
 from app.model.state.surface_figures import figure_texts
 from app.model.text.language import reason, tr
 from app.model.volume.parts import Parts
@@ -45,7 +44,7 @@ def sentence(error: Exception, activity: str) -> str:
         text = message.format(activity=activity)
     else:
         log.error("unexpected error while %s", activity, exc_info=error)
-        message = tr("Something unexpected happened while {activity}: {error}")
+        message = tr("An unexpected error occurred while {activity}: {error}")
         text = message.format(activity=activity, error=str(error) or type(error).__name__)
     text = " ".join(text.split())
     if text.partition(" ")[0].isalpha():  # file names are not changed
@@ -245,10 +244,10 @@ class SeedsFound(Report):
 
 @dataclass(frozen=True, slots=True)
 class Exported(Report):
-    """A file has been written; `counts` says how many contours it holds, if it is a file of contours."""
+    """A file has been written, the first of several where `counts` says so, and how much they hold."""
 
     path: Path
-    counts: ExportSummary | None = None
+    counts: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -181,11 +181,6 @@ class HandEditing(QObject):
         else:
             self.add((cut(at),))
 
-    def cut_marked(self) -> None:
-        """Cut a contour at the place marked last."""
-        if self.marked:
-            self.cut(self.marked[-1])
-
     def delete_stretch(self) -> None:
         """Delete the stretch between the two marked places, which lie on one contour."""
         if len(self.marked) == 2:

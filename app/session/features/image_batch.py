@@ -55,11 +55,11 @@ def _apply(session: SessionFile, folder: Path, task: Task) -> BatchDone:
 
     images, output = tuple(map(str, images_in(folder))), folder / _RESULTS
     if not images:
-        raise ValueError(tr("There is no image in this folder that can be read: choose another one."))
+        raise ValueError(tr("This folder contains no readable image: choose another one."))
     try:
         output.mkdir(exist_ok=True)
     except OSError as error:
-        text = tr("{folder} is no folder, and none can be made: {reason}.")
+        text = tr("{folder} is not a folder and cannot be created: {reason}.")
         raise ValueError(text.format(folder=output, reason=cause(error))) from error
     save_session(session, output / _APPLIED)
     batch = Batch(images, session, output / _APPLIED, output, WRITTEN)

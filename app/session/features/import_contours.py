@@ -112,7 +112,7 @@ def _in_volume(path: Path, volume: Image) -> Imported:
 def _points(path: Path, axes: int = 2) -> Points:
     positions = load_points(path, axes)
     if len(positions) > MOST_POINTS:
-        message = tr("{name} has {count} points, but no more than {most} can be drawn.")
+        message = tr("{name} has {count} points, but at most {most} can be drawn.")
         raise ValueError(message.format(name=path.name, count=len(positions), most=MOST_POINTS))
     return Points(tuple(map(tuple, positions.tolist())))
 

@@ -231,7 +231,7 @@ class StoredPages:
         pages, second = _read(plain, "found", found)
         drawn = tuple(shape for shape in _listed(plain, "drawn") if isinstance(shape, dict))
         given = here.starts if plain.get("given") is True else ()
-        trouble = tr("Some pages of the stack are damaged in the session and were left out.")
+        trouble = tr("Some pages of the stack are damaged in the session and were skipped.")
         return cls(kept, pages, plain.get("following") is not False, drawn, given, trouble if first or second else "")
 
 

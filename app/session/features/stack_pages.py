@@ -309,15 +309,15 @@ class StackPages(QObject):
 
     # Files
 
-    def export(self, path: Path) -> None:
+    def export(self, *paths: Path) -> None:
         """Write what has been found on all pages."""
-        result = self.result
+        result, path = self.result, paths[0]
         if result is None:
             return
         self._session.attempt(EXPORTING)
 
         def work(_: Task) -> Report:
-            export_stack(result, path)
+            export_stack(result, *paths)
             return Exported(path)
 
         self._session.tasks.start(

@@ -211,9 +211,7 @@ class TimelineNavigation(QObject):
         fallen = outline.fallen[len(self.outline.fallen) :]
         self.outline = outline
         if fallen:
-            message = tr(
-                "{runs} had to be removed from the timeline to make room; a run with a name of its own stays longer."
-            )
+            message = tr("{runs} had to be removed from the timeline to make room; renamed runs are kept longer.")
             self._session.say(message.format(runs=", ".join(fallen)))
 
     def _place_or_end(self) -> tuple[int, int]:

@@ -95,7 +95,7 @@ class Preferences(QObject):
         copy = path.with_name(f"{path.name}.unread")
         with suppress(OSError):
             shutil.copy(path, copy)
-        text = tr("The preferences in {path} cannot be read and are the default ones; that file is kept as {copy}.")
+        text = tr("The preferences in {path} cannot be read, so the defaults are used; the file is kept as {copy}.")
         self.complain(text.format(path=path, copy=copy))
 
     def flush(self) -> None:

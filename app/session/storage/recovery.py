@@ -110,12 +110,12 @@ class Journal(QObject):
             else:
                 self.path.parent.mkdir(parents=True, exist_ok=True)
                 if not (self._lock.isLocked() or self._lock.tryLock(0)):
-                    raise ValueError(tr("Nothing can be written into {folder}.").format(folder=self.path.parent))
+                    raise ValueError(tr("{folder} is not writable.").format(folder=self.path.parent))
                 save_session(file, self.path)
         except Exception as error:  # the user can still work without a journal
             if file is not None:
                 reason = _sentence(error, tr("keeping unsaved work"))
-                lost = tr("Unsaved work is not kept for the case of a crash: save the session yourself. {reason}")
+                lost = tr("Unsaved work cannot be protected against a crash: save the session yourself. {reason}")
                 trouble = lost.format(reason=reason)
         self._worked.emit(trouble)
         return trouble
@@ -188,7 +188,7 @@ def _read(journal: Path, lock: QLockFile) -> Leftover:
     file, when = load_session(journal), datetime.fromtimestamp(journal.stat().st_mtime)
     named = file.extra.get(KEY)
     if file.image is None or not isinstance(named, dict):
-        raise ValueError(tr("{name} is not a journal.").format(name=journal.name))
+        raise ValueError(tr("{name} is not a recovery file.").format(name=journal.name))
     path, name = str(named.get("session") or ""), str(named.get("name") or journal.name)
     bare = replace(file, extra={key: value for key, value in file.extra.items() if key != KEY})
     return Leftover(journal, name, Path(path) if path else None, when, bare, lock)

@@ -146,7 +146,7 @@ def runs_from_plain(plain: Plain, image: ImageReference) -> tuple[StoredRuns, st
         here = (branch, step) if branch in branches else None
     except (ValueError, TypeError) as error:
         faults.append(error)
-    message = tr("A part of the recorded runs is damaged and was left out ({fault}); all else was opened.")
+    message = tr("Part of the recorded runs is damaged and was skipped ({fault}); everything else was opened.")
     fault = message.format(fault=reason(faults[0]).rstrip(".")) if faults else ""
     return StoredRuns(tuple(runs), here, states, numbers), fault
 

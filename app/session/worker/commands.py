@@ -13,10 +13,10 @@ from concurrent.futures import Future
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from pathlib import Path
-from typing import Any, Concatenate, ParamSpec
+from typing import Concatenate, ParamSpec
 
 from app.model.document.document import Document, ImageReference
-from app.model.export import ExportOrder, chosen, closed, summarize
+from app.model.export import ExportFile, ExportOrder, What, chosen, closed, summary_text, thinned
 from app.model.text.language import tr
 from app.session.exchange.core_functions import Core
 from app.session.exchange.messages import (
@@ -35,8 +35,8 @@ from app.session.exchange.messages import (
 from app.session.tasks.tasks import Task
 from app.session.timeline.plain_runs import Plain, RunsWriter, runs_from_plain
 from app.session.worker.run import Run
-from cpm_core import encoded
-from cpm_core.formats import DRAWN, IN_SPACE, suffix_of
+from cpm_core import Image, Result, Skeleton
+from cpm_core.formats import DRAWN, OUTLINABLE, located, write_together
 from cpm_core.shapes import NO_SEEDS
 
 P = ParamSpec("P")
@@ -134,58 +134,70 @@ def find_seeds(image_generation: int, document: Document) -> Command:
         if image_generation == context.run.image_generation:
             context.report(SeedsFound(image_generation, context.run.seeds_for(document)))
 
-    return Command(
-        work, tr("looking for places to start from"), "seeds", partial(SeedsFound, image_generation, NO_SEEDS)
-    )
+    return Command(work, tr("looking for starting positions"), "seeds", partial(SeedsFound, image_generation, NO_SEEDS))
 
 
-def write_contours(
+def write_files(
     task: Task,
     shown: Reconstruction | None,
     document: Document,
     order: ExportOrder,
-    to: Path | str,
-    then: Callable[[bytes], object] = lambda content: None,
+    then: Callable[[tuple[bytes, ...]], object] | None = None,
 ) -> Command:
-    """Write contours to a file, whose suffix gives the format, or encode them for `then` as a file with a suffix is.
+    """Make all files of an order and write them, or give their contents to `then`.
 
-    During a run these are the contours `shown` in the window; of a paused run they are those of its last state, which
-    the window shows as soon as they are made.
+    During a run contours are those `shown` in the window; of a paused run they are those of its last state, which the
+    window shows as soon as they are made.
     """
 
     def work(context: CommandContext) -> None:
-        """Write them, unless the task has been cancelled, and report what the file holds and what not."""
+        """Write them, unless the task has been cancelled, and report what the files hold and what not."""
 
         def wanted() -> bool:
             return not (task.over or context.closing())
 
-        run, needs_run = context.run, order.source != "objects"
+        run, needs_run = context.run, any(file.what != "objects" for file in order.files)
+        image = None if run.method is None else run.method.image
+        made: dict[tuple[What, bool], Result | Skeleton] = {}
+        contents, counts = [], dict[What, str]()
         try:
             found = run.reconstruction(shown, wanted) if wanted() and needs_run else None
             if not wanted() or (needs_run and found is None):
                 return
-            image = None if run.method is None else run.method.image
-            result = chosen(None if found is None else run.with_provenance(found.result), document, order, image)
-            if isinstance(to, str):
-                context.report(Finished(partial(then, encoded(result, to))))
+            whole = None if found is None else run.with_provenance(found.result)
+            for file in order.files:
+                key = file.what, order.thins(file.suffix)
+                if key not in made:
+                    result = chosen(whole, document, order, file.what, image)
+                    if image is not None and file.what == "contours":
+                        result = closed(result, order, image, run.parameters)
+                    made[key] = thinned(result, order.tolerance) if key[1] else result
+                shaped = _shaped(made[key], file, document, image)
+                outlines = order.outlines and file.suffix in OUTLINABLE
+                content = context.core.encode(shaped, file.suffix, outlines=outlines, space=order.space)
+                contents.append((file.path, content))
+                counts.setdefault(file.what, summary_text(made[key], file.what, file.suffix, order))
+            if then is not None:
+                context.report(Finished(partial(then, tuple(content for _, content in contents))))
                 return
-            whole, suffix = result, suffix_of(to)
-            if image is not None:
-                whole = closed(result, order, image, run.parameters)
-                if suffix in DRAWN and whole.image is None:
-                    whole = replace(whole, image=image)
-            settings: dict[str, Any] = {"outlines": True} if order.outlines else {}
-            if suffix in IN_SPACE:
-                settings["space"] = order.space
-            if document.image is not None:
-                settings["image"] = document.image.path
-            context.core.export(whole, to, **settings)
-            context.report(Exported(to, summarize(result, whole, suffix, order)))
+            write_together(contents)
+            several = tr("{count} files").format(count=len(contents))
+            text = ", ".join([several] * (len(contents) > 1) + [*counts.values()])
+            context.report(Exported(order.files[0].path, text))
         finally:
             task.end()
 
-    activity = tr("copying contours") if isinstance(to, str) else tr("writing {name}").format(name=to.name)
+    activity = tr("writing {name}").format(name=order.files[0].path.name)
     return Command(work, activity, failed=partial(CommandFailed, topic="exporting"))
+
+
+def _shaped(result: Result | Skeleton, file: ExportFile, document: Document, image: Image | None) -> Result | Skeleton:
+    """A result with what the format of a file needs: the image, or where that lies as seen from the file."""
+    if file.suffix in DRAWN and result.image is None:
+        return replace(result, image=image)
+    if file.suffix == ".labelme.json" and document.image is not None:
+        return located(result, file.path, Path(document.image.path))
+    return result
 
 
 def warm_up(volumes: bool = False) -> Command:
@@ -291,4 +303,4 @@ def restore_runs(generation: int, plain: Plain, image: ImageReference) -> Comman
             run.go_to(*here, lambda: not context.closing())
             run.halt()
 
-    return Command(work, tr("bringing back the runs"), failed=partial(RunFailed, generation))
+    return Command(work, tr("restoring the runs"), failed=partial(RunFailed, generation))

@@ -95,7 +95,7 @@ def probe(generation: int, place: Place, reach: float) -> Command:
         identity = int(state.particles.identity[nearest])
         context.report(Probed(generation, state.step, identity, at, forces, sizes=sizes))
 
-    activity = tr("working out the forces on a particle")
+    activity = tr("computing the forces on a particle")
     return Command(work, activity, "probe", lambda trouble: Probed(generation, -1, trouble=trouble))
 
 
@@ -133,7 +133,7 @@ def take_frame(
             found = Reconstruction.of(generation, result, ContourTracker(), thorough=False)
         context.report(report(moment, found))
 
-    return Command(work, tr("taking a picture of a step"), failed=lambda sentence: report(sentence=sentence))
+    return Command(work, tr("drawing a step"), failed=lambda sentence: report(sentence=sentence))
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -202,7 +202,7 @@ class Run:
             try:
                 arrays[name] = overlay(name, self.method, self.parameters, self.charges)
             except Exception as error:  # the run does not depend on what is shown over the image
-                trouble = sentence(error, tr("preparing what lies over the image"))
+                trouble = sentence(error, tr("preparing the overlays"))
         self._overlays.put(Overlays(self.image_generation, arrays, trouble))
         self._overlays_of = key
 
@@ -318,7 +318,7 @@ class Run:
             return shown
         found = self._reconstructor.latest(self.generation, wanted)
         if found is None and wanted():
-            raise ValueError("There is nothing to export yet: let the particles run first.")
+            raise ValueError("There is nothing to export yet: start a run first.")
         return found
 
     def with_provenance(self, result: Result | Skeleton) -> Result | Skeleton:

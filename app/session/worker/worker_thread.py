@@ -91,7 +91,7 @@ class WorkerThread:
             except Exception as error:  # no error may end the thread
                 if command is None:
                     self._run.halt()
-                    self._reports.append(RunFailed(self._run.generation, sentence(error, tr("taking a step"))))
+                    self._reports.append(RunFailed(self._run.generation, sentence(error, tr("computing a step"))))
                 else:
                     self._reports.append(command.failed(sentence(error, command.activity)))
             self._executed += command is not None

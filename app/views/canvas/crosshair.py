@@ -51,7 +51,7 @@ class Crosshair:
         """One sentence on what keys do with the tool in use."""
         if self._at is None:
             return ""
-        text = tr("Arrow keys move the cross-hair, with Shift by 10 px. {what} {key:escape} puts it away.")
+        text = tr("Arrow keys move the cross-hair, with Shift by 10 px. {what} {key:escape} hides it.")
         return with_keys(text, what=self._canvas.hold.tool.by_keys)
 
     def toggle(self) -> None:

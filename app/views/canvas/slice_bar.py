@@ -56,8 +56,8 @@ class SliceBar(QFrame):
         self.of.setObjectName("dim")
         self.voxel.setObjectName("dim")
         self.voxel.setAutoRaise(True)
-        self.voxel.setAccessibleName(tr("Size of a voxel"))
-        self.voxel.setToolTip(tr("Size of a voxel: plane × row × column. Click to change it."))
+        self.voxel.setAccessibleName(tr("Voxel size"))
+        self.voxel.setToolTip(tr("Voxel size: plane × row × column. Click to change it."))
         self.voxel.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.voxel.clicked.connect(self.size_wanted)
         row.addSpacing(8)
@@ -70,7 +70,7 @@ class SliceBar(QFrame):
 
     def show_keys(self) -> None:
         """Name the keys as they are now."""
-        said = tr("Go through the slices: {key:previous_slice} and {key:next_slice}, or the wheel with Shift.")
+        said = tr("Move through the slices: {key:previous_slice} and {key:next_slice}, or Shift + wheel.")
         self.slider.setToolTip(with_keys(said))
 
     def show_slices(self, slices: Slices | None, image: Image | None) -> None:

@@ -1,264 +1,441 @@
-"""The export dialog: what is written and in which format; it asks for the file at last."""
+"""The export dialog: what is written, in which formats and under which names, all in one go."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Container
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
-from PySide6.QtCore import QSize, Qt, Signal
+from PySide6.QtCore import QRectF, QSize, Qt, Signal
 from PySide6.QtGui import QResizeEvent
 from PySide6.QtWidgets import (
+    QCheckBox,
     QComboBox,
     QDialog,
     QFormLayout,
     QHBoxLayout,
     QLabel,
+    QLineEdit,
+    QPushButton,
+    QSpinBox,
+    QTreeWidget,
+    QTreeWidgetItem,
     QVBoxLayout,
     QWidget,
 )
 
-from app.model.export import SOURCES, ExportOrder, chosen, closed, formats, listed, summarize, summary_text
+from app.model.document import objects
+from app.model.document.document import Document
+from app.model.export import (
+    KINDS,
+    ExportFile,
+    ExportOrder,
+    What,
+    chosen,
+    closed,
+    file_name,
+    formats,
+    summary_text,
+    thinned,
+)
 from app.model.state.surface_figures import figure_texts
-from app.model.text.language import tr
+from app.model.text.language import reason, tr, written
 from app.session.features.skeleton import description_of
 from app.session.session import Session
+from app.session.storage.preferences import Preferences
 from app.views.canvas.items.item import image_rectangle
+from app.views.export.frames import NARROWEST, WIDEST, AnimationPlan, every, frame_size
 from app.views.export.picture import Line, Picture
 from app.views.theme import theme
 from app.views.theme.theme import look
 from app.views.widgets.containers import AcceptButtons, arrange, wrapped
+from app.views.widgets.fields import DecimalField
+from app.views.window.dialogs import FileDialogs, ask_to_replace
 from cpm_core import Result, Skeleton
-from cpm_core.formats import FOR_CENTERLINES, FOR_SKELETONS, FOR_VOLUMES, IN_SPACE, OUTLINABLE, WRITABLE, palette
+from cpm_core.formats import IN_SPACE, OUTLINABLE, check_encoder, left_out
 from cpm_core.image import CONVENTIONS
 from cpm_core.reconstruction import can_be_closed
 
-_WIDTH = 330
-"""Width of the sentences [px]."""
+_KEY = "export/"
+FORMATS = _KEY + "formats"
+"""Preference: what is checked, each with its suffix."""
 
-_SLIGHTLY = 0.3
-"""Opacity of the image, on which filled contours stand out."""
+_FIRST = ["objects:.table.csv", "contours:.svg", "surface:.stl", "skeleton:.svg", "lines:.swc"]
+"""Formats that are checked until the user has checked others."""
 
-_SPACES = {
-    "LPS": tr("To the left, back and head of the patient (LPS), as in DICOM"),
-    "RAS": tr("To the right, front and head of the patient (RAS), as in NIfTI"),
-}
+_WIDTH = 430
+_SPACES = {"LPS": tr("Left, back, head (LPS), as in DICOM"), "RAS": tr("Right, front, head (RAS), as in NIfTI")}
+_ROLE = Qt.ItemDataRole.UserRole
+
+
+@dataclass(frozen=True, slots=True)
+class Exportable:
+    """What there is besides the scene: chosen objects and contours, done pages, the last step of the run.
+
+    `part` returns the part of the image that frames show: all of it, or for True the visible part. Files that have been
+    `written` before are replaced without a question.
+    """
+
+    objects: frozenset[int]
+    contours: frozenset[int]
+    pages: int
+    last: int
+    in_space: bool
+    part: Callable[[bool], QRectF]
+    written: Container[Path]
 
 
 class ExportDialog(QDialog):
-    """Asks what to export and as what, and shows it.
-
-    Parameters
-    ----------
-    parent : QWidget
-        The window.
-    session : Session
-        What is exported.
-    selected : frozenset of int
-        Numbers of the selected contours.
-    suffix : str
-        Suffix of the format that is suggested.
-    ask : callable
-        Asks for a file with a suffix; None when the user cancels.
-    """
+    """Lists what can be written and in which formats, each with the name of its file."""
 
     ordered = Signal(object, object)
-    """Path of the file and the order for it."""
+    """The order, and the plan of the animation of the run if there is one."""
 
     def __init__(
-        self,
-        parent: QWidget,
-        session: Session,
-        selected: frozenset[int],
-        suffix: str,
-        ask: Callable[[QWidget, str], Path | None],
+        self, parent: QWidget, session: Session, preferences: Preferences, files: FileDialogs, there: Exportable
     ) -> None:
         super().__init__(parent)
         self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
-        self._session, self._selected, self._ask = session, selected, ask
+        self._session, self._preferences, self._files, self._there = session, preferences, files, there
         image, scene = session.image, session.scene
         assert image is not None
         self._image = image
         self._volume = scene.slices is not None
-        self._whole = scene.skeleton or scene.contours.result or getattr(scene.reconstruction, "result", None)
-        skeleton = tr("Export center lines") if self._volume else tr("Export skeleton")
-        result = tr("Export surface") if self._volume else tr("Export contours")
-        self.setWindowTitle(skeleton if isinstance(self._whole, Skeleton) else result)
-        self.source, self.format, self.regions, self.closing, self.space = (QComboBox() for _ in range(5))
+        self._found = scene.skeleton or scene.contours.result or getattr(scene.reconstruction, "result", None)
+        self.folder = files.begin("export")
+        self.list = QTreeWidget()
+        self.list.setColumnCount(2)
+        self.list.setHeaderLabels([tr("What"), tr("File")])
+        self.list.setAccessibleName(tr("What to write"))
+        self.list.setMinimumSize(_WIDTH, 180)
+        self.only, self.everywhere = QCheckBox(tr("Only what is chosen")), QCheckBox(tr("in all formats"))
+        self.outlines, self.units = QCheckBox(tr("Outlines in masks, not areas")), QCheckBox()
+        self.closing, self.space = QComboBox(), QComboBox()
+        self.tolerance, self._vertices = DecimalField(), QLabel()
+        self.tolerance.setRange(0.0, 10.0)
+        self.tolerance.setSingleStep(0.1)
+        self.tolerance.setDecimals(1)
+        self.tolerance.setSuffix(" px")
+        self.first, self.last, self.stride = (
+            _number(0, there.last, 0),
+            _number(0, there.last, there.last),
+            _number(1, 1),
+        )
+        self.width_field, self.speed = _number(NARROWEST, WIDEST, 640, " px"), _number(1, 50, 15, tr(" per second"))
+        self.stride.setMaximum(max(there.last, 1))
+        self.zoomed = QCheckBox(tr("Only the visible part"))
+        stem = image.source.partition(".")[0] if self._volume else Path(image.source).stem
+        self.base, self._place = QLineEdit(stem), QPushButton()
         self.summary = wrapped()
-        self.summary.setMinimumSize(_WIDTH, 3 * self.summary.fontMetrics().lineSpacing())
-        self.summary.setAlignment(Qt.AlignmentFlag.AlignTop)
-        self._fill(suffix)
-        buttons = AcceptButtons(self, tr("&Export…"))
-        self.export_button = buttons.accept_button
-        self._form = QFormLayout()
-        rows = (tr("What"), tr("Format"), tr("Regions"), tr("Open contours"), tr("Coordinates"))
-        for title, field in zip(rows, (self.source, self.format, self.regions, self.closing, self.space), strict=True):
-            field.setAccessibleName(title)
-            field.activated.connect(self._follow)
-            self._form.addRow(title, field)
-        self._form.addRow("", self.summary)
-        layout = QHBoxLayout(self)
-        layout.addLayout(arrange(QVBoxLayout(), self._form, None, buttons))
+        self.summary.setMinimumHeight(2 * self.summary.fontMetrics().lineSpacing())
+        self.classes: dict[int, QLineEdit] = {}
         self.preview = None if self._volume else Preview(Picture(scene.display, image_rectangle(image.shape)))
-        if self.preview is not None:
-            layout.addWidget(self.preview, 1)
-        self.export_button.setDefault(True)  # once it is in the dialog, else Tab makes another button the default
+        self._lay_out()
+        self._restore()
+        self._fill()
         self._follow()
 
     @property
-    def suffix(self) -> str:
-        """Suffix of the chosen format."""
-        return str(self.format.currentData())
+    def files(self) -> tuple[ExportFile, ...]:
+        """The files that are checked."""
+        return tuple(
+            ExportFile(self.folder / item.text(1), *item.data(0, _ROLE))
+            for item in self._items()
+            if item.checkState(0) == Qt.CheckState.Checked
+        )
 
     @property
     def order(self) -> ExportOrder:
         """What is chosen."""
-        source = self.source.currentData()
+        only = self.only.isChecked()
         return ExportOrder(
-            source,
-            self._selected if source == "selected" else frozenset(),
+            self.files,
+            self._there.objects if only else None,
+            self._there.contours if only else None,
             self.closing.currentData() or "",
-            outlines=bool(self.regions.currentData()) and self.suffix in OUTLINABLE,
-            space=self.space.currentData(),
+            self.tolerance.value(),
+            self.everywhere.isChecked(),
+            self.outlines.isChecked(),
+            self.space.currentData(),
+            self.units.isChecked(),
+        )
+
+    @property
+    def animation(self) -> AnimationPlan:
+        """The settings of the animation of the run."""
+        return AnimationPlan(
+            every(self.first.value(), max(self.last.value(), self.first.value()), self.stride.value()),
+            frame_size(self._there.part(self.zoomed.isChecked()), self.width_field.value()),
+            self.speed.value(),
+            self.zoomed.isChecked(),
         )
 
     def accept(self) -> None:
-        """Ask for the file and order the export."""
-        path, image = self._ask(self, self.suffix), self._session.document.image
-        if path is not None and image is not None and path.resolve() == Path(image.path).resolve():
-            text = tr("{name} is the image itself: choose another name.")
-            self.summary.setText(text.format(name=path.name))
-        elif path is not None:
-            self.ordered.emit(path, self.order)
-            super().accept()
+        """Name the classes, keep the choice for the next time, and order the files."""
+        order, written_before = self.order, self._there.written
+        asked = [file.path.name for file in order.files if file.path.exists() and file.path not in written_before]
+        if not order.files or (asked and not ask_to_replace(self, ", ".join(asked))):
+            return
+        named = {number: field.text() for number, field in self.classes.items() if field.text()}
+        self._session.edit(tr("name classes"), partial(_named, names=named))
+        put = self._preferences.put
+        shown = {_key(item) for item in self._items()}
+        before = self._preferences.get(FORMATS, _FIRST)
+        put(FORMATS, [*(key for key in before if key not in shown), *map(_of_file, order.files)])
+        put(_KEY + "tolerance", order.tolerance)
+        put(_KEY + "everywhere", order.everywhere)
+        put(_KEY + "units", order.in_units)
+        for name, field in self._kept.items():
+            put(_KEY + name, field.value())
+        self.ordered.emit(order, self.animation)
+        super().accept()
 
     # Internal
 
-    def _fill(self, suffix: str) -> None:
-        skeleton = isinstance(self._whole, Skeleton)
-        if skeleton:
-            self.source.addItem(tr("The center lines"), "all")
-        for source in () if skeleton else SOURCES:
-            count = self._count(source)
-            if count and self._volume and source == "all":
-                self.source.addItem(tr("The surface of the run"), source)
-            elif count and (not self._volume or source == "objects"):
-                self.source.addItem(f"{SOURCES[source]} ({count})", source)
-        writable = FOR_VOLUMES if self._volume else WRITABLE
-        if skeleton:
-            writable = FOR_CENTERLINES if self._volume else FOR_SKELETONS
-        for known, name in formats(of_volumes=self._volume).items():
-            if known in writable:
-                self.format.addItem(f"{name}  (*{known})", known)
-        self.format.setMaxVisibleItems(24)
-        self.format.setCurrentIndex(max(0, self.format.findData(listed(suffix))))
-        self.regions.addItem(tr("Filled"), False)
-        self.regions.addItem(tr("Outlines"), True)
+    def _lay_out(self) -> None:
+        buttons = AcceptButtons(self, tr("&Export"))
+        self.export_button = buttons.accept_button
+        self._place.clicked.connect(self._choose_folder)
+        self._form = form = QFormLayout()
+        for number in sorted({item.category for item in self._session.document.objects.items if not item.hidden}):
+            field = self.classes[number] = QLineEdit(self._session.document.objects.classes[number - 1].name)
+            field.setPlaceholderText(tr("Name of the class"))
+            field.setAccessibleName(tr("Class {number}").format(number=number))
+            form.addRow(field.accessibleName(), field)
+        self._thin = _row(self.tolerance, self.everywhere, self._vertices)
+        self._steps = _row(self.first, QLabel(tr("to")), self.last, QLabel(tr("every")), self.stride)
+        self._frames = _row(self.width_field, self.speed, self.zoomed)
+        for title, field in (
+            ("", self.only),
+            (tr("Simplify"), self._thin),
+            (tr("Open contours"), self.closing),
+            ("", self.outlines),
+            ("", self.units),
+            (tr("Coordinates"), self.space),
+            (tr("Steps"), self._steps),
+            (tr("Frames"), self._frames),
+            (tr("Name"), _row(self.base)),
+            (tr("Folder"), self._place),
+            ("", self.summary),
+        ):
+            form.addRow(title, field)
+        for field, title in ((self.tolerance, tr("Simplify")), (self.base, tr("Name")), (self._place, tr("Folder"))):
+            field.setAccessibleName(title)
+        for field, title in zip(
+            (self.closing, self.space, self.first, self.last, self.stride, self.width_field, self.speed),
+            (tr("Open contours"), tr("Coordinates"), tr("First step"), tr("Last step"), tr("Steps from frame to frame"),
+             tr("Width"), tr("Speed")),
+            strict=True,
+        ):  # fmt: skip
+            field.setAccessibleName(title)
+        for box in (self.only, self.everywhere, self.outlines, self.units, self.zoomed):
+            box.toggled.connect(self._follow)
+        for field in (self.tolerance, self.first, self.last, self.stride, self.width_field, self.speed):
+            field.valueChanged.connect(self._follow)
+        self.closing.activated.connect(self._follow)
+        self.base.textChanged.connect(self._follow)
+        self.list.itemChanged.connect(self._follow)
+        layout = QHBoxLayout(self)
+        layout.addLayout(arrange(QVBoxLayout(), self.list, form, buttons, wide=self.list))
+        if self.preview is not None:
+            layout.addWidget(self.preview, 1)
+        self.export_button.setDefault(True)  # once it is in the dialog, else Tab makes another button the default
+
+    def _restore(self) -> None:
+        """Show what the user has chosen last."""
+        get, unit = self._preferences.get, self._image.unit
+        self._kept = {"every": self.stride, "width": self.width_field, "speed": self.speed}
+        for name, field in self._kept.items():
+            field.setValue(get(_KEY + name, field.value()))
+        self.tolerance.setValue(get(_KEY + "tolerance", 0.5))
+        self.everywhere.setChecked(get(_KEY + "everywhere", False))
+        self.units.setText(tr("Lengths in {unit} too").format(unit=unit))
+        self.units.setChecked(get(_KEY + "units", True))
         for space in CONVENTIONS:
             self.space.addItem(_SPACES[space], space)
 
-    def _count(self, source: str) -> int:
-        """How many contours or objects of a source there are to write."""
-        document = self._session.document
-        if source == "objects" and self._volume:
-            return sum(not item.hidden for item in document.objects.items)
-        try:
-            found = chosen(self._whole, document, ExportOrder(source, self._selected))
-        except ValueError:
-            return 0
-        if self._volume:
-            return int(isinstance(found, Result) and found.surface is not None)
-        return len({one.group for one in found.contours} if source == "objects" else found.contours)
+    def _fill(self) -> None:
+        """List what there is, with the formats of the last time checked."""
+        checked = self._preferences.get(FORMATS, _FIRST)
+        for what, count in self._counts().items():
+            group = QTreeWidgetItem([f"{KINDS[what][0]} ({count})" if count > 1 else KINDS[what][0]])
+            self.list.addTopLevelItem(group)
+            for suffix, name in formats(what, self._volume).items():
+                item = QTreeWidgetItem(group, [name])
+                item.setData(0, _ROLE, (what, suffix))
+                item.setCheckState(0, Qt.CheckState.Checked if _key(item) in checked else Qt.CheckState.Unchecked)
+                group.setExpanded(group.isExpanded() or _key(item) in checked or self.list.topLevelItemCount() == 1)
+        self.list.resizeColumnToContents(0)
 
-    def _follow(self) -> None:
-        """Show what concerns the present choice, and what it writes."""
-        skeleton = isinstance(self._whole, Skeleton)
-        self._form.setRowVisible(self.source, not skeleton)
-        self._form.setRowVisible(self.regions, self.suffix in OUTLINABLE and not skeleton and not self._volume)
-        placed = self._volume and self._image.geometry is not None
-        self._form.setRowVisible(self.space, placed and self.suffix in IN_SPACE)
-        self._form.setRowVisible(self.closing, False)
-        if self._volume:
-            self.summary.setText(self._volume_text())
-            return
-        document = self._session.document
-        before = chosen(self._whole, document, self.order, self._image)
-        self._offer_closing(before)
+    def _counts(self) -> dict[What, int]:
+        """How much there is of each kind."""
+        scene, there = self._session.scene, self._there
+        counts: dict[What, int] = {"objects": sum(not item.hidden for item in scene.document.objects.items)}
+        if isinstance(self._found, Skeleton):
+            counts["lines" if self._volume else "skeleton"] = 1
+        elif self._found is not None and self._found.surface is not None:
+            counts["surface"] = 1
+        elif self._found is not None and not self._volume:
+            counts["contours"] = len(chosen(self._found, scene.document, ExportOrder(), "contours").contours)
+        counts |= {"pages": there.pages, "space": there.in_space, "turntable": there.in_space, "run": there.last > 0}
+        return {what: count for what, count in counts.items() if count}
+
+    def _items(self) -> list[QTreeWidgetItem]:
+        groups = map(self.list.topLevelItem, range(self.list.topLevelItemCount()))
+        return [group.child(row) for group in groups if group is not None for row in range(group.childCount())]
+
+    def _choose_folder(self) -> None:
+        chosen_folder = self._files.ask_for_folder(tr("Folder of the files"), "export", self)
+        if chosen_folder:
+            self.folder = Path(chosen_folder)
+            self._follow()
+
+    def _follow(self, *_: object) -> None:
+        """Show how the files are called, what concerns the present choice, and what is written."""
+        with_objects = any(item.data(0, _ROLE)[0] == "objects" for item in self._items())
+        self.list.blockSignals(True)
+        for item in self._items():
+            what, suffix = item.data(0, _ROLE)
+            item.setText(1, file_name(self.base.text().strip(), what, suffix, what == "objects" or not with_objects))
+        self.list.blockSignals(False)
+        folder = str(self.folder)
+        self._place.setText(self.fontMetrics().elidedText(folder, Qt.TextElideMode.ElideMiddle, _WIDTH - 60))
+        self._place.setToolTip(folder)
         order = self.order
-        # In the preview contours are closed straight, which takes no time.
-        straight = ExportOrder(order.source, closing="straight") if order.closing else ExportOrder(order.source)
-        after = closed(before, straight, self._image, document.parameters)
-        self._show(before, after, order)
+        whats = {file.what for file in order.files}
+        suffixes = {file.suffix for file in order.files if file.what in ("objects", "contours", "surface", "lines")}
+        drawn = bool(whats & {"objects", "contours"}) and not self._volume
+        show = self._form.setRowVisible
+        for field in self.classes.values():
+            show(field, "objects" in whats)
+        show(self.only, bool(self._there.objects or self._there.contours))
+        show(self._thin, drawn)
+        show(self.outlines, "contours" in whats and bool(suffixes & OUTLINABLE))
+        show(self.units, bool(self._image.unit))
+        show(self.space, self._image.geometry is not None and bool(suffixes & IN_SPACE) and self._volume)
+        show(self._steps, "run" in whats)
+        show(self._frames, "run" in whats)
+        self.setWindowTitle(KINDS[next(iter(whats))][1] if len(whats) == 1 else tr("Export"))
+        self._show(order)
+
+    def _show(self, order: ExportOrder) -> None:
+        """Show what is written, in words and as a picture."""
+        document, parts, lines, vertices = self._session.document, list[str](), list[Line](), [0, 0]
+        trouble = "" if order.files else tr("Check what to write.")
+        self._form.setRowVisible(self.closing, False)
+        for what in dict.fromkeys(file.what for file in order.files):
+            suffixes = [file.suffix for file in order.files if file.what == what]
+            if what not in ("objects", "contours", "skeleton"):
+                parts.append(self._figures(what))
+                continue
+            result = chosen(self._found, document, order, what, self._image)
+            if what == "contours":
+                self._offer_closing(result)
+                # In the preview contours are closed straight, which takes no time.
+                straight = ExportOrder(closing="straight" if order.closing else "")
+                result = closed(result, straight, self._image, document.parameters)
+            parts.append(summary_text(result, what, suffixes[0], order))
+            if not self._volume and all(left_out(result, suffix) == len(result.contours) for suffix in suffixes):
+                trouble = tr("Nothing can be written: {what}.").format(what=parts[-1])
+            vertices[0] += sum(len(contour.points) for contour in result.contours)
+            if order.tolerance:
+                vertices[1] += sum(len(contour.points) for contour in thinned(result, order.tolerance).contours)
+            pale = all(left_out(result, suffix, outlines=order.outlines) for suffix in suffixes)
+            lines += [
+                Line(contour, look().color(theme.REJECTED), pale=True)
+                if pale and not contour.closed
+                else Line(contour, filled=what == "objects" and not contour.hole)
+                for contour in result.contours
+            ]
+        few, many = (written(f"{count:,}") for count in reversed(vertices))
+        self._vertices.setText(tr("{few} of {many} vertices").format(few=few, many=many) if order.tolerance else "")
+        if any(file.suffix == ".mp4" for file in order.files):
+            try:
+                check_encoder(".mp4")
+            except ValueError as error:
+                trouble = reason(error)
+        if not self.base.text().strip():
+            trouble = tr("Name the files.")
+        count = tr("1 file") if len(order.files) == 1 else tr("{count} files").format(count=len(order.files))
+        self.summary.setText(trouble or f"{count}: {', '.join(parts)}.")
+        self.export_button.setEnabled(not trouble)
+        if self.preview is not None:
+            self.preview.show_lines(lines)
+
+    def _figures(self, what: What) -> str:
+        """The figures of what has no picture here."""
+        if what == "run":
+            plan = self.animation
+            text = tr("{count} frames of {width} × {height} px")
+            return text.format(count=len(plan.steps), width=plan.size[0], height=plan.size[1])
+        if what == "lines" and isinstance(self._found, Skeleton):
+            return description_of(self._found, self._image)
+        if what == "surface":
+            return ", ".join(f"{label} {value}" for label, value, _ in figure_texts(self._session.status.surface))
+        return KINDS[what][0]
 
     def _offer_closing(self, result: Result | Skeleton) -> None:
         """Offer to close open contours, where there are any that can be closed."""
-        opened = [contour for contour in result.contours if not contour.closed]
-        self._form.setRowVisible(self.closing, bool(opened) and isinstance(result, Result))
-        closable = sum(map(can_be_closed, opened)) if isinstance(result, Result) else 0
-        lost = summarize(result, result, self.suffix, self.order).left_out
+        closable = sum(can_be_closed(contour) for contour in result.contours if not contour.closed)
         present = self.closing.currentData() or ""
         self.closing.clear()
-        self.closing.addItem(tr("Leave {count} out").format(count=lost) if lost else tr("Leave them open"), "")
-        if closable:
-            self.closing.addItem(tr("Close {count} along the edges").format(count=closable), "edges")
-            self.closing.addItem(tr("Close {count} by straight lines").format(count=closable), "straight")
-        self.closing.setCurrentIndex(max(0, self.closing.findData(present)))
+        self.closing.addItem(tr("Leave them open"), "")
+        self.closing.addItem(tr("Close {count} along the edges").format(count=closable), "edges")
+        self.closing.addItem(tr("Close {count} by straight lines").format(count=closable), "straight")
+        self.closing.setCurrentIndex(self.closing.findData(present))
+        self._form.setRowVisible(self.closing, closable > 0)
 
-    def _show(self, before: Result | Skeleton, after: Result | Skeleton, order: ExportOrder) -> None:
-        summary = summarize(before, after, self.suffix, order)
-        words = tr("Writes {what}.").format(what=summary_text(summary))
-        if summary.left_out and order.closing:
-            words += " " + tr("Their ends are too far apart to be closed.")
-        elif summary.left_out:
-            words += " " + tr("This format holds closed contours only.")
-        elif isinstance(after, Result) and (opened := sum(not contour.closed for contour in after.contours)):
-            words += " " + tr("{count} are open.").format(count=opened)
-        self.summary.setText(words if summary.written else tr("There is nothing to write in this format."))
-        self.export_button.setEnabled(summary.written > 0)
-        filled = self.suffix in OUTLINABLE and not order.outlines and isinstance(after, Result)
-        colors = [f"#{red:02x}{green:02x}{blue:02x}" for red, green, blue in palette(255)[1:].tolist()]
-        lines = [
-            Line(contour, colors[index % len(colors)] if filled else "", filled)
-            if contour.closed or not summary.left_out
-            else Line(contour, look().color(theme.REJECTED), pale=True)
-            for index, contour in enumerate(after.contours)
-        ]
-        assert self.preview is not None
-        if filled:
-            lines.sort(key=lambda line: -line.contour.area)
-        self.preview.show_lines(lines, _SLIGHTLY if filled else 1.0)
 
-    def _volume_text(self) -> str:
-        """The figures of what is written of a volume, one in each line."""
-        if isinstance(self._whole, Skeleton):
-            return description_of(self._whole, self._image)
-        if self.source.currentData() == "objects":
-            count = self._count("objects")
-            counted = tr("1 object") if count == 1 else tr("{count} objects").format(count=count)
-            return tr("{count}; in a label volume each voxel has the number of its object.").format(count=counted)
-        return "\n".join(f"{label}: {value}" for label, value, _ in figure_texts(self._session.status.surface))
+def _named(document: Document, names: dict[int, str]) -> Document:
+    for number, name in names.items():
+        document = objects.name_class(document, number, name)
+    return document
+
+
+def _key(item: QTreeWidgetItem) -> str:
+    """How the preferences call a format of something."""
+    return ":".join(item.data(0, _ROLE))
+
+
+def _of_file(file: ExportFile) -> str:
+    return f"{file.what}:{file.suffix}"
+
+
+def _row(*parts: QWidget) -> QWidget:
+    row = QWidget()
+    arrange(QHBoxLayout(row), *parts)
+    return row
+
+
+def _number(least: int, most: int, value: int = 1, suffix: str = "") -> QSpinBox:
+    field = QSpinBox()
+    field.setRange(least, most)
+    field.setSuffix(suffix)
+    field.setValue(value)
+    return field
 
 
 class Preview(QLabel):
-    """What the file will hold on the image, and, pale, what it will not."""
+    """What the files will hold on the image, and, pale, what they will not."""
 
     def __init__(self, picture: Picture) -> None:
         super().__init__()
         self._picture = picture
-        self._shown: tuple[list[Line], float] = [], 1.0
+        self._shown: list[Line] = []
         self.setAlignment(Qt.AlignmentFlag.AlignCenter)
-        self.setMinimumSize(300, 260)
+        self.setMinimumSize(240, 200)
         self.setAccessibleName(tr("Preview of the export"))
 
     def sizeHint(self) -> QSize:
         """Large enough to see single contours."""
         return QSize(460, 460)
 
-    def show_lines(self, lines: list[Line], opacity: float) -> None:
-        """Show lines on the image of some opacity."""
-        self._shown = lines, opacity
-        self.setPixmap(self._picture.drawn(self.size(), self.devicePixelRatioF(), lines, opacity))
+    def show_lines(self, lines: list[Line]) -> None:
+        """Show lines on the image."""
+        self._shown = lines
+        self.setPixmap(self._picture.drawn(self.size(), self.devicePixelRatioF(), lines))
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Draw the picture in its new size."""
-        self.show_lines(*self._shown)
+        self.show_lines(self._shown)

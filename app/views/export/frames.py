@@ -5,7 +5,7 @@ from __future__ import annotations
 import queue
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from PySide6.QtCore import QObject, QRectF, Qt, QTimer
@@ -31,6 +31,25 @@ _AHEAD = 4
 
 NARROWEST, WIDEST = 64, 3840
 """Smallest and largest width of a frame [px]."""
+
+
+@dataclass(frozen=True, slots=True)
+class AnimationPlan:
+    """Settings of an animation: a step for each frame, width and height of a frame [px], and the speed.
+
+    Frames are `zoomed` where they show the visible part of the canvas only.
+    """
+
+    steps: tuple[int, ...]
+    size: tuple[int, int]
+    frames_per_second: int
+    zoomed: bool
+
+
+def every(first: int, last: int, stride: int) -> tuple[int, ...]:
+    """Every `stride`-th step from the first, and always the last."""
+    steps = list(range(first, last + 1, max(stride, 1)))
+    return tuple(steps if steps and steps[-1] == last else [*steps, last])
 
 
 def seen_part(canvas: Canvas, shape: tuple[int, ...], zoomed: bool) -> QRectF:

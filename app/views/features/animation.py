@@ -10,18 +10,15 @@ from pathlib import Path
 from PySide6.QtCore import QRectF
 
 from app.model.export import provenance_comment
-from app.model.state.situation import has_particles
 from app.model.text.language import reason, tr
 from app.session.exchange.messages import Exported, Report
 from app.session.session import Session
 from app.session.signals import FILMING
 from app.session.tasks.tasks import Task
-from app.views.export.animation_dialog import AnimationDialog, AnimationPlan
-from app.views.export.frames import FrameRecorder, FrameRenderer, seen_part
-from app.views.widgets.actions import ActionSpec
+from app.views.export.frames import AnimationPlan, FrameRecorder, FrameRenderer, seen_part
 from app.views.window.window import Feature, MainWindow
 from cpm_core import write_animation
-from cpm_core.formats import ANIMATED, check_animation
+from cpm_core.formats import check_animation
 from cpm_core.numerics import Pixels
 
 _TIMEOUT = 0.05
@@ -47,34 +44,12 @@ class AnimationFeature(Feature):
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
         self._filming: list[FrameRecorder] = []
-        self.actions = (
-            ActionSpec("export_animation", "File", "Export a&nimation…", "Export the run as GIF, APNG or MP4.",
-                       self.ask_for_animation, "Ctrl+Shift+A", when=has_particles),
-        )  # fmt: skip
 
     def close(self) -> bool:
         """Stop the rendering of frames."""
         for filming in self._filming:
             filming.stop()
         return True
-
-    def ask_for_animation(self) -> AnimationDialog:
-        """Ask for the settings and the file of the animation, then write it."""
-        navigation = self.window.workspace.navigation
-        branch = navigation.place[0]
-        last = navigation.last(branch)
-        dialog = AnimationDialog(self.window, self.window.preferences, 0, last, self._part)
-
-        def ask_for_place() -> None:
-            ending = f"_run{dialog.plan.suffix}"
-            path = self.window.files.ask_where_to_export(tr("Export animation"), ending, ANIMATED)
-            if path is not None:
-                self.write(branch, dialog.plan, path)
-
-        dialog.accepted.connect(ask_for_place)
-        dialog.finished.connect(dialog.deleteLater)
-        dialog.open()
-        return dialog
 
     def write(self, branch: int, plan: AnimationPlan, path: Path) -> Task | None:
         """Write an animation; None if it cannot be written, which is reported."""
@@ -88,12 +63,13 @@ class AnimationFeature(Feature):
         frames: queue.Queue[Pixels | None] = queue.Queue()
         encode = partial(_encode, frames, len(plan.steps), path, plan.frames_per_second, comment_on(session))
         task = begin_writing(session, path, encode)
-        renderer = FrameRenderer(session.scene, canvas, self._part(plan.zoomed), plan.size)
+        renderer = FrameRenderer(session.scene, canvas, self.part(plan.zoomed), plan.size)
         filming = FrameRecorder(session, renderer, task, [(branch, step) for step in plan.steps], frames)
         self._filming = [*(other for other in self._filming if not other.over), filming]
         return task
 
-    def _part(self, zoomed: bool) -> QRectF:
+    def part(self, zoomed: bool) -> QRectF:
+        """Part of the image that frames show: all of it, or the visible part."""
         canvas = self.window.canvas_area.canvas
         return seen_part(canvas, canvas.shape or (1, 1), zoomed)
 

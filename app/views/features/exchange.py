@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 from PySide6.QtCore import QMimeData
 from PySide6.QtGui import QImage
-from PySide6.QtWidgets import QApplication, QWidget
+from PySide6.QtWidgets import QApplication
 
 from app.model.document import edits, imported
 from app.model.document.imported import Imported
-from app.model.document.modes import needs_start
-from app.model.export import ExportOrder, formats, has_objects
-from app.model.state.situation import Situation, has_contours, has_image, has_volume
+from app.model.export import ExportFile, ExportOrder, What, has_objects
+from app.model.state.situation import Situation, has_contours, has_image, has_particles, has_volume
 from app.model.text.language import from_core, tr
-from app.session.exchange.messages import Exported, Opened
+from app.session.exchange.messages import Opened
 from app.session.features.image_batch import TOPIC, BatchDone, apply_to_folder
 from app.session.features.import_contours import (
     Found,
@@ -26,128 +26,146 @@ from app.session.features.import_contours import (
 )
 from app.session.signals import EXPORTING, OPENING
 from app.session.tasks.tasks import Task
-from app.views.export.dialog import ExportDialog
+from app.views.export.dialog import FORMATS, Exportable, ExportDialog
+from app.views.export.frames import AnimationPlan
+from app.views.features.animation import AnimationFeature
+from app.views.features.volumes import SpaceFeature
 from app.views.widgets.actions import ActionSpec
 from app.views.window.dialogs import ALL_FILES, Button, Files, Question
 from app.views.window.window import Feature, MainWindow
-from cpm_core.formats import CONTOURS_READABLE, FOR_CENTERLINES, READABLE, SURFACES_READABLE, suffix_of
+from cpm_core.formats import CONTOURS_READABLE, FOR_CENTERLINES, READABLE, SURFACES_READABLE
 from cpm_core.shapes import Points
-
-_SUFFIX = "files/export_suffix"
-"""Preference: suffix of the last export."""
 
 
 class ExportFeature(Feature):
-    """Export of the contours to files."""
+    """Export of what has been found, and of pictures and animations, to files."""
 
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
-        self._exported: Path | None = None
-        self._order = ExportOrder()
         self.dialog: ExportDialog | None = None
+        self._last: tuple[ExportOrder, AnimationPlan] | None = None
+        self._written: set[Path] = set()
         window.session.listen(Opened, self._forget)
-        window.session.listen(Exported, self._remember)
-        again = tr("Export a&gain to {name}")
         self.actions = (
-            ActionSpec("export", "File", "&Export contours…", "Export the contours, or the skeleton, to a file.",
-                       self._export, "Ctrl+E Ctrl+Shift+K", short=tr("Export"), icon="export", gap=True,
-                       when=_can_export,
-                       worded=lambda now: tr("&Export skeleton…") if not needs_start(now.document.mode)
-                       else tr("&Export surface…") if has_volume(now) else tr("&Export contours…")),
-            ActionSpec("export_again", "File", "Export a&gain", "Export the contours to the last file again.",
-                       self.export_again, "Ctrl+Shift+E",
-                       when=lambda situation: _can_export(situation) and self._exported is not None,
-                       worded=lambda _: again.format(name=self._exported.name.replace("&", "&&")) if self._exported
-                       else tr("Export a&gain")),
+            ActionSpec("export", "File", "&Export…", "Write objects, contours, surfaces, pictures and animations.",
+                       self.export, "Ctrl+E Ctrl+Shift+K Ctrl+Shift+A", short=tr("Export"), icon="export", gap=True,
+                       when=_can_export),
+            ActionSpec("export_again", "File", "Export a&gain", "Write the same files again, without a dialog.",
+                       self.export_again, "Ctrl+Shift+E", when=_can_export),
         )  # fmt: skip
 
-    def _export(self) -> None:
-        session, preferences = self.window.session, self.window.preferences
-        if session.document.image is None or self.dialog is not None:
-            return
-        suffix = suffix_of(self._exported) if self._exported else preferences.get(_SUFFIX, ".svg")
-        selected = frozenset(item.measures.number for item in self.window.workspace.review.chosen)
-        self.dialog = ExportDialog(self.window, session, selected, suffix, self._ask)
-        self.dialog.ordered.connect(self._write)
-        self.dialog.finished.connect(self._end)
-        self.dialog.open()
-
-    def _ask(self, dialog: QWidget, suffix: str) -> Path | None:
-        """Ask for a file."""
-        scene = self.window.session.scene
-        in_volume = scene.slices is not None
-        kind = "surface" if in_volume else "contours"
-        if scene.skeleton is not None:
-            kind = "lines" if in_volume else "skeleton"
-        kinds = {suffix: formats(of_volumes=in_volume)[suffix]}
-        return self.window.files.ask_where_to_export(tr("Export"), f"_{kind}{suffix}", kinds, dialog)
-
-    def _write(self, path: Path, order: ExportOrder) -> None:
-        self._order = order
-        self.window.session.export(path, order)
+    def export(self) -> None:
+        """Ask what to write."""
+        if self.dialog is None:
+            self.dialog = self._made()
+            self.dialog.finished.connect(self._end)
+            self.dialog.open()
 
     def export_again(self) -> None:
-        """Write the last file again; nothing where there is none, as the action is not offered then."""
-        if self._exported is not None:
-            self._write(self._exported, self._order)
+        """Write the last files again; of another image those in the same formats."""
+        if self._last is not None:
+            self._write(*self._last)
+        elif self.window.preferences.get(FORMATS, [""]) != [""]:
+            self._made().accept()
+        else:
+            self.export()
+
+    def _made(self) -> ExportDialog:
+        window, workspace = self.window, self.window.workspace
+        navigation, space, pages = workspace.navigation, window.feature(SpaceFeature), workspace.pages.result
+        there = Exportable(
+            window.session.scene.objects.chosen,
+            frozenset(item.measures.number for item in workspace.review.chosen),
+            0 if pages is None else len(pages.results),
+            navigation.last(navigation.place[0]) if has_particles(window.session.situation) else 0,
+            space.panel.contents is not None,
+            window.feature(AnimationFeature).part,
+            self._written,
+        )
+        dialog = ExportDialog(window, window.session, window.preferences, window.files, there)
+        dialog.ordered.connect(self._write)
+        return dialog
+
+    def _write(self, order: ExportOrder, animation: AnimationPlan) -> None:
+        self._last = order, animation
+        workspace, space = self.window.workspace, self.window.feature(SpaceFeature)
+        self.window.files.remember("export", order.files[0].path)
+        found, paths = list[ExportFile](), list[Path]()
+        for file in order.files:
+            self._written.add(file.path)
+            if file.what == "run":
+                self.window.feature(AnimationFeature).write(workspace.navigation.place[0], animation, file.path)
+            elif file.what == "space":
+                space.write_picture(file.path)
+            elif file.what == "turntable":
+                space.write_turntable(file.path)
+            elif file.what == "pages":
+                paths.append(file.path)
+            else:
+                found.append(file)
+        if paths:
+            workspace.pages.export(*paths)
+        if found:
+            self.window.session.export(replace(order, files=tuple(found)))
 
     def _end(self) -> None:
         self.dialog = None
 
     def _forget(self, _: Opened) -> None:
-        self._exported, self._order = None, ExportOrder()
+        self._last = None
         if self.dialog is not None:
             self.dialog.reject()
 
-    def _remember(self, exported: Exported) -> None:
-        self.window.files.remember("export", exported.path)
-        if exported.counts is None:  # an animation, or a strip
-            return
-        self._exported = exported.path
-        self.window.preferences.put(_SUFFIX, suffix_of(exported.path))
-        self.window.refresh()
-
 
 def _can_export(situation: Situation) -> bool:
-    return has_contours(situation) or situation.status.surface is not None or has_objects(situation.document)
+    return (
+        has_contours(situation)
+        or situation.status.surface is not None
+        or has_objects(situation.document)
+        or has_particles(situation)
+        or has_volume(situation)
+    )
 
 
-_MIME = {".svg": "image/svg+xml", ".csv": "text/csv", ".geojson": "application/geo+json"}
-"""Kinds of contours on the clipboard, by the suffixes of their files."""
+_COPIED = {"image/svg+xml": ".svg", "text/csv": ".measures.csv", "application/geo+json": ".geojson"}
+"""Kinds of contours on the clipboard, and the suffixes of files that hold the same."""
 
 
 class ClipboardFeature(Feature):
-    """Copies for other programs: contours in several formats, and the view."""
+    """Copies for other programs: what has been found, in several formats at once, and the view."""
 
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
-
-        def copy(suffix: str) -> Callable[[], None]:
-            return partial(window.session.copy_contours, suffix, partial(self._put_contours, suffix))
-
         self.actions = (
-            ActionSpec("copy_svg", "Edit", "Copy contours as &SVG", "Copy the contours to the clipboard.",
-                       copy(".svg"), "Ctrl+C", gap=True, when=has_contours),
-            ActionSpec("copy_csv", "Edit", "Copy contours as &CSV", "Copy the contours to the clipboard.",
-                       copy(".csv"), when=has_contours),
-            ActionSpec("copy_geojson", "Edit", "Copy contours as &GeoJSON", "Copy the contours to the clipboard.",
-                       copy(".geojson"), when=has_contours),
+            ActionSpec("copy", "Edit", "&Copy", "Copy what is chosen, or all, as a drawing and as a table.",
+                       self.copy, "Ctrl+C", gap=True,
+                       when=lambda now: has_contours(now) or (has_objects(now.document) and not has_volume(now))),
             ActionSpec("copy_view", "Edit", "Copy &view as image",
                        "Copy the visible part of the image with its overlays to the clipboard.", self.copy_view,
                        "Ctrl+Shift+P", when=has_image),
         )  # fmt: skip
+
+    def copy(self) -> None:
+        """Copy what is chosen, else all objects, else all contours; programs take the format that suits them."""
+        session = self.window.session
+        chosen = session.scene.objects.chosen
+        contours = frozenset(item.measures.number for item in self.window.workspace.review.chosen)
+        what: What = "objects" if chosen or (has_objects(session.document) and not contours) else "contours"
+        files = tuple(ExportFile(Path(f"copy{suffix}"), what, suffix) for suffix in _COPIED.values())
+        session.export(ExportOrder(files, chosen or None, contours or None), self._put)
 
     def copy_view(self) -> None:
         """Copy what the canvas shows."""
         QApplication.clipboard().setImage(self.window.canvas_area.canvas.grab().toImage())
         self.window.session.say(tr("The view is on the clipboard."), topic=EXPORTING)
 
-    def _put_contours(self, suffix: str, content: bytes) -> None:
+    def _put(self, contents: tuple[bytes, ...]) -> None:
         data = QMimeData()
-        data.setText(content.decode())  # most programs take text only
-        data.setData(_MIME[suffix], content)
+        for kind, content in zip(_COPIED, contents, strict=True):
+            data.setData(kind, content)
+        data.setText(contents[1].decode())  # most programs take text only: the table
         QApplication.clipboard().setMimeData(data)
-        self.window.session.say(tr("The contours are on the clipboard."), topic=EXPORTING)
+        self.window.session.say(tr("Copied as a drawing and a table."), topic=EXPORTING)
 
 
 _ON_CLIPBOARD = ("image/svg+xml", "application/geo+json", "text/csv")

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
 from PySide6.QtCore import QPoint
+from PySide6.QtWidgets import QWidget
 
 from app.model.preferences.table import UNIT
 from app.model.state.situation import Situation, has_volume
@@ -29,7 +30,7 @@ from app.views.widgets.actions import ActionSpec
 from app.views.window.docks import Panel
 from app.views.window.window import Feature, MainWindow
 from cpm_core import Image, write_animation
-from cpm_core.formats import ANIMATED, FOR_STACKS, stack_suffix_of, write_picture
+from cpm_core.formats import write_picture
 from cpm_core.numerics import Place
 
 _MENU = ">" + tr("Slices and pages")
@@ -55,6 +56,8 @@ class SlicesFeature(Feature):
         area.controls.addWidget(self.bar)
         self.sides: tuple[SideView, ...] = ()
         """Views of the slices across the other axes, made when they are first shown."""
+        self.space: QWidget | None = None
+        """The view in space, which is shown with them."""
         self._wanted = bool(window.preferences.get(_SIDES, True))
         self._cross = Cross(area.canvas)
         self._later: list[AsyncCache] = []
@@ -91,8 +94,9 @@ class SlicesFeature(Feature):
             ActionSpec("slices_on", _MENU, "Ten &on", "Show the slice or page ten after this one.", go(_JUMP),
                        "Shift+PgDown", there=several),
             *map(across, range(3)),
-            ActionSpec("three_slices", "View", "&Three slices side by side",
-                       "Show the slices across the other axes beside the canvas, linked by a cross.", self.toggle_sides,
+            ActionSpec("three_slices", "View", "&Three slices and space",
+                       "Show the slices across the other axes and the view in space, or one slice alone.",
+                       self.toggle_sides,
                        "Shift+Q", gap=True, there=has_volume, holds=lambda _: self._wanted),
         )  # fmt: skip
 
@@ -116,7 +120,7 @@ class SlicesFeature(Feature):
             area.canvas.pointer.menu_wanted.emit(point)
 
     def toggle_sides(self) -> None:
-        """Show or hide the slices across the other axes."""
+        """Show or hide the slices across the other axes, and the view in space."""
         self._wanted = not self._wanted
         self.window.preferences.put(_SIDES, self._wanted)
         self._show()
@@ -143,9 +147,13 @@ class SlicesFeature(Feature):
                 self.window.turns.ask(self._make_side)
             return
         if self.sides[0].isVisibleTo(self.window.canvas_area) != shown:
-            self.window.canvas_area.views.setColumnStretch(1, 1 if shown else 0)
-            for view in self.sides:
-                view.setVisible(shown)
+            grid = self.window.canvas_area.views
+            for stretch in (grid.setColumnStretch, grid.setRowStretch):
+                stretch(0, 3)
+                stretch(1, 2 if shown else 0)
+            for view in (*self.sides, self.space):
+                if view is not None:
+                    view.setVisible(shown)
         if shown and scene.slices is not None:
             others = [axis for axis in range(3) if axis != scene.slices.axis]
             for view, axis in zip(self.sides, others, strict=True):
@@ -157,7 +165,6 @@ class SlicesFeature(Feature):
         view = SideView(area.canvas, area)
         view.hide()
         area.level_drag.watch(view.viewport())
-        area.views.setColumnStretch(0, 2)
         area.views.addWidget(view, row, 1)
         self._draw_later(view)
         view.pointer.menu_wanted.connect(self._open_menu)
@@ -179,7 +186,7 @@ class PagesFeature(Feature):
         self.bar.moved.connect(pages.open)
         self.bar.asked.connect(lambda: pages.cancel() if pages.running else pages.run())
         self.bar.followed.connect(self._follow)
-        self.panel.export.clicked.connect(self.export)
+        self.panel.export.clicked.connect(partial(window.do, "export"))
         window.canvas_area.controls.addWidget(self.bar)
         pages.set_session_file(window.document_file)
         pages.changed.connect(self._show)
@@ -205,19 +212,7 @@ class PagesFeature(Feature):
                        "Start each page from the contours of the one before.",
                        lambda: self._follow(not pages.following), there=stacked,
                        holds=lambda _: pages.following),
-            ActionSpec("export_pages", "File", "Export all pa&ges…",
-                       "Write the contours, labels or measures of all pages that are done.", self.export,
-                       when=lambda _: pages.result is not None and bool(pages.result.results), there=stacked),
         )  # fmt: skip
-
-    def export(self) -> None:
-        """Ask where to write what was found on all pages, and write it."""
-        if self._pages.result is None:
-            return
-        kinds = {suffix: text[:1].upper() + text[1:] for suffix, text in FOR_STACKS.items() if suffix != ".tiff"}
-        path = self.window.files.ask_where_to_export(tr("Export all pages"), "_pages.measures.csv", kinds)
-        if path is not None and stack_suffix_of(path):
-            self._pages.export(path)
 
     # Internal
 
@@ -227,6 +222,7 @@ class PagesFeature(Feature):
 
     def _show(self) -> None:
         self._show_bar()
+        self.window.docks.offer("pages", self._pages.count > 1)
         self.window.refresh()
 
     def _show_bar(self) -> None:
@@ -245,26 +241,18 @@ class SpaceFeature(Feature):
         self.panel = SpacePanel(window.session)
         self.panels = (Panel("space", "In space", self.panel, "Shift+F9", shown=False),)
         self._seen = SeenInSpace()
+        self.panel.view.hide()
+        window.feature(SlicesFeature).space = self.panel.view
+        window.canvas_area.views.addWidget(self.panel.view, 1, 0)
         self._layers = layers = window.canvas_area.canvas.layers
         window.session.scene_changed.connect(self._show)
-        window.session.image_changed.connect(lambda: window.turns.ask(self.reveal))
+        window.session.image_changed.connect(self.reveal)
         self.panel.view.picked.connect(self._pick)
         self.panel.bar.changed.connect(window.refresh)
         window.canvas_area.level_drag.watch(self.panel.view)
         for layer in (layers.particles, layers.image, layers.drawing, layers["objects"], layers["truth"]):
             layer.changed.connect(self._show)
-        png = {".png": tr("PNG image")}
-        self.actions = (
-            *specs(self.panel, window.session),
-            ActionSpec("export_space", "File", "Export picture in s&pace…",
-                       "Export what the view in space shows as a picture.",
-                       lambda: self._ask(tr("Export picture in space"), "_space.png", png, self.write_picture),
-                       there=has_volume),
-            ActionSpec("export_turntable", "File", "Export &turntable…",
-                       "Export a full turn of the view in space as GIF, APNG or MP4.",
-                       lambda: self._ask(tr("Export turntable"), "_turntable.gif", ANIMATED, self.write_turntable),
-                       there=has_volume),
-        )  # fmt: skip
+        self.actions = tuple(specs(self.panel, window.session))
 
     def close(self) -> bool:
         """End the thread that draws."""
@@ -305,11 +293,6 @@ class SpaceFeature(Feature):
 
     # Internal
 
-    def _ask(self, title: str, ending: str, kinds: Mapping[str, str], write: Callable[[Path], object]) -> None:
-        path = self.window.files.ask_where_to_export(title, ending, kinds)
-        if path is not None:
-            write(path)
-
     def _pick(self, place: Place) -> None:
         """Move the slices there, and draw there what the tool in use draws without a slice."""
         self.window.workspace.slices.through(place)
@@ -321,11 +304,8 @@ class SpaceFeature(Feature):
             draw_at(self.window.session, tool.name, place)
 
     def reveal(self) -> None:
-        """A volume is seen in space from the start; an image has no space."""
-        if self.window.session.scene.slices is not None:
-            self.window.docks.reveal("space")
-        else:
-            self.window.docks.hide("space")
+        """An image has no space."""
+        self.window.docks.offer("space", self.window.session.scene.slices is not None)
 
     def _show(self, *_: object) -> None:
         self.panel.show_contents(self._seen.of(self.window.session.scene, self._layers))

@@ -1,4 +1,4 @@
-"""The panel of the layers, which is also their legend."""
+"""The panel of the layers, which is also their legend: a row for each, its settings folded away."""
 
 from __future__ import annotations
 
@@ -19,11 +19,8 @@ from app.views.widgets.actions import LAYER, native
 from app.views.widgets.containers import Scrolled, arrange
 from app.views.widgets.fields import MarkedSlider
 
-_FOLD, _OPACITY = 18, 84
-"""Widths [px]."""
-
-_LEAST_WIDTH, _LEAST = 300, 60
-"""Least width and height of the panel [px]."""
+_FOLD, _LEAST = 18, 60
+"""Width of the button that unfolds, and least height of the panel [px]."""
 
 _LOWEST_OPACITY, _OPACITY_STEP = 0.05, 0.05
 
@@ -35,9 +32,8 @@ class LayersPanel(Scrolled):
         self.rows = {layer.name: LayerRow(layer) for layer in layers}
         self.boxes: dict[str, QCheckBox] = {name: row.box for name, row in self.rows.items()}
         content = QWidget()
-        arrange(QVBoxLayout(content), *self.rows.values(), None, margins=(6, 8, 8, 4), spacing=3)
+        arrange(QVBoxLayout(content), *self.rows.values(), None, margins=(6, 8, 8, 4), spacing=2)
         super().__init__(content, _LEAST)
-        self.setMinimumWidth(_LEAST_WIDTH)
         self.setFocusProxy(next(iter(self.boxes.values())))
         for row in self.rows.values():
             # the position of the settings is known only after the layout has been updated
@@ -57,7 +53,7 @@ class LayersPanel(Scrolled):
 
 
 class LayerRow(QWidget):
-    """Check box and opacity of a layer, with its settings below."""
+    """Check box of a layer, with opacity and settings below."""
 
     def __init__(self, layer: Layer) -> None:
         super().__init__()
@@ -76,19 +72,13 @@ class LayerRow(QWidget):
         self.fold.setAccessibleName(tr("Settings: {layer}").format(layer=layer.title))
         self.fold.setToolTip(tr("Settings of this layer."))
         self.fold.toggled.connect(self._unfold)
-        kept = self.fold.sizePolicy()
-        kept.setRetainSizeWhenHidden(True)
-        self.fold.setSizePolicy(kept)
-        if not layer.settable:  # to show one without a parent would open a window
-            self.fold.hide()
-        self.opacity = MarkedSlider(_LOWEST_OPACITY, 1.0, _OPACITY_STEP, None)
-        self.opacity.setFixedWidth(_OPACITY)
+        self.opacity = MarkedSlider(_LOWEST_OPACITY, 1.0, _OPACITY_STEP)
         self.opacity.setAccessibleName(tr("Opacity: {layer}").format(layer=layer.title))
         self.opacity.setToolTip(tr("Opacity; double-click to restore."))
         self.opacity.moved_to.connect(layer.set_opacity)
         self.opacity.restored.connect(partial(layer.set_opacity, 1.0))
         self.settings: QWidget | None = None
-        head = arrange(QHBoxLayout(), self.fold, self.box, self.opacity, spacing=2, wide=self.box)
+        head = arrange(QHBoxLayout(), self.fold, self.box, spacing=2, wide=self.box)
         self._column = arrange(QVBoxLayout(self), head, spacing=2)
         opaque = QAction(tr("Restore the &opacity"), self)
         opaque.triggered.connect(lambda: layer.set_opacity(1.0))
@@ -118,6 +108,7 @@ class LayerRow(QWidget):
         if unfolded and self.settings is None:
             self.settings = LayerForm(self.layer)
             self.settings.setContentsMargins(_FOLD + 4, 0, 0, 8)
+            self.settings.rows.insertRow(0, tr("Opacity"), self.opacity)
             self._column.addWidget(self.settings)
         if self.settings is not None:
             self.settings.setVisible(unfolded)

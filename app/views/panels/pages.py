@@ -6,15 +6,26 @@ from collections.abc import Callable
 
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QAbstractItemView, QCheckBox, QFrame, QHBoxLayout, QLabel, QPushButton, QSlider, QSpinBox
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QCheckBox,
+    QFrame,
+    QHBoxLayout,
+    QLabel,
+    QPushButton,
+    QSlider,
+    QSpinBox,
+    QVBoxLayout,
+    QWidget,
+)
 
 from app.model.display.lengths import shown_in
 from app.model.display.page_rows import PageRow
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.session.features.stack_pages import StackPages
-from app.views.panels.tables import ENTER, Column, Index, Table, TableModel, TablePanel
-from app.views.widgets.containers import arrange
+from app.views.panels.tables import ENTER, Column, Index, Table, TableModel
+from app.views.widgets.containers import arrange, wrapped
 from cpm_core.contours import Measures
 
 _JUMP = 10
@@ -26,7 +37,7 @@ def _measured(get: Callable[[Measures], float | None]) -> Callable[[PageRow], fl
 
 
 COLUMNS: tuple[Column[PageRow], ...] = (
-    Column("page", tr("Page"), tr("Page of the stack; a double click goes to it."), lambda row: row.page, "0000",
+    Column("page", tr("Page"), tr("Page of the stack; double-click to open it."), lambda row: row.page, "0000",
            form=".0f"),
     Column("track", tr("Track"), tr("Number of the object, which it keeps from page to page."),
            lambda row: row.track or None, "0000", form=".0f"),
@@ -35,15 +46,15 @@ COLUMNS: tuple[Column[PageRow], ...] = (
     Column("kind", tr("Kind"), tr("Closed, or open with two ends."),
            lambda row: None if row.measures is None else tr("closed") if row.measures.closed else tr("open"),
            "closed"),
-    Column("area", tr("Area [{unit}²]"), tr("Gross area: all that it encloses, including contours inside."),
+    Column("area", tr("Area [{unit}²]"), tr("Gross area, including contours inside."),
            _measured(lambda found: found.area_in_units if found.closed else None), "00,000,000", 2),
     Column("length", tr("Length [{unit}]"), tr("Length along the contour: the perimeter of a closed one."),
            _measured(lambda found: found.length_in_units), "000,000", 1),
-    Column("row", tr("Row [px]"), tr("Row of the center of its area, of an open contour of its length."),
+    Column("row", tr("Row [px]"), tr("Row of its center of area; of an open contour, that of its length."),
            lambda row: None if row.measures is None else row.row, "0000.0", form=".1f"),
-    Column("col", tr("Column [px]"), tr("Column of the center of its area, of an open contour of its length."),
+    Column("col", tr("Column [px]"), tr("Column of its center of area; of an open contour, that of its length."),
            lambda row: None if row.measures is None else row.col, "0000.0", form=".1f"),
-    Column("net", tr("Net area [{unit}²]"), tr("Area without the closed contours in it, as in label stacks."),
+    Column("net", tr("Net area [{unit}²]"), tr("Area without the closed contours inside, as in label stacks."),
            _measured(lambda found: found.net_area_in_units if found.closed else None), "00,000,000", 2),
     Column("strength", tr("Strength"), tr("Mean edge strength along the contour [gray levels/px]."),
            _measured(lambda found: found.strength), "000.0"),
@@ -76,16 +87,16 @@ class PageTable(Table):
         self.wanted.emit(self.rows.items[self.row_at(index)])
 
 
-class PagePanel(TablePanel[PageTable]):
+class PagePanel(QWidget):
     """Shows what was found on all pages of a stack; `show` goes to the contour of a row."""
 
     def __init__(self, pages: StackPages, show: Callable[[PageRow], None]) -> None:
-        table = PageTable()
-        super().__init__(table)
+        super().__init__()
         self._pages = pages
-        self.export = QPushButton(tr("Export all pages…"))
-        self.add(self.export)
-        table.wanted.connect(show)
+        self.table, self.summary, self.export = PageTable(), wrapped(dim=True), QPushButton(tr("Export all pages…"))
+        self.setFocusProxy(self.table)
+        arrange(QVBoxLayout(self), self.summary, self.export, self.table, margins=(4, 6, 4, 6), wide=self.table)
+        self.table.wanted.connect(show)
         pages.found.connect(self.show_rows)
         self.show_rows()
 
@@ -96,9 +107,9 @@ class PagePanel(TablePanel[PageTable]):
         size = shown_in((1.0, 1.0), None) if first is None else shown_in(first.spacing, first.unit)
         self.table.rows.update(self._pages.rows, size)
         self.export.setEnabled(first is not None)
-        text = tr("Nothing has been found on the pages of a stack yet: run this page, or all of them.")
+        text = tr("No page of the stack has been run yet: run this page or all pages.")
         if found is not None and found.pages:
-            text = tr("{done} of {count} pages are done; tracks: {tracks}.").format(
+            text = tr("{done} of {count} pages finished; tracks: {tracks}.").format(
                 done=len(found.results), count=found.count, tracks=len(found.tracks)
             )
             if failed := len(found.pages) - len(found.results):
@@ -129,7 +140,7 @@ class PageBar(QFrame):
         self.number.setKeyboardTracking(False)
         self.of.setObjectName("dim")
         self.follow.setToolTip(
-            tr("Start each page from the contours of the one before, not each one from the same drawing.")
+            tr("Start each page from the contours of the previous one instead of from the same drawing.")
         )
         self.follow.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.run.setFocusPolicy(Qt.FocusPolicy.TabFocus)
@@ -143,7 +154,7 @@ class PageBar(QFrame):
 
     def show_keys(self) -> None:
         """Name the keys as they are now."""
-        self.slider.setToolTip(with_keys(tr("Go through the pages: {key:previous_slice} and {key:next_slice}.")))
+        self.slider.setToolTip(with_keys(tr("Move through the pages: {key:previous_slice} and {key:next_slice}.")))
 
     def show_pages(self, number: int, count: int, *, following: bool, running: bool, possible: bool) -> None:
         """Show which page is open; hidden where there are not several."""
@@ -157,7 +168,7 @@ class PageBar(QFrame):
             self.follow.setChecked(following)
         self.run.setText(tr("Stop") if running else tr("Run all pages"))
         self.run.setToolTip(
-            tr("Stop after the pages that are done.")
+            tr("Stop; finished pages are kept.")
             if running
             else tr("Run every page of the stack, one after the other, in the background.")
         )

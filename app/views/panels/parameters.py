@@ -46,7 +46,7 @@ from cpm_core import Parameters
 
 _SAME = 1e-9
 
-_WIDTH = 72
+_WIDTH = 64
 """Width of the field of a number [px]."""
 
 

@@ -307,8 +307,7 @@ class StatusPanel(QWidget):
         """Show a state and its numbers."""
         if resolved.state != self.state:
             # what follows a colon explains the rest, and is in the tip
-            head, colon, _ = resolved.state.partition(": ")
-            self._label.setText(f"{head}." if colon else head)
+            self._label.setText(resolved.state.partition(": ")[0])
             self._label.setToolTip(resolved.state)
             self._label.setAccessibleName(resolved.state)
         self.leading.show_numbers([number for number in resolved.numbers if number[0] in resolved.leading])
@@ -341,7 +340,7 @@ class RunPanel(Scrolled):
         self._metrics: RunMetrics | None = None
         content = QWidget()
         parts = self.status, parameters, self.plots, None
-        arrange(QVBoxLayout(content), *parts, margins=(10, 8, 6, 6), spacing=8)
+        arrange(QVBoxLayout(content), *parts, margins=(8, 8, 6, 6), spacing=8)
         super().__init__(content, _LOWEST)
         for section in self.sections.values():
             section.fold.toggled.connect(lambda: self.show_metrics(self._metrics))

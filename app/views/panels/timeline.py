@@ -18,7 +18,6 @@ from PySide6.QtGui import (
 )
 from PySide6.QtWidgets import (
     QFrame,
-    QGridLayout,
     QHBoxLayout,
     QLabel,
     QScrollArea,
@@ -39,7 +38,7 @@ from app.views.widgets.actions import Actions
 from app.views.widgets.containers import arrange
 from app.views.window.dialogs import ask_for_text
 
-_ROW, _FOOT, _HEAD, _SIDE = 24, 16, 6, 10
+_ROW, _FOOT, _HEAD, _SIDE = 20, 15, 5, 10
 """Height of a branch, and space below the branches for the axis, above them and next to them [px]."""
 
 _ROWS = 3
@@ -322,8 +321,6 @@ class TimelinePanel(QWidget):
     # Internal
 
     def _lay_out(self) -> None:
-        label = QLabel(tr("Step"))
-        label.setBuddy(self.step)
         scroll = self._scroll = QScrollArea()
         scroll.setWidget(self.view)
         scroll.setWidgetResizable(True)
@@ -332,15 +329,8 @@ class TimelinePanel(QWidget):
         scroll.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         scroll.setMinimumWidth(_TRACK)
         scroll.verticalScrollBar().valueChanged.connect(self.view.update)  # the axis does not scroll
-        grid = QGridLayout(self)
-        grid.setContentsMargins(8, 2, 8, 2)
-        grid.setHorizontalSpacing(10)
-        grid.setVerticalSpacing(1)
-        grid.addLayout(arrange(QHBoxLayout(), *self.buttons.values(), self.branch, None, spacing=2), 0, 0)
-        grid.addLayout(arrange(QHBoxLayout(), label, self.step, self._of, self.parameters, None, spacing=6), 1, 0)
-        grid.addWidget(scroll, 0, 1, 3, 1)
-        grid.setColumnStretch(1, 1)
-        grid.setRowStretch(2, 1)
+        fields = self.branch, self.step, self._of, self.parameters, scroll
+        arrange(QHBoxLayout(self), *self.buttons.values(), *fields, margins=(8, 1, 8, 1), spacing=2, wide=scroll)
 
     def _follow(self) -> None:
         if not self._running():
@@ -362,7 +352,7 @@ class TimelinePanel(QWidget):
         self.rename.setEnabled(there)
         self.show_parameters()
         self.view.refresh()
-        self._scroll.setMinimumHeight(self.view.height_of(min(count, _ROWS)))
+        self._scroll.setFixedHeight(self.view.height_of(min(count, _ROWS)))
         if there:
             self._scroll.ensureVisible(0, round(self.view.point(branch, step).y()), 0, _ROW)
 

@@ -1,4 +1,4 @@
-"""The panel of the view in space: the controls above the view, and what its menu offers."""
+"""The panel of the view in space: its controls, and what its menu offers."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
-from PySide6.QtCore import QPoint, Signal
+from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QApplication, QCheckBox, QComboBox, QHBoxLayout, QLabel, QVBoxLayout, QWidget
 
 from app.model.display.space.view_in_space import ShownParts, ViewInSpace
@@ -56,9 +56,9 @@ class SpaceBar(QWidget):
             check.setToolTip(PARTS[name][1])
             check.setChecked(getattr(self.shown, name))
             check.toggled.connect(self._choose)
-        parts = arrange(QHBoxLayout(), *self.checks.values(), None)
-        looks = arrange(QHBoxLayout(), QLabel(tr("Opacity")), self.opacity, self.cut, self.cut_at)
-        arrange(QVBoxLayout(self), parts, looks, margins=(8, 3, 8, 3), spacing=2)
+        looks = arrange(QHBoxLayout(), QLabel(tr("Opacity")), self.opacity)
+        cut = arrange(QHBoxLayout(), self.cut, self.cut_at)
+        arrange(QVBoxLayout(self), *self.checks.values(), looks, cut, None, margins=(12, 8, 8, 6), spacing=6)
         self.opacity.moved_to.connect(self._choose)
         self.cut.currentIndexChanged.connect(self._choose)
         self.cut_at.moved_to.connect(self._choose)
@@ -92,7 +92,7 @@ def _slider(name: str, step: float, first: float) -> MarkedSlider:
 
 
 class SpacePanel(QWidget):
-    """Shows a volume as the controls say."""
+    """The controls, and the view that shows a volume as they say, which is next to the slices."""
 
     def __init__(self, session: Session) -> None:
         super().__init__()
@@ -101,11 +101,7 @@ class SpacePanel(QWidget):
         self.bar = SpaceBar()
         self.view = SpaceView(session)
         self.bar.changed.connect(lambda: self.show_contents(self.contents))
-        arrange(QVBoxLayout(self), self.bar, self.view, spacing=0, wide=self.view)
-
-    def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
-        """The menu of the view; see `MenuOwner`."""
-        return "" if self.contents is None else "space", point or self.view.geometry().center()
+        arrange(QVBoxLayout(self), self.bar)
 
     def show_contents(self, contents: ViewInSpace | None) -> None:
         """Show another volume, or what a run has found in it since."""

@@ -8,7 +8,7 @@ from functools import partial
 from math import pi, radians
 
 import numpy as np
-from PySide6.QtCore import QPointF, QSize, Qt, QTimer, Signal
+from PySide6.QtCore import QPoint, QPointF, QSize, Qt, QTimer, Signal
 from PySide6.QtGui import (
     QColor,
     QContextMenuEvent,
@@ -150,6 +150,10 @@ class SpaceView(QWidget):
         """End the thread that draws."""
         self._still.stop()
         self._painter.close()
+
+    def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
+        """Its menu; see `MenuOwner`."""
+        return "" if self._view is None else "space", point or self.rect().center()
 
     # Qt interface
 

@@ -7,7 +7,7 @@ from functools import partial
 from typing import cast
 
 from PySide6.QtCore import QSize, Qt, QTimer
-from PySide6.QtGui import QAction, QContextMenuEvent, QFontMetrics
+from PySide6.QtGui import QAction, QContextMenuEvent, QFontMetrics, QResizeEvent
 from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
@@ -32,8 +32,7 @@ from app.views.widgets.actions import PRIMARY, Actions
 from app.views.widgets.containers import Scrolled
 from cpm_core.shapes import KINDS
 
-_BEFORE = ("open", "save", "", "undo", "redo", "")
-_RUN, _AFTER = ("", "run", "step", "reset", ""), ("", "fit", "export")
+_BEFORE, _RUN, _AFTER = ("open", "save", "", "undo", "redo"), ("run", "step", "reset"), ("", "fit", "export")
 """Actions of the tool bar before the modes, after them, and after the speed control; an empty name is a line."""
 
 _ICON_ONLY = ("undo", "redo", "fit")
@@ -41,7 +40,7 @@ _ICON_ONLY = ("undo", "redo", "fit")
 
 
 class ToolBar(QToolBar):
-    """Buttons for the most frequent actions that exist, and the speed control."""
+    """Buttons for the most frequent actions, without words where the window is narrow, and the speed control."""
 
     def __init__(self, actions: Actions, speed: QWidget) -> None:
         super().__init__(tr("Run"))
@@ -49,6 +48,8 @@ class ToolBar(QToolBar):
         self.setMovable(False)
         self.toggleViewAction().setEnabled(False)
         self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self._worded: list[QToolButton] = []
+        self._words, self._needed = True, 0
         self._add(actions, _BEFORE)
         self.addWidget(_modes(actions))
         self._add(actions, _RUN)
@@ -68,10 +69,23 @@ class ToolBar(QToolBar):
             if name in _ICON_ONLY:
                 button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonIconOnly)
                 button.setAccessibleName(action.iconText())
+            elif name != PRIMARY:
+                self._worded.append(button)
             if name == PRIMARY:
                 bold = button.font()
                 bold.setBold(True)
                 button.setMinimumWidth(QFontMetrics(bold).horizontalAdvance(tr("Run again")) + 52)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Show words where there is room for them."""
+        super().resizeEvent(event)
+        if self._words:
+            self._needed = self.sizeHint().width()
+        words, style = self.width() >= self._needed, Qt.ToolButtonStyle
+        if words != self._words:
+            self._words = words
+            for button in self._worded:
+                button.setToolButtonStyle(style.ToolButtonTextBesideIcon if words else style.ToolButtonIconOnly)
 
 
 def _modes(actions: Actions) -> QWidget:
@@ -93,6 +107,10 @@ def _modes(actions: Actions) -> QWidget:
     return segments
 
 
+_WIDE = 80
+"""Width of a button [px], enough for the longest word."""
+
+
 class ToolPalette(QToolBar):
     """One button for each group of tools, and one for the starts that need no drawing."""
 
@@ -101,14 +119,14 @@ class ToolPalette(QToolBar):
         self.setObjectName("palette")
         self.setMovable(False)
         self.toggleViewAction().setEnabled(False)
-        self.setIconSize(QSize(22, 22))
+        self.setIconSize(QSize(20, 20))
         names = {group: [tool.name for tool in TOOLS if tool.group == group] for group in GROUPS}
         names[AUTO] = [f"start_{kind}" for kind in KINDS]
         self.buttons = {group: ToolButton(group, [actions[name] for name in named]) for group, named in names.items()}
         case = QWidget()
         column = QVBoxLayout(case)
         column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(2)
+        column.setSpacing(0)
         for button in self.buttons.values():
             button.setIconSize(self.iconSize())
             column.addWidget(button)
@@ -126,7 +144,7 @@ class ToolButton(QToolButton):
         self.setObjectName("tools")
         self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
         self.setPopupMode(QToolButton.ToolButtonPopupMode.MenuButtonPopup)
-        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        self.setFixedWidth(_WIDE)
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.setAutoRaise(True)
         menu = QMenu(self)

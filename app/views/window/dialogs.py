@@ -198,6 +198,6 @@ class FileDialogs:
         files = [Files(name, (suffix,)) for suffix, name in kinds.items()]
         return self.ask_where_to_save("export", title, f"{stem}{ending}", files, parent=parent)
 
-    def ask_for_folder(self, title: str) -> str:
-        """A folder of images, empty when the user cancels."""
-        return QFileDialog.getExistingDirectory(self._window, title, str(self.begin("open")))
+    def ask_for_folder(self, title: str, purpose: Purpose = "open", parent: QWidget | None = None) -> str:
+        """A folder, empty when the user cancels."""
+        return QFileDialog.getExistingDirectory(parent or self._window, title, str(self.begin(purpose)))

@@ -29,7 +29,7 @@ class Panel:
     shortcut : str
         Key that gives it the keyboard.
     shown : bool
-        Whether its tab is there from the start; `Docks.reveal` adds others, `Docks.hide` removes them.
+        Whether its tab is there from the start; `Docks.offer` adds others.
     below : bool
         Whether it is below the canvas; then the feature shows and hides it.
     """
@@ -42,7 +42,7 @@ class Panel:
     below: bool = False
 
 
-_WIDTH, _LEAST, _SHARE = 300, 280, 0.29
+_WIDTH, _LEAST, _SHARE = 300, 284, 0.29
 """Initial and least width of the column [px], and the part of the window that it may have."""
 
 _VERSION = 2
@@ -73,7 +73,7 @@ class Docks(QObject):
             else:
                 self.tabs.addTab(panel.widget, from_core(panel.title))
                 if not panel.shown:
-                    self.hide(name)
+                    self.offer(name, False)
         side = self.column.toggleViewAction()
         side.setText(tr("Si&de panel"))
         side.setObjectName("panel_side")
@@ -97,13 +97,14 @@ class Docks(QObject):
     def reveal(self, name: str) -> None:
         """Open a panel and bring it to the front."""
         if not self._panels[name].below:
-            self._there(name, True)
+            self.offer(name, True)
             self.column.show()
             self.bring(name)
 
-    def hide(self, name: str) -> None:
-        """Remove a tab that has nothing to show."""
-        self._there(name, False)
+    def offer(self, name: str, there: bool) -> None:
+        """Add a tab that has something to show, behind the one in front, or remove it."""
+        self.tabs.setTabVisible(self.tabs.indexOf(self._panels[name].widget), there)
+        self.actions[list(self._panels).index(name)].setVisible(there)
 
     def enter(self, name: str) -> None:
         """Open a panel, bring it to the front and give it the keyboard."""
@@ -137,10 +138,6 @@ class Docks(QObject):
             self._laid_out = True
             self._window.resizeDocks([self.column], [_WIDTH], Qt.Orientation.Horizontal)
         return False
-
-    def _there(self, name: str, there: bool) -> None:
-        self.tabs.setTabVisible(self.tabs.indexOf(self._panels[name].widget), there)
-        self.actions[list(self._panels).index(name)].setVisible(there)
 
     def _make_action(self, panel: Panel) -> QAction:
         """Gives the keyboard to a panel, or back to the canvas where the panel has it."""

@@ -32,7 +32,6 @@ MENUS = {
     "Tools": tr("&Tools"),
     "View": tr("&View"),
     "Run": tr("&Run"),
-    "Contours": tr("&Contours"),
     "Objects": tr("&Objects"),
     "Help": tr("&Help"),
 }
@@ -86,23 +85,16 @@ class Menus:
 _RUN = ("run", "step", "reset")
 
 THINGS: Mapping[str, tuple[str, ...]] = {
-    "image": (*_RUN, "", "undo", "redo", "", "add_circle", "cross_hair", "clear", "", "fit", "zoom_in", "zoom_out", "",
-              "copy_view", "export"),
-    "shape": ("enlarge", "shrink", "delete", "", "select_next", "clear", "", *_RUN),
-    "charge": ("enlarge", "shrink", "delete", "", "layer_potential", "layer_field", "", *_RUN),
-    "particles": (*_RUN, "", "timeline_back", "timeline_forward", "timeline_first", "timeline_last", "",
-                  "layer_particles", "layer_trails", "layer_forces"),
-    "contour": ("keep", "reject", "name_contour", "colors", "", "close_contours", "join_contours", "cut_contour",
-                "delete_stretch", "", "contour_skeleton", "", "contour_table", "export"),
-    "object": ("name_object", "object_class", "object_color", "", "change_object", "fit_objects", "objects_alike",
-               "merge_objects", "", "freeze_object", "hide_object", "", "object_start", "object_region",
-               "object_barrier", "object_skeleton", "", "delete_object", "object_table", "export"),
-    "proposal": ("take_object", "escape"),
-    "step": ("timeline_parameters", "timeline_delete", "", "timeline_first", "timeline_back", "timeline_forward",
-             "timeline_last", "timeline_play", "", "export_animation"),
+    "image": (*_RUN, "", "undo", "redo", "", "fit", "copy_view", "export"),
+    "shape": ("enlarge", "shrink", "delete", "", *_RUN),
+    "charge": ("enlarge", "shrink", "delete", "", "layer_potential", "layer_field"),
+    "particles": (*_RUN, "", "layer_particles", "layer_trails", "layer_forces"),
+    "object": ("accept", "reject", "name_object", "object_class", "object_color", "", "merge_objects", "close_contours",
+               "objects_alike", "change_object", "", "freeze_object", "hide_object", "use_as", "skeleton", "",
+               "delete_object"),
+    "step": ("timeline_parameters", "timeline_delete", "", "export"),
     "space": ("space_whole", "space_along_0", "space_along_1", "space_along_2", "", "space_particles", "space_surface",
-              "space_objects", "space_slices", "space_projection", "space_box", "", "copy_space", "export_space",
-              "export_turntable"),
+              "space_objects", "space_slices", "space_projection", "space_box", "", "copy_space", "export"),
     "parameter": (),
 }  # fmt: skip
 """Names of actions and submenus by thing; an empty name is a line between groups. An action is a thing, too."""

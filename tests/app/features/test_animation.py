@@ -11,13 +11,13 @@ import PIL.Image
 import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor
-from PySide6.QtWidgets import QFileDialog
 
 from app.session.tasks.tasks import Task
-from app.views.export.animation_dialog import AnimationDialog, AnimationPlan, every
+from app.views.export.frames import AnimationPlan, every
 from app.views.features.animation import AnimationFeature
 from app.views.features.run import TasksFeature, TimelineFeature
 from app.views.theme import theme
+from tests.app.exporting import asked, check, order
 
 pytestmark = pytest.mark.shared_window
 
@@ -40,7 +40,7 @@ def feature(window) -> AnimationFeature:
 
 
 def write(window, hand, path: Path, steps: tuple[int, ...]) -> None:
-    task = feature(window).write(1, AnimationPlan(steps, SIZE, 10, False, path.suffix), path)
+    task = feature(window).write(1, AnimationPlan(steps, SIZE, 10, False), path)
     assert task is not None
     hand.wait(lambda: task.over and window.session.idle)
 
@@ -106,7 +106,7 @@ def test_cancellation_leaves_no_partial_file(rested, hand, tmp_path, monkeypatch
         advance(task, fraction)
 
     monkeypatch.setattr(Task, "advance", give_up_after_three)
-    plan = AnimationPlan(every(0, last, 1), SIZE, 10, False, ".gif")
+    plan = AnimationPlan(every(0, last, 1), SIZE, 10, False)
     task = feature(rested).write(1, plan, path)
     hand.wait(lambda: task.over and rested.session.idle)
     assert task.cancelled
@@ -117,38 +117,35 @@ def test_cancellation_leaves_no_partial_file(rested, hand, tmp_path, monkeypatch
     assert rested.session.status.step == last
 
 
-def test_the_dialog_leads_to_a_file(rested, hand, tmp_path, monkeypatch) -> None:
-    path = tmp_path / "chosen"
-    hand.key(KEY.Key_A, Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier)
-    (dialog,) = rested.findChildren(AnimationDialog)
+def test_the_dialog_leads_to_a_file(rested, hand, tmp_path) -> None:
+    dialog = asked(hand.qtbot, rested)
+    check(hand.qtbot, dialog, "run:.gif")
     for field, keys in ((dialog.first, "2"), (dialog.last, "12"), (dialog.stride, "5"), (dialog.width_field, "100")):
         field.setFocus()
         field.selectAll()
         hand.qtbot.keyClicks(field, keys)
         hand.qtbot.keyClick(field, KEY.Key_Tab)
-    assert dialog.plan == AnimationPlan((2, 7, 12), (100, 100), 15, False, ".gif")
-    assert dialog.summary.startswith("3 frames of 100 × 100 px")
-    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(path), ""))
-    hand.qtbot.mouseClick(dialog.export, LEFT)
-    written_to = path.with_suffix(".gif")
-    hand.wait(written_to.exists)
+    assert dialog.animation == AnimationPlan((2, 7, 12), (100, 100), 15, False)
+    assert dialog.summary.text() == "1 file: 3 frames of 100 × 100 px."
+    (written_to,) = order(hand.qtbot, rested, dialog, tmp_path)
     with PIL.Image.open(written_to) as animation:
         assert animation.n_frames == 3
     hand.wait(lambda: rested.session.idle)
-    assert "chosen.gif" in rested.canvas_area.messages.text
+    assert "_run.gif" in rested.canvas_area.messages.text
 
 
 def test_frames_can_be_limited_to_the_visible_part(rested, hand, tmp_path) -> None:
     rested.canvas_area.canvas.zoom(4.0)
-    dialog = feature(rested).ask_for_animation()
+    dialog = asked(hand.qtbot, rested)
+    check(hand.qtbot, dialog, "run:.png")
     dialog.width_field.setValue(120)
-    whole = dialog.plan
+    whole = dialog.animation
     dialog.zoomed.setFocus()
     hand.qtbot.keyClick(dialog.zoomed, KEY.Key_Space)
-    zoomed = dialog.plan
+    zoomed = dialog.animation
     dialog.reject()
     path = tmp_path / "zoomed.png"
-    task = feature(rested).write(1, replace(zoomed, steps=(1,), suffix=".png"), path)
+    task = feature(rested).write(1, replace(zoomed, steps=(1,)), path)
     hand.wait(lambda: task.over and rested.session.idle)
     pixels = picture(path)
     assert whole.size == (120, 120)

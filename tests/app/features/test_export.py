@@ -1,4 +1,4 @@
-"""The export dialog: what is written, and what is left out."""
+"""The export dialog: what is written, under which names, and what is left out."""
 
 from __future__ import annotations
 
@@ -17,20 +17,21 @@ from PySide6.QtWidgets import QFileDialog
 
 import cpm_core
 from app.model.document import edits
-from app.model.export import formats, listed
+from app.model.export import file_name, formats
+from app.views.export import dialog as export_dialog
 from app.views.export.dialog import ExportDialog
 from app.views.features.exchange import ExportFeature
-from app.views.window.dialogs import FileDialogs
 from app.views.window.window import MainWindow
 from cpm_core.formats import WRITABLE
 from cpm_core.objects.segmented.segmented_object import SegmentedObject
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import Circle
 from tests.app.conftest import Hand
+from tests.app.exporting import asked, check, export, offered, order
 
 pytestmark = pytest.mark.shared_window
 
-KEY, CTRL = Qt.Key, Qt.KeyboardModifier.ControlModifier
+KEY, CTRL, SHIFT = Qt.Key, Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
 LEFT = Qt.MouseButton.LeftButton
 DISCS = ((12, 36, 18), (48, 96, 16), (60, 30, 12))
 """Row, column and radius; the border cuts the first one."""
@@ -66,59 +67,44 @@ def found(window: MainWindow, hand: Hand, tmp_path: Path) -> MainWindow:
 
 
 @pytest.fixture
-def dialog(found: MainWindow, hand: Hand) -> ExportDialog:
-    return asked(hand, found)
+def folder(tmp_path: Path) -> Path:
+    made = tmp_path / "written"
+    made.mkdir()
+    return made
 
 
-def asked(hand: Hand, window: MainWindow) -> ExportDialog:
-    """The dialog, opened by its key."""
-    window.activateWindow()
-    hand.wait(window.isActiveWindow)
-    hand.canvas.setFocus()
-    hand.key(KEY.Key_E, CTRL)
-    opened = window.feature(ExportFeature).dialog
-    assert opened is not None
-    hand.qtbot.waitExposed(opened)
-    return opened
+ANGLES = np.arange(0.0, 2.0 * np.pi, 0.02)
+
+
+def ring(radius: float) -> tuple[tuple[float, float], ...]:
+    points = 30.0 + radius * np.stack([np.sin(ANGLES), np.cos(ANGLES)], axis=1)
+    return tuple(map(tuple, points.tolist()))
+
+
+@pytest.fixture
+def two(window: MainWindow) -> MainWindow:
+    """A window with an object of a class without a name, which has a hole, and one of another class."""
+    first = SegmentedObject(number=7, clicks=(), boundary=(ring(20.0), ring(8.0)), name="cell", category=2)
+    other = SegmentedObject(number=9, clicks=(), boundary=(ring(4.0),))
+    session = window.session
+    session.edit("take", lambda document: replace(document, objects=replace(document.objects, items=(first, other))))
+    return window
 
 
 def choose(hand: Hand, combo, data: str) -> None:
     """Choose an entry by arrow keys."""
     combo.setFocus()
-    down = combo.findData(data) > combo.currentIndex()
-    for _ in range(combo.count()):
-        if combo.currentData() == data:
-            return
-        hand.qtbot.keyClick(combo, KEY.Key_Down if down else KEY.Key_Up)
-    raise AssertionError(data)
+    for _ in range(combo.findData(data)):
+        hand.qtbot.keyClick(combo, KEY.Key_Down)
+    combo.activated.emit(combo.currentIndex())
+    assert combo.currentData() == data
 
 
-@pytest.fixture(autouse=True)
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Where files are written, under the names that are suggested."""
-    made = tmp_path / "written"
-    made.mkdir()
-    monkeypatch.setattr(
-        QFileDialog, "getSaveFileName", lambda parent, title, begin, *_: (str(made / Path(begin).name), "")
-    )
-    return made
-
-
-def write(hand: Hand, window: MainWindow, dialog: ExportDialog, suffix: str) -> Path:
-    """The file that the dialog leads to, by a click on its button."""
-    choose(hand, dialog.format, suffix)
-    written = []
-    dialog.ordered.connect(lambda path, _: written.append(path))
-    hand.qtbot.mouseClick(dialog.export_button, LEFT)
-    hand.wait(written[0].exists)
-    hand.wait(lambda: window.session.idle)
-    return written[0]
-
-
-def test_the_file_names_image_start_and_whether_the_run_was_steered(found, hand, dialog) -> None:
-    made = json.loads(write(hand, found, dialog, ".json").read_text(encoding="utf-8"))["provenance"]
-    path = Path(found.session.document.image.path)
-    assert made["image"] == {"name": "discs.npy", "sha256": hashlib.sha256(path.read_bytes()).hexdigest()}
+def test_the_file_names_image_start_and_whether_the_run_was_steered(found, hand, folder) -> None:
+    (path,) = export(hand.qtbot, found, folder, "contours:.json")
+    made = json.loads(path.read_text(encoding="utf-8"))["provenance"]
+    image = Path(found.session.document.image.path)
+    assert made["image"] == {"name": "discs.npy", "sha256": hashlib.sha256(image.read_bytes()).hexdigest()}
     assert [(shape["shape"], shape["center"][1]) for shape in made["shapes"]] == [("circle", disc[1]) for disc in DISCS]
     assert made["parameters"]["reach"] == Parameters().reach
     assert (made["method"], made["version"], "steered" in made) == ("cpm", cpm_core.__version__, False)
@@ -132,42 +118,48 @@ def test_the_file_names_image_start_and_whether_the_run_was_steered(found, hand,
     hand.wait(lambda: found.session.scene.snapshot.state.step > made["steps"])
     hand.wait_for_phase("finished")
     hand.wait(lambda: found.session.idle)
-    made = json.loads(write(hand, found, asked(hand, found), ".json").read_text(encoding="utf-8"))["provenance"]
+    before = path.stat().st_mtime_ns
+    hand.key(KEY.Key_E, CTRL | SHIFT)
+    hand.wait(lambda: path.stat().st_mtime_ns > before and found.session.idle)
+    made = json.loads(path.read_text(encoding="utf-8"))["provenance"]
     assert made["steered"] and made["parameters"]["beta"] == 0.6
 
 
 @pytest.mark.parametrize("closing", ["edges", "straight"])
-def test_open_contours_are_closed_on_request(found, hand, dialog, closing) -> None:
-    choose(hand, dialog.format, ".tif")
+def test_open_contours_are_closed_on_request(found, hand, folder, closing) -> None:
+    dialog = asked(hand.qtbot, found)
+    check(hand.qtbot, dialog, "contours:.tif")
+    assert dialog.summary.text() == "1 file: 2 contours, 1 open ones left out."
     choose(hand, dialog.closing, closing)
-    assert dialog.summary.text().startswith("Writes 3 contours, 1 of them closed for the export.")
-    labels = tifffile.imread(write(hand, found, dialog, ".tif"))
+    assert dialog.summary.text() == "1 file: 3 contours."
+    (path,) = order(hand.qtbot, found, dialog, folder)
+    labels = tifffile.imread(path)
     for disc in DISCS:
         label = labels[max(disc[0], 6), disc[1]]
         assert label > 0
         truth = inside(disc)
         assert 2 * ((labels == label) & truth).sum() / ((labels == label).sum() + truth.sum()) > 0.95
-    assert "1 of them closed for the export" in found.canvas_area.messages.text
+    assert "3 contours" in found.canvas_area.messages.text
 
 
-def test_kept_ones_only_and_the_selection_are_written_with_the_numbers_of_the_table(found, hand) -> None:
+def test_only_what_is_chosen_is_written_with_the_numbers_of_the_table(found, hand, folder) -> None:
     review = found.workspace.review
     numbers = {item.measures.number: item.key for item in review.items}
-    review.select([numbers[2]])
-    hand.key(KEY.Key_K, Qt.KeyboardModifier.ShiftModifier)
     review.select([numbers[1], numbers[3]])
-    for source, wanted in (("kept", [2]), ("selected", [1, 3]), ("all", [1, 2, 3])):
-        dialog = asked(hand, found)
-        choose(hand, dialog.source, source)
-        assert f"({len(wanted)})" in dialog.source.currentText()
-        path = write(hand, found, dialog, ".json")
-        assert [one["number"] for one in json.loads(path.read_text(encoding="utf-8"))["contours"]] == wanted
+    dialog = asked(hand.qtbot, found)
+    check(hand.qtbot, dialog, "contours:.json")
+    for wanted in ([1, 3], [1, 2, 3]):
+        hand.qtbot.mouseClick(dialog.only, LEFT, pos=dialog.only.rect().center() * 0.1)
+        assert f": {len(wanted)} contours" in dialog.summary.text()
+    hand.qtbot.mouseClick(dialog.only, LEFT, pos=dialog.only.rect().center() * 0.1)
+    (path,) = order(hand.qtbot, found, dialog, folder)
+    assert [one["number"] for one in json.loads(path.read_text(encoding="utf-8"))["contours"]] == [1, 3]
 
 
-def test_a_figure_shows_image_contours_and_a_scale_bar(found, hand) -> None:
+def test_a_figure_shows_image_contours_and_a_scale_bar(found, hand, folder) -> None:
     found.session.edit("size", lambda document: edits.set_pixel_size(document, (0.25, 0.25), "µm"))
     hand.wait(lambda: found.session.idle)
-    path = write(hand, found, asked(hand, found), ".figure.svg")
+    (path,) = export(hand.qtbot, found, folder, "contours:.figure.svg")
     assert path.name == "discs_contours.figure.svg"
     root = ElementTree.fromstring(path.read_text(encoding="utf-8"))
     assert root.find(f".//{SVG}image") is not None
@@ -175,32 +167,114 @@ def test_a_figure_shows_image_contours_and_a_scale_bar(found, hand) -> None:
     assert any("µm" in "".join(text.itertext()) for text in root.iter(f"{SVG}text"))
 
 
-def test_the_image_itself_is_not_replaced(found, hand, dialog, monkeypatch) -> None:
-    image = Path(found.session.document.image.path)
-    monkeypatch.setattr(FileDialogs, "ask_where_to_save", lambda *_, **__: image)
-    dialog.accept()
-    assert "is the image itself" in dialog.summary.text()
-    assert dialog.isVisible()
-    dialog.reject()
+def test_files_are_replaced_only_where_the_user_agrees(two, hand, monkeypatch) -> None:
+    image = Path(two.session.document.image.path)
+    names, answers = [], [False, True]
+    monkeypatch.setattr(export_dialog, "ask_to_replace", lambda _, name: names.append(name) or answers.pop(0))
+    old = image.with_name(f"{image.stem}.json")
+    old.write_text("old")
+    dialog = asked(hand.qtbot, two)
+    check(hand.qtbot, dialog, "objects:.labelme.json")
+    hand.qtbot.mouseClick(dialog.export_button, LEFT)
+    assert (names, dialog.isVisible(), old.read_text()) == ([old.name], True, "old")
+    hand.qtbot.mouseClick(dialog.export_button, LEFT)
+    hand.wait(lambda: two.session.idle and old.read_text() != "old")
+    hand.key(KEY.Key_E, CTRL | SHIFT)
+    hand.wait(lambda: two.session.idle)
+    assert len(names) == 2, "what the program has written is replaced without a question"
 
 
 def test_every_format_is_offered() -> None:
-    assert {listed(suffix) for suffix in WRITABLE} == set(formats())
+    assert {*formats("objects"), *formats("contours")} == set(WRITABLE) - {".tiff", ".nii", ".roi"}
+    for what in ("objects", "contours"):
+        names = [file_name("a", what, suffix, False) for suffix in formats(what)]
+        assert len(set(names)) == len(names)
 
 
-def test_objects_are_offered_and_written_without_a_run(window, hand) -> None:
-    session = window.session
-    square = ((4.0, 4.0), (4.0, 20.0), (20.0, 20.0), (20.0, 4.0))
-    both = (square, ((8.0, 8.0), (12.0, 8.0), (12.0, 12.0), (8.0, 12.0)))
-    item = SegmentedObject(number=7, clicks=(), boundary=both, gaps=(), confidence=1.0, strength=1.0, name="cell")
-    session.edit("take", lambda document: replace(document, objects=replace(document.objects, items=(item,))))
-    dialog = asked(hand, window)
-    assert [dialog.source.itemData(row) for row in range(dialog.source.count())] == ["objects"]
-    assert dialog.summary.text() == "Writes 1 object."
-    content = json.loads(write(hand, window, dialog, ".json").read_text(encoding="utf-8"))
+def test_objects_are_offered_and_written_without_a_run_in_several_formats_at_once(two, hand, folder) -> None:
+    dialog = asked(hand.qtbot, two)
+    assert {key.partition(":")[0] for key in offered(dialog)} == {"objects"}
+    assert dialog.windowTitle() == "Export objects"
+    check(hand.qtbot, dialog, "objects:.json", "objects:.table.csv", "objects:.nrrd", "objects:.figure.png")
+    assert dialog.summary.text() == "4 files: 2 objects."
+    paths = order(hand.qtbot, two, dialog, folder)
+    stem = Path(two.session.document.image.name).stem
+    assert [path.name.removeprefix(stem) for path in paths] == [
+        "_objects.nrrd", "_objects.csv", "_objects.json", "_objects.figure.png",
+    ]  # fmt: skip
+    content = json.loads(paths[2].read_text(encoding="utf-8"))
     assert content["provenance"]["method"] == "objects"
-    assert content["provenance"]["image"]["sha256"] == session.document.image.sha256
-    assert [(contour["name"], contour["closed"]) for contour in content["contours"]] == [("cell", True)] * 2
-    with PIL.Image.open(write(hand, window, asked(hand, window), ".figure.png")) as figure:
+    assert content["provenance"]["image"]["sha256"] == two.session.document.image.sha256
+    assert [contour["name"] for contour in content["contours"]] == ["cell", "cell", "object 9"]
+    assert len(paths[1].read_text(encoding="utf-8").splitlines()) == 3
+    with PIL.Image.open(paths[3]) as figure:
         gray = np.asarray(figure.convert("L")).astype(float)
     assert gray[: len(gray) // 2].std() > 10.0  # the image is there, too
+
+
+def test_labelme_gets_the_names_of_classes_that_are_asked_for_and_few_vertices(two, hand, monkeypatch) -> None:
+    image = Path(two.session.document.image.path)
+    dialog = asked(hand.qtbot, two)
+    check(hand.qtbot, dialog, "objects:.labelme.json", "objects:.csv")
+    assert sorted(dialog.classes) == [1, 2]
+    hand.qtbot.keyClicks(dialog.classes[2], "nucleus")
+    whole = sum(len(curve) for curve in (ring(20.0), ring(8.0), ring(4.0)))
+    assert dialog._vertices.text().endswith(f" of {whole} vertices")
+    few = int(dialog._vertices.text().split()[0])
+    assert few < 100
+    file, table = order(hand.qtbot, two, dialog, image.parent)
+    assert file == image.with_suffix(".json"), "labelme opens it with the image"
+    content = json.loads(file.read_text(encoding="utf-8"))
+    assert content["imagePath"] == image.name
+    cell, other = content["shapes"]
+    assert (cell["label"], cell["description"], cell["group_id"]) == ("nucleus", "cell", 7)
+    assert (other["label"], other["description"], other["group_id"]) == ("object", "object 9", 9)
+    assert len(cell["points"]) + len(other["points"]) == few + 2, "a slit visits two vertices twice"
+    assert len(table.read_text(encoding="utf-8").splitlines()) == whole + 1
+    assert two.session.document.objects.classes[1].name == "nucleus"
+
+
+def test_the_choice_is_kept_and_repeated_without_a_dialog_for_another_image(two, hand, folder, image_file) -> None:
+    export(hand.qtbot, two, folder, "objects:.svg", "objects:.coco.json")
+    dialog = asked(hand.qtbot, two)
+    assert [file.suffix for file in dialog.files] == [".coco.json", ".svg"]
+    dialog.reject()
+    items = two.session.document.objects
+    copy = image_file.with_name("second.npy")
+    copy.write_bytes(image_file.read_bytes())
+    two.document_file.forget()
+    two.open_image(copy)
+    hand.wait(lambda: two.session.document.image.name == copy.name and two.session.idle)
+    two.session.edit("take", lambda document: replace(document, objects=items))
+    two.activateWindow()
+    hand.wait(two.isActiveWindow)
+    hand.key(KEY.Key_E, CTRL | SHIFT)
+    written = [copy.with_name(f"second_objects{suffix}") for suffix in (".svg", ".coco.json")]
+    hand.wait(lambda: all(path.exists() for path in written) and two.session.idle)
+    assert two.feature(ExportFeature).dialog is None
+
+
+def test_the_folder_is_chosen_and_nothing_is_written_where_one_file_cannot_be(two, hand, folder, monkeypatch) -> None:
+    monkeypatch.setattr(QFileDialog, "getExistingDirectory", lambda *_: str(folder))
+    (folder / "b_objects.svg").mkdir()
+    monkeypatch.setattr(export_dialog, "ask_to_replace", lambda *_: True)
+    dialog = asked(hand.qtbot, two)
+    check(hand.qtbot, dialog, "objects:.geojson", "objects:.svg")
+    hand.qtbot.mouseClick(dialog._place, LEFT)
+    dialog.base.selectAll()
+    hand.qtbot.keyClicks(dialog.base, "b")
+    hand.qtbot.mouseClick(dialog.export_button, LEFT)
+    hand.wait(lambda: "b_objects.svg in " in two.canvas_area.messages.text and two.session.idle)
+    assert [path.name for path in folder.iterdir()] == ["b_objects.svg"]
+
+
+def test_a_name_is_needed_and_something_to_write(two, hand) -> None:
+    dialog: ExportDialog = asked(hand.qtbot, two)
+    dialog.base.selectAll()
+    hand.qtbot.keyClick(dialog.base, KEY.Key_Delete)
+    assert not dialog.export_button.isEnabled()
+    hand.qtbot.keyClicks(dialog.base, "a")
+    assert dialog.export_button.isEnabled()
+    check(hand.qtbot, dialog)
+    assert (dialog.export_button.isEnabled(), dialog.summary.text()) == (False, "Check what to write.")
+    dialog.reject()

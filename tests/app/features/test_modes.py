@@ -7,17 +7,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QFileDialog, QToolButton
+from PySide6.QtWidgets import QToolButton
 
 from app.model.document import edits
 from app.model.document.document import ImageReference
 from app.model.document.modes import use_mode
 from app.model.document.saving import restored, to_file
-from app.views.features.exchange import ExportFeature
 from cpm_core.formats import FOR_SKELETONS, encoded
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, SegmentedObjects
 from cpm_core.parameters import PRESETS
 from cpm_core.shapes import Barrier, Circle
+from tests.app.exporting import asked, check, offered, order
 
 pytestmark = pytest.mark.shared_window
 
@@ -65,23 +65,12 @@ def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, tmp_path,
     assert np.hypot(*(middle - 32.0).T).max() < 2.0
     assert radius.max() == pytest.approx(18.0, abs=1.0)
     assert layer.disks.count >= 1
-    path = tmp_path / "middle.csv"
-    window.actions_by_name["export"].trigger()
-    dialog = window.feature(ExportFeature).dialog
-    assert dialog is not None
-    assert {dialog.format.itemData(at) for at in range(dialog.format.count())} - {None} == set(FOR_SKELETONS)
-    dialog.format.setFocus()
-    while dialog.suffix != ".csv":
-        at = dialog.format.currentIndex()
-        hand.qtbot.keyClick(dialog.format, Qt.Key.Key_Down)
-        assert dialog.format.currentIndex() == at + 1
-    offered = []
-    monkeypatch.setattr(
-        QFileDialog, "getSaveFileName", lambda _, title, begin, *rest: (offered.append(begin) or str(path), "")
-    )
-    hand.qtbot.mouseClick(dialog.export_button, Qt.MouseButton.LeftButton)
-    assert offered[0].endswith("_skeleton.csv")
-    hand.wait(path.exists)
+    dialog = asked(hand.qtbot, window)
+    kinds = {suffix for what, _, suffix in (key.partition(":") for key in offered(dialog)) if what == "skeleton"}
+    assert kinds == set(FOR_SKELETONS)
+    check(hand.qtbot, dialog, "skeleton:.csv")
+    (path,) = order(hand.qtbot, window, dialog, tmp_path)
+    assert path.name.endswith("_skeleton.vertices.csv")
     assert path.read_bytes() == encoded(first, ".csv")
     window.activateWindow()
     hand.wait(window.isActiveWindow)
@@ -149,11 +138,11 @@ def test_sliders_of_the_skeleton_act_without_a_new_run_and_are_undone(window, ha
 
 def test_closed_contours_have_a_skeleton_of_their_own_until_the_image_is_asked_for(ready, hand) -> None:
     session = ready.session
-    assert not ready.actions_by_name["contour_skeleton"].isEnabled()
+    assert not ready.actions_by_name["skeleton"].isEnabled()
     hand.key(Qt.Key.Key_Space)
     hand.wait_for_phase("finished")
     hand.wait(lambda: session.idle)
-    ready.actions_by_name["contour_skeleton"].trigger()
+    ready.actions_by_name["skeleton"].trigger()
     hand.wait(lambda: session.scene.skeleton is not None and session.idle)
     assert len(session.document.outlined.contours) == 1
     radius = session.scene.skeleton.radii[0].max()
@@ -174,7 +163,7 @@ def test_objects_have_a_skeleton_of_their_own_that_follows_them(window, hand) ->
     with_it = SegmentedObjects((item,))
     session.edit("an object", lambda document: replace(document, objects=with_it))
     window.workspace.object_list.choose([1])
-    window.actions_by_name["object_skeleton"].trigger()
+    window.actions_by_name["skeleton"].trigger()
     hand.wait(lambda: session.scene.skeleton is not None and session.idle)
     first = session.scene.skeleton
     assert np.concatenate(first.radii).max() == pytest.approx(5.0, abs=0.1)

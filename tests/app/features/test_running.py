@@ -30,7 +30,7 @@ def test_space_runs_to_rest_and_shows_one_closed_contour_around_the_disc(ready, 
     hand.wait_for_phase("finished")
     hand.wait(lambda: ready.session.idle)
     assert hand.canvas.layers.contours.counts == (1, 0)
-    assert ready.panels["run"].status.state.startswith("Done")
+    assert ready.panels["run"].status.state.startswith("Finished")
     assert ready.panels["run"].status.value("Contours") == "1 closed, 0 open"
     assert hand.canvas.layers.particles.count == int(ready.panels["run"].status.value("Particles").replace(",", ""))
 

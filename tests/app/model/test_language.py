@@ -228,7 +228,7 @@ seen = 0
 
 def outside(said):
     said = re.sub(r"<sub>.*?</sub>|<[^>]*>|&\\w+;|\\b\\w_\\w+(,0)?", " ", said)
-    said = re.sub(r"\\((\\w|\\+|,|\\.|Shift|Escape|Space|Delete|F\\d+|Ctrl|Alt|Home|End)+\\)", " ", said)
+    said = re.sub(r"\\((\\w|\\+|,|\\.|\\[|\\]|Shift|Escape|Space|Delete|F\\d+|Ctrl|Alt|Home|End)+\\)", " ", said)
     depth, kept = 0, ""
     for letter in said:
         depth += (letter == "⟦") - (letter == "⟧")

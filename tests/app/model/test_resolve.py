@@ -41,16 +41,16 @@ def test_run_is_worded_by_what_it_will_do(status: RunStatus, text: str, steps: b
 
 def test_a_run_that_is_out_of_date_shows_how_to_renew_it() -> None:
     assert "Reset" in resolve(Situation(DRAWN, RunStatus("running", stale=True))).hint
-    assert "Run starts again" in resolve(Situation(DRAWN, RunStatus("paused", stale=True))).hint
+    assert "Run starts over" in resolve(Situation(DRAWN, RunStatus("paused", stale=True))).hint
     assert resolve(Situation(DRAWN, RunStatus("running"))).hint == ""
 
 
 def test_the_stop_reason_is_shown_and_whether_it_is_an_equilibrium() -> None:
     assert (
         resolve(Situation(DRAWN, RunStatus("finished", stop_reason="at rest", converged=True))).state
-        == "Done – at rest."
+        == "Finished: at rest"
     )
-    assert resolve(Situation(DRAWN, RunStatus("finished", stop_reason="lost"))).state == "Stopped – lost."
+    assert resolve(Situation(DRAWN, RunStatus("finished", stop_reason="lost"))).state == "Stopped – lost"
 
 
 def test_what_a_run_starts_from_are_starts_and_scales_but_not_what_acts_at_once() -> None:

@@ -44,7 +44,7 @@ def test_symbols_are_set_with_subscripts() -> None:
 
 def test_the_preferences_offer_wording_and_colors(window, hand) -> None:
     dialog = window.feature(PreferencesFeature).show()
-    wording, colors = (dialog.rows[label] for label in ("Labels", "Colors of the window"))
+    wording, colors = (dialog.rows[label] for label in ("Labels", "Theme"))
     hand.qtbot.keyClick(wording, Qt.Key.Key_Down)
     wording.activated.emit(1)
     assert window.preferences.value(WORDING) == "symbol"

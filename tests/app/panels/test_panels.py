@@ -83,6 +83,7 @@ def test_no_label_is_cut_off(window, hand) -> None:
     window.resize(*size)
     window.panels["run"].parameters.more.fold.click()
     hand.wait(lambda: (window.width(), window.height()) == size)
+    hand.qtbot.wait(1)  # the tool bar lays out its words
     for label in window.findChildren(QLabel):
         if label.isVisible() and label.text() and not label.wordWrap():
             assert label.width() >= label.sizeHint().width(), label.text()

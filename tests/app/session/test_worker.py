@@ -18,7 +18,7 @@ from app.session.exchange.core_functions import Core
 from app.session.exchange.mailbox import Mailbox
 from app.session.exchange.messages import Opened, Reconstruction, RunFailed, SeedsFound, Snapshot, WentOn
 from app.session.tasks.tasks import Task
-from app.session.worker.commands import find_seeds, run_call, start, warm_up, write_contours
+from app.session.worker.commands import find_seeds, run_call, start, warm_up, write_files
 from app.session.worker.run import Run
 from app.session.worker.worker_thread import WorkerThread
 from cpm_core import Image, Parameters, Regions, uniform_grid
@@ -148,13 +148,17 @@ class Bench:
         core = Core(
             load_image=self._load,
             methods={"cpm": self._build},
-            export=lambda result, _: self.written.append(result),
+            encode=self._encode,
             warm_up=self._warm_up,
         )
         self.worker_thread = WorkerThread(core)  # type: ignore[arg-type]
         self.reports: list[object] = []
         self.written: list[object] = []
         self.shown: Reconstruction | None = None
+
+    def _encode(self, result: object, *_: object, **__: object) -> bytes:
+        self.written.append(result)
+        return b""
 
     def _load(self, path: Path, go_on: Callable[[], object] = lambda: None) -> Image:
         return Image(np.eye(64), source=path.name)
@@ -412,7 +416,8 @@ def test_a_mailbox_gives_the_newest_once() -> None:
 
 
 def export(bench: Bench, shown: Reconstruction | None = None) -> None:
-    bench.worker_thread.post(write_contours(Task("Writing a.csv…"), shown, Document(), ExportOrder(), Path("a.csv")))
+    order = ExportOrder.of(Path("a.csv"))
+    bench.worker_thread.post(write_files(Task("Writing a.csv…"), shown, Document(), order, lambda contents: None))
 
 
 def test_what_is_written_is_the_very_reconstruction_that_is_shown(bench: Bench) -> None:

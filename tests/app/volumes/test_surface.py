@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+import csv
+
 import numpy as np
 import pytest
 import tifffile
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QFileDialog
 
-from app.model.export import listed
-from app.views.features.exchange import ExportFeature
+from app.model.export import formats
 from app.views.features.run import RunControlFeature
 from cpm_core.formats import FOR_VOLUMES
+from tests.app.exporting import asked, check, order
 
 pytestmark = pytest.mark.shared_window
 
@@ -47,7 +48,7 @@ def test_each_slice_shows_where_it_cuts_the_surface(found) -> None:
 
 def test_the_panel_tells_what_makes_the_surface_worth_trust(found) -> None:
     shown = numbers(found)
-    assert (shown["Surface"], shown["Closed"], shown["Euler char."]) == ("1 part", "yes", "2")
+    assert (shown["Surface"], shown["Closed"], shown["Euler number"]) == ("1 part", "yes", "2")
     assert float(shown["Volume"].split()[0].replace(",", "")) == pytest.approx(4 / 3 * np.pi * RADIUS**3, rel=0.1)
     assert float(shown["Area"].split()[0].replace(",", "")) == pytest.approx(4 * np.pi * RADIUS**2, rel=0.1)
     assert "Contours" not in shown
@@ -61,20 +62,17 @@ def test_an_image_has_no_figures_of_a_surface(window) -> None:
     assert "Contours" in numbers(window)
 
 
-def test_surface_labels_and_particles_are_exported(found, hand, tmp_path, monkeypatch) -> None:
-    action, feature = found.actions_by_name["export"], found.feature(ExportFeature)
-    assert action.text().replace("&", "") == "Export surface…"
-    for number, suffix in enumerate(sorted(set(map(listed, FOR_VOLUMES)))):
-        path = tmp_path / f"found{number}{suffix}"
-        monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_, path=path: (str(path), ""))
-        action.trigger()
-        dialog = feature.dialog
-        dialog.format.setCurrentIndex(dialog.format.findData(suffix))
-        assert "1 part" in dialog.summary.text()
-        hand.qtbot.mouseClick(dialog.export_button, Qt.MouseButton.LeftButton)
-        hand.wait(lambda path=path: path.exists() and found.session.idle)
-        assert "triangles" in found.canvas_area.messages.text
+def test_surface_labels_and_particles_are_exported_at_once(found, hand, tmp_path) -> None:
+    dialog = asked(hand.qtbot, found)
+    assert {*formats("surface")} == set(FOR_VOLUMES) - {".tiff", ".nii"}
+    check(hand.qtbot, dialog, *(f"surface:{suffix}" for suffix in formats("surface")))
+    assert "1 part" in dialog.summary.text()
+    assert dialog.windowTitle() == "Export surface"
+    for path in order(hand.qtbot, found, dialog, tmp_path):
         assert path.stat().st_size > 100
+    assert "triangles" in found.canvas_area.messages.text
+    (row,) = csv.DictReader(next(tmp_path.glob("*_surface.csv")).read_text(encoding="utf-8").splitlines())
+    assert float(row["volume_px3"]) == pytest.approx(4 / 3 * np.pi * RADIUS**3, rel=0.1)
     labels = tifffile.imread(next(tmp_path.glob("*.tif")))
     assert (labels > 0).sum() == pytest.approx(4 / 3 * np.pi * RADIUS**3, rel=0.1)
     rows = np.loadtxt(next(tmp_path.glob("*.points.csv")), delimiter=",", skiprows=1, usecols=(0, 1, 2))

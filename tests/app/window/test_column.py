@@ -1,15 +1,28 @@
-"""The panels leave the image its room, keep what the user has chosen, and can be used in small windows."""
+"""The window leaves the image its room, has few entries and controls, and can be used when it is small."""
 
 from __future__ import annotations
 
 from PySide6.QtCore import QPoint, Qt
-from PySide6.QtWidgets import QScrollArea
+from PySide6.QtWidgets import (
+    QAbstractButton,
+    QAbstractItemView,
+    QAbstractSlider,
+    QAbstractSpinBox,
+    QComboBox,
+    QLineEdit,
+    QMenu,
+    QScrollArea,
+    QScrollBar,
+    QWidget,
+)
 
 from app.session.storage.preferences import Preferences
+from app.views.canvas.items.item import image_rectangle
 from app.views.main_window import make_window
 from app.views.window.bars import ToolPalette
 from app.views.window.window import MainWindow
 
+ENTRIES, CONTROLS = 160, 70
 LEFT = Qt.MouseButton.LeftButton
 DECISIVE = ("beta", "ratio", "annealing", "reach", "weakest_edge")
 
@@ -75,3 +88,39 @@ def test_what_is_unfolded_is_remembered(qtbot, workspace, window, hand) -> None:
     qtbot.addWidget(again)
     assert again.panels["run"].unfolded == ["plots"]
     again.close()
+
+
+def test_the_image_is_fitted_again_after_the_window_is_resized_unless_the_user_has_zoomed(ready, hand) -> None:
+    resized(ready, hand, 900, 600)
+    whole, view = image_rectangle(hand.canvas.shape), hand.canvas.view
+    for width, height in ((1280, 720), (800, 600)):
+        resized(ready, hand, width, height)
+        hand.wait(lambda: view.viewRect().contains(whole))
+        assert view.viewRect().height() < 1.2 * whole.height()
+    hand.key(Qt.Key.Key_Plus)
+    hand.key(Qt.Key.Key_Plus)
+    resized(ready, hand, 1000, 650)
+    assert not view.viewRect().contains(whole)
+
+
+def entries(menu: QMenu) -> list[str]:
+    """The entries of a menu and of its submenus."""
+    menu.aboutToShow.emit()
+    found: list[str] = []
+    for action in menu.actions():
+        if not action.isSeparator():
+            found.append(action.text())
+            found += entries(action.menu()) if action.menu() else []
+    return found
+
+
+def test_menus_and_controls_are_few_at_the_first_start(window, hand) -> None:
+    resized(window, hand, 1280, 720)
+    assert sum(len(entries(action.menu())) for action in window.menuBar().actions()) <= ENTRIES
+    kinds = QAbstractButton, QAbstractSlider, QAbstractSpinBox, QComboBox, QLineEdit, QAbstractItemView
+    parts = QAbstractSpinBox, QComboBox
+    for key in (Qt.Key.Key_C, Qt.Key.Key_W, Qt.Key.Key_F8):
+        hand.key(key)
+        shown = [one for one in window.findChildren(QWidget) if isinstance(one, kinds) and one.isVisible()]
+        controls = [one for one in shown if not isinstance(one, QScrollBar) and not isinstance(one.parent(), parts)]
+        assert len(controls) <= CONTROLS

@@ -68,4 +68,4 @@ def test_the_views_of_a_volume_are_made_one_in_a_turn(window, hand, volume_file,
     open_file(window, hand, volume_file)
     assert len({*shown, *made}) == 3
     assert all(view.isVisible() for view in window.feature(SlicesFeature).sides)
-    assert window.panels["space"].isVisible()
+    assert window.panels["space"].view.isVisible()

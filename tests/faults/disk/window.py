@@ -10,6 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from app.model.document import edits
+from app.model.export import ExportOrder
 from app.session.storage.recovery import Journal
 from app.views.features.files import OpenSaveFeature, RecoveryFeature
 from app.views.window.window import MainWindow
@@ -112,7 +113,7 @@ def _save(window: MainWindow, folder: Path) -> Path:
 
 def _export(window: MainWindow, folder: Path) -> Path:
     target = folder / "work" / "a.svg"
-    window.session.export(target)
+    window.session.export(ExportOrder.of(target))
     until(lambda: window.session.idle)
     return target
 

@@ -12,9 +12,10 @@ from PySide6.QtWidgets import QApplication
 
 from app.model.display.comparison import Axis, parameter_trials
 from app.model.document import edits
+from app.model.export import ExportOrder
 from app.model.parameters.controls import controls
 from app.views.canvas.tools import TOOLS
-from app.views.export.animation_dialog import AnimationPlan
+from app.views.export.frames import AnimationPlan
 from app.views.features.animation import AnimationFeature
 from app.views.features.files import OpenSaveFeature, RecoveryFeature
 from app.views.window.window import MainWindow
@@ -48,11 +49,11 @@ def run_values(window: MainWindow, folder: Path) -> None:
 
 def write_film(window: MainWindow, folder: Path) -> None:
     steps = tuple(range(4))
-    window.feature(AnimationFeature).write(1, AnimationPlan(steps, (160, 160), 10, False, ".gif"), folder / "film.gif")
+    window.feature(AnimationFeature).write(1, AnimationPlan(steps, (160, 160), 10, False), folder / "film.gif")
 
 
 def export(window: MainWindow, folder: Path) -> None:
-    window.session.export(folder / "contours.csv")
+    window.session.export(ExportOrder.of(folder / "contours.csv"))
 
 
 def save(window: MainWindow, folder: Path) -> None:

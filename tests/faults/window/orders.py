@@ -15,6 +15,7 @@ from PySide6.QtCore import QCoreApplication, QEvent
 
 from app.model.document import edits
 from app.model.document.document import Document
+from app.model.export import ExportOrder
 from app.session.exchange.core_functions import Core
 from app.session.features.workspace import Workspace
 from app.session.storage.preferences import Preferences
@@ -144,7 +145,8 @@ class Office:
         self.document_file.save(path)
 
     def _export(self) -> None:
-        self.session.export(self._folder / f"contours{self._choice.choice(['.csv', '.json', '.svg'])}")
+        suffix = self._choice.choice([".csv", ".json", ".svg"])
+        self.session.export(ExportOrder.of(self._folder / f"contours{suffix}"))
 
     # Laws
 

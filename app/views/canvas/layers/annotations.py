@@ -29,12 +29,10 @@ class ScaleBarLayer(Layer):
 
     name = "scale_bar"
     title = tr("Scale bar")
-    tip = tr("A bar of round length, when the size of a pixel is known.")
+    tip = tr("A bar of round length, if the pixel size is known.")
     shortcut = "Alt+Shift+0"
     in_slices = True
-    options = (
-        Switch("pixels", tr("In px when the size of a pixel is not known"), False, tr("Show the bar for any image.")),
-    )
+    options = (Switch("pixels", tr("In px if the pixel size is unknown"), False, tr("Show the bar for any image.")),)
 
     def make(self) -> None:
         """Make its items."""
@@ -71,7 +69,7 @@ class OrientationLayer(Layer):
 
     name = "orientation"
     title = tr("Orientation")
-    tip = tr("Which side lies at each edge: right, left, anterior, posterior, superior, inferior; or the axes.")
+    tip = tr("Directions at the edges: right, left, anterior, posterior, superior, inferior; or the axes.")
     in_slices = True
 
     _EDGES = ((0.5, 0.0), (0.5, 1.0), (0.0, 0.5), (1.0, 0.5))

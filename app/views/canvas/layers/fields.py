@@ -113,7 +113,7 @@ class PotentialLayer(ScalarOverlay):
             ("cividis", "viridis", "magma", "plasma", color_maps.GRAY),
             tr("Colors from low to high potential."),
         ),
-        Switch("lines", tr("Lines of equal potential"), True, tr("Lines that are perpendicular to the force.")),
+        Switch("lines", tr("Equipotential lines"), True, tr("Lines that are perpendicular to the force.")),
     )
     z = 0.9
 

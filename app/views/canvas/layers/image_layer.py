@@ -55,15 +55,23 @@ class ImageLayer(Layer):
             tr("Range"),
             {
                 WHOLE: tr("All gray values"),
-                AUTOMATIC: tr("All but 0.1 % at either end"),
-                "1": tr("All but 1 % at either end"),
-                "5": tr("All but 5 % at either end"),
+                AUTOMATIC: tr("All except 0.1 % at either end"),
+                "1": tr("All except 1 % at either end"),
+                "5": tr("All except 5 % at either end"),
                 _HAND: tr("By hand"),
             },
             WHOLE,
-            tr("Gray values that are distinguished; values below are black, values above are white."),
+            tr("Range of gray values; values below are black, values above are white."),
         ),
-        Amount("gamma", tr("Gamma"), 0.2, 3.0, 0.05, 1.0, tr("Less brings out what is dark, more what is bright.")),
+        Amount(
+            "gamma",
+            tr("Gamma"),
+            0.2,
+            3.0,
+            0.05,
+            1.0,
+            tr("Smaller values bring out dark areas, larger ones bright areas."),
+        ),
     )
 
     def make(self) -> None:

@@ -254,11 +254,6 @@ class Layer(QObject):
         """Value of an `Amount`."""
         return float(self.chosen[name])
 
-    @property
-    def settable(self) -> bool:
-        """Whether the layer has options."""
-        return bool(self.options)
-
     def view_state(self) -> dict[str, object]:
         """Its state for a session file."""
         return {"shown": self.shown, "opacity": self.opacity, **self.chosen}

@@ -159,7 +159,7 @@ class Levels(QWidget):
         self.histogram.hideButtons()
         self.histogram.setMouseEnabled(False, False)
         self.histogram.setToolTip(
-            tr("How often each gray value occurs. Drag the two lines: black to the left, white to the right.")
+            tr("Histogram of the gray values. Drag the two lines: black to the left, white to the right.")
         )
         color = self.palette().color
         self._bars = self.histogram.plot(
@@ -175,7 +175,7 @@ class Levels(QWidget):
         self.high.valueChanged.connect(lambda value: self.moved.emit(min(value, self.low.value()), value))
         row = QHBoxLayout()
         row.setSpacing(6)
-        titles = ((tr("Black"), tr("Gray value shown black.")), (tr("White"), tr("Gray value shown white.")))
+        titles = ((tr("Black"), tr("Gray value shown as black.")), (tr("White"), tr("Gray value shown as white.")))
         whole, span = bool((self._sample == np.rint(self._sample)).all()), max(ends[1] - ends[0], 1e-12)
         for (title, tip), field in zip(titles, (self.low, self.high), strict=True):
             field.setDecimals(0 if whole else min(max(3 - math.floor(math.log10(span)), 0), 12))

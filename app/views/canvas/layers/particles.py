@@ -199,7 +199,7 @@ class TrailLayer(Layer):
     initially = False
     in_slices = True
     colors = (theme.TRAIL,)
-    options = (Amount("length", tr("Length"), 2, 100, 1, _LENGTH, tr("Number of moments that a trail shows.")),)
+    options = (Amount("length", tr("Length"), 2, 100, 1, _LENGTH, tr("Number of steps that a trail shows.")),)
 
     def make(self) -> None:
         """Make its items."""

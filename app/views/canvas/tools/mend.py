@@ -109,7 +109,7 @@ class MendTool(RingTool):
         if len(self._editing.marked) == 2:
             return tr("Delete removes the stretch between the marks; {key:escape} removes the marks.")
         if self._editing.marked:
-            return tr("Click a second place to mark a stretch; {key:cut_contour} cuts at the mark.")
+            return tr("Click a second place to mark a stretch.")
         return tr("Drag to pull the contour, click to mark a place, Shift-click to cut.")
 
     def press(self, at: Position, reach: float) -> None:

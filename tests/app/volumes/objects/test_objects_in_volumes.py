@@ -6,11 +6,9 @@ import numpy as np
 import pytest
 import tifffile
 from PySide6.QtCore import QPoint, Qt
-from PySide6.QtWidgets import QFileDialog
 
 from app.model.volume.shape_sections import RegionSection
 from app.session.storage.session_file import DocumentFile
-from app.views.features.exchange import ExportFeature
 from app.views.features.files import OpenSaveFeature
 from app.views.features.volumes import SpaceFeature
 from cpm_core.contours.surface import Surface
@@ -18,6 +16,7 @@ from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.objects.segmented.segmented_object import SegmentedObject
 from cpm_core.shapes import EnclosedRegion
 from tests.app.conftest import Hand
+from tests.app.exporting import export
 from tests.app.volumes.conftest import SHAPE, Button
 
 pytestmark = pytest.mark.shared_window
@@ -149,39 +148,26 @@ def test_a_click_on_the_surface_in_space_selects_the_body_behind_it(found, hand)
 
 def test_the_table_measures_objects_in_units_of_the_volume(found, hand) -> None:
     hand.key(KEY.Key_Return)
-    found.actions_by_name["object_table"].trigger()
+    found.docks.reveal("objects")
     table = found.panels["objects"].table
     hand.wait(lambda: all(found.workspace.object_list.figures(item) is not None for item in items(found)))
     model = table.model().sourceModel()
     heads = [model.headerData(k, Qt.Orientation.Horizontal) for k in range(model.columnCount())]
-    assert heads[3] == "Volume [px³]", heads
+    assert heads[3] == "Volume", heads
     row = dict(zip(heads, (model.index(0, k).data() for k in range(model.columnCount())), strict=True))
-    assert float(row["Volume [px³]"].replace(",", "")) == pytest.approx(BALL, rel=0.08)
-    assert float(row["Area [px²]"].replace(",", "")) == pytest.approx(4.0 * np.pi * RADIUS**2, rel=0.08)
-    assert (row["Surfaces"], row["Euler char."]) == ("1", "2")
+    assert float(row["Volume"].replace(",", "")) == pytest.approx(BALL, rel=0.08)
+    assert float(row["Area"].replace(",", "")) == pytest.approx(4.0 * np.pi * RADIUS**2, rel=0.08)
+    assert (row["Surfaces"], row["Euler number"]) == ("1", "2")
     assert 150.0 < float(row["Mean gray"]) <= 200.0
 
 
-def test_objects_are_exported_as_a_surface_and_as_labels_of_their_own(found, hand, tmp_path, monkeypatch) -> None:
+def test_objects_are_exported_as_a_surface_and_as_labels_of_their_own(found, hand, tmp_path) -> None:
     hand.key(KEY.Key_Return)
     hand.key(KEY.Key_Return)
-    feature = found.feature(ExportFeature)
-    for name in ("objects.tif", "objects.ply"):
-        found.actions_by_name["export"].trigger()
-        dialog = feature.dialog
-        dialog.source.setFocus()
-        hand.qtbot.keyClick(dialog.source, KEY.Key_Down)
-        assert "2 objects" in dialog.summary.text()
-        dialog.format.setFocus()
-        while (away := dialog.format.findData(name[-4:]) - dialog.format.currentIndex()) != 0:
-            at = dialog.format.currentIndex()
-            hand.qtbot.keyClick(dialog.format, KEY.Key_Down if away > 0 else KEY.Key_Up)
-            assert dialog.format.currentIndex() != at
-        monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_, path=tmp_path / name: (str(path), ""))
-        hand.qtbot.mouseClick(dialog.export_button, Button.LeftButton)
-        hand.wait(lambda name=name: (tmp_path / name).exists() and found.session.idle)
-        assert "2 objects, a surface of" in found.canvas_area.messages.text
-    labels = tifffile.imread(tmp_path / "objects.tif")
+    labels, mesh = export(hand.qtbot, found, tmp_path, "objects:.tif", "objects:.ply")
+    assert mesh.stat().st_size > 1000
+    assert "2 files, 2 objects" in found.canvas_area.messages.text
+    labels = tifffile.imread(labels)
     for item, center in zip(items(found), (ONE, OTHER), strict=True):
         assert labels[tuple(map(round, center))] == item.number
         assert (labels == item.number).sum() == pytest.approx(BALL, rel=0.1)
@@ -212,12 +198,17 @@ def open_file_again(window, hand, path) -> None:
 def chosen_by_menu(window, hand, name: str, numbers: set[int]) -> None:
     """Do something to some objects by the menu."""
     window.workspace.object_list.choose(numbers)
-    window.actions_by_name[name].trigger()
+    if name in window.actions_by_name:
+        window.actions_by_name[name].trigger()
+        return
+    submenu = next(action.menu() for action in window.menus["Objects"].actions() if "se as" in action.text())
+    submenu.aboutToShow.emit()
+    next(action for action in submenu.actions() if action.text().replace("&", "").startswith(name)).trigger()
 
 
 def test_an_object_is_a_region_of_interest_in_all_slices_and_in_sessions(found, hand, tmp_path) -> None:
     hand.key(KEY.Key_Return)
-    chosen_by_menu(found, hand, "object_region", {1})
+    chosen_by_menu(found, hand, "Region", {1})
     region = found.session.document.shapes[-1]
     assert isinstance(region, EnclosedRegion)
     inside = found.session.document.regions.voxels(found.session.image.shape)

@@ -5,13 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
-from PySide6.QtWidgets import QFileDialog
 
 from app.views.canvas.layers.skeleton import disks
-from app.views.features.exchange import ExportFeature
 from app.views.features.files import OpenSaveFeature
 from app.views.volume.seen_in_space import SeenInSpace
-from tests.app.volumes.conftest import Button
+from tests.app.exporting import asked, order
 
 pytestmark = pytest.mark.shared_window
 
@@ -67,15 +65,11 @@ def test_disks_in_slices_are_round_in_space() -> None:
     assert np.ptp(ring, axis=0) == pytest.approx((3.0, 6.0), abs=0.05)
 
 
-def test_center_lines_are_exported_and_come_back_with_a_session(found, hand, tmp_path, monkeypatch) -> None:
-    hand.key(KEY.Key_E, CONTROL)
-    dialog = found.feature(ExportFeature).dialog
+def test_center_lines_are_exported_and_come_back_with_a_session(found, hand, tmp_path) -> None:
+    dialog = asked(hand.qtbot, found)
     assert dialog.windowTitle() == "Export center lines"
-    assert dialog.suffix == ".swc"
-    written = tmp_path / "lines.swc"
-    monkeypatch.setattr(QFileDialog, "getSaveFileName", lambda *_: (str(written), ""))
-    hand.qtbot.mouseClick(dialog.export_button, Button.LeftButton)
-    hand.wait(lambda: written.exists() and found.session.idle)
+    (written,) = order(hand.qtbot, found, dialog, tmp_path)
+    assert written.suffix == ".swc"
     lines = [line for line in written.read_text().splitlines() if not line.startswith("#")]
     assert len(lines) > 10
     path = tmp_path / "work.cpm"

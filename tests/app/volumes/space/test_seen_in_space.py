@@ -33,10 +33,10 @@ def patient(hand, monkeypatch):
 
 
 def test_a_volume_opens_its_view_in_space_and_an_image_closes_it(volume, hand, image_file, space) -> None:
-    hand.wait(space.isVisible)
+    hand.wait(space.view.isVisible)
     assert space.contents.image is volume.session.image
     open_file(volume, hand, image_file)
-    hand.wait(lambda: not space.isVisible())
+    hand.wait(lambda: not space.view.isVisible())
     assert space.contents is None
 
 

@@ -54,15 +54,17 @@ def of(voxels: np.ndarray, spacing: tuple[float, ...], unit: str | None, **more:
 @pytest.fixture
 def panel(qtbot: QtBot, workspace: Workspace) -> Iterator[SpacePanel]:
     made = SpacePanel(workspace.session)
-    made.resize(700, 420)
-    made.show()
-    qtbot.waitExposed(made)
+    made.view.resize(700, 380)
+    for part in (made, made.view):
+        part.show()
+        qtbot.waitExposed(part)
     made.show_contents(contents(mesh=Mesh(CUBE)))
     settle(qtbot, made)
     yield made
     made.view.close_thread()
-    made.close()
-    made.deleteLater()
+    for part in (made, made.view):
+        part.close()
+        part.deleteLater()
     QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
 
 
