@@ -7,6 +7,7 @@ from cpm_core.objects.segmented.by_hand import Halves as Halves
 from cpm_core.objects.segmented.by_hand import redrawn as redrawn
 from cpm_core.objects.segmented.by_hand import split as split
 from cpm_core.objects.segmented.by_hand import split_along as split_along
+from cpm_core.objects.segmented.segmented_object import CLASSES as CLASSES
 from cpm_core.objects.segmented.segmented_object import Click as Click
 from cpm_core.objects.segmented.segmented_object import Line as Line
 from cpm_core.objects.segmented.segmented_object import ObjectClass as ObjectClass
