@@ -178,7 +178,7 @@ def chosen(
     """What is exported with all its vertices; ValueError where there is nothing of the kind."""
     result = objects_result(document, order.objects) if what == "objects" else found
     if result is None:
-        raise ValueError(tr("There is nothing to export yet: let the particles run first."))
+        raise ValueError(tr("There is nothing to export yet: start a run first."))
     known = document.image
     if known is not None and known.unit and not known.is_volume:  # it may have been set after the run
         result = replace(result, spacing=known.spacing, unit=known.unit)

@@ -66,7 +66,7 @@ def parameter_trials(parameters: Parameters, axes: Sequence[Axis]) -> tuple[Tria
 def method_trials(compared: Compared, parameters: Parameters) -> tuple[Trial, ...]:
     """A run of each chosen method; ValueError when there is none."""
     if not compared.methods:
-        raise ValueError(tr("Choose one method at least."))
+        raise ValueError(tr("Choose at least one method."))
     return tuple(
         Trial(from_core(method.title), parameters if method.of_particles else compared.settings_of(name), method=name)
         for name, method in ((name, CONTOUR_METHODS[name]) for name in compared.methods)

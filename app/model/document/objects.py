@@ -42,30 +42,16 @@ _DECIMALS = 3
 # Selecting
 
 
-def click(document: Document, said: Click) -> Document:
-    """The document with one more click on the object that is being selected."""
-    return _with(document, clicks=(*document.objects.clicks, said))
+def first_clicks(item: SegmentedObject, shape: tuple[int, ...]) -> tuple[Click, ...]:
+    """The clicks by which an object of an image of this shape is selected anew: its own, or one where it is widest."""
+    return item.clicks or (Click((item.innermost(shape),)),)
 
 
-def take_back(document: Document) -> Document:
-    """The document without the last click; no object is being changed any more when it was the only one."""
-    objects = document.objects
-    left = objects.clicks[:-1]
-    return _with(document, clicks=left, edited=objects.edited if left else 0)
-
-
-def drop(document: Document) -> Document:
-    """The document in which no object is being selected."""
-    return _with(document, clicks=(), edited=0)
-
-
-def begin_change(document: Document, number: int) -> Document:
-    """The document in which an object is being selected anew, beginning with its own clicks."""
-    item = document.objects[number]
-    clicks = item.clicks
-    if not clicks and document.image is not None:
-        clicks = (Click((item.innermost(document.image.shape),)),)
-    return _with(document, clicks=clicks, edited=number, category=item.category)
+def select(document: Document, clicks: tuple[Click, ...], number: int = 0) -> Document:
+    """The document in which the object of some clicks is being selected; with a number, in place of that object."""
+    known = document.objects
+    category = known[number].category if number and number != known.edited else known.category
+    return _with(document, clicks=clicks, edited=number if clicks else 0, category=category)
 
 
 Found = tuple[AnySelection, tuple[Click, ...], int]

@@ -254,12 +254,12 @@ class ComparedResults(QObject):
             self._navigation.go(row.branch, self._navigation.last(row.branch))
         elif found is not None and image is not None:
             self._session.tasks.start(
-                tr("Taking objects from {name}…").format(name=row.title),
+                tr("Adding objects from {name}…").format(name=row.title),
                 lambda task: _objects(row, found, image),
-                tr("taking objects from {name}").format(name=row.title),
+                tr("adding objects from {name}").format(name=row.title),
                 partial(CommandFailed, topic=_TOPIC),
                 then=lambda made: self._session.edit(
-                    tr("take objects from {name}").format(name=row.title), lambda document: add_objects(document, made)
+                    tr("add objects from {name}").format(name=row.title), lambda document: add_objects(document, made)
                 ),
             )
 
@@ -380,7 +380,7 @@ class ComparedResults(QObject):
 
     def _use_frame(self, key: int, document: Document, frame: FrameTaken) -> None:
         if frame.moment is None:
-            self._change(key, {"state": frame.sentence or tr("This run is gone.")})
+            self._change(key, {"state": frame.sentence or tr("This run no longer exists.")})
             return
         made, marks = frame.contours, document.marks
         reviewed = ReviewedContours.of(made.tracked if made else None, marks)
@@ -477,7 +477,7 @@ def _truth_of(row: Row, holes: bool) -> Truth | VolumeTruth:
     if len(found.shape) == 2:
         return truth_of_contours(found.contours, found.shape, row.title, holes=holes)
     if surface is None or not surface.closed:
-        text = tr("The surface of {name} is not closed, so that nothing can be compared with it.")
+        text = tr("The surface of {name} is not closed, so nothing can be compared with it.")
         raise ValueError(text.format(name=row.title))
     labels = numbered(surface, found.shape).astype(np.int32)
     return VolumeTruth(labels, found.spacing, found.unit, row.title, boundary=surface)
@@ -519,7 +519,7 @@ def _objects(row: Row, found: Result, image: Image) -> tuple[SegmentedObject, ..
     else:
         made = objects_of(closed if row.trial is None else [replace(one, name=row.title, group=1) for one in closed])
     if not made:
-        raise ValueError(tr("There is no closed contour, so there is no object to take."))
+        raise ValueError(tr("There is no closed contour, so there is no object to add."))
     return made
 
 

@@ -27,7 +27,7 @@ _SNAP = 3.0
 """Distance from an edge within which a place that is clicked is moved onto it [px]."""
 
 _NOT_FOUND = tr(
-    "{count} of {all} edits by hand no longer find their contours. What they drew stays; the menu Objects removes them."
+    "{count} of {all} manual edits no longer match a contour. Their lines stay; the menu Objects removes them."
 )
 
 
@@ -183,7 +183,7 @@ class HandEditing(QObject):
     def drop(self, indices: Collection[int] | None = None) -> None:
         """Remove edits by their indices, by default all."""
         gone = range(len(self._session.document.hand_edits)) if indices is None else tuple(indices)
-        self._session.edit(tr("remove edits by hand"), lambda document: drop_hand_edits(document, gone))
+        self._session.edit(tr("remove manual edits"), lambda document: drop_hand_edits(document, gone))
 
     # Internal
 

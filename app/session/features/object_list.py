@@ -60,6 +60,9 @@ Key = tuple[Literal["object", "proposal", "contour"], int]
 """What identifies a row: the number of an object, the key of a proposal, which is below 1, or that of a contour."""
 
 Kind = Literal["object", "proposal", "closed", "open", "rejected"]
+_DRAFT: Key = ("proposal", 0)
+"""The key of the object that is being selected."""
+
 KINDS: tuple[Kind, ...] = ("object", "proposal", "closed", "open", "rejected")
 """What a row can be, in the order shown."""
 
@@ -208,12 +211,12 @@ class ObjectList(QObject):
     ) -> tuple[Row, ...]:
         offered = self._parts.get(_as_objects, proposals, known)
         own = self._parts.get(_own, shown, (*known.items, *offered, *known.rejected))
-        places = (place for place, each in enumerate(proposals) if each.selection.found)
+        found = enumerate((each.key for each in proposals if each.selection.found), start=1)
         rows = [
             *(Row(("object", one.number), "object", self.title(one), one, figures=self.figures(one))
               for one in known.items),
-            *(Row(("proposal", -1 - at), "proposal", tr("proposal {number}").format(number=at + 1), one,
-                  figures=self.figures(one)) for at, one in zip(places, offered, strict=True)),
+            *(Row(("proposal", key), "proposal", tr("proposal {number}").format(number=at), one,
+                  figures=self.figures(one)) for (at, key), one in zip(found, offered, strict=True)),
             *(Row(("object", one.number), "rejected", self.title(one), one, figures=self.figures(one))
               for one in known.rejected),
             *(Row(("contour", one.key), "rejected" if one.reviewed.rejected else
@@ -289,26 +292,34 @@ class ObjectList(QObject):
         self._review.choose(lines, (number for kind, number in keys if kind != "contour"))
 
     def choose(self, numbers: Iterable[int]) -> None:
-        """Select only these objects."""
+        """Select only the objects of these numbers, and the proposals of these keys."""
         self._review.choose(objects=numbers)
 
     def hover(self, key: Key | None) -> None:
-        """Highlight an object or a contour, or nothing."""
+        """Highlight a row, or nothing."""
         kind, number = key or ("", 0)
         self._review.hover(number if kind == "contour" else None)
         scene = self._session.scene
-        hovered = number if kind == "object" else 0
+        hovered = 0 if kind == "contour" else number
         if hovered != scene.objects.hovered:
             self._session.show(replace(scene, objects=replace(scene.objects, hovered=hovered)))
 
     # Accepting and rejecting
+
+    @property
+    def open_rows(self) -> list[Row]:
+        """What can be accepted: the object that is being selected, or else the selected rows; all proposals without."""
+        if self.objects.clicks:
+            return [row for row in self.rows if row.key == _DRAFT]
+        selected = [row for row in self.selected_rows if row.kind != "object"]
+        return selected or [row for row in self.rows if row.kind == "proposal" and not self.selected]
 
     def accept(self) -> None:
         """Make objects of the selected proposals and closed contours, and keep open ones; without any, all proposals.
 
         What has been rejected is there again.
         """
-        rows = self._open_rows()
+        rows = self.open_rows
         if not rows:
             self._session.say(tr("There is nothing to accept: click in an object first."))
             return
@@ -317,9 +328,13 @@ class ObjectList(QObject):
         self.taken.emit(numbers)
 
     def reject(self) -> None:
-        """Dismiss the selected proposals, remove objects, and mark contours as rejected, those around them too."""
-        rows = [row for row in self.selected_rows if row.kind != "rejected"]
-        offered = [row.item for row in rows if row.item is not None and row.kind == "proposal"]
+        """Dismiss the selected proposals, remove objects, and mark contours as rejected, those around them too.
+
+        Without a selection, all proposals are dismissed; the object that is being selected is dropped.
+        """
+        rows = [row for row in self.selected_rows or self.open_rows if row.kind != "rejected"]
+        draft = any(row.key == _DRAFT for row in rows)
+        offered = [row.item for row in rows if row.item is not None and row.kind == "proposal" and row.key != _DRAFT]
         numbers = [row.key[1] for row in rows if row.kind == "object"]
         own = _own(self._session.scene.contours, [row.item for row in rows if row.item is not None])
         kept = {item.key for item in own} - {row.contour.key for row in rows if row.contour is not None}
@@ -327,8 +342,7 @@ class ObjectList(QObject):
 
         def edit(document: Document) -> Document:
             marked = contours.judge(document, lines, "rejected")
-            if document.objects.clicks and offered:  # the user has asked for it, and may ask again
-                return objects.reject(objects.drop(marked), numbers)
+            marked = objects.select(marked, ()) if draft else marked  # the user has asked for it, and may ask again
             return objects.reject(marked, numbers, offered)
 
         self._edit(tr("reject {what}"), rows, edit)
@@ -341,11 +355,6 @@ class ObjectList(QObject):
             self.reject()
 
     # Editing
-
-    def begin_change(self, number: int) -> None:
-        """Select an object anew, beginning with what it is."""
-        self._edit(tr("change {what}"), self._rows_of(number), lambda d: objects.begin_change(d, number))
-        self.choose((number,))
 
     def rename(self, key: Key, name: str) -> None:
         """Name a row, unless it has gone while its name was typed; a proposal and a closed contour are accepted."""
@@ -365,7 +374,7 @@ class ObjectList(QObject):
         """
         known, rows = self.objects, [row for row in self.selected_rows if row.kind in ("object", "proposal", "closed")]
         if not rows and known.clicks:
-            rows = self._open_rows()
+            rows = self.open_rows
         used = {item.category for item in known.items}
         words = tr("class of {what}") if rows else tr("class of the next objects")
         self._with_objects(words, rows, lambda document, numbers: objects.classify(document, numbers, category))
@@ -390,7 +399,7 @@ class ObjectList(QObject):
     def toggle_frozen(self) -> None:
         """Freeze objects, or release them when all are frozen."""
         frozen = not all(item.frozen for item in self.items)
-        words = tr("freeze {what}") if frozen else tr("release {what}")
+        words = tr("freeze {what}") if frozen else tr("unfreeze {what}")
         self._edit_chosen(words, lambda d, chosen: objects.amend(d, chosen, frozen=frozen))
 
     def toggle_hidden(self) -> None:
@@ -443,11 +452,6 @@ class ObjectList(QObject):
     def _rows_of(self, *numbers: int) -> list[Row]:
         return [row for row in self.rows if row.key[0] == "object" and row.key[1] in numbers]
 
-    def _open_rows(self) -> list[Row]:
-        """The selected rows that can be accepted, or else all proposals."""
-        selected = [row for row in self.selected_rows if row.kind != "object"]
-        return selected or [row for row in self.rows if row.kind == "proposal"]
-
     def _with_objects(
         self,
         words: str,
@@ -471,7 +475,7 @@ class ObjectList(QObject):
             for target, keeps in marks:
                 document = contours.judge(document, (target,), "kept" if keeps else "")
             before = {item.number for item in document.objects.items}
-            ends = bool(known.clicks) and any(row.kind == "proposal" for row in rows)
+            ends = any(row.key == _DRAFT for row in rows)
             document = objects.accept(document, given, ends=ends)
             changed = old | {item.number for item in given}
             numbers[:] = [n.number for n in document.objects.items if n.number in changed or n.number not in before]
@@ -540,10 +544,9 @@ class ObjectList(QObject):
         if scene.objects.proposals is before:
             return
         self._offered = now = scene.objects.proposals
-        chosen = scene.objects.chosen
-        picked = [each.selection for place, each in enumerate(before) if -1 - place in chosen]
-        left = [-1 - place for place, each in enumerate(now) if any(each.selection is one for one in picked)]
-        self._review.choose(scene.selected_contours, (*self.chosen, *left))
+        known = {each.key for each in now}
+        left = (number for number in scene.objects.chosen if number > 0 or number in known)
+        self._review.choose(scene.selected_contours, left)
         self._measure()
         self.changed.emit()
 
@@ -566,7 +569,7 @@ class ObjectList(QObject):
     def _use_merged(self, items: tuple[SegmentedObject, ...], whole: SegmentedObject) -> None:
         """Put one object in the place of several, unless they have changed meanwhile."""
         if not all(any(known is item for known in self.objects.items) for item in items):
-            self._session.say(tr("The objects have changed while they were merged: merge them again."), True)
+            self._session.say(tr("The objects changed during the merge: merge them again."), True)
             return
         rows = self._rows_of(*(item.number for item in items))
         self._edit(tr("merge {what}"), rows, lambda document: objects.merge_into(document, items, whole))
@@ -615,7 +618,7 @@ class ObjectBrush:
     def end(self) -> None:
         """End the stroke; say so if it has come to no object."""
         if self._path and not self._number:
-            self._session.say(tr("There is no object under the brush from which it could take away."))
+            self._session.say(tr("There is no object under the brush to erase from."))
         self._path = []
 
     def _find(self) -> None:
@@ -626,7 +629,9 @@ class ObjectBrush:
         item = self._touched()
         if item is not None and item.frozen:
             name = self._list.title(item)
-            self._session.say(tr("{name} is frozen: release it to paint it, or paint another one.").format(name=name))
+            self._session.say(
+                tr("{name} is frozen: unfreeze it to paint it, or paint another object.").format(name=name)
+            )
             self._path = []
         elif item is not None or self._adds:
             self._before = item

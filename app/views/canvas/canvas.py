@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 from PySide6.QtCore import QEvent, QObject, QPointF, Qt, Signal
@@ -253,10 +254,14 @@ class Canvas(ImageView):
     # Called by Qt
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Zoom around the pointer; with Shift go through the slices of a volume."""
+        """Zoom around the pointer; with Shift go through the slices of a volume, or resize what the tool works with."""
         event.accept()
         if event.modifiers() & Qt.KeyboardModifier.ShiftModifier and self.here is not None:
             self.slice_wanted.emit(self._wheel.notches(event))
+        elif event.modifiers() & Qt.KeyboardModifier.ShiftModifier and self.hold.tool.sized:
+            notches = self._wheel.notches(event)
+            for _ in range(abs(notches)):
+                self.hold.tool.resize(-math.copysign(1.0, notches))
         else:
             self.zoom(ZOOM ** (event.angleDelta().y() / 120.0), event.position())
 

@@ -61,7 +61,7 @@ def _figure(name: str) -> Callable[[Line], float | None]:
 
 
 COLUMNS: tuple[Column[Line], ...] = (
-    Column("name", tr("Result"), tr("What is compared; the reference, with which the others are compared, is bold."),
+    Column("name", tr("Result"), tr("The results; the reference, with which the others are compared, is bold."),
            lambda line: line.title, "Run 1"),
     Column("dice", tr("Dice"), tr("Overlap of the areas: 1 if they are equal, 0 if they are disjoint."),
            _figure("dice"), "0.000", form=".3f"),
@@ -70,15 +70,15 @@ COLUMNS: tuple[Column[Line], ...] = (
     Column("largest", tr("Largest [{unit}]"),
            tr("Largest distance from a point on one boundary to the other boundary (Hausdorff)."),
            _figure("hausdorff"), "000.0", 1, form=".1f"),
-    Column("count", tr("Found"), tr("Number of objects, or else of contours."), lambda line: line.row.count, "000",
-           form=".0f"),
-    Column("seconds", tr("Time [s]"), tr("Time of a run that was made to be compared."),
+    Column("count", tr("Found"), tr("Number of objects, or of contours if there are none."),
+           lambda line: line.row.count, "000", form=".0f"),
+    Column("seconds", tr("Time [s]"), tr("Time of a run that was started for this comparison."),
            lambda line: line.row.seconds, "00.0", form=".2f"),
     Column("f", tr("F"), tr("Harmonic mean of recall and precision."), _figure("f"), "0.000", form=".3f"),
     Column("recall", tr("Recall"), tr("Fraction of the boundary of the reference that is found within the tolerance."),
            _figure("recall"), "0.000", form=".3f"),
     Column("precision", tr("Precision"),
-           tr("Fraction of the boundary that the reference has within the tolerance."),
+           tr("Fraction of the found boundary that lies within the tolerance of the reference."),
            _figure("precision"), "0.000", form=".3f"),
     Column("jaccard", tr("Jaccard"), tr("Intersection of the areas divided by their union."), _figure("jaccard"),
            "0.000", form=".3f"),
@@ -86,9 +86,9 @@ COLUMNS: tuple[Column[Line], ...] = (
            _figure("hausdorff95"), "000.0", 1, form=".1f"),
     Column("missed", tr("Missed"), tr("Objects of the reference that share less than half of their area with one."),
            _figure("objects.missed"), "000", form=".0f"),
-    Column("extra", tr("Extra"), tr("Closed contours that find no object of the reference."), _figure("objects.extra"),
+    Column("extra", tr("Extra"), tr("Closed contours that match no object of the reference."), _figure("objects.extra"),
            "000", form=".0f"),
-    Column("merged", tr("Merged"), tr("Those that contain more than half of two or more objects."),
+    Column("merged", tr("Merged"), tr("Contours that contain more than half of two or more objects."),
            _figure("objects.merged"), "000", form=".0f"),
     Column("ap", "AP@0.5", tr("Found objects divided by all that are found, missed or extra."),
            _figure("objects.average_precision"), "0.000", form=".3f"),
@@ -164,7 +164,7 @@ class ComparePanel(QWidget):
         self.setFocusProxy(self.table)
         self.acts = {
             "use": self._act(tr("Use this"), lambda: compared.use(compared.chosen),
-                             tr("Take over the parameters, the run, or the contours as objects.")),
+                             tr("Use these parameters, this run, or these contours as objects.")),
             "refer": self._act(tr("Set as reference"), lambda: compared.refer_to(compared.chosen),
                                tr("Compare all others with this result.")),
             "next": self._act(tr("Next difference"), self.jump_to_next,
@@ -278,7 +278,7 @@ class ComparePanel(QWidget):
                        tr("Run snakes, level sets and others from the same start."))  # fmt: skip
             add_choice(menu, tr("&Parameter values…"), partial(self.pages.setCurrentIndex, 2),
                        tr("Run with several values of one or two parameters."))  # fmt: skip
-        add_choice(menu, tr("&Ground truth…"), self._load, tr("Read a mask or contours of a file as the reference."))
+        add_choice(menu, tr("&Ground truth…"), self._load, tr("Read a mask or contours from a file as the reference."))
 
     def _show(self) -> None:
         compared, there = self._compared, self._session.image is not None
@@ -308,7 +308,7 @@ class ComparePanel(QWidget):
             return tr("Choose a result to see it on the picture.")
         agreed = compared.agreed.get(subject.key)
         if agreed is None:
-            return tr("Nothing is found yet.") if subject.found is None else tr("Comparing…")
+            return tr("Nothing found yet.") if subject.found is None else tr("Comparing…")
         if not different:
             return tr("{name} agrees with the reference within the tolerance.").format(name=subject.title)
         missing, farthest = sum(each.kind == "missing" for each in different), different[0].farthest

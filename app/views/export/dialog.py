@@ -102,9 +102,9 @@ class ExportDialog(QDialog):
         self.list = QTreeWidget()
         self.list.setColumnCount(2)
         self.list.setHeaderLabels([tr("What"), tr("File")])
-        self.list.setAccessibleName(tr("What to write"))
+        self.list.setAccessibleName(tr("What to export"))
         self.list.setMinimumSize(_WIDTH, parent.height() // 3)
-        self.only, self.everywhere = QCheckBox(tr("Only what is chosen")), QCheckBox(tr("in all formats"))
+        self.only, self.everywhere = QCheckBox(tr("Selection only")), QCheckBox(tr("in all formats"))
         self.units, self.space = QCheckBox(), QComboBox()
         self.tolerance, self._vertices, self._size = DecimalField(), QLabel(), QLabel()
         self.tolerance.setRange(0.0, 10.0)
@@ -214,7 +214,7 @@ class ExportDialog(QDialog):
         for field, title in (
             (self.tolerance, tr("Simplify")), (self.base, tr("Name")), (self._place, tr("Folder")),
             (self.space, tr("Coordinates")), (self.first, tr("First step")), (self.last, tr("Last step")),
-            (self.stride, tr("Steps from frame to frame")), (self.width_field, tr("Width")), (self.speed, tr("Speed")),
+            (self.stride, tr("Steps per frame")), (self.width_field, tr("Width")), (self.speed, tr("Speed")),
         ):  # fmt: skip
             field.setAccessibleName(title)
         for box in (self.only, self.everywhere, self.units, self.zoomed):
@@ -310,7 +310,7 @@ class ExportDialog(QDialog):
     def _show(self, order: ExportOrder) -> None:
         """Show what is written, in words and as a picture."""
         document, parts, lines, vertices = self._session.document, list[str](), list[Line](), [0, 0]
-        trouble = "" if order.files else tr("Check what to write.")
+        trouble = "" if order.files else tr("Choose what to export.")
         for what in dict.fromkeys(file.what for file in order.files):
             suffixes = [file.suffix for file in order.files if file.what == what]
             if what in _PICTURES:
@@ -319,7 +319,7 @@ class ExportDialog(QDialog):
             result = chosen(self._found, document, order, what, self._image)
             parts.append(summary_text(result, what, suffixes[0]))
             if not self._volume and all(left_out(result, suffix) == len(result.contours) for suffix in suffixes):
-                trouble = tr("Nothing can be written: {what}.").format(what=parts[-1])
+                trouble = tr("Nothing can be exported: {what}.").format(what=parts[-1])
             vertices[0] += sum(len(contour.points) for contour in result.contours)
             if any(map(order.thins, suffixes)):
                 vertices[1] += sum(len(contour.points) for contour in thinned(result, order.tolerance).contours)

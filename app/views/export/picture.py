@@ -65,7 +65,7 @@ class Preview(QLabel):
         onto = QTransform(zoom, 0, 0, zoom, 0.5 * zoom, 0.5 * zoom)
         for line in lines:
             path = onto.map(pg.arrayToQPath(*map(np.ascontiguousarray, to_xy(line.contour.path))))
-            color = QColor(line.contour.color or look().color(theme.CLOSED if line.contour.closed else theme.OPEN))
+            color = QColor(line.contour.color or look().color(theme.CONTOUR))
             if line.pale:
                 painter.strokePath(path, QPen(QColor(look().color(theme.REJECTED)), ratio, Qt.PenStyle.DashLine))
                 continue

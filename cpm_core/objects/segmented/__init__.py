@@ -3,6 +3,7 @@
 from cpm_core.objects.segmented.areas import lies_on as lies_on
 from cpm_core.objects.segmented.areas import painted as painted
 from cpm_core.objects.segmented.areas import union as union
+from cpm_core.objects.segmented.segmented_object import CLASSES as CLASSES
 from cpm_core.objects.segmented.segmented_object import Click as Click
 from cpm_core.objects.segmented.segmented_object import Line as Line
 from cpm_core.objects.segmented.segmented_object import ObjectClass as ObjectClass

@@ -264,5 +264,5 @@ def test_a_name_is_needed_and_something_to_write(two, hand) -> None:
     hand.qtbot.keyClicks(dialog.base, "a")
     assert dialog.export_button.isEnabled()
     check(hand.qtbot, dialog)
-    assert (dialog.export_button.isEnabled(), dialog.summary.text()) == (False, "Check what to write.")
+    assert (dialog.export_button.isEnabled(), dialog.summary.text()) == (False, "Choose what to export.")
     dialog.reject()

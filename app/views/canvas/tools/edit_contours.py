@@ -55,16 +55,16 @@ class EditContoursTool(Tool):
         """What can be done now."""
         if self._dragged and self._held is not None:
             if self._held.at_end:
-                return with_keys(tr("Let go on another end to join; anywhere else to extend. {key:escape} cancels."))
+                return with_keys(tr("Release on another end to join, anywhere else to extend. {key:escape} cancels."))
             return with_keys(
-                tr("Let go to redraw this stretch along the edge; with Shift it only bends. {key:escape} cancels.")
+                tr("Release to redraw this segment along the edge; with Shift it only bends. {key:escape} cancels.")
             )
         if len(self._editing.marked) == 2:
-            return with_keys(tr("Delete removes the stretch between the marks; {key:escape} removes the marks."))
+            return with_keys(tr("Delete removes the segment between the marks; {key:escape} removes the marks."))
         if self._editing.marked:
-            return tr("Click a second place on this contour to mark a stretch.")
+            return tr("Click a second point on this contour to mark a segment.")
         if not self._review.items:
-            return tr("There are no contours to edit yet: let the particles run, or draw one with the outline tool.")
+            return tr("There are no contours to edit yet: start a run, or draw one with the outline tool.")
         return tr("Drag an end to another end, or drag a stretch. Click to mark a place, Shift-click to cut.")
 
     def press(self, at: Position, reach: float) -> None:

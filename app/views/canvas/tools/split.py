@@ -146,7 +146,7 @@ class SplitTool(Tool):
         self._whole = None
         if whole.frozen:
             name = self._list.title(whole)
-            self._session.say(tr("{name} is frozen: release it to split it.").format(name=name), topic=EDITING)
+            self._session.say(tr("{name} is frozen: unfreeze it to split it.").format(name=name), topic=EDITING)
             return
         try:
             self._list.split(whole, halves())
