@@ -360,11 +360,10 @@ class ObjectPanel(QWidget):
         self.show_chosen()
 
     def show_chosen(self) -> None:
-        """Show what is chosen, the classes, and how many rows there are."""
+        """Show what is chosen, or else the only proposal, the classes, and how many rows there are."""
         if not self.isVisible():
             return
-        rows = self._list.selected_rows
-        row = rows[0] if len(rows) == 1 else None
+        row = self._row
         self.name.setVisible(row is not None)
         self.figures.setVisible(row is not None)
         self.name.setPlaceholderText(row.title if row else "")
@@ -421,8 +420,14 @@ class ObjectPanel(QWidget):
             said.append(tr("Confidence: {share}").format(share=columns["confidence"].text(row, 1.0)))
         return " · ".join(filter(None, said))
 
+    @property
+    def _row(self) -> Row | None:
+        """The chosen row, or the only proposal; None for several."""
+        rows = self._list.selected_rows or [row for row in self._list.rows if row.kind == "proposal"]
+        return rows[0] if len(rows) == 1 else None
+
     def _rename(self) -> None:
-        rows = self._list.selected_rows
-        if self.name.isModified() and len(rows) == 1:
+        row = self._row
+        if self.name.isModified() and row is not None:
             self.name.setModified(False)
-            self._list.rename(rows[0].key, self.name.text())
+            self._list.rename(row.key, self.name.text())
