@@ -15,8 +15,8 @@ from cpm_core.numerics import Position
 NAMES: Mapping[Kind, str] = MappingProxyType(
     {
         "cut": tr("cut contour"),
-        "deletion": tr("delete stretch of contour"),
-        "redrawing": tr("redraw stretch of contour"),
+        "deletion": tr("delete segment of contour"),
+        "redrawing": tr("redraw segment of contour"),
         "join": tr("join contours"),
         "extension": tr("extend contour"),
         "line": tr("draw contour"),
@@ -64,11 +64,6 @@ def rename(document: Document, targets: Iterable[Target], name: str) -> Document
 def paint(document: Document, targets: Iterable[Target], color: str) -> Document:
     """The document in which contours have a color; the default one when it is empty."""
     return _amended(document, targets, lambda mark, _: replace(mark, color=color))
-
-
-def clear_marks(document: Document) -> Document:
-    """The document without marks."""
-    return replace(document, marks=())
 
 
 def _amended(document: Document, targets: Iterable[Target], amend: Callable[[Mark, Target], Mark]) -> Document:

@@ -29,8 +29,6 @@ class ContourReview(QObject):
     """The contours or their marks have changed."""
     selection_changed = Signal()
     """The selection has changed."""
-    hover_changed = Signal()
-    """The pointer is over another contour."""
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
@@ -123,7 +121,6 @@ class ContourReview(QObject):
         """Set the contour under the pointer, or None."""
         if key != self.hovered:
             self._session.show(replace(self._session.scene, hovered_contour=key))
-            self.hover_changed.emit()
 
     def _follow(self) -> None:
         scene = self._session.scene

@@ -16,7 +16,6 @@ from PySide6.QtCore import (
     QModelIndex,
     QPersistentModelIndex,
     QPoint,
-    QSize,
     QSortFilterProxyModel,
     Qt,
     Signal,
@@ -24,7 +23,6 @@ from PySide6.QtCore import (
 from PySide6.QtGui import QKeyEvent, QResizeEvent, QShowEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
-    QBoxLayout,
     QHeaderView,
     QLineEdit,
     QMenu,
@@ -32,7 +30,6 @@ from PySide6.QtWidgets import (
     QStyledItemDelegate,
     QTableView,
     QToolButton,
-    QVBoxLayout,
     QWidget,
 )
 
@@ -40,7 +37,6 @@ from app.model.display.lengths import PixelSize
 from app.model.text.keys import with_keys
 from app.model.text.language import tr, written
 from app.views.widgets.actions import add_choice
-from app.views.widgets.containers import Scrolled, arrange, wrapped
 
 Row = TypeVar("Row")
 Index = QModelIndex | QPersistentModelIndex
@@ -53,11 +49,8 @@ ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
 _ALONG = (Qt.Key.Key_Up, Qt.Key.Key_Down)
 
-_LEAST, _BESIDE, _PAD = 48, 236, 12
-"""Minimum height of a table, width of what is placed next to it, and margins of a column [px]."""
-
-_NARROW, _LEAST_WIDTH = 640, 260
-"""Width of a panel below which its parts are placed above each other, and its least width [px]."""
+_LEAST, _PAD = 48, 12
+"""Minimum height of a table, and margins of a column [px]."""
 
 
 @dataclass(frozen=True)
@@ -456,44 +449,6 @@ class ItemTable(Table):
     def _edit_name(self, row: int) -> None:
         if row >= 0 and self.state() != QAbstractItemView.State.EditingState:
             self.edit(self._sorted.index(row, self.number("name")))
-
-
-AnyTable = TypeVar("AnyTable", bound=Table)
-
-
-class TablePanel(QWidget, Generic[AnyTable]):
-    """A table with a column of widgets next to it, or above it in a narrow panel, which scrolls where it is low."""
-
-    def __init__(self, table: AnyTable) -> None:
-        super().__init__()
-        self.table = table
-        self.setFocusProxy(table)
-        self.summary = wrapped(dim=True)
-        self._content = QWidget()
-        self._column = arrange(QVBoxLayout(self._content), self.summary, None, spacing=6)
-        row = QBoxLayout(QBoxLayout.Direction.LeftToRight, self)
-        side = Scrolled(self._content, _LEAST)
-        self._layout = arrange(row, side, table, margins=(12, 6, 12, 6), spacing=12, wide=table)
-
-    def add(self, *widgets: QWidget) -> None:
-        """Place widgets next to the table, below the summary."""
-        for widget in widgets:
-            self._column.insertWidget(self._column.count() - 1, widget)
-
-    def sizeHint(self) -> QSize:
-        """Wide and low."""
-        return QSize(900, 230)
-
-    def minimumSizeHint(self) -> QSize:
-        """The least width of any arrangement."""
-        return QSize(_LEAST_WIDTH, super().minimumSizeHint().height())
-
-    def resizeEvent(self, event: QResizeEvent) -> None:
-        """Arrange the parts from top to bottom in a narrow panel."""
-        narrow = event.size().width() < _NARROW
-        self._layout.setDirection(QBoxLayout.Direction.TopToBottom if narrow else QBoxLayout.Direction.LeftToRight)
-        self._content.setMaximumWidth(16_777_215 if narrow else _BESIDE)
-        super().resizeEvent(event)
 
 
 def wide_button(text: str, do: Callable[[], object] | None = None) -> QToolButton:

@@ -129,6 +129,20 @@ def test_objects_are_compared_where_there_are_any(compared, hand) -> None:
     hand.wait(lambda: figure(compared, "dice") == before)
 
 
+def test_true_objects_that_touch_are_taken_one_by_one(compared, hand, tmp_path) -> None:
+    labels = np.zeros((64, 64), np.uint8)
+    labels[10:30, 10:30], labels[10:30, 30:50], labels[40:50, 0:20] = 1, 2, 3
+    np.save(tmp_path / "labels.npy", labels)
+    comparison = compared.workspace.comparison
+    comparison.load(tmp_path / "labels.npy")
+    hand.wait(lambda: truth_row(compared).title == "labels.npy")
+    assert truth_row(compared).count == 3
+    comparison.use(truth_row(compared).key)
+    hand.wait(lambda: len(compared.session.document.objects.items) == 3)
+    for item in compared.session.document.objects.items:
+        np.testing.assert_array_equal(item.mask((64, 64)), labels == item.number)
+
+
 def test_any_row_can_be_the_reference(compared, hand) -> None:
     panel, comparison = compared.panels["compare"], compared.workspace.comparison
     panel.keep.click()
