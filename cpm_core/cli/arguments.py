@@ -124,7 +124,7 @@ def part_of(arguments: argparse.Namespace, *, volume: bool = False, runs: bool =
     given = {name: getattr(arguments, name) for name in ("page", "time", "series")}
     part: dict[str, Any] = {name: as_number(text) for name, text in given.items() if text is not None}
     if volume and "page" in part:
-        raise ValueError(f"--page is {part['page']}, but a volume takes all pages of {arguments.image}: leave it out.")
+        raise ValueError(f"--page is {part['page']}, but a volume uses all pages of {arguments.image}: leave it out.")
     channel, in_reading = arguments.channel, volume or not runs
     if channel is not None and not isinstance(as_number(channel), str):
         part["channel"], arguments.channel = as_number(channel), LUMINANCE

@@ -206,9 +206,9 @@ def _settings(
         if not (equals and dot and name and value):
             raise ValueError(f"--set is {shown(text)} but must be METHOD.NAME=VALUE, such as geodesic.balloon=0.5.")
         if method not in found:
-            raise ValueError(f"--set {shown(text)} is for {shown(method)}, which is none of the methods compared.")
+            raise ValueError(f"--set {shown(text)} is for {shown(method)}, which is not one of the compared methods.")
         if name not in _names(method):
-            raise ValueError(f"{shown(name)} is no setting of {method}: choose among {', '.join(_names(method))}.")
+            raise ValueError(f"{shown(name)} is not a setting of {method}: choose among {', '.join(_names(method))}.")
         changes.setdefault(method, {})[name] = as_number(value)
     return {name: replace(settings, **changes.get(name, {})) for name, settings in found.items()}
 

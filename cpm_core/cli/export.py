@@ -109,7 +109,7 @@ def _of_session(source: Path, arguments: argparse.Namespace) -> tuple[Result, st
     """What the window shows of a session, and the path of its image."""
     session = load_session(source)
     if arguments.image is None and session.image is None:
-        raise ValueError(f"{source.name} names no image: add --image IMAGE.")
+        raise ValueError(f"{source.name} does not name an image: add --image IMAGE.")
     path, reading = image_of(arguments.image, session, source)
     check_targets(arguments.to, arguments, path, flag="--to")
     image = (load_volume if in_volume(session) else load_image)(path, **reading)
@@ -137,7 +137,7 @@ def _in_plane(source: Path, arguments: argparse.Namespace) -> Result:
     found = read_contours(source, plane_of(image), page=arguments.page)
     say_notes(source.name, found.notes)
     if not found.contours:
-        raise ValueError(f"{source.name} holds single points only, and no contours: choose another file.")
+        raise ValueError(f"{source.name} contains only single points, no contours: choose another file.")
     shape = found.shape if image is None else image.shape
     if shape is None:
         corners = np.concatenate([contour.points for contour in found.contours])

@@ -62,7 +62,9 @@ def only_image(given: str) -> str:
     """The image that a file, a folder or a pattern names; ValueError when it names several."""
     found = expanded([given])
     if len(found) > 1:
-        raise ValueError(f"{shown(given)} names {len(found)} images, but one is taken here: name it, or use cpm batch.")
+        raise ValueError(
+            f"{shown(given)} names {len(found)} images, but only one can be used here: name it, or use cpm batch."
+        )
     return found[0]
 
 

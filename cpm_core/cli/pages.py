@@ -132,7 +132,7 @@ def numbers_of_pages(given: str, count: int, name: str) -> list[int]:
             raise ValueError(f"--pages names page {outside}, but {name} has {counted(count, 'page')}.")
         numbers += range(first, last + 1) if first <= last else range(first, last - 1, -1)
     if len(set(numbers)) < len(numbers):
-        raise ValueError(f"--pages is {shown(given)} but names a page twice: name each once.")
+        raise ValueError(f"--pages is {shown(given)} but lists a page twice: list each once.")
     return numbers
 
 

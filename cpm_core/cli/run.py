@@ -166,7 +166,7 @@ def run(arguments: argparse.Namespace) -> int:
         name: [numbers_of(f"--{name}", text, form) for text in getattr(arguments, name)] for name, form in forms.items()
     }
     if drawn["not"] and not drawn["object"]:
-        raise ValueError("--not is given without --object: name a place inside the object as well.")
+        raise ValueError("--not is given without --object: name a position inside the object as well.")
     preset = arguments.preset or ("volume" if volume and not arguments.session else None)
     part = part_of(arguments, volume=volume)
     parameters = parameters_of(arguments, PRESETS[preset] if preset else session.parameters)
@@ -229,7 +229,7 @@ def _run_image(
         if drawn["object"]:
             chosen = partition(result).select(np.array(drawn["object"]), np.array(drawn["not"]))
             if not chosen.mask.any():
-                raise ValueError("There is no object at this place: name another one inside it.")
+                raise ValueError("There is no object at this position: name another one inside it.")
             boundary = objects_result([chosen], image, channel=result.channel)
             drew = (*result.provenance.shapes, *boundary.provenance.shapes)
             shown = replace(boundary, provenance=replace(result.provenance, method="objects", shapes=drew))
@@ -279,11 +279,11 @@ def _check_options(arguments: argparse.Namespace, session: SessionFile, volume: 
     given = [*arguments.circle, *arguments.sphere, *arguments.stroke, *arguments.points, *arguments.start]
     if not (given or arguments.auto or starts_of(session.shapes) or (arguments.object and not volume)):
         if session.mode == "skeleton":
-            raise ValueError("The session is about a skeleton and has no start: use cpm skeleton IMAGE --export PATH.")
+            raise ValueError("The session is for a skeleton and has no start: use cpm skeleton IMAGE --export PATH.")
         raise ValueError(
             "No start is given: add --circle ROW,COL,RADIUS (in a volume --sphere PLANE,ROW,COL,RADIUS), "
-            "--stroke ROW,COL,ROW,COL,..., --points FILE.csv, --start FILE or --auto grid, or name a place inside an "
-            "object, --object ROW,COL."
+            "--stroke ROW,COL,ROW,COL,..., --points FILE.csv, --start FILE or --auto grid, or name a position inside "
+            "an object, --object ROW,COL."
         )
     for path in arguments.export if volume else ():
         if suffix_of(path) not in FOR_VOLUMES:
@@ -351,7 +351,7 @@ def _surface(found: Result, drawn: Drawn, faces: int | None) -> Result:
     if drawn["object"]:
         chosen = partition(found).select(drawn["object"], drawn["not"])
         if not len(chosen.surface.faces):
-            raise ValueError("There is no object at this place: name one that the surface encloses.")
+            raise ValueError("There is no object at this position: name one that the surface encloses.")
         found = replace(found, surface=chosen.surface)
     if faces is None or found.surface is None:
         return found

@@ -6,10 +6,12 @@ from cpm_core.contours.agreement import ObjectCounts as ObjectCounts
 from cpm_core.contours.agreement import agreement as agreement
 from cpm_core.contours.agreement import distance_to as distance_to
 from cpm_core.contours.contour import Reached as Reached
+from cpm_core.contours.contour import bridges_on as bridges_on
 from cpm_core.contours.contour import neighborhood as neighborhood
 from cpm_core.contours.contour import numbers_of as numbers_of
 from cpm_core.contours.graph import Graph as Graph
 from cpm_core.contours.ground_truth import truth_of_contours as truth_of_contours
+from cpm_core.contours.ground_truth import truth_of_mask as truth_of_mask
 from cpm_core.contours.hand_edits import HandEdit as HandEdit
 from cpm_core.contours.hand_edits import Kind as Kind
 from cpm_core.contours.hand_edits import Path as Path

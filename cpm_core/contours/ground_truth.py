@@ -152,7 +152,7 @@ def labels_of(values: NDArray[np.generic], source: str) -> Labels:
     )
     if len(levels) > 2 and changes > _MOST_CHANGES:
         raise ValueError(
-            f"{source} has {len(levels)} gray levels that change from pixel to pixel, so it is an image and no mask: "
+            f"{source} has {len(levels)} gray levels that change from pixel to pixel, so it is an image, not a mask: "
             "choose an image with one gray level for the background and one for each object."
         )
     return labels

@@ -70,7 +70,7 @@ class PackedSurface:
 
     def __post_init__(self) -> None:
         if not len(self.surface.faces) or not self.surface.closed:
-            raise ValueError("The surface around an object is not closed, so that nothing is inside.")
+            raise ValueError("The surface around an object is not closed, so nothing is inside.")
         sides = np.ceil(np.ptp(self.surface.vertices, axis=0)).tolist()
         if math.prod(sides) > MOST_VOXELS:
             raise ValueError(

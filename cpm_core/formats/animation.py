@@ -106,7 +106,7 @@ def write_animation(
     try:
         taken = checked()
         if (first := next(taken, None)) is None:
-            raise ValueError(f"{file.name} would be an animation without frames: let it run first.")
+            raise ValueError(f"{file.name} would be an animation without frames: run first.")
         write = _write_video if file.suffix.lower() == ".mp4" else _write_by_pillow
         with drafts_of(file) as (draft,):
             write(first, taken, draft, file.suffix.lower(), frames_per_second, comment)
@@ -140,7 +140,7 @@ def check_encoder(suffix: str) -> None:
 def write_picture(pixels: Pixels, path: Path, comment: str = "") -> None:
     """Write a picture, shape (H, W, 3), as PNG that carries a comment; ValueError when it cannot be written."""
     if path.suffix.lower() != ".png":
-        raise ValueError(f"{path.name} must end in .png, for a picture is written as PNG.")
+        raise ValueError(f"{path.name} must end in .png, because pictures are written as PNG.")
     stream, texts = io.BytesIO(), PngInfo()
     texts.add_text("Description", comment)
     PIL.Image.fromarray(np.ascontiguousarray(pixels)).save(stream, format="PNG", pnginfo=texts)

@@ -110,9 +110,7 @@ def load_volume_truth(path: AnyPath, volume: Image) -> VolumeTruth:
     if file.suffix.lower() in SURFACES_READABLE:
         surface = load_surface(file, volume)
         if not surface.closed:
-            raise ValueError(
-                f"The surface of {file.name} is not closed, so that nothing is inside: choose another one."
-            )
+            raise ValueError(f"The surface of {file.name} is not closed, so nothing is inside: choose another one.")
         labels = numbered(surface, volume.shape).astype(np.int32)
         return VolumeTruth(labels, volume.spacing, volume.unit, file.name, boundary=surface)
     return truth_of_volume(labels_like(file, volume), volume.spacing, volume.unit, file.name)

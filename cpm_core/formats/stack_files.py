@@ -50,7 +50,7 @@ def encode_set(found: StackResult) -> bytes:
     empty archive as damaged.
     """
     if not any(result.contours for _, result in found.results):
-        raise ValueError(f"{found.source} has no contours, and ImageJ opens no empty set: let it run on.")
+        raise ValueError(f"{found.source} has no contours, and ImageJ opens no empty set: continue the run.")
 
     def selections() -> Iterator[tuple[str, bytes]]:
         digits = len(str(found.count))
@@ -81,7 +81,8 @@ def write_labels(found: StackResult, target: Path) -> None:
     closed = [one.number for result in results.values() for one in result.contours if one.closed]
     if not closed:
         raise ValueError(
-            f"No contour of {found.source} is closed, so a label stack would be empty: let it run on, or export to CSV."
+            f"No contour of {found.source} is closed, so a label stack would be empty: continue the run, or "
+            "export to CSV."
         )
     first = next(iter(results.values()))
     kind = np.dtype(label_type(max(closed)))

@@ -75,7 +75,7 @@ def color_of(curve: Curve) -> str:
 def require_matplotlib() -> None:
     """Raise ValueError, with what to install, unless matplotlib is installed; it is not imported yet."""
     if not has_matplotlib():
-        raise ValueError("Figures are drawn by matplotlib, which is not installed: get it with pip install matplotlib.")
+        raise ValueError("Figures need matplotlib, which is not installed: pip install matplotlib.")
 
 
 def has_matplotlib() -> bool:

@@ -84,7 +84,7 @@ def coulomb_force(positions: ArrayLike, method: str = "auto") -> Array:
         force = force / scale / scale
     if not np.isfinite(force).all():
         raise ValueError(
-            f"positions lie within {scale:.2g} px, so near to each other that forces have no number: give them in "
+            f"positions lie within {scale:.2g} px, so close together that forces cannot be computed: give them in "
             "another unit."
         )
     return force

@@ -45,9 +45,9 @@ def as_places(given: ArrayLike, axes: str) -> Array:
         return np.empty((0, count))
     places = np.atleast_2d(places)
     if places.ndim != 2 or places.shape[1] != count:
-        raise ValueError(f"the places have the shape {places.shape} but must be (N, {count}), {axes}.")
+        raise ValueError(f"the positions have the shape {places.shape} but must be (N, {count}), {axes}.")
     if not np.isfinite(places).all():
-        raise ValueError(f"some places are not finite: give numbers of {axes}.")
+        raise ValueError(f"some positions are not finite: give numbers of {axes}.")
     return places
 
 

@@ -110,7 +110,7 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
             return partition(segment(image, everywhere(image), params or PRESETS["volume"]))
         return partition(segment(image, uniform_grid(image.shape), params or EVERYWHERE))
     if values.image is None:
-        raise ValueError("the result does not know its image: make a partition of the image itself.")
+        raise ValueError("the result has no image: make a partition of the image itself.")
     if values.surface is not None:
         return VolumePartition(values.image, values.surface)
     return Partition(as_plane(values.image), tuple(values.contours), of_plane(values.regions), values.channel)

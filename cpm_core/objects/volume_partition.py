@@ -60,7 +60,7 @@ class VolumePartition:
             raise ValueError("a partition of a volume needs its image and the surface of a result: use `partition`.")
         if not self.surface.closed:
             raise ValueError(
-                f"{self.image.source} has no closed surface, so that nothing is enclosed: run until the particles are "
+                f"{self.image.source} has no closed surface, so nothing is enclosed: run until the particles are "
                 "at rest."
             )
 

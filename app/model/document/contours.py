@@ -66,11 +66,6 @@ def paint(document: Document, targets: Iterable[Target], color: str) -> Document
     return _amended(document, targets, lambda mark, _: replace(mark, color=color))
 
 
-def clear_marks(document: Document) -> Document:
-    """The document without marks."""
-    return replace(document, marks=())
-
-
 def _amended(document: Document, targets: Iterable[Target], amend: Callable[[Mark, Target], Mark]) -> Document:
     """The document with some marks changed, new ones last, and without empty ones."""
     marks = list(document.marks)

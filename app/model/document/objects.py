@@ -11,7 +11,7 @@ import numpy as np
 from app.model.document import edits
 from app.model.document.document import Document
 from app.model.text.language import tr
-from cpm_core import Bridge, Result, Selection, Surface, VolumeSelection
+from cpm_core import Bridge, Contour, Result, Selection, Surface, VolumeSelection
 from cpm_core.contours import PackedSurface
 from cpm_core.numerics import Array, Place, Position, length, polyline, thinned
 from cpm_core.objects import boundaries_result
@@ -72,34 +72,58 @@ Found = tuple[AnySelection, tuple[Click, ...], int]
 """A selection with its clicks and the number of the object that it replaces, 0 for a new one."""
 
 
-def take(document: Document, taken: Iterable[Found]) -> Document:
-    """The document with objects of selections, and no selection in progress; empty selections are left out."""
-    return _with(_with_found(document, taken, document.objects.category), clicks=(), edited=0)
+def accept(document: Document, given: Iterable[SegmentedObject], *, ends: bool = False) -> Document:
+    """The document with further objects, or with other boundaries of those that it has.
+
+    New ones get the next numbers, rejected ones keep theirs. The selection in progress is over where it `ends`.
+    """
+    objects = document.objects
+    known, rejected = {item.number: item for item in objects.items}, {item.number for item in objects.rejected}
+    items = dict(known)
+    for one in given:
+        old = known.get(one.number)
+        if old is not None:
+            new = replace(one, name=old.name, color=old.color, category=old.category)
+            items[old.number] = replace(new, frozen=old.frozen, hidden=old.hidden)
+        else:
+            number = one.number if one.number in rejected else max((*items, *rejected), default=0) + 1
+            items[number] = replace(one, number=number)
+    left = tuple(item for item in objects.rejected if item.number not in items)
+    over = {"clicks": (), "edited": 0} if ends else {}
+    return _with(document, items=tuple(items.values()), rejected=left, **over)
+
+
+def reject(document: Document, numbers: Iterable[int], offered: Iterable[SegmentedObject] = ()) -> Document:
+    """The document without some objects, which are not to be proposed again, nor are others that have been."""
+    gone = frozenset(numbers)
+    removed = [item for item in document.objects.items if item.number in gone]
+    fresh = enumerate(offered, start=document.objects.next_number)
+    left = delete(document, gone)
+    kept = (*left.objects.rejected, *removed, *(replace(one, number=number) for number, one in fresh))
+    return _with(left, rejected=kept)
 
 
 def add(document: Document, selections: Iterable[Selection], category: int) -> Document:
     """The document with one more object of a class for each selection; the selection in progress stays."""
     places = ((each, tuple((row, col) for row, col in each.inside.tolist())) for each in selections)
-    return _with_found(document, ((each, (Click(inside),), 0) for each, inside in places), category)
+    fresh = document.objects.next_number
+    return accept(document, (made(each, (Click(inside),), fresh, category) for each, inside in places if each.found))
 
 
-def _with_found(document: Document, found: Iterable[Found], category: int) -> Document:
-    items = {item.number: item for item in document.objects.items}
-    for selection, clicks, number in found:
-        if selection.found and number in items:
-            item = items[number]
-            new = made(selection, clicks, number, item.category)
-            items[number] = replace(new, name=item.name, color=item.color, frozen=item.frozen, hidden=item.hidden)
-        elif selection.found:
-            fresh = max(items, default=0) + 1
-            items[fresh] = made(selection, clicks, fresh, category)
-    return _with(document, items=tuple(items.values()))
+def bounded(objects: SegmentedObjects, contours: Sequence[Contour], bridges: Iterable[Bridge] = ()) -> SegmentedObject:
+    """An object, not yet one of them, that closed contours bound, with gaps where they bridge some."""
+    boundary = tuple(line_of(contour.points) for contour in contours)
+    gaps = tuple(line_of(bridge.points) for bridge in bridges)
+    strength = float(np.average([one.strength for one in contours], weights=[one.length for one in contours]))
+    return SegmentedObject(
+        objects.next_number, (), boundary, gaps, strength=round(strength, _DECIMALS), category=objects.category
+    )
 
 
 def replace_boundaries(document: Document, found: Iterable[Found]) -> Document:
     """The document in which objects that there are have the boundaries of selections."""
     known = {item.number for item in document.objects.items}
-    return _with_found(document, [each for each in found if each[2] in known], 0)
+    return accept(document, (made(*each, 1) for each in found if each[2] in known and each[0].found))
 
 
 def made(selection: AnySelection, clicks: tuple[Click, ...], number: int, category: int) -> SegmentedObject:
@@ -118,17 +142,19 @@ def made(selection: AnySelection, clicks: tuple[Click, ...], number: int, catego
 
 
 def delete(document: Document, numbers: Iterable[int]) -> Document:
-    """The document without some objects."""
+    """The document without some objects, rejected ones among them."""
     gone, objects = frozenset(numbers), document.objects
-    left = tuple(item for item in objects.items if item.number not in gone)
+    left, rejected = (
+        tuple(item for item in items if item.number not in gone) for items in (objects.items, objects.rejected)
+    )
     if objects.edited in gone:
-        return _with(document, items=left, clicks=(), edited=0)
-    return _with(document, items=left)
+        return _with(document, items=left, rejected=rejected, clicks=(), edited=0)
+    return _with(document, items=left, rejected=rejected)
 
 
-def rename(document: Document, number: int, name: str) -> Document:
-    """The document in which an object has a name; none when it is empty."""
-    return _amended(document, (number,), lambda item: replace(item, name=name.strip()))
+def rename(document: Document, numbers: Iterable[int], name: str) -> Document:
+    """The document in which objects have a name; none when it is empty."""
+    return _amended(document, numbers, lambda item: replace(item, name=name.strip()))
 
 
 def classify(document: Document, numbers: Iterable[int], category: int) -> Document:
@@ -278,8 +304,8 @@ def surface_of(items: Iterable[SegmentedObject], spacing: tuple[float, ...], uni
 
 
 def title(objects: SegmentedObjects, item: SegmentedObject) -> str:
-    """Name of an object, or its class and number."""
-    return item.name or f"{class_title(objects, item.category)} {item.number}"
+    """Name of an object, or the name of its class, if it has one, and its number."""
+    return item.name or f"{objects.classes[item.category - 1].name or tr('object')} {item.number}"
 
 
 def class_title(objects: SegmentedObjects, category: int) -> str:
@@ -288,6 +314,14 @@ def class_title(objects: SegmentedObjects, category: int) -> str:
     if name:
         return name
     return tr("object") if category == 1 else tr("class {number}").format(number=category)
+
+
+def listed_classes(objects: SegmentedObjects) -> tuple[int, ...]:
+    """Numbers of the classes that are in use or have a name, and the next one."""
+    used = {objects.category, *(item.category for item in objects.items)}
+    listed = [number for number, known in enumerate(objects.classes, start=1) if number in used or known.name]
+    free = [number for number in range(1, len(objects.classes) + 1) if number not in listed][:1]
+    return tuple(sorted((*listed, *(free if objects.items else ()))))
 
 
 def _amended(

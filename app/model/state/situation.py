@@ -159,8 +159,7 @@ def can_step(situation: Situation) -> bool:
 
 NOT_IN_VOLUMES = frozenset(
     (
-        *("contours", "edit_contours", "outline", "brush", "close_contours", "join_contours", "cut_contour"),
-        *("contour_skeleton", "next_contour", "all_contours", "other_contours", "show_rejected"),
+        *("edit_contours", "outline", "brush", "close_contours", "show_rejected"),
         *("split", "objects_alike", "apply_to_folder"),
     )
 )

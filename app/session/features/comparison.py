@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import scipy
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from app.model.display.comparison import Trial, with_values
@@ -29,6 +30,7 @@ from app.session.tasks.tasks import Task
 from app.session.worker.requests import FrameTaken, take_frame
 from cpm_core import (
     Comparison,
+    Contour,
     Facts,
     Image,
     Result,
@@ -41,7 +43,7 @@ from cpm_core import (
     load_volume_truth,
     measure,
 )
-from cpm_core.contours import TOLERANCE, numbered, truth_of_contours
+from cpm_core.contours import TOLERANCE, numbered, truth_of_contours, truth_of_mask
 from cpm_core.formats import TruthFile, comparison, write_together
 from cpm_core.objects.segmented import SegmentedObject
 from cpm_core.shapes import Barrier, Charge, Region, outlines_of, starts_of
@@ -164,7 +166,7 @@ class ComparedResults(QObject):
         """Keep the present result, to compare later ones with it."""
         scene = self._session.scene
         step = scene.snapshot.state.step if scene.snapshot is not None else 0
-        title = tr("Kept result, step {step}").format(step=step) if step else tr("Kept result")
+        title = tr("Kept, step {step}").format(step=step) if step else tr("Kept")
         shown = Scene(
             document=scene.document, snapshot=scene.snapshot, reconstruction=scene.reconstruction,
             contours=scene.contours,
@@ -260,10 +262,9 @@ class ComparedResults(QObject):
         elif row.branch is not None:
             self._navigation.go(row.branch, self._navigation.last(row.branch))
         elif found is not None and image is not None:
-            of_method = trial is not None
             self._session.tasks.start(
                 tr("Taking objects from {name}…").format(name=row.title),
-                lambda task: _objects(found, image, row.title if of_method else ""),
+                lambda task: _objects(row, found, image),
                 tr("taking objects from {name}").format(name=row.title),
                 partial(CommandFailed, topic=_TOPIC),
                 then=lambda made: self._session.edit(
@@ -576,13 +577,26 @@ def _marked(
     return differences(found.contours, truth, agreed), ()
 
 
-def _objects(found: Result, image: Image, title: str) -> tuple[SegmentedObject, ...]:
-    """The objects of a result; with a title all that its contours enclose is one object of that name."""
+def _objects(row: Row, found: Result, image: Image) -> tuple[SegmentedObject, ...]:
+    """The objects of a row; all that the contours of a method enclose is one, with its name."""
+    closed = [contour for contour in found.contours if contour.closed]
     if found.surface is not None:
         made = bodies_of(found.surface, image) if found.surface.closed else ()
+    elif isinstance(row.truth, Truth):
+        made = objects_of(_boundaries(row.truth))
     else:
-        closed = [contour for contour in found.contours if contour.closed]
-        made = objects_of([replace(one, name=title, group=1) for one in closed] if title else closed)
+        made = objects_of(closed if row.trial is None else [replace(one, name=row.title, group=1) for one in closed])
     if not made:
         raise ValueError(tr("There is no closed contour, so there is no object to take."))
     return made
+
+
+def _boundaries(truth: Truth) -> list[Contour]:
+    """The boundaries of true objects, each with its number; where objects touch, both have that of their own."""
+    found = []
+    for number, box in enumerate(scipy.ndimage.find_objects(truth.objects), start=1):
+        if box is not None:
+            alone = truth_of_mask(np.pad(truth.objects[box] == number, 1))
+            low = [side.start - 1 for side in box]
+            found += [replace(one, points=one.points + low, group=number) for one in alone.contours if one.closed]
+    return found

@@ -27,8 +27,7 @@ _SNAP = 3.0
 """Distance from an edge within which a place that is clicked is moved onto it [px]."""
 
 _NOT_FOUND = tr(
-    "{count} of {all} edits by hand no longer find their contours. What they drew stays; the menu Contours removes "
-    "them."
+    "{count} of {all} edits by hand no longer find their contours. What they drew stays; the menu Objects removes them."
 )
 
 

@@ -1,25 +1,35 @@
-"""The objects of the document: figures, which are chosen, what is done to them, and the brush that paints them."""
+"""The objects in one list with what is proposed and the contours under them: figures, selection, verbs, the brush."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial, reduce
+from typing import Literal
 
 import numpy as np
 from PySide6.QtCore import QObject, Signal
 
-from app.model.document import objects
+from app.model.document import contours, objects
 from app.model.document.document import Document
 from app.model.document.objects import brushed
 from app.model.text.language import tr
 from app.model.volume.surface_section import holds, size_of
-from app.session.features.background import LatestOnlyWorker
+from app.session.features.background import IdentityCache, LatestOnlyWorker
+from app.session.features.contour_review import PLACES, ContourReview
+from app.session.scene import Item, Proposal, ReviewedContours
 from app.session.session import Session
-from cpm_core import Image, Surface
-from cpm_core.numerics import Place, Position, polyline
+from cpm_core import Bridge, Contour, Image, Surface
+from cpm_core.contours import bridges_on
+from cpm_core.numerics import Array, PathTree, Place, Position, polyline
 from cpm_core.objects.segmented import Halves, Line, SegmentedObject, SegmentedObjects, painted, union
+
+BINS = 32
+"""Number of bars of a histogram."""
+
+_ON, _MOST, _PIECE = 1.0, 0.9, 32
+"""Distance up to which a contour runs along a boundary [px], the share of it that has to, and corners of a piece."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,6 +40,8 @@ class Figures:
     ----------
     gray : float
         Mean gray value; NaN where it has no pixel.
+    counts : tuple of int
+        Numbers of pixels for `BINS` equal steps of gray value, over the range of the image.
     volume, area : float
         Of an object in a volume, in the unit of the image; 0 in an image, as the rest.
     parts, euler : int
@@ -37,44 +49,135 @@ class Figures:
     """
 
     gray: float
+    counts: tuple[int, ...] = ()
     volume: float = 0.0
     area: float = 0.0
     parts: int = 0
     euler: int = 0
 
 
+Key = tuple[Literal["object", "proposal", "contour"], int]
+"""What identifies a row: the number of an object, the key of a proposal, which is below 1, or that of a contour."""
+
+Kind = Literal["object", "proposal", "closed", "open", "rejected"]
+KINDS: tuple[Kind, ...] = ("object", "proposal", "closed", "open", "rejected")
+"""What a row can be, in the order shown."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Row:
+    """One row of the list: an object, what accepting it would make an object, or a contour.
+
+    Attributes
+    ----------
+    key : tuple of str and int
+        What identifies it.
+    kind : {"object", "proposal", "closed", "open", "rejected"}
+        What it is; rejected are objects and contours.
+    title : str
+        Its name, or what it is and its number.
+    item : SegmentedObject or None
+        The object; that of a proposal has a number that is only its own until it is accepted.
+    contour : Item or None
+        The contour; None for objects and proposals.
+    figures : Figures or None
+        Figures of the object; None while they are not known.
+    """
+
+    key: Key
+    kind: Kind
+    title: str
+    item: SegmentedObject | None = None
+    contour: Item | None = None
+    figures: Figures | None = None
+
+    @property
+    def name(self) -> str:
+        """The name that the user has given it, or empty."""
+        return self.item.name if self.item is not None else self.contour.contour.name if self.contour else ""
+
+
 def _boundary(item: SegmentedObject) -> object:
     return item.surface or item.boundary
 
 
+def histogram(values: Array, image: Image) -> tuple[int, ...]:
+    """How many values lie in each of `BINS` equal steps of the gray values of an image."""
+    low, high = image.gray_range
+    return tuple(np.histogram(values, BINS, (low, max(high, low + 1e-9)))[0].tolist())
+
+
 def _measured(item: SegmentedObject, image: Image) -> Figures:
-    inside = item.mask(image.shape)
-    gray = float(image.values[inside].mean()) if inside.any() else float("nan")
+    values = image.values[item.mask(image.shape)]
+    gray, counts = float(values.mean()) if len(values) else float("nan"), histogram(values, image)
     if item.body is None:
-        return Figures(gray)
+        return Figures(gray, counts)
     # limits are made of it on the window's thread
     assert all(len(packed.shell.mask) for packed in item.surface)
     surface: Surface = replace(item.body, spacing=image.spacing, unit=image.unit)
-    return Figures(gray, surface.volume, surface.area, surface.components, surface.euler)
+    return Figures(gray, counts, surface.volume, surface.area, surface.components, surface.euler)
+
+
+def _as_objects(offered: tuple[Proposal, ...], known: SegmentedObjects) -> tuple[SegmentedObject, ...]:
+    """The objects that proposals would become, each with a number that no other row has."""
+    found = [(place, each) for place, each in enumerate(offered) if each.selection.found]
+    return tuple(
+        objects.made(each.selection, each.clicks, each.number or known.next_number + place, known.category)
+        for place, each in found
+    )
+
+
+def _own(shown: ReviewedContours, items: Sequence[SegmentedObject]) -> tuple[Item, ...]:
+    """The contours that bound no object: less than most of their length runs along boundaries."""
+    paths = [np.array((*curve, curve[0])) for item in items for curve in item.boundary]
+    if not paths or not shown.items:
+        return shown.items
+    pieces = [path[first : first + _PIECE + 1] for path in paths for first in range(0, len(path) - 1, _PIECE)]
+    places = np.concatenate([polyline.middles(item.contour.path, PLACES) for item in shown.items])
+    along = np.zeros(len(places), np.bool_)
+    along[PathTree(pieces).pairs(places, _ON)[0]] = True
+    share = along.reshape(-1, PLACES).mean(axis=1).tolist()
+    return tuple(item for item, part in zip(shown.items, share, strict=True) if part < _MOST)
+
+
+def _holds(row: Row, place: Place) -> bool:
+    """Whether a place (row, col) [px], or (plane, row, col), lies inside what a row shows."""
+    if row.item is None:
+        line = row.contour.contour if row.kind == "closed" and row.contour is not None else None
+        return line is not None and len(place) == 2 and bool(polyline.inside(line.points, np.array([place]))[0])
+    if row.kind == "rejected" or row.item.hidden:
+        return False
+    return holds(row.item, place) if len(place) == 3 else bool(row.item.encloses(np.array([place], dtype=float))[0])
+
+
+def _size(row: Row) -> float:
+    return size_of(row.item) if row.item is not None else row.contour.contour.area if row.contour else 0.0
 
 
 class ObjectList(QObject):
-    """Chooses objects of the document and edits them; what is not said otherwise is done to the chosen ones."""
+    """Lists objects, proposals and contours, selects among all of them, and does what is done to the selected ones."""
 
     changed = Signal()
-    """The objects, their classes or their gray values have changed."""
-    selection_changed = Signal()
-    """Other objects are chosen."""
+    """The rows, their classes or their gray values have changed."""
+    taken = Signal(object)
+    """Proposals or contours have become objects of these numbers: tuple of int."""
+    class_begun = Signal(int)
+    """A class without a name is used next to another one for the first time."""
 
-    def __init__(self, session: Session) -> None:
+    def __init__(self, session: Session, review: ContourReview) -> None:
         super().__init__(session)
-        self._session = session
+        self._session, self._review = session, review
+        self.selection_changed = review.selection_changed
         self._known, self._measured_in = session.document.objects, session.image
+        self._offered: tuple[Proposal, ...] = ()
         self._figures: dict[int, tuple[Image, object, Figures]] = {}
+        self._parts = IdentityCache()
         self._latest = LatestOnlyWorker(session, "cpm-object-measures", tr("measuring objects"))
         self._merging = LatestOnlyWorker(session, "cpm-merging", tr("merging objects"))
         session.document_changed.connect(self._follow)
+        session.scene_changed.connect(self._follow_proposals)
         session.image_changed.connect(self._merging.forget)
+        review.changed.connect(self.changed)
 
     # State
 
@@ -86,12 +189,52 @@ class ObjectList(QObject):
     @property
     def chosen(self) -> frozenset[int]:
         """Numbers of the chosen objects."""
-        return self._session.scene.objects.chosen
+        return frozenset(number for number in self._session.scene.objects.chosen if number > 0)
 
     @property
     def items(self) -> tuple[SegmentedObject, ...]:
-        """The chosen objects, in the order in which they were taken."""
+        """The chosen objects, in the order in which they were accepted."""
         return tuple(item for item in self.objects.items if item.number in self.chosen)
+
+    @property
+    def rows(self) -> tuple[Row, ...]:
+        """All rows: objects, proposals, contours that bound none of them, closed ones first, and what is rejected."""
+        scene, image = self._session.scene, self._session.image
+        made_of = self.objects, scene.objects.proposals, scene.contours, self._figures, image
+        return self._parts.named("rows", lambda: self._listed(*made_of[:3]), *made_of)
+
+    def _listed(
+        self, known: SegmentedObjects, proposals: tuple[Proposal, ...], shown: ReviewedContours
+    ) -> tuple[Row, ...]:
+        offered = self._parts.get(_as_objects, proposals, known)
+        own = self._parts.get(_own, shown, (*known.items, *offered, *known.rejected))
+        places = (place for place, each in enumerate(proposals) if each.selection.found)
+        rows = [
+            *(Row(("object", one.number), "object", self.title(one), one, figures=self.figures(one))
+              for one in known.items),
+            *(Row(("proposal", -1 - at), "proposal", tr("proposal {number}").format(number=at + 1), one,
+                  figures=self.figures(one)) for at, one in zip(places, offered, strict=True)),
+            *(Row(("object", one.number), "rejected", self.title(one), one, figures=self.figures(one))
+              for one in known.rejected),
+            *(Row(("contour", one.key), "rejected" if one.reviewed.rejected else
+                  "closed" if one.contour.closed else "open", one.title, contour=one) for one in own),
+        ]  # fmt: skip
+        return tuple(sorted(rows, key=lambda row: KINDS.index(row.kind)))
+
+    @property
+    def selected(self) -> frozenset[Key]:
+        """Keys of the selected rows."""
+        scene = self._session.scene
+        return frozenset((
+            *(("object" if number > 0 else "proposal", number) for number in scene.objects.chosen),
+            *(("contour", key) for key in scene.selected_contours),
+        ))  # fmt: skip
+
+    @property
+    def selected_rows(self) -> tuple[Row, ...]:
+        """The selected rows, those among them that are listed."""
+        selected = self.selected
+        return tuple(row for row in self.rows if row.key in selected) if selected else ()
 
     def figures(self, item: SegmentedObject) -> Figures | None:
         """Figures of an object; None while they are not known for its boundary in the present image."""
@@ -99,59 +242,150 @@ class ObjectList(QObject):
         return figures if image is self._session.image and boundary is _boundary(item) else None
 
     def title(self, item: SegmentedObject) -> str:
-        """Name of an object, or its class and number."""
+        """Name of an object, or the name of its class and its number."""
         return objects.title(self.objects, item)
 
     def under(self, at: Place) -> int:
         """Number of the smallest shown object at a place (row, col) [px], or (plane, row, col); 0 for none."""
-        shown, places = [item for item in self.objects.items if not item.hidden], np.array([at], dtype=float)
-        around = [item for item in shown if (holds(item, at) if len(at) == 3 else item.encloses(places)[0])]
+        around = [row.item for row in self.rows if row.kind == "object" and row.item and _holds(row, at)]
         return min(around, key=size_of).number if around else 0
 
-    # Choosing
+    def at(self, place: Place, reach: float, areas: bool = True) -> Key | None:
+        """The row at a place: a contour within `reach` [px], or else the smallest one around it.
+
+        The inside of a closed contour counts only where `areas` do; that of objects and proposals always does.
+        """
+        rows = [row for row in self.rows if row.kind != "rejected" or row.contour is not None]
+        listed, lines = {row.key for row in rows}, self._review.near(place, reach) if len(place) == 2 else []
+        for item in lines:
+            if ("contour", item.key) in listed:
+                return "contour", item.key
+        around = [row for row in rows if (areas or row.item is not None) and _holds(row, place)]
+        if around:
+            return min(around, key=_size).key
+        away = [
+            (polyline.distances_from_closed(row.item.boundary, np.array([place]))[0], row.key)
+            for row in rows if lines and row.item is not None and row.item.boundary and not row.item.hidden
+        ]  # fmt: skip
+        return min(away)[1] if away else None
+
+    def within(self, outline: Sequence[Position]) -> frozenset[Key]:
+        """Keys of the shown rows that lie inside a closed outline of places (row, col) for half of their length."""
+        inside = {("contour", key) for key in self._review.within(outline)}
+        found = [row.key for row in self.rows if row.key in inside]
+        for row in self.rows:
+            if row.item is not None and row.kind != "rejected" and row.item.boundary and not row.item.hidden:
+                places = [polyline.middles(np.array((*line, line[0])), PLACES) for line in row.item.boundary]
+                if polyline.inside(outline, np.concatenate(places)).mean() >= 0.5:
+                    found.append(row.key)
+        return frozenset(found)
+
+    # Selecting
+
+    def select(self, keys: Iterable[Key]) -> None:
+        """Select only these rows."""
+        keys = list(keys)
+        lines = [number for kind, number in keys if kind == "contour"]
+        self._review.choose(lines, (number for kind, number in keys if kind != "contour"))
 
     def choose(self, numbers: Iterable[int]) -> None:
-        """Choose only these objects."""
-        chosen = frozenset(numbers)
-        if chosen != self.chosen:
-            scene = self._session.scene
-            self._session.show(replace(scene, objects=replace(scene.objects, chosen=chosen)))
-            self.selection_changed.emit()
+        """Select only these objects."""
+        self._review.choose(objects=numbers)
 
-    def hover(self, number: int) -> None:
-        """Highlight an object; 0 for none."""
+    def hover(self, key: Key | None) -> None:
+        """Highlight an object or a contour, or nothing."""
+        kind, number = key or ("", 0)
+        self._review.hover(number if kind == "contour" else None)
         scene = self._session.scene
-        if number != scene.objects.hovered:
-            self._session.show(replace(scene, objects=replace(scene.objects, hovered=number)))
+        hovered = number if kind == "object" else 0
+        if hovered != scene.objects.hovered:
+            self._session.show(replace(scene, objects=replace(scene.objects, hovered=hovered)))
+
+    # Accepting and rejecting
+
+    def accept(self) -> None:
+        """Make objects of the selected proposals and closed contours, and keep open ones; without any, all proposals.
+
+        What has been rejected is there again.
+        """
+        rows = self._open_rows()
+        if not rows:
+            self._session.say(tr("There is nothing to accept: click in an object first."))
+            return
+        numbers = self._with_objects(tr("accept {what}"), rows)
+        self._session.seal()
+        self.taken.emit(numbers)
+
+    def reject(self) -> None:
+        """Dismiss the selected proposals, remove objects, and mark contours as rejected, those around them too."""
+        rows = [row for row in self.selected_rows if row.kind != "rejected"]
+        offered = [row.item for row in rows if row.item is not None and row.kind == "proposal"]
+        numbers = [row.key[1] for row in rows if row.kind == "object"]
+        own = _own(self._session.scene.contours, [row.item for row in rows if row.item is not None])
+        kept = {item.key for item in own} - {row.contour.key for row in rows if row.contour is not None}
+        lines = [self._review.target(item) for item in self._review.items if item.key not in kept]
+
+        def edit(document: Document) -> Document:
+            marked = contours.judge(document, lines, "rejected")
+            if document.objects.clicks and offered:  # the user has asked for it, and may ask again
+                return objects.reject(objects.drop(marked), numbers)
+            return objects.reject(marked, numbers, offered)
+
+        self._edit(tr("reject {what}"), rows, edit)
+
+    def delete(self) -> None:
+        """Remove the selected objects, and dismiss or reject the rest; rejected objects are forgotten."""
+        if all(row.kind in ("object", "rejected") and row.item is not None for row in self.selected_rows):
+            self._edit_chosen(tr("delete {what}"), objects.delete, "object", "rejected")
+        else:
+            self.reject()
 
     # Editing
 
     def begin_change(self, number: int) -> None:
         """Select an object anew, beginning with what it is."""
-        self._edit(tr("change {what}"), [self.objects[number]], lambda d: objects.begin_change(d, number))
+        self._edit(tr("change {what}"), self._rows_of(number), lambda d: objects.begin_change(d, number))
         self.choose((number,))
 
-    def rename(self, number: int, name: str) -> None:
-        """Name an object, unless it has been taken back while its name was typed."""
-        named = [item for item in self.objects.items if item.number == number]
-        if named:
-            self._edit(tr("name {what}"), named, lambda document: objects.rename(document, number, name))
+    def rename(self, key: Key, name: str) -> None:
+        """Name a row, unless it has gone while its name was typed; a proposal and a closed contour are accepted."""
+        rows = [row for row in self.rows if row.key == key and row.name != name.strip()]
+        if rows and (rows[0].kind in ("proposal", "closed")):
+            self._with_objects(tr("name {what}"), rows, lambda d, numbers: objects.rename(d, numbers, name))
+        elif rows and rows[0].contour is not None:
+            targets = [self._review.target(rows[0].contour)]
+            self._edit(tr("name {what}"), rows, lambda d: contours.rename(d, targets, name))
+        else:
+            self._edit(tr("name {what}"), rows, lambda d: objects.rename(d, (key[1],), name))
 
     def classify(self, category: int) -> None:
-        """Give the chosen objects, and the next ones, a class."""
-        chosen = self.chosen
-        self._session.edit(
-            tr("class {title}").format(title=objects.class_title(self.objects, category)),
-            lambda document: objects.classify(document, chosen, category),
-        )
+        """Give the selected objects, and the next ones, a class; proposals and closed contours are accepted.
+
+        Without a selection the object that is being selected is accepted too.
+        """
+        known, rows = self.objects, [row for row in self.selected_rows if row.kind in ("object", "proposal", "closed")]
+        if not rows and known.clicks:
+            rows = self._open_rows()
+        used = {item.category for item in known.items}
+        words = tr("class of {what}") if rows else tr("class of the next objects")
+        self._with_objects(words, rows, lambda document, numbers: objects.classify(document, numbers, category))
+        if rows and category not in used and used - {category} and not known.classes[category - 1].name:
+            self.class_begun.emit(category)
 
     def name_class(self, category: int, name: str, color: str = "") -> None:
         """Name a class, and change its color unless that is empty."""
         self._session.edit(tr("name class"), lambda document: objects.name_class(document, category, name, color))
 
     def paint(self, color: str) -> None:
-        """Color objects; an empty color is that of their class."""
-        self._edit_chosen(tr("color {what}"), lambda d, chosen: objects.amend(d, chosen, color=color))
+        """Color the selected objects and contours; an empty color is that of their class, or of contours."""
+        rows = [row for row in self.selected_rows if row.kind != "proposal"]
+        numbers = [row.item.number for row in rows if row.item is not None]
+        targets = [self._review.target(row.contour) for row in rows if row.contour is not None]
+
+        def edit(document: Document) -> Document:
+            return objects.amend(contours.paint(document, targets, color), numbers, color=color)
+
+        self._edit(tr("color {what}"), rows, edit)
 
     def toggle_frozen(self) -> None:
         """Freeze objects, or release them when all are frozen."""
@@ -165,25 +399,26 @@ class ObjectList(QObject):
         words = tr("hide {what}") if hidden else tr("show {what}")
         self._edit_chosen(words, lambda d, chosen: objects.amend(d, chosen, hidden=hidden))
 
-    def delete(self) -> None:
-        """Remove objects."""
-        self._edit_chosen(tr("delete {what}"), objects.delete)
+    @property
+    def mergeable(self) -> bool:
+        """Whether two or more of the selected rows are objects, or become some when they are accepted."""
+        return sum(row.kind in ("object", "proposal", "closed") for row in self.selected_rows) > 1
 
     def merge(self) -> None:
         """Make one object of several; in a volume that is done on another thread."""
-        image, items = self._session.document.image, self.items
-        if len(items) < 2 or image is None:
-            return
-        if image.is_volume:
-            self._merging.ask(lambda: reduce(union, items), partial(self._use_merged, items))
-            return
-        self._edit_chosen(tr("merge {what}"), objects.merge)
-        self.choose((items[0].number,))
+        rows = [row for row in self.selected_rows if row.kind in ("object", "proposal", "closed")]
+        if self._session.document.is_about_volume:
+            items = self.items
+            if len(items) > 1:
+                self._merging.ask(lambda: reduce(union, items), partial(self._use_merged, items))
+        elif len(rows) > 1:
+            self._with_objects(tr("merge {what}"), rows, objects.merge)
 
     def split(self, whole: SegmentedObject, halves: Halves) -> None:
         """Put the halves of an object, or of one that is not accepted yet, in its place, and choose them."""
         before = {item.number for item in self.objects.items} - {whole.number}
-        self._edit(tr("split {what}"), [whole], lambda document: objects.split(document, whole, halves))
+        words = tr("split {what}").format(what=self.title(whole))
+        self._session.edit(words, lambda document: objects.split(document, whole, halves))
         self.choose(item.number for item in self.objects.items if item.number not in before)
 
     def as_starts(self) -> None:
@@ -205,40 +440,136 @@ class ObjectList(QObject):
 
     # Internal
 
-    def _edit_chosen(self, words: str, edit: Callable[[Document, frozenset[int]], Document]) -> None:
-        chosen = self.chosen
-        if chosen:
-            self._edit(words, self.items, lambda document: edit(document, chosen))
+    def _rows_of(self, *numbers: int) -> list[Row]:
+        return [row for row in self.rows if row.key[0] == "object" and row.key[1] in numbers]
 
-    def _edit(self, words: str, items: Iterable[SegmentedObject], edit: Callable[[Document], Document]) -> None:
-        items = list(items)
-        what = self.title(items[0]) if len(items) == 1 else tr("{count} objects").format(count=len(items))
-        self._session.edit(words.format(what=what), edit)
+    def _open_rows(self) -> list[Row]:
+        """The selected rows that can be accepted, or else all proposals."""
+        selected = [row for row in self.selected_rows if row.kind != "object"]
+        return selected or [row for row in self.rows if row.kind == "proposal"]
+
+    def _with_objects(
+        self,
+        words: str,
+        rows: Sequence[Row],
+        then: Callable[[Document, Collection[int]], Document] = lambda document, _: document,
+    ) -> tuple[int, ...]:
+        """Make objects of rows, keep open ones, and return the numbers of all objects, which `then` gets too."""
+        known = self.objects
+        given = [row.item for row in rows if row.item is not None and row.kind != "object"]
+        given += [objects.bounded(known, *outline) for outline in self._outlines(rows)]
+        kept = [row.contour for row in rows if row.kind == "open" and row.contour is not None]
+        undecided = [row.contour for row in rows if row.kind == "rejected" and row.contour is not None]
+        back = [row.item for row in rows if row.kind == "rejected" and row.item is not None]
+        left = {item.key for item in _own(self._session.scene.contours, back)}
+        undecided += [item for item in self._review.items if item.key not in left]
+        marks = [(self._review.target(item), item in kept) for item in (*kept, *undecided)]
+        old = {row.key[1] for row in rows if row.kind == "object"}
+        numbers: list[int] = []
+
+        def edit(document: Document) -> Document:
+            for target, keeps in marks:
+                document = contours.judge(document, (target,), "kept" if keeps else "")
+            before = {item.number for item in document.objects.items}
+            ends = bool(known.clicks) and any(row.kind == "proposal" for row in rows)
+            document = objects.accept(document, given, ends=ends)
+            changed = old | {item.number for item in given}
+            numbers[:] = [n.number for n in document.objects.items if n.number in changed or n.number not in before]
+            return then(document, numbers)
+
+        self._edit(words, rows, edit)
+        present = tuple(item.number for item in self.objects.items if item.number in numbers)
+        if given:
+            self.choose(present)
+        return present
+
+    def _outlines(self, rows: Sequence[Row]) -> list[tuple[list[Contour], list[Bridge]]]:
+        """The boundaries of the objects that closed contours make: each with the holes directly in it, and bridges.
+
+        A contour in a hole of a selected one bounds an object of its own again.
+        """
+        result = self._review.result
+        closed = {item.measures.number: item for item in self._review.items
+                  if item.contour.closed and not item.reviewed.rejected}  # fmt: skip
+        chosen = {row.contour.measures.number for row in rows if row.kind == "closed" and row.contour is not None}
+
+        def around(number: int) -> list[int]:
+            found: list[int] = []
+            while number := closed[number].measures.inside if number in closed else 0:
+                found.append(number)
+            return [each for each in found if each in closed]
+
+        outlines = []
+        for number in sorted(chosen):
+            outer = around(number)
+            highest = next((depth for depth in reversed(range(len(outer))) if outer[depth] in chosen), -1)
+            if result is not None and highest % 2:  # none is around it, or an even number of contours
+                holes = [each for each in closed if around(each)[:1] == [number]]
+                bounds = [closed[each].contour for each in (number, *holes)]
+                outlines.append((bounds, list(bridges_on(result.bridges, bounds))))
+        return outlines
+
+    def _edit_chosen(self, words: str, edit: Callable[[Document, frozenset[int]], Document], *kinds: Kind) -> None:
+        rows = [row for row in self.selected_rows if row.key[0] == "object" and row.kind in (kinds or ("object",))]
+        numbers = frozenset(row.key[1] for row in rows)
+        self._edit(words, rows, lambda document: edit(document, numbers))
+
+    def _edit(self, words: str, rows: Sequence[Row], edit: Callable[[Document], Document]) -> None:
+        """Edit the document, as a step of undo that names what is edited."""
+        lines = all(row.contour is not None for row in rows)
+        several = tr("{count} contours") if lines else tr("{count} objects")
+        what = rows[0].title if len(rows) == 1 else several.format(count=len(rows))
+        if rows or "{what}" not in words:
+            self._session.edit(words.format(what=what), edit)
 
     def _follow(self, document: Document) -> None:
-        image, items = self._session.image, document.objects.items
+        image = self._session.image
         if image is self._measured_in and document.objects is self._known:
             return
         self._known, self._measured_in = document.objects, image
-        self.choose(self.chosen & {item.number for item in items})
-        missing = [item for item in items if self.figures(item) is None]
-        if image is not None and missing:  # large objects have many pixels
-
-            def use(measured: dict[int, tuple[Image, object, Figures]]) -> None:
-                self._figures |= measured
-                self.changed.emit()
-
-            self._latest.ask(
-                lambda: {item.number: (image, _boundary(item), _measured(item, image)) for item in missing}, use
-            )
+        scene, items = self._session.scene, (*document.objects.items, *document.objects.rejected)
+        known = {item.number for item in items}
+        left = (number for number in scene.objects.chosen if number < 1 or number in known)
+        self._review.choose(scene.selected_contours, left)
+        self._measure()
         self.changed.emit()
+
+    def _follow_proposals(self) -> None:
+        """Keep the proposals selected that are still there."""
+        scene, before = self._session.scene, self._offered
+        if scene.objects.proposals is before:
+            return
+        self._offered = now = scene.objects.proposals
+        chosen = scene.objects.chosen
+        picked = [each.selection for place, each in enumerate(before) if -1 - place in chosen]
+        left = [-1 - place for place, each in enumerate(now) if any(each.selection is one for one in picked)]
+        self._review.choose(scene.selected_contours, (*self.chosen, *left))
+        self._measure()
+        self.changed.emit()
+
+    def _measure(self) -> None:
+        """Measure what has not been measured, on another thread: large objects have many pixels."""
+        image, known = self._session.image, self.objects
+        offered = self._parts.get(_as_objects, self._session.scene.objects.proposals, known)
+        missing = [item for item in (*known.items, *known.rejected, *offered) if self.figures(item) is None]
+        if image is None or not missing:
+            return
+
+        def use(measured: dict[int, tuple[Image, object, Figures]]) -> None:
+            self._figures = {**self._figures, **measured}
+            self.changed.emit()
+
+        self._latest.ask(
+            lambda: {item.number: (image, _boundary(item), _measured(item, image)) for item in missing}, use
+        )
 
     def _use_merged(self, items: tuple[SegmentedObject, ...], whole: SegmentedObject) -> None:
         """Put one object in the place of several, unless they have changed meanwhile."""
         if not all(any(known is item for known in self.objects.items) for item in items):
             self._session.say(tr("The objects have changed while they were merged: merge them again."), True)
             return
-        self._edit(tr("merge {what}"), items, lambda document: objects.merge_into(document, items, whole))
+        rows = self._rows_of(*(item.number for item in items))
+        self._edit(tr("merge {what}"), rows, lambda document: objects.merge_into(document, items, whole))
         self.choose((whole.number,))
 
 

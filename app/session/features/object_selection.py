@@ -22,7 +22,7 @@ from app.session.session import Session
 from app.session.tasks.tasks import Task
 from cpm_core import Partition, Result, Selection, similar
 from cpm_core.numerics import Array, Place
-from cpm_core.objects.segmented import Click, selection_of
+from cpm_core.objects.segmented import Click, SegmentedObject, selection_of
 from cpm_core.shapes import Everywhere, ImageStart
 
 _COVERED = 0.5
@@ -41,6 +41,7 @@ class Question:
     pointed: Click | None
     count: int
     starts: tuple[Array, ...] = field(compare=False)
+    rejected: tuple[SegmentedObject, ...]
 
     def answer(self) -> tuple[tuple[Proposal, ...], AnySelection | None]:
         """The objects that are offered, and what a click under the pointer would take.
@@ -49,19 +50,17 @@ class Question:
         """
         selector, clicks = self.selector, self.clicks
         selection = selector.selection(clicks)
-        proposals = selector.proposals(self.starts) if selection is None else ()
+        proposals = selector.proposals(self.starts, self.rejected) if selection is None else ()
         if selection is not None:
             proposals = (Proposal(selection, clicks, selector.edited),)
         return proposals, None if self.pointed is None else selector.selection((*clicks, self.pointed))
 
 
 class ObjectSelection(QObject):
-    """Keeps the proposal and the preview of the scene up to date, and takes proposals as objects of the document."""
+    """Keeps the proposal and the preview of the scene up to date, and selects objects anew."""
 
     changed = Signal()
     """The proposals have changed, or whether one can be made."""
-    taken = Signal(object)
-    """Proposals have become objects of these numbers: tuple of int."""
 
     def __init__(self, session: Session) -> None:
         super().__init__(session)
@@ -153,20 +152,6 @@ class ObjectSelection(QObject):
             self._dismissed = self._session.scene.contours.result
             self._follow()
 
-    def take(self) -> None:
-        """Make objects of the proposals."""
-        offered = [each for each in self.proposals if each.selection.found]
-        if not offered:
-            self._session.say(tr("There is nothing to accept: click in an object first."))
-            return
-        before = {item.number for item in self._session.document.objects.items}
-        taken = [(each.selection, each.clicks, each.number) for each in offered]
-        self._session.edit(tr("take object"), lambda document: objects.take(document, taken))
-        self._session.seal()
-        changed = {each.number for each in offered} - {0}
-        now = self._session.document.objects.items
-        self.taken.emit(tuple(item.number for item in now if item.number in changed or item.number not in before))
-
     # Objects of the document
 
     def fit(self, numbers: frozenset[int]) -> None:
@@ -255,7 +240,9 @@ class ObjectSelection(QObject):
         if known is None or (known.partition, known.items, known.edited) != (partition, items, edited):
             known = self._selector = Selector(partition, items, edited)
         starts = self._starts if not document.objects.clicks else ()
-        question = Question(known, document.objects.clicks, self._pointed, len(starts), starts)
+        question = Question(
+            known, document.objects.clicks, self._pointed, len(starts), starts, document.objects.rejected
+        )
         last = self._asked
         if last is not None and not question.clicks and (last.clicks or last.selector.items is not items):
             self._offer(())  # what was offered has been taken or dropped

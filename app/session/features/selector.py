@@ -275,8 +275,8 @@ class Selector:
             previous = self.partition.select(inside, outside, areas=areas)
         return self.partition.select(inside, np.concatenate([outside, self._elsewhere]), previous=previous, areas=areas)
 
-    def proposals(self, starts: Sequence[Array]) -> tuple[Proposal, ...]:
-        """The objects in which runs were started, given the seeds of each start; of frozen objects there are none.
+    def proposals(self, starts: Sequence[Array], rejected: Sequence[SegmentedObject] = ()) -> tuple[Proposal, ...]:
+        """The objects in which runs were started, given the seeds of each start; no frozen and no rejected ones.
 
         An object that exists already is offered only if it has become another one, and never in a volume.
         """
@@ -288,7 +288,9 @@ class Selector:
             selection = self.selection(clicks)
             if not isinstance(selection, Selection) or not selection.contours or selection.only_places:
                 continue  # nothing was found, as from a start across an edge
-            if any(overlap(selection.mask, other.selection.mask) > _SAME_OBJECT for other in found):
+            others = [other.selection.mask for other in found]
+            others += [item.mask(self.partition.shape) for item in rejected]
+            if any(overlap(selection.mask, mask) > _SAME_OBJECT for mask in others):
                 continue
             # the places that lie in it; if a line was drawn around it, pixels all over it
             places, pixels = selection.inside[selection.holds(selection.inside)], np.argwhere(selection.mask)

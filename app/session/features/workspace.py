@@ -22,7 +22,7 @@ class Workspace:
         self.session = Session(core)
         self.review = ContourReview(self.session)
         self.hand_editing = HandEditing(self.session, self.review)
-        self.object_list = ObjectList(self.session)
+        self.object_list = ObjectList(self.session, self.review)
         self.object_selection = ObjectSelection(self.session)
         self.skeletons = Skeletons(self.session)
         self.navigation = TimelineNavigation(self.session)

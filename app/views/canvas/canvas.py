@@ -112,6 +112,8 @@ class Pointer(QObject):
     """A drag of another button: QMouseEvent, and by how much it is to pan [px of the screen], QPointF."""
     menu_wanted = Signal(object)
     """The right button was clicked at a point of the screen: QPoint."""
+    doubled = Signal()
+    """The left button was clicked a second time, and the tool has handled it."""
 
     def __init__(self, view: ImageView, canvas: Canvas) -> None:
         super().__init__(view)
@@ -119,7 +121,7 @@ class Pointer(QObject):
         self.over: QPointF | None = None
         """Where it is in the view; None when it has left."""
         self._from: QPointF | None = None
-        self._still = False
+        self._still = self._twice = False
         self._does: dict[QEvent.Type, Callable[[QMouseEvent], None]] = {
             QEvent.Type.MouseButtonPress: self._press,
             QEvent.Type.MouseButtonDblClick: self._press,
@@ -146,6 +148,7 @@ class Pointer(QObject):
         canvas.setFocus()
         if event.button() == Qt.MouseButton.LeftButton and self._view.shape is not None:
             canvas.hold.set_modifiers(event.modifiers())
+            self._twice = event.type() == QEvent.Type.MouseButtonDblClick
             canvas.hold.press(self._view, self._view.position(event.position()))
         elif event.button() in (Qt.MouseButton.MiddleButton, Qt.MouseButton.RightButton):
             self._from, self._still = event.position(), event.button() == Qt.MouseButton.RightButton
@@ -169,6 +172,8 @@ class Pointer(QObject):
         hold = self._canvas.hold
         if event.button() == Qt.MouseButton.LeftButton and hold.dragging:
             hold.release()
+            if self._twice:
+                self.doubled.emit()
         elif self._from is not None:
             self._from = None
             if self._still and event.button() == Qt.MouseButton.RightButton and not hold.dragging:

@@ -42,7 +42,7 @@ _MIDDLE_FRACTION = 0.2
 
 
 class CanvasArea(QWidget):
-    """Shows the scene of a session on the canvas, and lets the tools edit its document and select contours."""
+    """Shows the scene of a session on the canvas, and lets the tools edit its document and select."""
 
     tool_changed = Signal()
     """Another tool is in use."""
@@ -127,7 +127,7 @@ class CanvasArea(QWidget):
         else:
             self.messages.dismiss()
             self._session.select(None)
-            self._workspace.review.select(())
+            self._workspace.review.choose()
             self._selection.dismiss()
 
     def refresh(self) -> None:
@@ -202,16 +202,18 @@ class CanvasArea(QWidget):
                 by = by if slices is None else slices.current.along(by)
                 name = tr("move {shape}").format(shape=from_core(self._session.document.shapes[index].title))
                 self._session.edit(name, lambda document: edits.move_shape(document, index, by), f"nudge {index}")
-        elif key in _SIZES and index is not None:
-            self.grow(index, _SIZES[key])
-        elif key in _SIZES and tool.sized:
-            tool.resize(_SIZES[key])
+        elif key in _SIZES and (index is not None or tool.sized):
+            self.enlarge(_SIZES[key])
         else:
             return False
         return True
 
-    def grow(self, index: int, by: float) -> None:
-        """Make a shape larger, or smaller for `by` below 0."""
+    def enlarge(self, by: float) -> None:
+        """Make the selected shape larger, or what the tool works with, or smaller for `by` below 0."""
+        index = self._session.selected
+        if index is None:
+            self.canvas.hold.tool.resize(by)
+            return
         shape = self._session.document.shapes[index]
         verb = tr("resize {shape}") if shape.outline.size else tr("change {shape}")
         name, resized = verb.format(shape=from_core(shape.title)), shape.resized(by)

@@ -19,7 +19,6 @@ class Pointed:
 
     def __init__(self, workspace: Workspace) -> None:
         self._session = workspace.session
-        self._review = workspace.review
         self._list = workspace.object_list
         self._selection = workspace.object_selection
 
@@ -27,13 +26,9 @@ class Pointed:
     def chosen(self) -> str:
         """The name of what is chosen."""
         shapes, selected = self._session.document.shapes, self._session.selected
-        if self._selection.selecting:
-            return "proposal"
         if selected is not None and selected < len(shapes):
             return "charge" if isinstance(shapes[selected], Charge) else "shape"
-        if self._review.selected:
-            return "contour"
-        return "object" if self._list.chosen else "image"
+        return "object" if self._list.selected or self._selection.selecting else "image"
 
     def choose(self, at: Place, reach: float, here: Slice | None = None) -> str:
         """The name of what lies at a place, which is chosen unless it is already; `reach` is in px of the image.
@@ -41,39 +36,38 @@ class Pointed:
         `here` is the slice that was pointed at, in a volume.
         """
         if self._selection.selecting:
-            return "proposal"
+            return "object"
         shapes = self._session.document.shapes
         found = hit_in(self._session.scene, at, reach, here)
         shape = found.index if found is not None else None
         near = found is not None and (found.part == "handle" or shapes[found.index].distance(at) <= reach)
-        contour = None if near or len(at) == 3 else self._review.under(at, reach)  # a volume has a surface
+        key = None if near else self._list.at(at, reach, areas=False)
         snapshot = self._session.scene.snapshot
         particles = False
-        if not near and contour is None and snapshot is not None and len(snapshot.position):
+        if not near and (key is None or key[0] != "contour") and snapshot is not None and len(snapshot.position):
             particles = bool((np.linalg.norm(snapshot.position - np.array(at), axis=1) <= reach).any())
-        number = 0 if near or contour is not None or particles else self._list.under(at)
-        if near or not (contour is not None or particles or number):
+        if near or not (key is not None or particles):
             self._session.select(shape)
-            return self.chosen if shape is not None else "proposal" if self._selection.proposals else "image"
+            return self.chosen if shape is not None else "image"
         self._session.select(None)
-        if contour is not None:
-            if contour not in self._review.selected:
-                self._review.select((contour,))
-            return "contour"
-        if number and number not in self._list.chosen:
-            self._list.choose((number,))
-        return "object" if number else "particles"
+        if particles or key is None:
+            return "particles"
+        if key not in self._list.selected:
+            self._list.select((key,))
+        return "object"
 
 
 def selected_places(workspace: Workspace) -> list[Array]:
-    """Positions of the selected contours, else of the chosen objects, else of the selected shape.
+    """Positions of the selected objects, proposals and contours, else of the selected shape.
 
     They are (row, col) in an image; those of a shape in a volume are (plane, row, col).
     """
     session = workspace.session
-    found = [item.contour.points for item in workspace.review.chosen]
-    found = found or [np.array(curve) for item in workspace.object_list.items for curve in item.boundary]
-    found = found or [item.body.vertices for item in workspace.object_list.items if item.body is not None]
+    rows = workspace.object_list.selected_rows
+    items = [row.item for row in rows if row.item is not None]
+    found = [row.contour.contour.points for row in rows if row.contour is not None]
+    found += [np.array(curve) for item in items for curve in item.boundary]
+    found += [item.body.vertices for item in items if item.body is not None]
     if not found and session.selected is not None:
         shape = session.document.shapes[session.selected]
         volume = session.image if session.scene.slices is not None else None

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from operator import attrgetter
 from typing import Any
 
 from PySide6.QtCore import QSignalBlocker, QSize, Qt
@@ -57,17 +58,13 @@ class Line:
 
 def _figure(name: str) -> Callable[[Line], float | None]:
     """A figure of the agreement; None while it is not known."""
-    return lambda line: None if line.agreed is None else getattr(line.agreed, name)
-
-
-def _counted(name: str) -> Callable[[Line], float | None]:
-    """A count of objects."""
-    return lambda line: None if line.agreed is None else getattr(line.agreed.objects, name)
+    get = attrgetter(name)
+    return lambda line: None if line.agreed is None else get(line.agreed)
 
 
 COLUMNS: tuple[Column[Line], ...] = (
     Column("name", tr("Result"), tr("What is compared; the reference, with which the others are compared, is bold."),
-           lambda line: line.title, "Shown now"),
+           lambda line: line.title, "Run 1"),
     Column("dice", tr("Dice"), tr("Overlap of the areas: 1 if they are equal, 0 if they are disjoint."),
            _figure("dice"), "0.000", form=".3f"),
     Column("mean", tr("Mean [{unit}]"), tr("Mean distance between the boundaries."),
@@ -90,13 +87,13 @@ COLUMNS: tuple[Column[Line], ...] = (
     Column("hausdorff95", tr("95 % [{unit}]"), tr("The 95th percentile of the distances between the boundaries."),
            _figure("hausdorff95"), "000.0", 1, form=".1f"),
     Column("missed", tr("Missed"), tr("Objects of the reference that share less than half of their area with one."),
-           _counted("missed"), "000", form=".0f"),
-    Column("extra", tr("Extra"), tr("Closed contours that find no object of the reference."), _counted("extra"), "000",
-           form=".0f"),
+           _figure("objects.missed"), "000", form=".0f"),
+    Column("extra", tr("Extra"), tr("Closed contours that find no object of the reference."), _figure("objects.extra"),
+           "000", form=".0f"),
     Column("merged", tr("Merged"), tr("Those that contain more than half of two or more objects."),
-           _counted("merged"), "000", form=".0f"),
+           _figure("objects.merged"), "000", form=".0f"),
     Column("ap", "AP@0.5", tr("Found objects divided by all that are found, missed or extra."),
-           _counted("average_precision"), "0.000", form=".3f"),
+           _figure("objects.average_precision"), "0.000", form=".3f"),
 )  # fmt: skip
 """All columns in the order shown."""
 
@@ -318,7 +315,7 @@ class ComparePanel(QWidget):
         if len(compared.rows) == 1:
             return tr("Add a result to compare it with what is shown now.")
         if subject.key == compared.reference:
-            return tr("Choose a result to see it beyond the divider.")
+            return tr("Choose a result to see it on the picture.")
         agreed = compared.agreed.get(subject.key)
         if agreed is None:
             return tr("Nothing is found yet.") if subject.found is None else tr("Comparing…")

@@ -1,4 +1,4 @@
-"""Small pictures of an image with contours, as the export and the comparison of runs show them."""
+"""Small pictures of an image with contours, as the export shows them."""
 
 from __future__ import annotations
 
@@ -48,8 +48,8 @@ class Picture:
         kind = QImage.Format.Format_Grayscale8 if gray.ndim == 2 else QImage.Format.Format_RGB888
         self._image = QImage(gray.data, cols, rows, gray.strides[0], kind).copy()
 
-    def drawn(self, room: QSize, ratio: float, lines: Iterable[Line], opacity: float = 1.0) -> QPixmap:
-        """A picture as large as fits into a room, with the image of some opacity."""
+    def drawn(self, room: QSize, ratio: float, lines: Iterable[Line]) -> QPixmap:
+        """A picture as large as fits into a room."""
         size = QSizeF(self._crop.size()).scaled(QSizeF(room), Qt.AspectRatioMode.KeepAspectRatio)
         made = QPixmap((size * ratio).toSize().expandedTo(QSize(1, 1)))
         made.setDevicePixelRatio(ratio)
@@ -57,12 +57,10 @@ class Picture:
         painter = QPainter(made)
         painter.setRenderHints(QPainter.RenderHint.SmoothPixmapTransform | QPainter.RenderHint.Antialiasing)
         if self._image is not None:
-            painter.setOpacity(opacity)
             # The center of the first pixel of an image is (0, 0), as on the canvas.
             shrunk = QTransform.fromScale(1.0 / self._reduction, 1.0 / self._reduction)
             part = shrunk.mapRect(self._crop.translated(0.5, 0.5))
             painter.drawImage(QRectF(0.0, 0.0, size.width(), size.height()), self._image, part)
-            painter.setOpacity(1.0)
         zoom = size.width() / max(self._crop.width(), 1e-9)
         onto = QTransform(zoom, 0, 0, zoom, -zoom * self._crop.x(), -zoom * self._crop.y())
         _draw(painter, onto, tuple(lines))

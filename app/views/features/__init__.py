@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from app.views.features.animation import AnimationFeature
 from app.views.features.compare import CompareFeature
-from app.views.features.contours import ContoursFeature, HandEditingFeature, SkeletonsFeature
 from app.views.features.edit import DrawFeature, ModesFeature, UndoSelectionFeature
 from app.views.features.exchange import BatchFeature, ClipboardFeature, ExportFeature, ImportFeature
 from app.views.features.files import FolderFeature, OpenSaveFeature, RecoveryFeature, StartFeature
 from app.views.features.help import HelpFeature, PreferencesFeature
-from app.views.features.objects import ObjectsFeature
+from app.views.features.objects import ObjectsFeature, SkeletonsFeature
 from app.views.features.offers import BeginningFeature, PixelSizeFeature, StackFeature
 from app.views.features.run import (
     RunControlFeature,
@@ -39,8 +38,6 @@ FEATURES: tuple[type[Feature], ...] = (
     BeginningFeature,
     StackFeature,
     PixelSizeFeature,
-    ContoursFeature,
-    HandEditingFeature,
     ObjectsFeature,
     SkeletonsFeature,
     LayersFeature,

@@ -8,7 +8,7 @@ from app.model.document import edits
 from app.model.document.document import Mode
 from app.model.document.modes import MODES, use_mode
 from app.model.state.resolve import resolve
-from app.model.state.situation import can_redo, can_undo, has_image, has_selection, has_shapes
+from app.model.state.situation import Situation, can_redo, can_undo, has_image, has_selection, has_shapes
 from app.model.text.language import from_core, tr
 from app.views.canvas.canvas_area import FIRST_TOOL
 from app.views.canvas.tools import TOOLS
@@ -91,7 +91,11 @@ class UndoSelectionFeature(Feature):
 
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
-        session = window.session
+        session, area = window.session, window.canvas_area
+
+        def sized(situation: Situation) -> bool:
+            return situation.selected is not None or area.canvas.hold.tool.sized
+
         self.actions = (
             ActionSpec("undo", "Edit", "Undo", "Undo the last change.", session.undo, "Ctrl+Z", short=tr("Undo"),
                        icon="undo", when=can_undo, worded=lambda situation: resolve(situation).undo_text),
@@ -106,17 +110,12 @@ class UndoSelectionFeature(Feature):
             ActionSpec("delete", "Edit", "&Delete", "Remove the selected shape.", session.delete_selected,
                        "Delete Backspace", gap=True, when=has_selection),
             ActionSpec("enlarge", ">" + tr("Edit"), "Larger",
-                       "Make the selected shape larger, or a charge stronger; so does the key ].",
-                       partial(self._resize, 1.0), when=has_selection),
+                       "Make the selected shape, or what the tool works with, larger; so does the key ].",
+                       partial(area.enlarge, 1.0), when=sized),
             ActionSpec("shrink", ">" + tr("Edit"), "Smaller",
-                       "Make the selected shape smaller, or a charge weaker; so does the key [.",
-                       partial(self._resize, -1.0), when=has_selection),
+                       "Make the selected shape, or what the tool works with, smaller; so does the key [.",
+                       partial(area.enlarge, -1.0), when=sized),
             ActionSpec("clear", "Edit", "Delete &all shapes", "Remove all shapes.",
                        partial(session.edit, tr("delete all shapes"), edits.clear_shapes), "Ctrl+Shift+Backspace",
                        when=has_shapes),
         )  # fmt: skip
-
-    def _resize(self, by: float) -> None:
-        selected = self.window.session.selected
-        if selected is not None:
-            self.window.canvas_area.grow(selected, by)

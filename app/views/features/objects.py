@@ -1,171 +1,273 @@
-"""Menu Objects: the table of the objects, their classes, and their use in the next run."""
+"""Menu Objects: what is done to objects, proposals and contours, and their panel."""
 
 from __future__ import annotations
 
 from functools import partial
 
 from PySide6.QtCore import Qt
-from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QColorDialog, QMenu
+from PySide6.QtGui import QCursor, QKeyEvent
+from PySide6.QtWidgets import QMenu
 
-from app.model.document.objects import class_title
+from app.model.document.modes import use_skeleton
+from app.model.document.objects import class_title, listed_classes
 from app.model.preferences.table import UNIT
-from app.model.state.situation import Situation
+from app.model.state.situation import Situation, has_contours, has_image
 from app.model.text.language import tr
+from app.session.features.object_list import Key, Kind, Row
 from app.views.canvas.naming import NameField
 from app.views.panels.objects import ObjectPanel
 from app.views.theme.icons import fill_colors, swatch
-from app.views.widgets.actions import ActionSpec, Submenu
-from app.views.window.dialogs import ask_for_text
+from app.views.widgets.actions import ActionSpec, Submenu, add_choice
 from app.views.window.docks import Panel
 from app.views.window.keyboard import Keys
 from app.views.window.window import Feature, MainWindow
+from cpm_core import Contour
+from cpm_core.contours import middle
+from cpm_core.medial_axis import Outlined
 from cpm_core.numerics import Position
-from cpm_core.objects.segmented import SegmentedObject
 
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
+_DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
+_SELECTING = ("objects", "select", "edit_contours")
+"""Tools with which keys act on what is selected."""
 
 
 class ObjectsFeature(Feature):
-    """Objects by menus and keys, and their table."""
+    """Objects, proposals and contours by menu and keys, and their panel."""
 
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
-        area = window.canvas_area
+        area, session = window.canvas_area, window.session
         self._list = objects = window.workspace.object_list
         self._selection = selection = window.workspace.object_selection
-        self.panel = ObjectPanel(window.session, objects, self._fill_classes)
-        self.panels = (Panel("objects", "Objects", self.panel, "F10"),)
+        self._editing = editing = window.workspace.hand_editing
+        layer = area.canvas.layers.contours
+        self.panel = ObjectPanel(session, objects, lambda name: window.actions_by_name.get(name))  # noqa: PLW0108  # made later
+        self.panels = (Panel("objects", "Objects", self.panel, "Ctrl+Shift+O"),)
         window.preferences.follow(UNIT, self.panel.table.show_items)
-        window.shortcuts.changed.connect(self.panel.show_keys)
-        self.name_field = NameField(area.canvas, tr("Name of the object"))
-        window.session.image_changed.connect(self.name_field.leave)
+        self.name_field, self.class_field = (
+            NameField(area.canvas, title) for title in (tr("Name of the object"), tr("Name of the class"))
+        )
+        session.image_changed.connect(self.name_field.leave)
+        session.image_changed.connect(self.class_field.leave)
         Keys(area.canvas, self.take_key)
+        area.canvas.pointer.doubled.connect(self._open)
         self.panel.table.zoom_wanted.connect(area.zoom_to_selection)
+        area.canvas.pointed.connect(lambda at: objects.hover(None) if at is None else None)
         objects.selection_changed.connect(window.refresh)
         selection.changed.connect(window.refresh)
-        selection.taken.connect(objects.choose)
-        selection.taken.connect(lambda numbers: self.ask_name() if len(numbers) == 1 else None)
+        objects.taken.connect(lambda numbers: self.ask_name() if len(numbers) == 1 else None)
+        objects.class_begun.connect(self._ask_class)
+
+        def selects(*kinds: Kind, least: int = 1) -> bool:
+            return sum(row.kind in kinds for row in objects.selected_rows) >= least
 
         def some(_: Situation) -> bool:
+            return bool(objects.selected)
+
+        def has_objects(_: Situation) -> bool:
             return bool(objects.chosen)
 
-        def one(_: Situation) -> bool:
-            return len(objects.chosen) == 1
-
         def all_are(state: str) -> bool:
-            return bool(objects.chosen) and all(getattr(item, state) for item in objects.items)
+            return bool(objects.items) and all(getattr(item, state) for item in objects.items)
+
+        def merge() -> None:
+            if objects.mergeable or objects.chosen:
+                objects.merge()
+            else:
+                editing.join_selected(closing=False)
 
         self.actions = (
-            ActionSpec("object_table", "Objects", "&Table of objects",
-                       "Show the classes and the measures of the objects.", lambda: window.docks.enter("objects"),
-                       "Ctrl+Shift+O"),
-            ActionSpec("take_object", "Objects", "&Accept what is offered",
-                       "Make an object of what is offered; Enter does the same on the image.", selection.take,
-                       gap=True, when=lambda _: bool(selection.proposals)),
-            ActionSpec("change_object", "Objects", "&Change by clicks",
-                       "Select the object again, beginning with what it is.", self._change, when=one),
+            ActionSpec("accept", "Objects", "&Accept",
+                       "Make objects of proposals and of closed contours, and keep open contours; so does Enter.",
+                       objects.accept,
+                       when=lambda _: bool(selection.proposals) or selects("proposal", "closed", "open", "rejected")),
+            ActionSpec("reject", "Objects", "&Reject",
+                       "Dismiss proposals, remove objects, and leave contours out of files; none is proposed again.",
+                       objects.reject, "X", when=some),
+            ActionSpec("name_object", "Objects", "&Name…", "Give the selected object or contour a name.",
+                       self.ask_name, "F2", gap=True, when=some),
+            Submenu("object_class", "Objects", "C&lass", self._fill_classes),
+            ActionSpec("object_color", "Objects", "C&olor…", "Give objects and contours a color of their own.",
+                       self._ask_color, when=lambda _: selects("object", "closed", "open")),
+            ActionSpec("merge_objects", "Objects", "&Merge",
+                       "Make one object of the selected ones; open contours are joined along the edges.", merge, "M",
+                       gap=True, when=lambda _: len(objects.selected) > 1),
+            ActionSpec("close_contours", "Objects", "Clos&e",
+                       "Close the selected open contour along the edge between its ends; several are joined first.",
+                       partial(editing.join_selected, closing=True), "Shift+C",
+                       when=lambda _: any(not item.contour.closed for item in window.workspace.review.chosen)),
+            ActionSpec("objects_alike", "Objects", "All li&ke this", "Find all objects like the chosen one.",
+                       lambda: selection.find_like(objects.items[0].number), "Ctrl+L",
+                       when=lambda _: len(objects.items) == 1),
+            ActionSpec("change_object", "Objects", "Change by &clicks",
+                       "Select the object again, beginning with what it is.", self._change,
+                       when=lambda _: len(objects.items) == 1),
             ActionSpec("fit_objects", "Objects", "F&it to the contours",
                        "Select the chosen objects again by their own clicks, on the contours of the last run.",
-                       lambda: selection.fit(objects.chosen), when=some),
-            ActionSpec("objects_alike", "Objects", "All &like this",
-                       "Find all objects like the chosen one; touching ones are parted.",
-                       lambda: selection.find_like(objects.items[0].number), "Ctrl+L", when=one),
-            ActionSpec("all_objects", "Objects", "Choose all ob&jects", "Choose all objects.",
-                       lambda: objects.choose(item.number for item in objects.objects.items), "Ctrl+Alt+A",
-                       when=lambda situation: bool(situation.document.objects.items)),
-            ActionSpec("name_object", "Objects", "&Name…", "Give the chosen object a name.", self.ask_name, gap=True,
-                       when=some),
-            Submenu("object_class", "Objects", "C&lass", self._fill_classes),
-            Submenu("object_color", "Objects", "C&olor",
-                    lambda menu: fill_colors(menu, window, objects.paint, bool(objects.chosen))),
+                       lambda: selection.fit(objects.chosen), when=has_objects),
             ActionSpec("freeze_object", "Objects", "&Freeze",
                        "Keep the objects as they are, and let particles not cross their boundaries.",
-                       objects.toggle_frozen, when=some,
-                       worded=lambda _: tr("R&elease") if all_are("frozen") else tr("&Freeze")),
+                       objects.toggle_frozen, gap=True, when=has_objects,
+                       worded=lambda _: tr("Release") if all_are("frozen") else tr("&Freeze")),
             ActionSpec("hide_object", "Objects", "&Hide", "Hide the objects, or show them again.",
-                       objects.toggle_hidden, when=some,
-                       worded=lambda _: tr("&Show") if all_are("hidden") else tr("&Hide")),
-            ActionSpec("merge_objects", "Objects", "&Merge", "Make one object of the chosen ones.", objects.merge,
-                       when=lambda _: len(objects.chosen) > 1),
-            ActionSpec("delete_object", "Objects", "&Delete", "Remove the chosen objects.", objects.delete, when=some),
-            ActionSpec("object_start", "Objects", "&Start from the outline",
-                       "Start the next run on the outlines of the chosen objects too.", objects.as_starts, gap=True,
-                       when=some),
-            ActionSpec("object_region", "Objects", "Use as region of &interest",
-                       "Hold the particles inside the chosen objects.", objects.as_regions, when=some),
-            ActionSpec("object_barrier", "Objects", "Use as &barrier",
-                       "Hold the particles back at the boundaries of the chosen objects.", objects.as_barriers,
-                       when=some),
+                       objects.toggle_hidden, when=has_objects,
+                       worded=lambda _: tr("Show") if all_are("hidden") else tr("&Hide")),
+            Submenu("use_as", "Objects", "&Use as", self._fill_uses),
+            ActionSpec("skeleton", "Objects", "Ske&leton",
+                       "Find the center lines of the chosen objects or closed contours, or of all closed contours.",
+                       self._find_skeleton, icon="mode_skeleton",
+                       when=lambda now: bool(objects.chosen) or has_contours(now)),
+            ActionSpec("delete_object", "Objects", "&Delete", "Remove what is selected; so does the key Delete.",
+                       objects.delete, gap=True, when=some),
+            ActionSpec("all_objects", "Objects", "Select &all", "Select all that the table shows and is not rejected.",
+                       lambda: objects.select(self._shown()), "Ctrl+A", gap=True, when=has_image),
+            ActionSpec("other_objects", ">" + tr("Objects"), "In&vert the selection", "Select what is not selected.",
+                       lambda: objects.select(self._shown() - objects.selected), "Ctrl+I",
+                       when=has_image),
+            ActionSpec("next_object", ">" + tr("Objects"), "Select ne&xt",
+                       "Select one row of the table after the other.",
+                       self.select_next, "Shift+N", when=has_image),
+            ActionSpec("show_rejected", "Objects", "&Show rejected", "Show what has been rejected, faint, or hide it.",
+                       lambda: layer.choose("rejected", not layer.chosen["rejected"]), gap=True,
+                       holds=lambda _: bool(layer.chosen["rejected"])),
+            ActionSpec("drop_missed_edits", "Objects", "Remove outdated edits",
+                       "Remove edits by hand that no longer find their contours, with what they drew.",
+                       lambda: editing.drop(editing.missed), when=lambda _: bool(editing.missed)),
         )  # fmt: skip
 
+    def select_next(self) -> None:
+        """Select the row after the selected ones."""
+        keys = [row.key for row in self.panel.table.listed]
+        at = max((keys.index(key) for key in self._list.selected if key in keys), default=-1)
+        if keys:
+            self._list.select((keys[(at + 1) % len(keys)],))
+
     def ask_name(self) -> None:
-        """Ask for the name of the chosen object, in the table if it has the focus, else on the canvas."""
-        chosen = self._list.items
+        """Ask for the name of the selected row, in the table if it has the focus, else on the canvas."""
+        chosen = self._list.selected_rows
         if self.panel.table.hasFocus():
             self.panel.table.name_selected()
         elif chosen:
-            item = chosen[0]
-            accept = partial(self._list.rename, item.number)
-            self.name_field.ask(self._above(item), item.name, accept, above=True)
-
-    def _above(self, item: SegmentedObject) -> Position:
-        """The place above an object on the canvas; of one that the slice does not cut, the middle of what is seen."""
-        drawn = self.window.canvas_area.canvas.drawn.document.objects.items
-        shown = next((each for each in drawn if each.number == item.number), None)
-        if shown is None:
-            seen = self.window.canvas_area.canvas.view.viewRect().center()
-            return seen.y(), seen.x()
-        return min(row for curve in shown.boundary for row, _ in curve), shown.center[1]
+            row = chosen[0]
+            self.name_field.ask(
+                self._place(row), row.name, partial(self._list.rename, row.key), above=row.contour is None
+            )
 
     def take_key(self, event: QKeyEvent) -> bool:
-        """Handle the keys for chosen objects on the canvas; return whether the key was one of them."""
+        """Handle the keys for what is selected on the canvas; return whether the key was one of them."""
         tool, crosshair = self.window.canvas_area.canvas.hold.tool, self.window.canvas_area.crosshair
         if tool is None or event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier:
             return False
-        key, chosen = event.key(), self._list
-        digit, entered = key - Qt.Key.Key_0, key in _ENTER and crosshair.at is None and not tool.drafting
-        if tool.name != "objects":
-            taken = entered and bool(self._selection.proposals) and not self._selection.selecting
-            if taken:
-                self._selection.take()
-            return taken
-        if 1 <= digit <= len(chosen.objects.classes):
-            chosen.classify(digit)
-        elif chosen.chosen and key == Qt.Key.Key_Delete:
-            chosen.delete()
-        elif chosen.chosen and entered:
-            self.ask_name()
+        key, selecting = event.key(), tool.name in _SELECTING
+        if key in _ENTER:
+            selected = selecting and any(row.kind != "object" for row in self._list.selected_rows)
+            offered = tool.name != "objects" and bool(self._selection.proposals) and not self._selection.selecting
+            if crosshair.at is not None or tool.drafting or not (selected or offered):
+                return False
+            self._list.accept()
+        elif selecting and 1 <= key - Qt.Key.Key_0 <= len(self._list.objects.classes):
+            self._list.classify(key - Qt.Key.Key_0)
+        elif key in _DELETE and len(self._editing.marked) == 2:
+            self._editing.delete_stretch()
+        elif selecting and key in _DELETE and self._list.selected and not tool.drafting:
+            self._list.delete()
         else:
             return False
         return True
+
+    def _shown(self) -> frozenset[Key]:
+        """Keys of the rows in the table, without rejected ones unless there are only these."""
+        listed = self.panel.table.listed
+        return frozenset(row.key for row in [row for row in listed if row.kind != "rejected"] or listed)
+
+    def _place(self, row: Row) -> Position:
+        """The place of a row on the canvas; where the slice does not cut it, the middle of what is seen."""
+        if row.contour is not None:
+            return middle(row.contour.contour)
+        assert row.item is not None
+        canvas = self.window.canvas_area.canvas
+        drawn = (each for each in canvas.drawn.document.objects.items if each.number == row.item.number)
+        shown = row.item if row.item.boundary else next(drawn, None)
+        if shown is None:
+            seen = canvas.view.viewRect().center()
+            return seen.y(), seen.x()
+        return min(at for curve in shown.boundary for at, _ in curve), shown.center[1]
+
+    def _open(self) -> None:
+        """Rename what has been clicked twice with the tool that selects."""
+        if self.window.canvas_area.canvas.hold.tool.name == "select" and len(self._list.selected) == 1:
+            self.ask_name()
 
     def _change(self) -> None:
         self.window.canvas_area.use_tool("objects")
         self._list.begin_change(self._list.items[0].number)
 
+    def _ask_class(self, category: int) -> None:
+        """Ask for the name of a class that is used for the first time."""
+        rows = self._list.selected_rows
+        if rows:
+            accept = partial(self._list.name_class, category)
+            self.class_field.ask(self._place(rows[0]), "", accept, above=True)
+
+    def _ask_color(self) -> None:
+        menu = QMenu(self.window)
+        fill_colors(menu, self.window, self._list.paint, True)
+        menu.aboutToHide.connect(menu.deleteLater)
+        menu.popup(QCursor.pos())
+
     def _fill_classes(self, menu: QMenu) -> None:
         objects = self._list.objects
-        for category, known in enumerate(objects.classes, start=1):
+        for category in listed_classes(objects):
             text = f"{class_title(objects, category)}\t{category}"
-            action = menu.addAction(swatch(known.color), text)
-            action.setCheckable(True)
-            action.setChecked(category == objects.category)
-            action.triggered.connect(partial(self._list.classify, category))
-        menu.addSeparator()
-        number = objects.category
-        chosen = objects.classes[number - 1]
+            action = add_choice(
+                menu, text, partial(self._list.classify, category), checked=category == objects.category
+            )
+            action.setIcon(swatch(objects.classes[category - 1].color))
 
-        def rename() -> None:
-            label, button = tr("Name of class {number}:").format(number=number), tr("Use this name")
-            name = ask_for_text(self.window, tr("Name of the class"), label, button, chosen.name)
-            if name is not None:
-                self._list.name_class(number, name)
+    def _fill_uses(self, menu: QMenu) -> None:
+        objects = self._list
+        for text, do in (
+            (tr("&Start of the next run"), objects.as_starts),
+            (tr("Region of &interest"), objects.as_regions),
+            (tr("&Barrier"), objects.as_barriers),
+        ):
+            add_choice(menu, text, do).setEnabled(bool(objects.chosen))
 
-        def paint() -> None:
-            color = QColorDialog.getColor(chosen.color, self.window, tr("Color of the class"))
-            if color.isValid():
-                self._list.name_class(number, chosen.name, color.name())
+    def _closed(self) -> list[Contour]:
+        """The closed ones of the selected contours, or of all that have not been rejected if none is selected."""
+        review = self.window.workspace.review
+        items = review.chosen or [item for item in review.items if not item.reviewed.rejected]
+        return [item.contour for item in items if item.contour.closed]
 
-        menu.addAction(tr("Name this class…")).triggered.connect(rename)
-        menu.addAction(tr("Color of this class…")).triggered.connect(paint)
+    def _find_skeleton(self) -> None:
+        """Find the skeleton of the chosen objects, or of closed contours."""
+        chosen, lines = self._list.chosen, (one.points.tolist() for one in self._closed())
+        outlined = Outlined(objects=tuple(sorted(chosen)))
+        if not chosen:
+            outlined = Outlined(contours=tuple(tuple(map(tuple, line)) for line in lines))
+        if not (chosen or outlined.contours):
+            self.window.session.say(tr("There is no closed contour to find a skeleton in."))
+            return
+        find_skeleton(self.window, tr("skeleton of objects") if chosen else tr("skeleton of contours"), outlined)
+
+
+def find_skeleton(window: MainWindow, name: str, outlined: Outlined) -> None:
+    """Find center lines in what is outlined, or in the image."""
+    session = window.session
+    session.edit(name, lambda document: use_skeleton(document, outlined))
+    if session.status.phase != "running":
+        session.run()
+
+
+class SkeletonsFeature(Feature):
+    """The skeleton of the image."""
+
+    def __init__(self, window: MainWindow) -> None:
+        super().__init__(window)
+        self.actions = (
+            ActionSpec("image_skeleton", "Run", "Skeleton of the &whole image",
+                       "Find center lines in the image again, not only in objects or closed contours.",
+                       lambda: find_skeleton(window, tr("skeleton of the image"), Outlined()),
+                       when=lambda now: bool(now.document.outlines or now.document.outlined_surfaces)),
+        )  # fmt: skip

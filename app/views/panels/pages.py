@@ -6,15 +6,26 @@ from collections.abc import Callable
 
 from PySide6.QtCore import QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QKeyEvent
-from PySide6.QtWidgets import QAbstractItemView, QCheckBox, QFrame, QHBoxLayout, QLabel, QPushButton, QSlider, QSpinBox
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QCheckBox,
+    QFrame,
+    QHBoxLayout,
+    QLabel,
+    QPushButton,
+    QSlider,
+    QSpinBox,
+    QVBoxLayout,
+    QWidget,
+)
 
 from app.model.display.lengths import shown_in
 from app.model.display.page_rows import PageRow
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.session.features.stack_pages import StackPages
-from app.views.panels.tables import ENTER, Column, Index, Table, TableModel, TablePanel
-from app.views.widgets.containers import arrange
+from app.views.panels.tables import ENTER, Column, Index, Table, TableModel
+from app.views.widgets.containers import arrange, wrapped
 from cpm_core.contours import Measures
 
 _JUMP = 10
@@ -76,16 +87,16 @@ class PageTable(Table):
         self.wanted.emit(self.rows.items[self.row_at(index)])
 
 
-class PagePanel(TablePanel[PageTable]):
+class PagePanel(QWidget):
     """Shows what was found on all pages of a stack; `show` goes to the contour of a row."""
 
     def __init__(self, pages: StackPages, show: Callable[[PageRow], None]) -> None:
-        table = PageTable()
-        super().__init__(table)
+        super().__init__()
         self._pages = pages
-        self.export = QPushButton(tr("Export all pages…"))
-        self.add(self.export)
-        table.wanted.connect(show)
+        self.table, self.summary, self.export = PageTable(), wrapped(dim=True), QPushButton(tr("Export all pages…"))
+        self.setFocusProxy(self.table)
+        arrange(QVBoxLayout(self), self.summary, self.export, self.table, margins=(4, 6, 4, 6), wide=self.table)
+        self.table.wanted.connect(show)
         pages.found.connect(self.show_rows)
         self.show_rows()
 

@@ -16,7 +16,6 @@ from PySide6.QtCore import (
     QModelIndex,
     QPersistentModelIndex,
     QPoint,
-    QSize,
     QSortFilterProxyModel,
     Qt,
     Signal,
@@ -24,8 +23,6 @@ from PySide6.QtCore import (
 from PySide6.QtGui import QKeyEvent, QResizeEvent, QShowEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
-    QBoxLayout,
-    QGridLayout,
     QHeaderView,
     QLineEdit,
     QMenu,
@@ -33,7 +30,6 @@ from PySide6.QtWidgets import (
     QStyledItemDelegate,
     QTableView,
     QToolButton,
-    QVBoxLayout,
     QWidget,
 )
 
@@ -41,7 +37,6 @@ from app.model.display.lengths import PixelSize
 from app.model.text.keys import with_keys
 from app.model.text.language import tr, written
 from app.views.widgets.actions import add_choice
-from app.views.widgets.containers import Scrolled, arrange, wrapped
 
 Row = TypeVar("Row")
 Index = QModelIndex | QPersistentModelIndex
@@ -54,11 +49,8 @@ ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
 _ALONG = (Qt.Key.Key_Up, Qt.Key.Key_Down)
 
-_LEAST, _BESIDE, _PAD = 48, 236, 18
-"""Minimum height of a table, width of what is placed next to it, and margins of a column [px]."""
-
-_NARROW, _LEAST_WIDTH = 640, 260
-"""Width of a panel below which its parts are placed above each other, and its least width [px]."""
+_LEAST, _PAD = 48, 12
+"""Minimum height of a table, and margins of a column [px]."""
 
 
 @dataclass(frozen=True)
@@ -79,8 +71,8 @@ class Column(Generic[Row]):
         The widest usual text.
     power : int
         1 for lengths, 2 for areas, 3 for volumes, which are shown in the preferred unit.
-    form : str
-        Format of a number; empty for three significant digits.
+    form, suffix : str
+        Format of a number, empty for three significant digits, and what follows it.
     key : callable, optional
         What rows are sorted by if not by the value.
     """
@@ -92,6 +84,7 @@ class Column(Generic[Row]):
     sample: str
     power: int = 0
     form: str = ""
+    suffix: str = ""
     key: Callable[[Row], float] | None = None
 
     @property
@@ -108,7 +101,7 @@ class Column(Generic[Row]):
             return NONE
         value *= factor**self.power
         if self.form:
-            return written(format(value, self.form))
+            return written(format(value, self.form)) + self.suffix
         return written(f"{value:,.0f}" if value >= 1000 else f"{value:.0f}" if value >= 100 else f"{value:.3g}")
 
     def sort_key(self, row: Row) -> float | str:
@@ -145,7 +138,7 @@ class TableModel(QAbstractTableModel, Generic[Row]):
         self.columns = columns
         self.items: list[Row] = []
         self._key, self._look, self._rename = key, look, rename
-        self._unit, self._factor = "px", 1.0
+        self.unit, self.factor = "px", 1.0
 
     def key(self, row: int) -> Any:
         """Key of the item in a row."""
@@ -157,7 +150,7 @@ class TableModel(QAbstractTableModel, Generic[Row]):
         """Show these items, new ones at the end, with lengths in the unit of a size of a pixel."""
         if size is not None:
             square = set(size.spacing) == {1.0}
-            self._unit, self._factor = size.unit or ("px" if square else tr("units")), size.factor
+            self.unit, self.factor = size.unit or ("px" if square else tr("units")), size.factor
         self.columns = columns or self.columns
         present = {self._key(item): item for item in items}
         for row in reversed(range(len(self.items))):
@@ -174,6 +167,10 @@ class TableModel(QAbstractTableModel, Generic[Row]):
             self.items += present.values()
             self.endInsertRows()
 
+    def unit_of(self, column: Column[Row]) -> str:
+        """Unit of the numbers in a column, with a space before it; empty for what has none."""
+        return f" {self.unit}{('', '', '²', '³')[column.power]}" if column.power else ""
+
     # Qt interface
 
     def rowCount(self, parent: Index = QModelIndex()) -> int:  # noqa: B008  # as Qt declares it
@@ -189,15 +186,16 @@ class TableModel(QAbstractTableModel, Generic[Row]):
         if orientation == Qt.Orientation.Vertical:
             return None
         if role == Role.DisplayRole:
-            return self.columns[section].title.format(unit=self._unit)
-        return with_keys(self.columns[section].tip) if role == Role.ToolTipRole else None
+            return self.columns[section].title.format(unit=self.unit)
+        column = self.columns[section]
+        return f"{with_keys(column.tip)}{self.unit_of(column)}" if role == Role.ToolTipRole else None
 
     def data(self, index: Index, role: int = Role.DisplayRole) -> Any:
         """The text, sort key, alignment and look of a cell."""
         item, column = self.items[index.row()], self.columns[index.column()]
         match role:
             case Role.DisplayRole | Role.ToolTipRole:
-                return column.text(item, self._factor)
+                return column.text(item, self.factor)
             case Role.EditRole:
                 return column.value(item)
             case Role.UserRole:
@@ -254,7 +252,7 @@ class Table(QTableView):
         header.setSectionResizeMode(self._wide, QHeaderView.ResizeMode.Stretch)
         self._asked: dict[int, bool] = {}
         self._widths = [self.fontMetrics().horizontalAdvance(column.sample) + _PAD for column in rows.columns]
-        self._widths[self._wide] += 2 * _PAD
+        self._widths[self._wide] += _PAD  # the color
 
     def number(self, column: str) -> int:
         """Number of a column."""
@@ -264,6 +262,11 @@ class Table(QTableView):
         """The texts of a column, from top to bottom."""
         number = self.number(name)
         return [str(self._sorted.index(row, number).data()) for row in range(self._sorted.rowCount())]
+
+    def said(self, row: Any, column: Column[Any]) -> str:
+        """The text of a column for a row, with its name and the unit; empty where there is none."""
+        text = column.text(row, self.rows.factor)
+        return f"{column.title} {text}{self.rows.unit_of(column)}" if text != NONE else ""
 
     def row_at(self, index: Index) -> int:
         """The row of the model in a row of the table."""
@@ -329,9 +332,9 @@ class Selection:
 
     item: str
     refresh: Callable[[], None]
-    hover: Callable[[int | None], None]
-    choose: Callable[[Iterable[int]], None]
-    chosen: Callable[[], Set[int]]
+    hover: Callable[[Any], None]
+    choose: Callable[[Iterable[Any]], None]
+    chosen: Callable[[], Set[Any]]
     remove: Callable[[], None]
 
 
@@ -448,44 +451,6 @@ class ItemTable(Table):
             self.edit(self._sorted.index(row, self.number("name")))
 
 
-AnyTable = TypeVar("AnyTable", bound=Table)
-
-
-class TablePanel(QWidget, Generic[AnyTable]):
-    """A table with a column of widgets next to it, or above it in a narrow panel, which scrolls where it is low."""
-
-    def __init__(self, table: AnyTable) -> None:
-        super().__init__()
-        self.table = table
-        self.setFocusProxy(table)
-        self.summary = wrapped(dim=True)
-        self._content = QWidget()
-        self._column = arrange(QVBoxLayout(self._content), self.summary, None, spacing=6)
-        row = QBoxLayout(QBoxLayout.Direction.LeftToRight, self)
-        side = Scrolled(self._content, _LEAST)
-        self._layout = arrange(row, side, table, margins=(12, 6, 12, 6), spacing=12, wide=table)
-
-    def add(self, *widgets: QWidget) -> None:
-        """Place widgets next to the table, below the summary."""
-        for widget in widgets:
-            self._column.insertWidget(self._column.count() - 1, widget)
-
-    def sizeHint(self) -> QSize:
-        """Wide and low."""
-        return QSize(900, 230)
-
-    def minimumSizeHint(self) -> QSize:
-        """The least width of any arrangement."""
-        return QSize(_LEAST_WIDTH, super().minimumSizeHint().height())
-
-    def resizeEvent(self, event: QResizeEvent) -> None:
-        """Arrange the parts from top to bottom in a narrow panel."""
-        narrow = event.size().width() < _NARROW
-        self._layout.setDirection(QBoxLayout.Direction.TopToBottom if narrow else QBoxLayout.Direction.LeftToRight)
-        self._content.setMaximumWidth(16_777_215 if narrow else _BESIDE)
-        super().resizeEvent(event)
-
-
 def wide_button(text: str, do: Callable[[], object] | None = None) -> QToolButton:
     """A button as wide as its place."""
     button = QToolButton()
@@ -505,14 +470,3 @@ def menu_button(text: str, fill: Callable[[QMenu], None]) -> QToolButton:
     button.setMenu(menu)
     button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
     return button
-
-
-def button_grid(buttons: Iterable[QWidget]) -> QWidget:
-    """Buttons in two columns."""
-    widget = QWidget()
-    grid = QGridLayout(widget)
-    grid.setContentsMargins(0, 0, 0, 0)
-    grid.setSpacing(4)
-    for place, button in enumerate(buttons):
-        grid.addWidget(button, *divmod(place, 2))
-    return widget

@@ -260,7 +260,7 @@ QScrollBar:horizontal { background: transparent; height: 9px; margin: 0; }
 QScrollBar::handle:horizontal { background: $line; border-radius: 4px; min-width: 28px; }
 QScrollBar::add-line, QScrollBar::sub-line { width: 0; height: 0; }
 QScrollBar::add-page, QScrollBar::sub-page { background: transparent; }
-QHeaderView::section { color: $dim; background: $window; border: none; padding: 4px 6px;
+QHeaderView::section { color: $dim; background: $window; border: none; padding: 4px 3px;
                         border-bottom: 1px solid $line; }
 QTableView, QTreeView, QListView { background: $base; alternate-background-color: $panel;
                                     border: 1px solid $line; gridline-color: $line; }

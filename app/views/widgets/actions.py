@@ -152,6 +152,10 @@ class Actions:
     def __contains__(self, name: object) -> bool:
         return name in self._actions
 
+    def get(self, name: str) -> QAction | None:
+        """An action by its name, if there is one."""
+        return self._actions.get(name)
+
     @property
     def specs(self) -> Iterator[ActionSpec]:
         """All of them, in the order of the features."""

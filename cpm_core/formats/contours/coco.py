@@ -38,7 +38,7 @@ def encode(result: Outcome) -> bytes:
     if not parts:
         raise ValueError(
             f"No contour of {result.source} is closed, and a COCO file holds only closed ones: "
-            "let it run on, or export to GeoJSON or CSV."
+            "continue the run, or export to GeoJSON or CSV."
         )
     categories = sorted({_category(contour) for pairs in parts.values() for contour, _ in pairs})
     surrounding = {row.inside for row in rows if row.closed}

@@ -139,7 +139,9 @@ def encode_table(result: Outcome) -> bytes:
         return encode_measures(result)
     measured = result.table(in_units=bool(result.unit))
     if not measured.rows:
-        raise ValueError(f"{result.source} has no closed contour, so a table of objects would be empty: let it run on.")
+        raise ValueError(
+            f"{result.source} has no closed contour, so a table of objects would be empty: continue the run."
+        )
     firsts = {label: one for label, one in zip(contour_labels(result.contours), result.contours, strict=True) if label}
     columns: Row = {}
     for name, unit in measured.units.items():

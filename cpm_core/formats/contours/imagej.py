@@ -48,7 +48,7 @@ def encode(result: Outcome) -> bytes:
     if len(result.contours) != 1:
         raise ValueError(
             f"{result.source} has {len(result.contours) or 'no'} contours, but a .roi file holds exactly one: "
-            + ("export to .zip, which holds them all." if result.contours else "let it run on.")
+            + ("export to .zip, which holds them all." if result.contours else "continue the run.")
         )
     (number,) = numbers_of(result.contours)
     return selection(result.contours[0], number, properties_of(result))
@@ -62,7 +62,7 @@ def encode_set(result: Outcome) -> bytes:
     the same bytes. ValueError when there is no contour, because ImageJ reports an empty archive as damaged.
     """
     if not result.contours:
-        raise ValueError(f"{result.source} has no contours, and ImageJ opens no empty set: let it run on.")
+        raise ValueError(f"{result.source} has no contours, and ImageJ opens no empty set: continue the run.")
     properties, taken = properties_of(result), {""}
     found = {}
     for number, contour in zip(numbers_of(result.contours), result.contours, strict=True):

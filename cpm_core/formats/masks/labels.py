@@ -49,9 +49,7 @@ def labels_of(result: Outcome, *, outlines: bool = False) -> NDArray[np.unsigned
     """
     if isinstance(result, Result) and result.surface is not None:
         if not result.surface.closed:
-            raise ValueError(
-                f"{result.source} has no closed surface, so that nothing is inside: write the surface itself."
-            )
+            raise ValueError(f"{result.source} has no closed surface, so nothing is inside: write the surface itself.")
         return result.labels.astype(label_type(int(result.labels.max())))
     count = _count(result, outlines)
     if isinstance(result, Skeleton):
@@ -158,10 +156,10 @@ def _count(result: Outcome, outlines: bool = False) -> int:
         nothing = f"{result.source} has no skeleton, so its picture would be empty: take less smoothing"
     elif outlines:
         count = max(numbers_of(result.contours), default=0)
-        nothing = f"{result.source} has no contours, so a picture of them would be empty: let it run on"
+        nothing = f"{result.source} has no contours, so a picture of them would be empty: continue the run"
     else:
         count = max(contour_labels(result.contours), default=0)
-        nothing = f"No contour of {result.source} is closed, so a label mask would be empty: let it run on"
+        nothing = f"No contour of {result.source} is closed, so a label mask would be empty: continue the run"
     if count == 0:
         raise ValueError(f"{nothing}, or export to SVG or CSV.")
     return count

@@ -58,7 +58,7 @@ def runnable(ndim: int = 2) -> tuple[str, ...]:
 def method_named(name: str) -> AnyMethod:
     """The method of a name; ValueError with the names that there are when there is none."""
     if name not in CONTOUR_METHODS:
-        raise ValueError(f"{shown(name)} is no method: choose among {', '.join(CONTOUR_METHODS)}.")
+        raise ValueError(f"{shown(name)} is not a method: choose among {', '.join(CONTOUR_METHODS)}.")
     return CONTOUR_METHODS[name]
 
 

@@ -56,7 +56,7 @@ class Click:
 
     def __post_init__(self) -> None:
         if not self.places:
-            raise ValueError("A click has no place: give at least one position (row, col).")
+            raise ValueError("A click has no position: give at least one, (row, col).")
 
 
 @dataclass(frozen=True, slots=True)
@@ -264,6 +264,8 @@ class SegmentedObjects:
         Clicks of the selection that is being made.
     edited : int
         Number of the object that the selection changes; 0 when it will be a new one.
+    rejected : tuple of SegmentedObject
+        Objects that have been rejected, and are not to be proposed again.
 
     Raises
     ------
@@ -276,16 +278,17 @@ class SegmentedObjects:
     category: int = 1
     clicks: tuple[Click, ...] = ()
     edited: int = 0
+    rejected: tuple[SegmentedObject, ...] = ()
 
     def __post_init__(self) -> None:
         if len(self.classes) != MOST_CLASSES:
             raise ValueError(f"There are {len(self.classes)} classes of objects but there must be {MOST_CLASSES}.")
         if not 1 <= self.category <= MOST_CLASSES:
             raise ValueError(f"The class is {self.category} but must be from 1 to {MOST_CLASSES}.")
-        numbers = [item.number for item in self.items]
+        numbers = [item.number for item in (*self.items, *self.rejected)]
         if len(set(numbers)) < len(numbers):
             raise ValueError("Two objects have the same number; each needs one of its own.")
-        if self.edited and self.edited not in numbers:
+        if self.edited and self.edited not in numbers[: len(self.items)]:
             raise ValueError(f"The object being changed is number {self.edited}, but there is none with this number.")
 
     def __getitem__(self, number: int) -> SegmentedObject:
@@ -298,7 +301,7 @@ class SegmentedObjects:
     @property
     def next_number(self) -> int:
         """A number that no object has."""
-        return max((item.number for item in self.items), default=0) + 1
+        return max((item.number for item in (*self.items, *self.rejected)), default=0) + 1
 
     @property
     def barriers(self) -> tuple[Line | Voxels, ...]:

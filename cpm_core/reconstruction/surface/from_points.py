@@ -182,7 +182,7 @@ def reconstruct_surface(points: ArrayLike, normals: ArrayLike | None = None) -> 
             raise ValueError(f"There are {len(places)} points, but {len(outward)} normals: give one for each point.")
         lengths = np.linalg.norm(outward, axis=1)
         if not (lengths > 0.0).all():
-            raise ValueError("A normal of length zero points nowhere: leave its point out.")
+            raise ValueError("A normal of length zero has no direction: leave its point out.")
         outward = outward / lengths[:, None]
     elif len(places) < _FEWEST_FOR_NORMALS:
         raise ValueError(

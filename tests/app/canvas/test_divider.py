@@ -7,6 +7,7 @@ from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QApplication
 
+from app.model.document.contours import judge
 from app.session.features.comparison import NOW
 from app.views.features.compare import CompareFeature
 
@@ -47,8 +48,9 @@ def drag(divider, by: int) -> None:
 
 
 def test_both_sides_show_their_result_at_the_same_place(ready, wipe, hand) -> None:
-    ready.workspace.review.select(item.key for item in ready.workspace.review.items)
-    ready.workspace.review.judge("rejected")
+    review = ready.workspace.review
+    targets = [review.target(item) for item in review.items]
+    ready.session.edit("reject", lambda document: judge(document, targets, "rejected"))
     mirror = wipe.mirror
     assert [name.text() for name in wipe.names] == [
         "Shown now",

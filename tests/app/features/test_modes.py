@@ -138,11 +138,11 @@ def test_sliders_of_the_skeleton_act_without_a_new_run_and_are_undone(window, ha
 
 def test_closed_contours_have_a_skeleton_of_their_own_until_the_image_is_asked_for(ready, hand) -> None:
     session = ready.session
-    assert not ready.actions_by_name["contour_skeleton"].isEnabled()
+    assert not ready.actions_by_name["skeleton"].isEnabled()
     hand.key(Qt.Key.Key_Space)
     hand.wait_for_phase("finished")
     hand.wait(lambda: session.idle)
-    ready.actions_by_name["contour_skeleton"].trigger()
+    ready.actions_by_name["skeleton"].trigger()
     hand.wait(lambda: session.scene.skeleton is not None and session.idle)
     assert len(session.document.outlined.contours) == 1
     radius = session.scene.skeleton.radii[0].max()
@@ -163,7 +163,7 @@ def test_objects_have_a_skeleton_of_their_own_that_follows_them(window, hand) ->
     with_it = SegmentedObjects((item,))
     session.edit("an object", lambda document: replace(document, objects=with_it))
     window.workspace.object_list.choose([1])
-    window.actions_by_name["object_skeleton"].trigger()
+    window.actions_by_name["skeleton"].trigger()
     hand.wait(lambda: session.scene.skeleton is not None and session.idle)
     first = session.scene.skeleton
     assert np.concatenate(first.radii).max() == pytest.approx(5.0, abs=0.1)

@@ -27,10 +27,5 @@ def test_an_empty_mark_is_removed() -> None:
     assert contours.rename(Document(), [Target(None, HERE)], "  ") == Document()
 
 
-def test_everything_can_be_forgotten_at_once() -> None:
-    document = contours.judge(Document(), [Target(None, HERE), Target(None, THERE)], "kept")
-    assert contours.clear_marks(document) == Document()
-
-
 def test_marks_change_nothing_that_a_run_starts_from() -> None:
     assert contours.judge(Document(), [Target(None, HERE)], "kept").sources == Document().sources

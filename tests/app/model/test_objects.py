@@ -37,11 +37,17 @@ def selected(*squares: tuple[float, float], confidence: float = 0.5) -> Selectio
 FRAME, DOT = selected((4.5, 25.5), (9.5, 20.5)), selected((11.5, 18.5))
 
 
+def accepted(document: Document, selection: Selection, clicks: tuple[Click, ...], number: int = 0) -> Document:
+    known = document.objects
+    given = objects.made(selection, clicks, number or known.next_number, known.category)
+    return objects.accept(document, (given,), ends=True)
+
+
 @pytest.fixture
 def document() -> Document:
     """A document with a frame, and a dot of another class in its hole."""
-    one = objects.take(Document(IMAGE), [(FRAME, (HERE,), 0)])
-    return objects.take(objects.classify(one, (), 2), [(DOT, (THERE,), 0)])
+    one = accepted(Document(IMAGE), FRAME, (HERE,))
+    return accepted(objects.classify(one, (), 2), DOT, (THERE,))
 
 
 def numbers(document: Document) -> list[int]:
@@ -53,19 +59,23 @@ def test_what_is_taken_has_the_boundary_of_the_selection_and_a_number_of_its_own
     assert (frame.number, dot.number) == (1, 2)
     assert [np.array(curve).tolist() for curve in frame.boundary] == [c.points.tolist() for c in FRAME.contours]
     assert (frame.clicks, frame.confidence, frame.strength, dot.category) == ((HERE,), 0.5, 3.0, 2)
-    assert numbers(objects.take(objects.delete(document, (1,)), [(FRAME, (HERE,), 0)])) == [2, 3]
+    assert numbers(accepted(objects.delete(document, (1,)), FRAME, (HERE,))) == [2, 3]
 
 
-def test_an_empty_selection_is_not_taken(document) -> None:
-    nothing = Selection(np.zeros((40, 40), bool), (), (), 0.0, np.empty((0, 2)), np.empty((0, 2)))
-    assert objects.take(document, [(nothing, (HERE,), 0)]) == document
+def test_rejected_objects_are_kept_with_numbers_of_their_own_until_they_are_accepted_or_deleted(document) -> None:
+    offered = objects.made(selected((30.5, 36.5)), (HERE,), 7, 1)
+    left = objects.reject(document, (2,), (offered,))
+    assert (numbers(left), [item.number for item in left.objects.rejected]) == ([1], [2, 3])
+    again = objects.accept(left, left.objects.rejected[:1])
+    assert (numbers(again), [item.number for item in again.objects.rejected]) == ([1, 2], [3])
+    assert objects.delete(again, (3,)).objects.rejected == ()
 
 
 def test_a_changed_object_keeps_its_number_name_and_class(document) -> None:
-    named = objects.rename(document, 2, " dot ")
+    named = objects.rename(document, (2,), " dot ")
     changing = objects.begin_change(named, 2)
     assert (changing.objects.clicks, changing.objects.edited, changing.objects.category) == ((THERE,), 2, 2)
-    changed = objects.take(changing, [(FRAME, (THERE, HERE), 2)])
+    changed = accepted(changing, FRAME, (THERE, HERE), 2)
     item = changed.objects[2]
     assert (item.name, item.category, len(item.boundary), item.clicks) == ("dot", 2, 2, (THERE, HERE))
     assert changed.objects.edited == 0
@@ -99,7 +109,7 @@ def test_the_start_from_an_object_is_its_outer_boundary(document) -> None:
 
 
 def test_exported_labels_are_the_numbers_of_the_objects_and_holes_have_none(document) -> None:
-    rest = objects.delete(objects.take(document, [(selected((30.5, 36.5)), (HERE,), 0)]), (2,))
+    rest = objects.delete(accepted(document, selected((30.5, 36.5)), (HERE,)), (2,))
     labels = labels_of(objects.objects_result(rest))
     assert labels[7, 7] > 0
     assert labels[15, 15] == 0
@@ -121,7 +131,7 @@ def test_an_export_names_the_objects_and_tells_what_was_bridged(document) -> Non
 
 def test_a_guard_counts_the_objects_that_are_not_saved() -> None:
     none = Document(IMAGE)
-    two = objects.take(none, [(FRAME, (HERE,), 0), (selected((2.0, 3.5)), (THERE,), 0)])
+    two = accepted(accepted(none, FRAME, (HERE,)), selected((2.0, 3.5)), (THERE,))
     assert changed_parts(two, none) == ("2 objects",)
-    assert changed_parts(objects.rename(two, 2, "spot"), two) == ("1 object",)
+    assert changed_parts(objects.rename(two, (2,), "spot"), two) == ("1 object",)
     assert changed_parts(objects.delete(two, [1]), two) == ("the objects",)

@@ -11,13 +11,13 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from PySide6.QtCore import QPoint, Qt
+from tests.app.panels.test_contour_table import found  # noqa: F401  # a fixture
 
 from app.model.display.effects import MOTION, Distribution, FilterCounts, figures
 from app.model.parameters.controls import MAIN, controls, with_value
 from cpm_core import PRESETS, Engine, circle
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import measure
-from tests.app.panels.test_contour_table import found  # noqa: F401  # a fixture
 
 pytestmark = pytest.mark.shared_window
 

@@ -1,22 +1,29 @@
-"""The table of objects: what it shows, and what is done in it by mouse and keys."""
+"""One table of objects, proposals and contours: what it shows, and what is done in it by mouse and keys."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPoint, Qt
+from PySide6.QtCore import QPoint, QRect, Qt
+from PySide6.QtWidgets import QLineEdit, QMenu
 
 from app.model.document.edits import set_pixel_size
+from app.session.exchange.contour_tracking import ContourTracker
+from app.session.scene import Proposal, ReviewedContours
 from app.views.features.objects import ObjectsFeature
+from cpm_core.contours.contour import Contour
+from cpm_core.objects import boundaries_result
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, SegmentedObjects
+from cpm_core.objects.selection import Selection
 
 pytestmark = pytest.mark.shared_window
 
-KEY, CONTROL = Qt.Key, Qt.KeyboardModifier.ControlModifier
-SIDE = 40.0
+KEY, CONTROL, SHIFT = Qt.Key, Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
+LEFT, SIDE = Qt.MouseButton.LeftButton, 40.0
 
 
 def square(row: float, col: float, side: float) -> tuple[tuple[float, float], ...]:
@@ -30,26 +37,82 @@ FRAME = SegmentedObject(1, (Click(((12.0, 12.0),)),), (OUTER, HOLE), (GAP,), 0.7
 DOT = SegmentedObject(2, (Click(((24.0, 24.0),)),), (square(21.5, 21.5, 4.0),), category=2)
 
 
+def shown_contours(window, *contours: Contour) -> None:
+    """Show contours as a run would have found them."""
+    image = window.session.image
+    result = boundaries_result(contours, [], image.shape, image.spacing, image.unit, "")
+    tracked = ContourTracker().track(result, thorough=True)
+    scene = window.session.scene
+    window.session.show(replace(scene, contours=ReviewedContours.of(tracked, scene.document.marks)))
+
+
 @pytest.fixture
-def table(window, hand):
+def offer(window, monkeypatch) -> Callable[..., None]:
+    """Proposes squares, and nothing else."""
+    monkeypatch.setattr(window.workspace.object_selection, "_follow", lambda: None)
+    return lambda *corners: _offer(window, *corners)
+
+
+def _offer(window, *corners: tuple[float, float, float]) -> None:
+    shape = window.session.image.shape
+    row, col = np.indices(shape)
+    found = []
+    for top, left, side in corners:
+        mask = (row > top) & (row < top + side) & (col > left) & (col < left + side)
+        line = Contour(np.array(square(top, left, side)), True, 5.0)
+        place = np.array([[top + side / 2, left + side / 2]])
+        found.append(Proposal(Selection(mask, (line,), (), 0.9, place, np.empty((0, 2))), ()))
+    scene = window.session.scene
+    window.session.show(replace(scene, objects=replace(scene.objects, proposals=tuple(found))))
+
+
+@pytest.fixture
+def panel(window, hand):
+    """The panel, at the front."""
+    window.resize(1600, 900)
+    window.docks.reveal("objects")
+    hand.wait(window.panels["objects"].isVisible)
+    return window.panels["objects"]
+
+
+@pytest.fixture
+def table(window, hand, panel):
     """The table of a window with a square frame and a dot in its hole."""
     items = SegmentedObjects((FRAME, DOT))
     window.session.edit("draw", lambda document: replace(document, objects=items))
-    window.actions_by_name["object_table"].trigger()
-    found = window.panels["objects"].table
-    hand.wait(lambda: "–" not in found.column("gray"))
-    return found
+    hand.wait(lambda: "–" not in panel.table.column("gray"))
+    return panel.table
+
+
+@pytest.fixture
+def drawn(window, panel):
+    """The table of a window with four closed contours, one in another, and an open one."""
+    rings = [(5.5, 5.5, 30.0), (12.5, 12.5, 12.0), (45.5, 5.5, 8.0), (45.5, 30.5, 6.0)]
+    closed = [Contour(np.array(square(*ring)), True, 10.0 + at) for at, ring in enumerate(rings)]
+    line = Contour(np.array([[40.0, 5.0], [40.0, 50.0], [42.0, 58.0]]), False, 4.0)
+    shown_contours(window, *closed, line)
+    return panel.table
+
+
+def cell(table, row: int, column: str = "name") -> QRect:
+    index = table.model().index(row, table.number(column))
+    table.scrollTo(index)
+    return table.visualRect(index)
 
 
 def choose(hand, table, row: int, modifier: Qt.KeyboardModifier = Qt.KeyboardModifier.NoModifier) -> QPoint:
     """Click a row."""
-    at = table.visualRect(table.model().index(row, 1)).center()
-    hand.qtbot.mouseClick(table.viewport(), Qt.MouseButton.LeftButton, modifier, at)
+    at = cell(table, row).center()
+    hand.qtbot.mouseClick(table.viewport(), LEFT, modifier, at)
     return at
 
 
 def items(window) -> tuple[SegmentedObject, ...]:
     return window.session.document.objects.items
+
+
+def undo_name(window) -> str:
+    return window.session.history.undo_name
 
 
 def test_it_measures_what_the_boundaries_enclose_without_holes(window, table) -> None:
@@ -58,54 +121,250 @@ def test_it_measures_what_the_boundaries_enclose_without_holes(window, table) ->
     inside[10:50, 10:50] = True
     inside[20:30, 20:30] = False
     assert table.column("area") == ["1,500", "16"]
-    assert table.column("perimeter") == ["200", "16"]
+    assert table.column("length") == ["200", "16"]
     assert table.column("gray") == [f"{values[inside].mean():.0f}", f"{values[22:26, 22:26].mean():.0f}"]
     assert table.column("gaps") == ["12", "–"]
-    assert table.column("confidence") == ["0.75", "0.00"]
-    assert table.column("class") == ["1  object", "2  class 2"]
+    assert table.column("confidence") == ["75 %", "–"]
+    assert table.column("class") == ["object", "class 2"]
 
 
 def test_lengths_and_areas_are_in_the_unit_of_the_image(window, hand, table) -> None:
     session = window.session
     session.edit("size of a pixel", lambda d: set_pixel_size(d, (0.5, 0.25), "µm"))
     assert table.column("area") == [f"{1500 * 0.125:.0f}", "2"]
-    assert table.column("perimeter") == [f"{math.fsum((160 * 0.375, 40 * 0.375)):.3g}", "6"]
-    assert table.model().headerData(3, Qt.Orientation.Horizontal) == "Net area [µm²]"
+    assert table.column("length") == [f"{math.fsum((160 * 0.375, 40 * 0.375)):.3g}", "6"]
+    tip = table.model().headerData(3, Qt.Orientation.Horizontal, Qt.ItemDataRole.ToolTipRole)
+    assert tip.endswith("µm²")
+
+
+def test_the_columns_that_are_shown_fit_with_their_whole_titles_and_the_first_ones_fit_the_panel(drawn) -> None:
+    header = drawn.horizontalHeader()
+    assert all(
+        not drawn.isColumnHidden(drawn.number(name)) for name in ("number", "name", "class", "area", "confidence")
+    )
+    for width in (320, 700, 1600):
+        drawn.resize(width, 200)
+        assert drawn.horizontalScrollBar().maximum() == 0
+        shown = [index for index in range(len(drawn.rows.columns)) if not drawn.isColumnHidden(index)]
+        assert shown == list(range(len(shown)))
+        assert all(header.sectionSize(index) >= header.sectionSizeHint(index) for index in shown)
 
 
 def test_a_click_on_a_row_chooses_its_object_and_a_heading_sorts(window, hand, table) -> None:
     choose(hand, table, 1)
     assert window.workspace.object_list.chosen == {2}
-    table.sortByColumn(3, Qt.SortOrder.AscendingOrder)
+    header, area = table.horizontalHeader(), table.number("area")
+    at = QPoint(header.sectionViewportPosition(area) + 8, header.height() // 2)
+    hand.qtbot.mouseClick(header.viewport(), LEFT, pos=at)
     assert table.column("number") == ["2", "1"]
     assert window.workspace.object_list.chosen == {2}
     choose(hand, table, 1, CONTROL)
     assert window.workspace.object_list.chosen == {1, 2}
+    table.sortByColumn(0, Qt.SortOrder.AscendingOrder)
+
+
+def test_a_contour_along_the_boundary_of_an_object_or_a_proposal_is_no_row(window, hand, table, offer) -> None:
+    near = square(22.0, 22.0, 3.2)  # half a pixel off the dot
+    part = Contour(np.array(square(9.5, 9.5, SIDE))[:3], False, 1.0)
+    away = Contour(np.array(square(52.5, 52.5, 5.0)), True, 1.0)
+    shown_contours(window, Contour(np.array(near), True, 1.0), part, away)
+    assert table.column("class") == ["object", "class 2", "closed"]
+    offer((52.5, 52.5, 5.0))
+    assert table.column("class") == ["object", "class 2", "proposal"]
+
+
+def test_the_filter_limits_the_rows_and_keeps_the_selection_and_the_summary_counts(
+    window, hand, panel, drawn, offer
+) -> None:
+    window.session.edit("draw", lambda document: replace(document, objects=SegmentedObjects((DOT,))))
+    offer((50.5, 50.5, 8.0))
+    assert panel.summary.text() == "1 object, 1 proposal, 4 closed contours, 1 open contour"
+    choose(hand, drawn, drawn.column("class").index("open"))
+    hand.qtbot.keyClick(drawn, KEY.Key_Delete)
+    counts = []
+    for choice in range(panel.shown.count()):
+        panel.shown.setFocus()
+        while panel.shown.currentIndex() != choice:
+            hand.qtbot.keyClick(panel.shown, KEY.Key_Down if choice > panel.shown.currentIndex() else KEY.Key_Up)
+        counts.append(len(drawn.column("number")))
+    assert counts == [7, 1, 1, 4, 1]
+    assert {row.kind for row in window.workspace.object_list.selected_rows} == {"rejected"}
+    assert len(drawn.selectionModel().selectedRows()) == 1
+
+
+def test_accepted_closed_contours_are_objects_with_those_directly_in_them_as_holes(window, hand, drawn) -> None:
+    choose(hand, drawn, 0)
+    choose(hand, drawn, 1, SHIFT)
+    window.actions_by_name["accept"].trigger()
+    (one,) = items(window)
+    assert one.area == pytest.approx(900.0 - 144.0)
+    assert undo_name(window).startswith("accept")
+    assert drawn.column("class").count("closed") == 2
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Z, CONTROL)
+    assert items(window) == ()
+    assert drawn.column("class").count("closed") == 4
+
+
+def test_several_rows_of_any_kind_are_accepted_in_one_step_and_open_contours_are_kept(
+    window, hand, drawn, offer
+) -> None:
+    offer((50.5, 50.5, 8.0))
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_A, CONTROL)
+    hand.canvas.setFocus()
+    window.actions_by_name["accept"].trigger()
+    # the inner ring is a hole of the outer one
+    assert sorted(len(item.boundary) for item in items(window)) == [1, 1, 1, 2]
+    assert undo_name(window) == "accept 6 objects"
+    assert [mark.verdict for mark in window.session.document.marks] == ["kept"]
+    window.session.undo()
+    assert items(window) == () and window.session.document.marks == ()
+
+
+def test_a_rejected_object_goes_and_is_listed_as_rejected_until_it_is_accepted_again(window, hand, table) -> None:
+    choose(hand, table, 1)
+    hand.key(KEY.Key_X)
+    assert items(window) == (FRAME,)
+    assert table.column("class") == ["object", "rejected"]
+    assert window.session.document.objects.rejected == (DOT,)
+    choose(hand, table, 1)
+    window.actions_by_name["accept"].trigger()
+    assert items(window) == (FRAME, DOT)
+
+
+def test_rejected_contours_are_undone_together(window, hand, drawn) -> None:
+    choose(hand, drawn, 0)
+    choose(hand, drawn, 2, SHIFT)
+    hand.key(KEY.Key_X)
+    assert drawn.column("class").count("rejected") == 3
+    assert hand.canvas.layers.contours.rejected.count == 3
+    assert undo_name(window) == "reject 3 contours"
+    hand.key(KEY.Key_Z, CONTROL)
+    assert drawn.column("class").count("rejected") == 0
+
+
+def test_a_digit_accepts_and_classes_and_the_second_class_asks_for_its_name(window, hand, drawn) -> None:
+    choose(hand, drawn, 2)
+    hand.qtbot.keyClick(drawn, KEY.Key_1)
+    assert [item.category for item in items(window)] == [1]
+    feature = window.feature(ObjectsFeature)
+    assert not feature.class_field.isVisible()
+    choose(hand, drawn, drawn.column("class").index("closed"))
+    hand.qtbot.keyClick(drawn, KEY.Key_2)
+    assert [item.category for item in items(window)] == [1, 2]
+    hand.wait(feature.class_field.isVisible)
+    hand.qtbot.keyClicks(feature.class_field, "vessel")
+    hand.qtbot.keyClick(feature.class_field, KEY.Key_Return)
+    assert "2 vessel" in drawn.column("class")
+    assert "2" not in undo_name(window)
+
+
+def test_classes_are_listed_once_they_are_used_and_have_names_and_colors_in_the_panel(
+    window, hand, panel, table
+) -> None:
+    assert list(panel.classes) == [1, 2, 3]
+    field = panel.classes[1].name
+    hand.qtbot.mouseClick(field, LEFT)
+    hand.qtbot.keyClicks(field, "bone")
+    hand.qtbot.keyClick(field, KEY.Key_Return)
+    panel.classes[1].color.menu().actions()[0].trigger()
+    assert (window.session.document.objects.classes[0].name, items(window)[0].name) == ("bone", "frame")
+    assert window.session.document.objects.classes[0].color == "#e69f00"
+    choose(hand, table, 1)
+    hand.qtbot.mouseClick(panel.classes[3].digit, LEFT)
+    assert [item.category for item in items(window)] == [1, 3]
+    assert table.column("class") == ["1 bone", "class 3"]
 
 
 def test_keys_classify_and_remove_the_chosen_objects(window, hand, table) -> None:
     choose(hand, table, 0)
     hand.qtbot.keyClick(table, KEY.Key_4)
+    window.feature(ObjectsFeature).class_field.leave()
     assert [item.category for item in items(window)] == [4, 2]
     hand.qtbot.keyClick(table, KEY.Key_Delete)
     assert items(window) == (DOT,)
 
 
-def test_buttons_hide_freeze_and_merge(window, hand, table) -> None:
-    buttons, layer = window.panels["objects"].buttons, window.canvas_area.canvas.layers["objects"]
-    choose(hand, table, 1)
-    assert not buttons["merge"].isEnabled()
-    hand.qtbot.mouseClick(buttons["hide"], Qt.MouseButton.LeftButton)
-    assert layer.fills.count == 1
-    assert (buttons["hide"].text(), table.column("state")[1]) == ("Show", "hidden")
-    hand.qtbot.mouseClick(buttons["hide"], Qt.MouseButton.LeftButton)
-    hand.qtbot.mouseClick(buttons["freeze"], Qt.MouseButton.LeftButton)
-    assert items(window)[1].frozen
-    choose(hand, table, 0, CONTROL)
-    hand.qtbot.mouseClick(buttons["merge"], Qt.MouseButton.LeftButton)
+def test_the_form_shows_names_and_draws_what_is_chosen(window, hand, panel, table) -> None:
+    assert not panel.name.isVisible()
+    choose(hand, table, 0)
+    assert panel.name.text() == "frame"
+    assert panel.figures.text() == "object · Area 1,500 px² · Length 200 px · 75 % sure"
+    assert sum(panel.histogram._counts) == 1500
+    hand.qtbot.mouseDClick(panel.name, LEFT)
+    hand.qtbot.keyClicks(panel.name, "femur")
+    hand.qtbot.keyClick(panel.name, KEY.Key_Return)
+    assert items(window)[0].name == "femur"
+    assert undo_name(window) == "name frame"
+    choose(hand, table, 1, CONTROL)
+    assert not panel.name.isVisible()
+    hand.qtbot.mouseClick(panel.buttons["merge_objects"], LEFT)
     (whole,) = items(window)
-    assert whole.number == 1
-    assert whole.area == pytest.approx(1516.0, rel=0.005)
+    assert (whole.number, whole.area) == (1, pytest.approx(1516.0, rel=0.005))
+
+
+def test_objects_are_hidden_and_frozen(window, hand, table) -> None:
+    layer = window.canvas_area.canvas.layers["objects"]
+    choose(hand, table, 1)
+    window.actions_by_name["hide_object"].trigger()
+    assert layer.fills.count == 1
+    assert (window.actions_by_name["hide_object"].text(), table.column("state")[1]) == ("Show", "hidden")
+    window.actions_by_name["hide_object"].trigger()
+    window.actions_by_name["freeze_object"].trigger()
+    assert items(window)[1].frozen
+
+
+def test_a_double_click_names_a_contour_which_accepts_it(window, hand, drawn) -> None:
+    at = choose(hand, drawn, 2)
+    hand.qtbot.mouseDClick(drawn.viewport(), LEFT, pos=at)
+    editor = drawn.viewport().findChild(QLineEdit) or drawn.findChild(QLineEdit)
+    hand.qtbot.keyClicks(editor, "xenon")  # the first letter is a key of the window as well
+    hand.qtbot.keyClick(editor, KEY.Key_Return)
+    hand.wait(lambda: [item.name for item in items(window)] == ["xenon"])
+    assert drawn.column("name")[0] == "xenon"
+
+
+def test_a_color_is_that_of_objects_and_contours_alike(window, hand, drawn) -> None:
+    window.session.edit("draw", lambda document: replace(document, objects=SegmentedObjects((DOT,))))
+    choose(hand, drawn, 0)
+    choose(hand, drawn, 1, SHIFT)
+    window.feature(ObjectsFeature)._ask_color()
+    popup = window.findChildren(QMenu)[-1]
+    next(action for action in popup.actions() if action.text() == "Orange").trigger()
+    popup.close()
+    assert items(window)[0].color == "#e69f00"
+    assert [mark.color for mark in window.session.document.marks] == ["#e69f00"]
+
+
+def test_new_contours_preserve_the_selection_and_a_name_being_edited(window, hand, drawn) -> None:
+    choose(hand, drawn, 2)
+    hand.qtbot.keyClick(drawn, KEY.Key_F2)
+    editor = drawn.findChild(QLineEdit)
+    hand.qtbot.keyClicks(editor, "half a na")
+    scene = window.session.scene
+    again = replace(scene.contours, items=scene.contours.items[:3])
+    window.session.show(replace(scene, contours=again))
+    assert len(drawn.column("number")) == 3
+    assert editor.text() == "half a na" and editor.isVisible()
+    assert len(window.workspace.object_list.selected) == 1
+    hand.qtbot.keyClick(editor, KEY.Key_Escape)
+
+
+def test_the_panel_opens_with_the_present_rows_and_its_key_gives_it_the_keyboard_and_takes_it_back(
+    window, hand, panel, drawn
+) -> None:
+    window.docks.bring("run")
+    window.workspace.object_list.select([("contour", 0)])
+    window.workspace.object_list.reject()
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_O, CONTROL | SHIFT)
+    hand.wait(panel.isVisible)
+    assert drawn.column("class").count("rejected") == 1
+    assert len(drawn.selectionModel().selectedRows()) == 1
+    assert drawn.hasFocus()
+    hand.key(KEY.Key_O, CONTROL | SHIFT)
+    assert hand.canvas.hasFocus()
 
 
 def test_the_layer_draws_objects_in_the_color_of_their_class_and_gaps_dashed(window, hand, table) -> None:
@@ -128,7 +387,7 @@ def test_a_name_that_is_typed_goes_to_no_object_of_another_image(window, hand, t
     field = window.feature(ObjectsFeature).name_field
     choose(hand, table, 0)
     hand.canvas.setFocus()
-    window.actions_by_name["name_object"].trigger()
+    hand.key(KEY.Key_F2)
     hand.wait(field.isVisible)
     before = window.session.image_generation
     window.session.open(image_file)

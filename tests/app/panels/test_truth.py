@@ -12,6 +12,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
 from app.model.display.differences import differences
+from app.model.document.contours import judge
 from app.model.document.imported import add_objects, objects_of
 from app.session.features.background import LatestOnlyWorker
 from app.session.features.comparison import NOW, Row
@@ -109,8 +110,9 @@ def test_the_largest_difference_is_brought_into_view(compared, hand) -> None:
 
 def test_a_rejected_contour_is_excluded_until_it_is_restored(compared, hand) -> None:
     before, agreed = figure(compared, "dice"), compared.workspace.comparison.agreed
-    compared.workspace.review.select(item.key for item in compared.workspace.review.items)
-    compared.workspace.review.judge("rejected")
+    review = compared.workspace.review
+    targets = [review.target(item) for item in review.items]
+    compared.session.edit("reject", lambda document: judge(document, targets, "rejected"))
     hand.wait(lambda: figure(compared, "dice") == 0.0)
     assert math.isinf(compared.workspace.comparison.agreed[NOW].hausdorff)
     compared.session.undo()
@@ -125,6 +127,19 @@ def test_objects_are_compared_where_there_are_any(compared, hand) -> None:
     hand.wait(lambda: figure(compared, "dice") > 0.99)
     compared.session.undo()
     hand.wait(lambda: figure(compared, "dice") == before)
+
+
+def test_true_objects_that_touch_are_taken_one_by_one(compared, hand, tmp_path) -> None:
+    labels = np.zeros((64, 64), np.uint8)
+    labels[10:30, 10:30], labels[10:30, 30:50], labels[40:50, 0:20] = 1, 2, 3
+    np.save(tmp_path / "labels.npy", labels)
+    comparison = compared.workspace.comparison
+    comparison.load(tmp_path / "labels.npy")
+    hand.wait(lambda: truth_row(compared).title == "labels.npy")
+    comparison.use(truth_row(compared).key)
+    hand.wait(lambda: len(compared.session.document.objects.items) == 3)
+    for item in compared.session.document.objects.items:
+        np.testing.assert_array_equal(item.mask((64, 64)), labels == item.number)
 
 
 def test_any_row_can_be_the_reference(compared, hand) -> None:

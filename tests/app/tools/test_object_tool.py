@@ -182,13 +182,19 @@ def test_who_draws_a_circle_in_an_object_and_runs_gets_it_offered_and_enter_take
     hand.wait(lambda: selection.idle and not selection.proposals)
 
 
+def _plain(action) -> str:
+    return action.text().replace("&", "")
+
+
 @pytest.mark.parametrize(
-    ("action", "kind"), [("object_start", Polygon), ("object_region", Region), ("object_barrier", Barrier)]
+    ("use", "kind"), [("Start of the next run", Polygon), ("Region of interest", Region), ("Barrier", Barrier)]
 )
-def test_an_object_becomes_a_start_a_region_or_a_barrier(window, hand, objects, action, kind) -> None:
+def test_an_object_becomes_a_start_a_region_or_a_barrier(window, hand, objects, use, kind) -> None:
     click(hand, 18, 18)
     take(hand)
-    window.actions_by_name[action].trigger()
+    submenu = next(action.menu() for action in window.menus["Objects"].actions() if "Use as" in _plain(action))
+    submenu.aboutToShow.emit()
+    next(action for action in submenu.actions() if _plain(action) == use).trigger()
     (shape,) = window.session.document.shapes
     assert isinstance(shape, kind)
     away = np.hypot(*(np.array(shape.points) - SMALL[0]).T)

@@ -38,7 +38,12 @@ def image_file(tmp_path):
 @pytest.fixture
 def pair(window, hand):
     """One object around both nuclei, with a name, and the tool in use with the edges at hand."""
-    window.session.edit("both", lambda d: objects.add_region(d, (Contour(around(), True),), "both"))
+    window.session.edit(
+        "both",
+        lambda d: objects.rename(
+            objects.accept(d, [objects.bounded(d.objects, [Contour(around(), True)])]), (1,), "both"
+        ),
+    )
     hand.canvas.setFocus()
     hand.key(KEY.Key_K)
     hand.move(5, 5)

@@ -89,14 +89,14 @@ def test_a_right_click_on_a_shape_selects_it(window, hand, menus, shape, thing) 
 def test_the_menu_of_a_table_row_selects_the_row_and_is_that_of_the_canvas(ready, hand, menus) -> None:
     run(ready, hand)
     ready.resize(1400, 900)
-    hand.key(KEY.Key_T, MODIFIER.ControlModifier)
-    table = ready.panels["contours"].table
+    ready.docks.enter("objects")
+    table = ready.panels["objects"].table
     hand.wait(table.isVisible)
     row = table.visualRect(table.model().index(0, 0)).center()
     hand.wait(lambda: table.viewport().visibleRegion().contains(row))
     ask(table.viewport(), row)
-    assert len(ready.workspace.review.selected) == 1
-    assert names(ready, menus.menu) == [n for n in THINGS["contour"] if n in ready.actions_by_name]
+    assert len(ready.workspace.object_list.selected) == 1
+    assert names(ready, menus.menu) == [n for n in THINGS["object"] if n in ready.actions_by_name]
     menus.menu.close()
     header = table.horizontalHeader()
     ask(header.viewport(), QPoint(header.sectionViewportPosition(1) + 4, 4))

@@ -132,14 +132,12 @@ def test_a_table_that_opens_is_walked_at_once(board, hand) -> None:
     hand.key(KEY.Key_Space)
     hand.wait(lambda: board.session.status.phase == "finished" and bool(board.workspace.review.items))
     shapes = board.session.document.shapes
-    for key, modifier in ((KEY.Key_T, MODIFIER.ControlModifier), (KEY.Key_F11, MODIFIER.NoModifier)):
-        board.docks.bring("run")
-        board.workspace.review.select(())
-        hand.canvas.setFocus()
-        hand.key(key, modifier)
-        hand.wait(board.panels["contours"].table.hasFocus)
-        hand.key(KEY.Key_Down)
-        assert len(board.workspace.review.selected) == 1
+    board.workspace.review.choose()
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_O, MODIFIER.ControlModifier | MODIFIER.ShiftModifier)
+    hand.wait(board.panels["objects"].table.hasFocus)
+    hand.key(KEY.Key_Down)
+    assert len(board.workspace.object_list.selected) == 1
     assert board.session.document.shapes == shapes
     hand.key(KEY.Key_Escape)
     assert hand.canvas.hasFocus()

@@ -112,10 +112,10 @@ def test_no_translation_says_a_key_that_is_not_in_its_sentence(catalog) -> None:
 def test_changed_keys_are_in_every_sentence_of_the_window(window, renamed) -> None:
     said = texts_of(window)
     assert not [text for text in said if "{key:" in text]
-    for name in ("objects", "escape", "previous_slice", "next_slice", "name_contour", "keep", "reject"):
+    for name in ("objects", "escape", "previous_slice", "next_slice", "name_object", "reject"):
         assert any(renamed[name] in text for text in said), name
-    assert renamed["reject"] in window.actions_by_name["contours"].toolTip()
-    assert renamed["reject"] in window.actions_by_name["contours"].statusTip()
+    assert renamed["reject"] in window.actions_by_name["select"].toolTip()
+    assert renamed["reject"] in window.actions_by_name["select"].statusTip()
 
 
 def test_the_guide_follows_changed_keys_while_it_is_open(window, hand) -> None:

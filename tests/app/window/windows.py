@@ -57,7 +57,7 @@ def begin_anew(window: MainWindow, views: dict[str, dict[str, object]]) -> None:
             layer.use_view_state(views[layer.name])
     for table in window.findChildren(ItemTable):
         table.sortByColumn(0, Qt.SortOrder.AscendingOrder)
-    window.panels["contours"].shown.setCurrentIndex(0)
+    window.panels["objects"].shown.setCurrentIndex(0)
     window.docks.column.show()
     window.docks.bring("run")
     for tool in window.canvas_area._tools.values():

@@ -100,7 +100,7 @@ def test_exported_contours_are_read_as_the_same_truth(tmp_path, suffix):
 def test_a_noisy_image_and_a_constant_one_are_no_masks(tmp_path):
     noise = np.random.default_rng(0).integers(0, 200, SHAPE).astype(np.uint8)
     PIL.Image.fromarray(noise).save(tmp_path / "noise.png")
-    with pytest.raises(ValueError, match=r"noise\.png has \d+ gray levels .* it is an image and no mask"):
+    with pytest.raises(ValueError, match=r"noise\.png has \d+ gray levels .* it is an image, not a mask"):
         load_truth(tmp_path / "noise.png", SHAPE)
     PIL.Image.fromarray(np.full(SHAPE, 9, np.uint8)).save(tmp_path / "blank.png")
     with pytest.raises(ValueError, match=r"blank\.png has one gray level everywhere"):

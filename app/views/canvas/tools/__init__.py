@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from app.views.canvas.tools.brush_tools import BrushTool, EraserTool, SprayTool
-from app.views.canvas.tools.contours import ContourTool
 from app.views.canvas.tools.drawn import AttractTool, CircleTool, EllipseTool, PointTool, RepelTool
 from app.views.canvas.tools.edit_contours import EditContoursTool
 from app.views.canvas.tools.objects import ObjectTool
@@ -18,7 +17,6 @@ TOOLS: tuple[type[Tool], ...] = (
     OutlineTool,
     SelectTool,
     EraserTool,
-    ContourTool,
     EditContoursTool,
     BrushTool,
     SplitTool,

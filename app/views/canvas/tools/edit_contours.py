@@ -62,12 +62,7 @@ class EditContoursTool(Tool):
         if len(self._editing.marked) == 2:
             return with_keys(tr("Delete removes the stretch between the marks; {key:escape} removes the marks."))
         if self._editing.marked:
-            return with_keys(
-                tr(
-                    "Click a second place on this contour to mark a stretch; {key:cut_contour} cuts at the mark, "
-                    "{key:close_contours} closes."
-                )
-            )
+            return tr("Click a second place on this contour to mark a stretch.")
         if not self._review.items:
             return tr("There are no contours to edit yet: let the particles run, or draw one with the outline tool.")
         return tr("Drag an end to another end, or drag a stretch. Click to mark a place, Shift-click to cut.")

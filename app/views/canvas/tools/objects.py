@@ -94,12 +94,12 @@ class ObjectTool(Tool):
     def hover(self, at: Place) -> None:
         """Show what a click would take."""
         existing = self._existing(at)
-        self._list.hover(existing)
+        self._list.hover(("object", existing) if existing else None)
         self._selection.point(None if existing else at, self._inside)
 
     def finish(self) -> None:
-        """Take the object."""
-        self._selection.take()
+        """Accept the object."""
+        self._list.accept()
 
     def take_back(self) -> None:
         """Take back the last click."""
@@ -114,7 +114,7 @@ class ObjectTool(Tool):
 
     def put_away(self) -> None:
         """Hide what a click would take."""
-        self._list.hover(0)
+        self._list.hover(None)
         self._selection.point(None)
 
     def cursor(self, at: Place, reach: float) -> Cursor:

@@ -1,50 +1,112 @@
-"""The tool that selects, moves and reshapes."""
+"""The tool that selects: shapes, which it moves and reshapes, objects, proposals and contours."""
 
 from __future__ import annotations
 
+import math
 import operator
 
+import numpy as np
+from PySide6.QtCore import Qt
+
 from app.model.document.edits import Hit
+from app.model.text.keys import with_keys
 from app.model.text.language import from_core, tr
+from app.session.features.object_list import Key
 from app.session.features.slices import hit_in
 from app.views.canvas.tools.tool import SELECT, Cursor, ShapeTool
-from cpm_core.numerics import Place
+from app.views.theme import theme
+from cpm_core.numerics import Place, Position
 from cpm_core.shapes import Circle
+
+_ADDING = Qt.KeyboardModifier.ShiftModifier | Qt.KeyboardModifier.ControlModifier
+_REMOVING = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.AltModifier
+_MOST_STEPS = 200
+"""Most places along one move of the pointer at which contours are looked for."""
 
 
 class SelectTool(ShapeTool):
-    """Selects shapes, moves them, and reshapes them by their handles; where there is none, it moves the cross."""
+    """Selects by a click, by a frame that is dragged from an empty place, or by a drag from one contour across others.
+
+    A shape moves with the pointer, and reshapes by its handles. Shift adds to the selection, Ctrl removes from it; a
+    click with either of them removes what is selected, and adds what is not. In a volume a click next to all moves
+    the cross.
+    """
 
     name = "select"
-    text = tr("&Select")
+    text = tr("&Select tool")
+    word = tr("Select")
     shortcut = "S"
     group = SELECT
-    panel = "objects"
-    tip = tr("Select, move and reshape what is drawn.")
+    tip = tr(
+        "Click objects, contours or shapes to select them, or drag a frame around them; drag a shape to move it. "
+        "{key:accept} accepts, {key:reject} rejects."
+    )
     by_keys = tr("Enter picks up what lies under the cross-hair, arrow keys move it, Enter puts it down.")
 
     def set_up(self) -> None:
         """Set what it keeps between events."""
         super().set_up()
+        self._review, self._list = self._workspace.review, self._workspace.object_list
         self._part = ""
         self._anchor: Place = (0.0, 0.0)
         self._crossing = False
+        self._reach = 0.0
+        self._corner: Position | None = None
+        """Where a frame begins."""
+        self._last: Position | None = None
+        """Where the pointer was last on its way across contours."""
+        self._chosen: frozenset[Key] = frozenset()
+        self._found: frozenset[Key] = frozenset()
+        self._removes = False
+
+    @property
+    def advice(self) -> str:
+        """What can be done with what is selected."""
+        if self._corner is not None or self._last is not None:
+            return with_keys(tr("Shift adds to the selection, Ctrl removes from it; {key:escape} cancels."))
+        kinds = {row.kind for row in self._list.selected_rows}
+        if kinds == {"object"}:
+            return with_keys(tr("{key:name_object}: rename · 1-9: class · Delete: remove · {key:reject}: reject"))
+        if kinds:
+            return with_keys(tr("Enter accepts · {key:reject} rejects · {key:name_object}: name · 1-9: class"))
+        return tr("Click to select, or drag a frame around several.") if self._list.rows else ""
 
     def press(self, at: Place, reach: float) -> None:
-        """Select the shape under the pointer."""
-        found = self._hit(at, reach)
+        """Select the shape, object or contour under the pointer, or begin a frame."""
+        self._reach, self._chosen = reach, self._list.selected
+        found, key = self._met(at, reach)
+        self._session.select(found.index if found is not None else None)
         if found is not None:
             self._begin(found.index)
             self._part, self._anchor = found.part, found.at or at
-        self._session.select(found.index if found else None)
-        self._crossing = found is None and self.here is not None
+            self._list.select(())
+            return
+        self._crossing = key is None and self.here is not None
+        self._found = frozenset(() if key is None else (key,))
+        self._removes = key in self._chosen if self.modifiers & _ADDING else bool(self.modifiers & _REMOVING)
+        if key is not None and key[0] == "contour" and self._list.at(at, reach, areas=False) == key:
+            self._last = self.flat(at)
+        elif self.here is None:
+            self._corner = self.flat(at)
+        if key is not None:
+            self._show()
         self.drag(at)
 
     def drag(self, at: Place) -> None:
-        """Move the selected shape, or its handle."""
+        """Move the selected shape, or its handle; or select what lies in the frame, or what the pointer crosses."""
         shape = self._before
         if self._crossing:
             self._workspace.slices.through(at)
+        if self._corner is not None:
+            self._draw_frame(self._corner, self.flat(at))
+        elif self._last is not None:
+            here = self.flat(at)
+            steps = math.dist(self._last, here) / max(0.5 * self._reach, 1e-9)
+            way = np.linspace(self._last, here, 2 + min(int(steps), _MOST_STEPS))
+            found = (self._list.at((float(row), float(col)), 0.5 * self._reach, areas=False) for row, col in way)
+            self._found |= {key for key in found if key is not None and key[0] == "contour"}
+            self._last = here
+            self._show()
         if shape is None or at == self._anchor:
             return
         if self._part == "handle":
@@ -56,14 +118,32 @@ class SelectTool(ShapeTool):
             self._put(tr("move {shape}").format(shape=from_core(shape.title)), shape.moved(by))
 
     def release(self) -> None:
-        """Keep shape and cross as they are."""
-        self._crossing = False
+        """Keep what is selected; a click next to everything selects nothing."""
+        if self._before is None and not self._found and not self.modifiers & (_ADDING | _REMOVING):
+            self._list.select(())
+        self._leave()
         super().release()
 
+    def cancel(self) -> None:
+        """Restore the shape, select what was selected before, and highlight nothing."""
+        if self._corner is not None or self._last is not None:
+            known = {row.key for row in self._list.rows}
+            self._list.select(self._chosen & known)
+        self._leave()
+        self._list.hover(None)
+        super().cancel()
+
+    def put_away(self) -> None:
+        """Highlight nothing."""
+        self._list.hover(None)
+
     def cursor(self, at: Place, reach: float) -> Cursor:
-        """A four-way arrow over a shape, a hand or a two-way arrow over a handle."""
-        found = self._hit(at, reach)
+        """Arrows over a shape, a hand over what can be selected, which is also highlighted."""
+        found, key = self._met(at, reach)
+        self._list.hover(key)
         if found is None:
+            if key is not None:
+                return Cursor.PointingHandCursor
             return Cursor.ArrowCursor if self.here is None else Cursor.CrossCursor
         shape = self._session.document.shapes[found.index]
         if found.part == "body" or not isinstance(shape, Circle):
@@ -76,5 +156,40 @@ class SelectTool(ShapeTool):
         found = self._hit(at, reach)
         return found is not None and found.part == "handle"
 
+    def _met(self, at: Place, reach: float) -> tuple[Hit | None, Key | None]:
+        """The shape under a place, or else the row: lines come before areas, and the selected shape first."""
+        found = self._hit(at, reach)
+        if found is not None:
+            shape = self._session.document.shapes[found.index]
+            selected = found.index == self._session.selected
+            if found.part == "handle" or selected or shape.distance(at) <= reach:
+                return found, None
+        key = self._list.at(at, reach)
+        return (None, key) if key is not None else (found, None)
+
     def _hit(self, at: Place, reach: float) -> Hit | None:
         return hit_in(self._session.scene, at, reach, self.here)
+
+    def _draw_frame(self, corner: Position, at: Position) -> None:
+        """Select what lies in the frame, once it is larger than a click."""
+        if max(abs(at[0] - corner[0]), abs(at[1] - corner[1])) <= self._reach:
+            return
+        frame = (corner, (corner[0], at[1]), at, (at[0], corner[1]))
+        self._removes = bool(self.modifiers & _REMOVING)
+        self._found = self._list.within(frame)
+        self._drawing.show_draft((), (*frame, corner), theme.CHOSEN)
+        self._show()
+
+    def _show(self) -> None:
+        """Select what has been found, as the modifier keys say."""
+        if self._removes:
+            self._list.select(self._chosen - self._found)
+        else:
+            self._list.select(self._found | self._chosen if self.modifiers & _ADDING else self._found)
+        self._advised()
+
+    def _leave(self) -> None:
+        self._corner = self._last = None
+        self._found, self._crossing = frozenset(), False
+        self._drawing.show_draft()
+        self._advised()

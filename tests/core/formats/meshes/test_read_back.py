@@ -227,7 +227,7 @@ def test_a_file_that_is_cut_off_is_refused_in_a_sentence_or_read_in_part(suffix,
 
 def test_a_volume_of_another_size_or_without_labels_is_refused(tmp_path):
     np.save(tmp_path / "gray.npy", VALUES)
-    with pytest.raises(ValueError, match=r"gray\.npy has .* so it is an image and no mask"):
+    with pytest.raises(ValueError, match=r"gray\.npy has .* so it is an image, not a mask"):
         load_surface(tmp_path / "gray.npy")
     np.save(tmp_path / "small.npy", np.ones((8, 9, 10), np.uint8))
     with pytest.raises(ValueError, match=r"small\.npy has 8 x 9 x 10 voxels, but this volume has 16 x 20 x 24"):
