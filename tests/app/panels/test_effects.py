@@ -11,13 +11,14 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from PySide6.QtCore import QPoint, Qt
-from tests.app.panels.test_contour_table import found  # noqa: F401  # a fixture
 
 from app.model.display.effects import MOTION, Distribution, FilterCounts, figures
+from app.model.document import edits
 from app.model.parameters.controls import MAIN, controls, with_value
-from cpm_core import PRESETS, Engine, circle
+from cpm_core import PRESETS, Engine, Parameters, circle
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import measure
+from cpm_core.shapes import Circle
 
 pytestmark = pytest.mark.shared_window
 
@@ -102,7 +103,30 @@ def test_gaps_are_counted_between_loose_ends_alone() -> None:
     assert counts.words("beta", 1.0, None) == ""
 
 
-@pytest.mark.usefixtures("found")
+@pytest.fixture
+def four(window, hand, tmp_path):
+    """A window in which four contours have been found."""
+    row, col = np.indices((96, 128))
+    values = np.full(row.shape, 20.0)
+    discs = ((48, 40, 28, 90.0), (48, 40, 12, 90.0), (28, 100, 14, 180.0), (76, 100, 10, 60.0))
+    for at_row, at_col, radius, rise in discs:
+        values += np.where(np.hypot(row - at_row, col - at_col) < radius, rise, 0.0)
+    np.save(tmp_path / "discs.npy", values)
+    session = window.session
+    session.open(tmp_path / "discs.npy")
+    hand.wait(lambda: session.document.image is not None and session.document.image.name == "discs.npy")
+    session.edit("reach", lambda document: replace(document, parameters=Parameters()))
+    for at_row, at_col, radius, _ in discs:
+        start = Circle((float(at_row), float(at_col)), 0.75 * radius)
+        session.edit("draw", lambda document, start=start: edits.add_shape(document, start))
+    hand.canvas.setFocus()
+    hand.key(Qt.Key.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: session.idle)
+    hand.wait(lambda: len(window.workspace.review.items) == 4)
+
+
+@pytest.mark.usefixtures("four")
 def test_a_filter_that_is_dragged_tells_before_and_after_and_then_what_is_left(window, hand) -> None:
     row = window.panels["run"].parameters.rows["min_strength"]
     assert row.effect.text() == "4 contours"
