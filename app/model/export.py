@@ -14,7 +14,7 @@ from app.model.document.document import Document
 from app.model.document.modes import MODES
 from app.model.document.objects import objects_result
 from app.model.text.language import from_core, tr, written
-from cpm_core import METHODS, Contour, Image, Parameters, Result, Skeleton, edge_map
+from cpm_core import METHODS, Contour, Image, Result, Skeleton
 from cpm_core.contours import apply, with_kept
 from cpm_core.formats import (
     ANIMATED,
@@ -33,7 +33,6 @@ from cpm_core.formats import (
 from cpm_core.image import Convention, has_matplotlib
 from cpm_core.numerics import polyline
 from cpm_core.parameters import Provenance, taken
-from cpm_core.reconstruction import can_be_closed, close_contours
 
 What = Literal["objects", "contours", "skeleton", "surface", "lines", "pages", "space", "turntable", "run"]
 
@@ -117,9 +116,6 @@ def file_name(base: str, what: What, suffix: str, alone: bool) -> str:
     return f"{base}_{what}{_ENDINGS.get(suffix, suffix) if what != 'pages' else suffix}"
 
 
-Closing = Literal["", "edges", "straight"]
-"""How open contours are closed: not at all, along the edges of the image, or straight."""
-
 BY_HAND = frozenset({".labelme.json"})
 """Suffixes of formats that are edited by hand, for which few vertices count."""
 
@@ -143,14 +139,10 @@ class ExportOrder:
         The files.
     objects, contours : frozenset of int or None
         Numbers of those that are written; None for all.
-    closing : {"", "edges", "straight"}
-        How open contours are closed whose ends are near each other.
     tolerance : float
         How far a line may move where vertices are left out [px]; 0 keeps all.
     everywhere : bool
         Whether vertices are left out in all formats, not only in those that are edited by hand.
-    outlines : bool
-        Whether masks hold lines in place of filled contours.
     space : {"LPS", "RAS"}
         Where the coordinates of a surface point.
     in_units : bool
@@ -160,10 +152,8 @@ class ExportOrder:
     files: tuple[ExportFile, ...] = ()
     objects: frozenset[int] | None = None
     contours: frozenset[int] | None = None
-    closing: Closing = ""
     tolerance: float = 0.0
     everywhere: bool = False
-    outlines: bool = False
     space: Convention = "LPS"
     in_units: bool = True
 
@@ -185,10 +175,10 @@ def has_objects(document: Document) -> bool:
 def chosen(
     found: Result | Skeleton | None, document: Document, order: ExportOrder, what: What, image: Image | None = None
 ) -> Result | Skeleton:
-    """What is exported, before open contours are closed; ValueError where there is nothing of the kind."""
+    """What is exported with all its vertices; ValueError where there is nothing of the kind."""
     result = objects_result(document, order.objects) if what == "objects" else found
     if result is None:
-        raise ValueError(tr("There is nothing to export yet: let the particles run first."))
+        raise ValueError(tr("There is nothing to export yet: start a run first."))
     known = document.image
     if known is not None and known.unit and not known.is_volume:  # it may have been set after the run
         result = replace(result, spacing=known.spacing, unit=known.unit)
@@ -205,14 +195,6 @@ def chosen(
     vertices = {tuple(point) for contour in contours for point in contour.points.tolist()}
     bridges = tuple(bridge for bridge in shown.bridges if tuple(bridge.points[1].tolist()) in vertices)
     return replace(shown, contours=contours, bridges=bridges)
-
-
-def closed(result: Result | Skeleton, order: ExportOrder, image: Image, parameters: Parameters) -> Result | Skeleton:
-    """The result with open contours closed as ordered."""
-    if not order.closing or isinstance(result, Skeleton) or not any(map(can_be_closed, result.contours)):
-        return result
-    gray = image.gray(parameters.channel)
-    return close_contours(result, edge_map(gray, parameters.smoothing) if order.closing == "edges" else None)
 
 
 def thinned(result: Result | Skeleton, tolerance: float) -> Result | Skeleton:
@@ -232,7 +214,7 @@ def _thinned(contour: Contour, tolerance: float) -> Contour:
     return replace(contour, points=np.array(few)) if len(few) > 2 else contour
 
 
-def summary_text(result: Result | Skeleton, what: What, suffix: str, order: ExportOrder) -> str:
+def summary_text(result: Result | Skeleton, what: What, suffix: str) -> str:
     """What a file with a suffix holds of a result, and what not."""
     surface = result.surface if isinstance(result, Result) else None
     if what == "objects":
@@ -241,9 +223,9 @@ def summary_text(result: Result | Skeleton, what: What, suffix: str, order: Expo
     elif surface is not None:
         return tr("a surface of {count} triangles").format(count=written(f"{len(surface.faces):,}"))
     else:
-        count = len(result.contours) - left_out(result, suffix, outlines=order.outlines)
+        count = len(result.contours) - left_out(result, suffix)
         text = tr("1 contour") if count == 1 else tr("{count} contours").format(count=count)
-    missing = left_out(result, suffix, outlines=order.outlines)
+    missing = left_out(result, suffix)
     return f"{text}, {tr('{count} open ones left out').format(count=missing)}" if missing else text
 
 

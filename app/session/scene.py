@@ -81,11 +81,33 @@ class Proposal:
         What it was selected by.
     number : int
         Number of the object that it would replace; 0 for a new one.
+    key : int
+        What it is chosen by, below 0, the same as long as it is offered; 0 for the object of the clicks.
     """
 
     selection: AnySelection
     clicks: tuple[Click, ...]
     number: int = 0
+    key: int = 0
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Preview:
+    """What a click under the pointer would change.
+
+    Attributes
+    ----------
+    after : Selection or VolumeSelection
+        The object after the click.
+    before : Selection, VolumeSelection or None
+        The object as it is; None when the click would begin one.
+    adds : bool
+        Whether the click adds to it; otherwise it takes away.
+    """
+
+    after: AnySelection
+    before: AnySelection | None
+    adds: bool
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -95,17 +117,17 @@ class ShownObjects:
     Attributes
     ----------
     proposals : tuple of Proposal
-        Objects that are offered: that of the clicks, or those of the starts of the run.
-    preview : Selection, VolumeSelection or None
-        What a click under the pointer would take.
+        Objects that are offered: that of the clicks, and those of the run.
+    preview : Preview or None
+        What a click under the pointer would change.
     chosen : frozenset of int
-        Numbers of the chosen objects.
+        Numbers of the chosen objects, and keys of the chosen proposals.
     hovered : int
-        Number of the object under the pointer; 0 for none.
+        Number of the object, or key of the proposal, under the pointer; 0 for none.
     """
 
     proposals: tuple[Proposal, ...] = ()
-    preview: AnySelection | None = None
+    preview: Preview | None = None
     chosen: frozenset[int] = frozenset()
     hovered: int = 0
 

@@ -130,12 +130,13 @@ def objects(stand: Stand) -> None:
         selection.click((place,))
         stand.settle()
         wait(lambda: selection.idle and bool(selection.proposals))
-        selection.take()
+        taken.accept()
         taken.classify(category)
         stand.settle()
     for category, name in ((1, "small"), (2, "large")):
         taken.name_class(category, name)
-    window.feature(ObjectsFeature).name_field.hide()
+    for field in (window.feature(ObjectsFeature).name_field, window.feature(ObjectsFeature).class_field):
+        field.hide()
     selection.click(((214.0, 206.0),))
     selection.click(((238.0, 231.0),), inside=False)
     window.docks.reveal("objects")

@@ -8,8 +8,9 @@ from pathlib import Path
 
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtTest import QTest
-from PySide6.QtWidgets import QApplication, QFileDialog, QMenu, QWidget
+from PySide6.QtWidgets import QApplication, QFileDialog, QWidget
 
+from app.views.features.files import StartFeature
 from app.views.window.window import MainWindow
 from cpm_core.shapes import Circle
 from tests.e2e.conftest import PATIENCE
@@ -57,12 +58,14 @@ def test_the_main_job_is_done_by_keys_alone(window, qtbot, tmp_path) -> None:
 
 
 def open_the_sample(window: MainWindow, keys: Keys) -> None:
-    """By the menu."""
+    """By the menu and the start screen."""
     session = window.session
     generation = session.image_generation
     keys.press(KEY.Key_F, held=ALT)
     keys.press(KEY.Key_M)
-    keys.wait(lambda: isinstance(QApplication.activePopupWidget(), QMenu))
+    keys.wait(window.feature(StartFeature).screen.isVisible)
+    window.activateWindow()  # as a window manager does when a menu closes
+    keys.wait(window.isActiveWindow)
     keys.press(KEY.Key_Return)
     keys.wait(lambda: session.image_generation != generation and session.idle)
     assert session.document.image.name == "u_shape.png"
@@ -157,8 +160,10 @@ def export(window: MainWindow, keys: Keys, path: Path) -> None:
     asking.start()
     keys.press(KEY.Key_Space)
     assert named == [QFileDialog.DialogCode.Accepted]
+    dialog.activateWindow()  # as a window manager does when a dialog closes
+    keys.wait(dialog.isActiveWindow)
     path = next(file.path for file in dialog.files if file.suffix == path.suffix)
-    keys.press(KEY.Key_E, held=Qt.KeyboardModifier.AltModifier)
+    keys.press(KEY.Key_E, held=ALT)
     keys.wait(path.exists)
     assert json.loads(path.read_text())["features"]
     keys.wait(lambda: window.session.idle)

@@ -56,7 +56,7 @@ def parameter_trials(parameters: Parameters, axes: Sequence[Axis]) -> tuple[Tria
         raise ValueError(tr("Both parameters are the same: choose two different ones."))
     trials = []
     for values in itertools.product(*(axis.values for axis in axes)):
-        title = ", ".join(f"{axis.control.symbol} = {short_text(value)}"
+        title = ", ".join(f"{axis.control.symbol} {short_text(value)}"
                           for axis, value in zip(axes, values, strict=True))  # fmt: skip
         chosen = tuple(zip(names, values, strict=True))
         trials.append(Trial(title, with_values(parameters, chosen), chosen))
@@ -66,7 +66,7 @@ def parameter_trials(parameters: Parameters, axes: Sequence[Axis]) -> tuple[Tria
 def method_trials(compared: Compared, parameters: Parameters) -> tuple[Trial, ...]:
     """A run of each chosen method; ValueError when there is none."""
     if not compared.methods:
-        raise ValueError(tr("Choose one method at least."))
+        raise ValueError(tr("Choose at least one method."))
     return tuple(
         Trial(from_core(method.title), parameters if method.of_particles else compared.settings_of(name), method=name)
         for name, method in ((name, CONTOUR_METHODS[name]) for name in compared.methods)

@@ -15,8 +15,8 @@ from cpm_core.numerics import Position
 NAMES: Mapping[Kind, str] = MappingProxyType(
     {
         "cut": tr("cut contour"),
-        "deletion": tr("delete stretch of contour"),
-        "redrawing": tr("redraw stretch of contour"),
+        "deletion": tr("delete segment of contour"),
+        "redrawing": tr("redraw segment of contour"),
         "join": tr("join contours"),
         "extension": tr("extend contour"),
         "line": tr("draw contour"),

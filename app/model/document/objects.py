@@ -42,30 +42,16 @@ _DECIMALS = 3
 # Selecting
 
 
-def click(document: Document, said: Click) -> Document:
-    """The document with one more click on the object that is being selected."""
-    return _with(document, clicks=(*document.objects.clicks, said))
+def first_clicks(item: SegmentedObject, shape: tuple[int, ...]) -> tuple[Click, ...]:
+    """The clicks by which an object of an image of this shape is selected anew: its own, or one where it is widest."""
+    return item.clicks or (Click((item.innermost(shape),)),)
 
 
-def take_back(document: Document) -> Document:
-    """The document without the last click; no object is being changed any more when it was the only one."""
-    objects = document.objects
-    left = objects.clicks[:-1]
-    return _with(document, clicks=left, edited=objects.edited if left else 0)
-
-
-def drop(document: Document) -> Document:
-    """The document in which no object is being selected."""
-    return _with(document, clicks=(), edited=0)
-
-
-def begin_change(document: Document, number: int) -> Document:
-    """The document in which an object is being selected anew, beginning with its own clicks."""
-    item = document.objects[number]
-    clicks = item.clicks
-    if not clicks and document.image is not None:
-        clicks = (Click((item.innermost(document.image.shape),)),)
-    return _with(document, clicks=clicks, edited=number, category=item.category)
+def select(document: Document, clicks: tuple[Click, ...], number: int = 0) -> Document:
+    """The document in which the object of some clicks is being selected; with a number, in place of that object."""
+    known = document.objects
+    category = known[number].category if number and number != known.edited else known.category
+    return _with(document, clicks=clicks, edited=number if clicks else 0, category=category)
 
 
 Found = tuple[AnySelection, tuple[Click, ...], int]
@@ -197,6 +183,16 @@ def split(document: Document, whole: SegmentedObject, halves: Halves) -> Documen
     if whole.number in known and whole.number != objects.edited:
         return _with(document, items=items)
     return _with(document, items=items, clicks=(), edited=0)
+
+
+def put(document: Document, number: int, item: SegmentedObject | None = None) -> Document:
+    """The document with another object of a number, or without one; it is no longer being changed by clicks."""
+    objects = document.objects
+    items = {each.number: each for each in objects.items} | ({} if item is None else {number: item})
+    left = tuple(each for each in items.values() if item is not None or each.number != number)
+    changing = objects.edited == number
+    clicks, edited = ((), 0) if changing else (objects.clicks, objects.edited)
+    return _with(document, items=left, clicks=clicks, edited=edited)
 
 
 def name_class(document: Document, category: int, name: str, color: str = "") -> Document:
@@ -375,19 +371,13 @@ def brushed(
     Document
         The object without clicks, of which the boundary is no longer the answer.
     """
-    objects = document.objects
-    items = {item.number: item for item in objects.items}
-    if boundary:
-        made = before or SegmentedObject(number, (), boundary, category=objects.category)
-        kept = tuple(gap for gap in made.gaps if lies_on(gap, boundary))
-        painted = []
-        for points in map(np.array, boundary):
-            on = np.abs(polyline.distances(path, points) - radius) <= _ON_BRUSH
-            runs = (points[run].tolist() for run in polyline.stretches(on, closed=True) if len(run) > 1)
-            painted += [tuple((row, col) for row, col in run) for run in runs]
-        items[number] = replace(made, clicks=(), boundary=boundary, gaps=(*kept, *painted))
-    else:
-        items.pop(number, None)
-    edited = objects.edited if objects.edited != number else 0
-    clicks = objects.clicks if edited == objects.edited else ()
-    return replace(document, objects=replace(objects, items=tuple(items.values()), edited=edited, clicks=clicks))
+    if not boundary:
+        return put(document, number)
+    made = before or SegmentedObject(number, (), boundary, category=document.objects.category)
+    kept = tuple(gap for gap in made.gaps if lies_on(gap, boundary))
+    painted = []
+    for points in map(np.array, boundary):
+        on = np.abs(polyline.distances(path, points) - radius) <= _ON_BRUSH
+        runs = (points[run].tolist() for run in polyline.stretches(on, closed=True) if len(run) > 1)
+        painted += [tuple((row, col) for row, col in run) for run in runs]
+    return put(document, number, replace(made, clicks=(), boundary=boundary, gaps=(*kept, *painted)))

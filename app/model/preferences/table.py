@@ -147,10 +147,9 @@ POINT_SIZE = Number(
 INKS = {
     name: Color(name=f"colors/{name}", label=label, default=color)
     for name, label, color in (
-        ("closed", tr("Closed contours"), "#56b4e9"),
-        ("open", tr("Open contours"), "#ff9d1e"),
+        ("contour", tr("Contours"), "#eceff3"),
+        ("proposal", tr("Proposed objects"), "#62a8ff"),
         ("by_hand", tr("Drawn by hand"), "#c4f042"),
-        ("bridge", tr("Bridged gaps"), "#ffffff"),
         ("rejected", tr("Rejected contours"), "#c3c9d1"),
         ("moving", tr("Moving particles"), "#f0e442"),
         ("resting", tr("Particles at rest"), "#2bd4a4"),

@@ -159,7 +159,7 @@ def can_step(situation: Situation) -> bool:
 
 NOT_IN_VOLUMES = frozenset(
     (
-        *("edit_contours", "outline", "brush", "close_contours", "show_rejected"),
+        *("mend", "outline", "close_contours", "show_rejected"),
         *("split", "objects_alike", "apply_to_folder"),
     )
 )
@@ -190,15 +190,18 @@ OTHERWISE_IN_VOLUMES: Mapping[str, tuple[str, str]] = MappingProxyType(
         "points": (tr("&Points"), tr("Click to place a point in the slice.")),
         "import_contours": (
             tr("&Import surface…"),
-            tr("Read a surface, labels or center lines, as a start, as objects or as ground truth."),
+            tr("Import a surface, labels or center lines as a start, as objects or as ground truth."),
         ),
         "region": (
             tr("Region of &interest"),
-            tr("Drag a box, or click corner by corner around what particles are to stay in, through all slices."),
+            tr(
+                "Drag a box, or click corner by corner, around the region that particles must stay in, "
+                "through all slices."
+            ),
         ),
         "barrier": (
             tr("&Barrier"),
-            tr("Drag, or click corner by corner, where no particle is to cross, through all slices."),
+            tr("Drag, or click corner by corner, to draw a line that no particle crosses, through all slices."),
         ),
     }
 )

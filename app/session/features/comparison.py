@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -19,11 +19,10 @@ from app.model.document.document import NOTHING_TO_START_FROM, Document
 from app.model.document.imported import add_objects, bodies_of, objects_of
 from app.model.document.objects import objects_result
 from app.model.text.language import tr
-from app.session.exchange.contour_tracking import TrackedContours
-from app.session.exchange.messages import CommandFailed, Reconstruction
+from app.session.exchange.messages import CommandFailed
 from app.session.features.background import IdentityCache, LatestOnlyWorker
 from app.session.features.timeline import TimelineNavigation
-from app.session.features.trials import run_trials, start_of
+from app.session.features.trials import run_trials, scene_of, start_of
 from app.session.scene import ReviewedContours, Scene
 from app.session.session import Session
 from app.session.tasks.tasks import Task
@@ -31,7 +30,6 @@ from app.session.worker.requests import FrameTaken, take_frame
 from cpm_core import (
     Comparison,
     Contour,
-    Facts,
     Image,
     Result,
     SurfaceComparison,
@@ -41,12 +39,12 @@ from cpm_core import (
     compare_surface,
     load_truth,
     load_volume_truth,
-    measure,
 )
 from cpm_core.contours import TOLERANCE, numbered, truth_of_contours, truth_of_mask
-from cpm_core.formats import TruthFile, comparison, write_together
+from cpm_core.formats import TruthFile, write_together
+from cpm_core.formats.common.printable import cell
+from cpm_core.formats.contours.contour_csv import table
 from cpm_core.objects.segmented import SegmentedObject
-from cpm_core.shapes import Barrier, Charge, Region, outlines_of, starts_of
 
 NOW = 0
 """Key of what is shown now, which is always compared."""
@@ -56,6 +54,7 @@ _QUIET = 200
 """Time without another step after which another run is shown at the same step [ms]."""
 
 Agreed = Comparison | SurfaceComparison
+_Marked = tuple[tuple[Difference, ...], tuple[Apart, ...]]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -99,6 +98,8 @@ class Row:
         """Number of objects, or of contours; in a volume of objects, or of parts of the surface."""
         if self.found is None:
             return None
+        if self.truth is not None:
+            return int(self.truth.objects.max())
         if self.found.surface is not None:
             numbers = self.found.surface.numbers
             return self.found.surface.components if numbers is None else len(np.unique(numbers))
@@ -107,8 +108,7 @@ class Row:
     @property
     def usable(self) -> bool:
         """Whether there is something in it that the document can take over."""
-        planned = self.trial is not None and bool(self.trial.values)
-        return self.key != NOW and (planned or self.found is not None)
+        return self.key != NOW and self.found is not None
 
 
 class ComparedResults(QObject):
@@ -184,8 +184,7 @@ class ComparedResults(QObject):
     def run(self, trials: Sequence[Trial]) -> None:
         """Run trials, without changing the run of the session; ValueError when there is no start."""
         image, document = self._session.image, self._session.document
-        of_methods = any(trial.method for trial in trials)
-        if of_methods:
+        if any(trial.method for trial in trials):
             start_of(document)
         elif not document.starts:
             raise ValueError(NOTHING_TO_START_FROM)
@@ -197,20 +196,15 @@ class ComparedResults(QObject):
             self._add(Row(key, trial.title, state=tr("waiting"), trial=trial))
         self.task = self._session.tasks.start(
             tr("Running {count} results to compare…").format(count=len(trials)),
-            partial(run_trials, image, document, planned, self._begin, self._end),
+            partial(run_trials, image, document, planned, self._news.emit),
             tr("running results to compare"),
         )
-        if of_methods and (note := _left_out(document)):
-            self._session.say(note)
 
     def cancel(self) -> None:
-        """Cancel the runs that have not ended, and remove their rows."""
+        """Cancel the runs that have not ended."""
         if self.task is not None:
             self.task.cancel()
-            self.task = None
-            for row in [row for row in self.rows.values() if row.trial and row.found is None and row.state]:
-                self.remove(row.key)
-            self.changed.emit()
+            self._look()
 
     def remove(self, key: int) -> None:
         """Remove a row; what is shown now stays."""
@@ -227,7 +221,7 @@ class ComparedResults(QObject):
         """Another image has been opened."""
         self.cancel()
         self._latest.forget()
-        self.rows, self._path = {NOW: Row(NOW, tr("Shown now"))}, None
+        self.rows, self._path, self._made = {NOW: Row(NOW, tr("Shown now"))}, None, IdentityCache()
         self.reference = self.chosen = NOW
         self.chosen_changed.emit()
         self.refer_to(NOW)
@@ -245,8 +239,7 @@ class ComparedResults(QObject):
     def refer_to(self, key: int) -> None:
         """Compare all others with a row."""
         self.reference, self.agreed = key, {}
-        row = self.rows[key]
-        self._show(row.truth, (), ())
+        self._show(self.rows[key].truth)
         self._compare()
         self.changed.emit()
 
@@ -263,12 +256,12 @@ class ComparedResults(QObject):
             self._navigation.go(row.branch, self._navigation.last(row.branch))
         elif found is not None and image is not None:
             self._session.tasks.start(
-                tr("Taking objects from {name}…").format(name=row.title),
+                tr("Adding objects from {name}…").format(name=row.title),
                 lambda task: _objects(row, found, image),
-                tr("taking objects from {name}").format(name=row.title),
+                tr("adding objects from {name}").format(name=row.title),
                 partial(CommandFailed, topic=_TOPIC),
                 then=lambda made: self._session.edit(
-                    tr("take objects from {name}").format(name=row.title), lambda document: add_objects(document, made)
+                    tr("add objects from {name}").format(name=row.title), lambda document: add_objects(document, made)
                 ),
             )
 
@@ -288,16 +281,15 @@ class ComparedResults(QObject):
         image = self._session.image
         self._session.attempt(_TOPIC)
         if image is None:
-            self._session.say(tr("There is no image to compare with: open one first."), True, _TOPIC)
             return
         file, generation, holes = Path(path), self._session.image_generation, self.holes
 
         def use(row: Row) -> None:
             if generation == self._session.image_generation:
-                known = [each.key for each in self.rows.values() if each.truth is not None]
-                self._path = file
-                self._add(replace(row, key=known[0] if known else next(self._keys)))
-                self.refer_to(known[0] if known else next(reversed(self.rows)))
+                known = (each.key for each in self.rows.values() if each.truth is not None)
+                key, self._path = next(known, NOW) or next(self._keys), file
+                self._add(replace(row, key=key))
+                self.refer_to(key)
 
         self._session.tasks.start(
             tr("Reading {name}…").format(name=file.name),
@@ -334,24 +326,11 @@ class ComparedResults(QObject):
 
     # Files
 
-    def write(self, path: Path) -> None:
-        """Write the figures of all results as a table, or a picture of what methods have found, on another thread."""
-        image, document, truth = self._session.image, self._session.document, self._session.scene.truth
-        rows = [(row, row.found, self._facts(row, row.found)) for row in self.rows.values() if row.found is not None]
-        tiles = [
-            comparison.Tile(found.contours, facts, row.trial.settings)
-            for row, found, facts in rows
-            if row.trial is not None and row.trial.method
-        ]
-        if image is None:
-            return
+    def write(self, path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
+        """Write figures of the results as a table, on another thread."""
 
         def work(task: Task) -> None:
-            if path.suffix.lower() == comparison.TABLE:
-                write_together([(path, comparison.table([facts for _, _, facts in rows]))])
-            else:
-                known = truth if isinstance(truth, Truth) else None
-                comparison.write_comparison(image, start_of(document), tiles, (path,), truth=known)
+            write_together([(path, table([{**row, "name": cell(str(row["name"]))} for row in rows]))])
 
         self._session.tasks.start(
             tr("Writing the comparison…"), work, tr("writing the comparison"), cancellable=False,
@@ -381,17 +360,12 @@ class ComparedResults(QObject):
             self._compare()
             self.changed.emit()
 
-    def _begin(self, key: int) -> None:
-        self._news.emit(key, {"state": tr("running…")})
-
-    def _end(self, key: int, found: Result | None, seconds: float, trouble: str) -> None:
-        parts = {} if found is None else {"found": found, "scene": _scene_of(found), "seconds": seconds}
-        self._news.emit(key, {**parts, "state": trouble})
-
     def _look(self) -> None:
+        """Remove the rows of runs that have been cancelled."""
         if self.task is not None and self.task.over:
-            self.task = None
-            self.changed.emit()
+            cancelled, self.task = self.task.cancelled, None
+            for row in [row for row in self.rows.values() if cancelled and row.trial and row.state and not row.found]:
+                self.remove(row.key)
 
     def _take_branch(self, key: int | None = None) -> None:
         """Ask for a row of the timeline, that of the chosen branch by default, at the step that is wanted."""
@@ -408,7 +382,7 @@ class ComparedResults(QObject):
 
     def _use_frame(self, key: int, document: Document, frame: FrameTaken) -> None:
         if frame.moment is None:
-            self._change(key, {"state": frame.sentence or tr("This run is gone.")})
+            self._change(key, {"state": frame.sentence or tr("This run no longer exists.")})
             return
         made, marks = frame.contours, document.marks
         reviewed = ReviewedContours.of(made.tracked if made else None, marks)
@@ -441,68 +415,38 @@ class ComparedResults(QObject):
         reference, subject, image = self.rows[self.reference], self.rows[self.subject], self._session.image
         everything = self._session.status.phase != "running"
         rows = [
-            row for row in self.rows.values()
-            if row.found is not None and row.key != reference.key and (everything or row is subject)
+            (row.key, row.found) for row in self.rows.values()
+            if row.found is not None and row is not reference and (everything or row is subject)
         ]  # fmt: skip
         if image is None or reference.found is None or not (rows or reference.key):
             self.agreed = {}
-            self._show(reference.truth, (), ())
+            self._show(reference.truth)
             return
         tolerance, holes = self.tolerance, self.holes
 
-        def work() -> tuple[Truth | VolumeTruth, dict[int, Agreed], tuple[Difference, ...], tuple[Apart, ...]]:
-            truth = reference.truth or self._made.named("reference", partial(_truth_of, reference, holes),
-                                                        reference.found, holes)  # fmt: skip
+        def work() -> tuple[Truth | VolumeTruth, dict[int, Agreed], _Marked]:
+            make, named = partial(_truth_of, reference, holes), self._made.named
+            truth = reference.truth or named("reference", make, reference.found, holes)
             agreed = {
-                row.key: self._made.named(row.key, partial(_agreement, row.found, truth, tolerance, holes),
-                                          row.found, truth, tolerance, holes)
-                for row in rows if row.found is not None
-            }  # fmt: skip
-            return truth, agreed, *_marked(subject.found, truth, agreed.get(subject.key))
+                key: named(key, partial(_agreement, found, truth, tolerance, holes), found, truth, tolerance, holes)
+                for key, found in rows
+            }
+            return truth, agreed, _marked(subject.found, truth, agreed.get(subject.key))
 
-        def take(done: tuple[Truth | VolumeTruth, dict[int, Agreed], Any, Any]) -> None:
-            truth, agreed, different, apart = done
+        def take(done: tuple[Truth | VolumeTruth, dict[int, Agreed], _Marked]) -> None:
+            truth, agreed, marked = done
             if reference.key == self.reference and image is self._session.image:
                 self.agreed = agreed if everything else {**self.agreed, **agreed}
-                self._show(truth if reference.key else None, different, apart)
+                self._show(truth if reference.key else None, marked)
                 self.changed.emit()
 
         # no figures rather than those of other contours
-        self._latest.ask(work, take, lambda: self._show(reference.truth, (), ()))
+        self._latest.ask(work, take, lambda: self._show(reference.truth))
 
-    def _show(
-        self, truth: Truth | VolumeTruth | None, different: tuple[Difference, ...], apart: tuple[Apart, ...]
-    ) -> None:
-        scene = self._session.scene
+    def _show(self, truth: Truth | VolumeTruth | None, marked: _Marked = ((), ())) -> None:
+        scene, (different, apart) = self._session.scene, marked
         if (truth, different, apart) != (scene.truth, scene.differences, scene.apart):
             self._session.show(replace(scene, truth=truth, differences=different, apart=apart))
-
-    def _facts(self, row: Row, found: Result) -> Facts:
-        """The figures of a row, as tables of methods have them."""
-        method = row.trial.method if row.trial is not None else ""
-        closed = sum(contour.closed for contour in found.contours) if found.surface is None else row.count or 0
-        facts = Facts(
-            method or row.title, found.steps, row.seconds, found.converged, found.stop_reason,  # type: ignore[arg-type]
-            row.count or 0, closed,
-        )  # fmt: skip
-        seen = self.agreed.get(row.key)
-        if seen is None:
-            return facts
-        return replace(facts, dice=seen.dice, f=seen.f, hausdorff=seen.hausdorff,
-                       mean_distance=seen.mean_boundary_distance)  # fmt: skip
-
-
-def _left_out(document: Document) -> str:
-    """What is drawn and takes no part in a comparison of methods, in words."""
-    starts = starts_of(document.shapes)
-    loose = len(starts) > len(outlines_of(starts))
-    limits = any(isinstance(shape, Region | Barrier | Charge) for shape in document.shapes)
-    return " ".join(
-        (
-            *((tr("Starts without an inside are left out, as most of the methods need one."),) if loose else ()),
-            *((tr("Regions, barriers and charges are left out: the other methods have none."),) if limits else ()),
-        )
-    )
 
 
 def _unrejected(reviewed: ReviewedContours) -> Result | None:
@@ -511,14 +455,6 @@ def _unrejected(reviewed: ReviewedContours) -> Result | None:
         return None
     kept = tuple(item.contour for item in reviewed.items if not item.reviewed.rejected)
     return replace(reviewed.result, contours=kept)
-
-
-def _scene_of(found: Result) -> Scene:
-    """What is shown of a result that no run of the session has."""
-    if found.surface is not None:
-        return Scene(reconstruction=Reconstruction(0, found, None))
-    measures = measure(found.contours, found.spacing, contrast=False)
-    return Scene(contours=ReviewedContours.of(TrackedContours(found, tuple(range(len(measures))), measures), ()))
 
 
 def _read(file: Path, image: Image, holes: bool) -> Row:
@@ -533,7 +469,8 @@ def _read(file: Path, image: Image, holes: bool) -> Row:
     found = Result(
         np.empty((0, image.ndim)), contours, surface, 0, True, "", image.shape, image.spacing, image.unit, file.name
     )
-    return Row(NOW, file.name, found, _scene_of(found), truth=truth)
+    _ = truth.objects  # made on this thread, not on that of the window
+    return Row(NOW, file.name, found, scene_of(found), truth=truth)
 
 
 def _truth_of(row: Row, holes: bool) -> Truth | VolumeTruth:
@@ -543,7 +480,7 @@ def _truth_of(row: Row, holes: bool) -> Truth | VolumeTruth:
     if len(found.shape) == 2:
         return truth_of_contours(found.contours, found.shape, row.title, holes=holes)
     if surface is None or not surface.closed:
-        text = tr("The surface of {name} is not closed, so that nothing can be compared with it.")
+        text = tr("The surface of {name} is not closed, so nothing can be compared with it.")
         raise ValueError(text.format(name=row.title))
     labels = numbered(surface, found.shape).astype(np.int32)
     return VolumeTruth(labels, found.spacing, found.unit, row.title, boundary=surface)
@@ -563,10 +500,8 @@ def _sized(truth: VolumeTruth, found: Result) -> VolumeTruth:
     return replace(truth, spacing=found.spacing, unit=found.unit)
 
 
-def _marked(
-    found: Result | None, truth: Truth | VolumeTruth, agreed: Agreed | None
-) -> tuple[tuple[Difference, ...], tuple[Apart, ...]]:
-    """Where a result differs from the reference, the largest first."""
+def _marked(found: Result | None, truth: Truth | VolumeTruth, agreed: Agreed | None) -> _Marked:
+    """Where a result differs from the reference, the largest first; in a volume also as parts of surfaces."""
     if found is None or agreed is None:
         return (), ()
     if isinstance(truth, VolumeTruth) and isinstance(agreed, SurfaceComparison):
@@ -587,7 +522,7 @@ def _objects(row: Row, found: Result, image: Image) -> tuple[SegmentedObject, ..
     else:
         made = objects_of(closed if row.trial is None else [replace(one, name=row.title, group=1) for one in closed])
     if not made:
-        raise ValueError(tr("There is no closed contour, so there is no object to take."))
+        raise ValueError(tr("There is no closed contour, so there is no object to add."))
     return made
 
 

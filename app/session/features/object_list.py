@@ -60,6 +60,9 @@ Key = tuple[Literal["object", "proposal", "contour"], int]
 """What identifies a row: the number of an object, the key of a proposal, which is below 1, or that of a contour."""
 
 Kind = Literal["object", "proposal", "closed", "open", "rejected"]
+_DRAFT: Key = ("proposal", 0)
+"""The key of the object that is being selected."""
+
 KINDS: tuple[Kind, ...] = ("object", "proposal", "closed", "open", "rejected")
 """What a row can be, in the order shown."""
 
@@ -154,6 +157,13 @@ def _size(row: Row) -> float:
     return size_of(row.item) if row.item is not None else row.contour.contour.area if row.contour else 0.0
 
 
+BRUSH = 1.0, 500.0
+"""Limits of the radius of the brush [px]."""
+
+_BRUSH, _LEAST_BRUSH = 0.03, 4.0
+"""Radius of the brush at first, in the longest side of the image, and at least [px]."""
+
+
 class ObjectList(QObject):
     """Lists objects, proposals and contours, selects among all of them, and does what is done to the selected ones."""
 
@@ -163,11 +173,16 @@ class ObjectList(QObject):
     """Proposals or contours have become objects of these numbers: tuple of int."""
     class_begun = Signal(int)
     """A class without a name is used next to another one for the first time."""
+    brush_changed = Signal(float)
+    """The brush has another radius [px]."""
 
     def __init__(self, session: Session, review: ContourReview) -> None:
         super().__init__(session)
         self._session, self._review = session, review
         self.selection_changed = review.selection_changed
+        self._brush: float | None = None
+        self._boxes: dict[int, tuple[tuple[Line, ...], tuple[float, ...]]] = {}
+        """The boundary of each object, and the least and largest row and column of it."""
         self._known, self._measured_in = session.document.objects, session.image
         self._offered: tuple[Proposal, ...] = ()
         self._figures: dict[int, tuple[Image, object, Figures]] = {}
@@ -208,12 +223,12 @@ class ObjectList(QObject):
     ) -> tuple[Row, ...]:
         offered = self._parts.get(_as_objects, proposals, known)
         own = self._parts.get(_own, shown, (*known.items, *offered, *known.rejected))
-        places = (place for place, each in enumerate(proposals) if each.selection.found)
+        found = enumerate((each.key for each in proposals if each.selection.found), start=1)
         rows = [
             *(Row(("object", one.number), "object", self.title(one), one, figures=self.figures(one))
               for one in known.items),
-            *(Row(("proposal", -1 - at), "proposal", tr("proposal {number}").format(number=at + 1), one,
-                  figures=self.figures(one)) for at, one in zip(places, offered, strict=True)),
+            *(Row(("proposal", key), "proposal", tr("proposal {number}").format(number=at), one,
+                  figures=self.figures(one)) for (at, key), one in zip(found, offered, strict=True)),
             *(Row(("object", one.number), "rejected", self.title(one), one, figures=self.figures(one))
               for one in known.rejected),
             *(Row(("contour", one.key), "rejected" if one.reviewed.rejected else
@@ -247,8 +262,29 @@ class ObjectList(QObject):
 
     def under(self, at: Place) -> int:
         """Number of the smallest shown object at a place (row, col) [px], or (plane, row, col); 0 for none."""
-        around = [row.item for row in self.rows if row.kind == "object" and row.item and _holds(row, at)]
+        if len(at) == 3:
+            around = [item for item in self.objects.items if not item.hidden and holds(item, at)]
+        else:
+            place = np.array([at], dtype=float)
+            around = [item for item in self.near(place, 0.0) if item.encloses(place)[0]]
         return min(around, key=size_of).number if around else 0
+
+    def near(self, places: Array, reach: float) -> list[SegmentedObject]:
+        """The shown objects whose boxes come within reach of one of some places, shape (N, 2) [px]."""
+        shown = [item for item in self.objects.items if not item.hidden and item.boundary]
+        known, self._boxes = self._boxes, {}
+        for item in shown:
+            boundary, box = known.get(item.number, ((), ()))
+            if boundary is not item.boundary:
+                corners = np.concatenate([np.asarray(curve) for curve in item.boundary])
+                box = (*corners.min(axis=0).tolist(), *corners.max(axis=0).tolist())
+            self._boxes[item.number] = item.boundary, box
+        low, high = (places.min(axis=0) - reach).tolist(), (places.max(axis=0) + reach).tolist()
+
+        def meets(top: float, left: float, bottom: float, right: float) -> bool:
+            return bool(top <= high[0] and left <= high[1] and bottom >= low[0] and right >= low[1])
+
+        return [item for item in shown if meets(*self._boxes[item.number][1])]
 
     def at(self, place: Place, reach: float, areas: bool = True) -> Key | None:
         """The row at a place: a contour within `reach` [px], or else the smallest one around it.
@@ -280,6 +316,19 @@ class ObjectList(QObject):
                     found.append(row.key)
         return frozenset(found)
 
+    # The brush
+
+    @property
+    def brush(self) -> float:
+        """Radius of the brush that paints objects [px of the image]."""
+        image = self._session.document.image
+        return self._brush or max(_BRUSH * max(image.shape if image is not None else (0,)), _LEAST_BRUSH)
+
+    def set_brush(self, radius: float | None) -> None:
+        """Set the radius of the brush within its limits [px]; for None it depends on the size of the image again."""
+        self._brush = None if radius is None else min(max(radius, BRUSH[0]), BRUSH[1])
+        self.brush_changed.emit(self.brush)
+
     # Selecting
 
     def select(self, keys: Iterable[Key]) -> None:
@@ -289,26 +338,34 @@ class ObjectList(QObject):
         self._review.choose(lines, (number for kind, number in keys if kind != "contour"))
 
     def choose(self, numbers: Iterable[int]) -> None:
-        """Select only these objects."""
+        """Select only the objects of these numbers, and the proposals of these keys."""
         self._review.choose(objects=numbers)
 
     def hover(self, key: Key | None) -> None:
-        """Highlight an object or a contour, or nothing."""
+        """Highlight a row, or nothing."""
         kind, number = key or ("", 0)
         self._review.hover(number if kind == "contour" else None)
         scene = self._session.scene
-        hovered = number if kind == "object" else 0
+        hovered = 0 if kind == "contour" else number
         if hovered != scene.objects.hovered:
             self._session.show(replace(scene, objects=replace(scene.objects, hovered=hovered)))
 
     # Accepting and rejecting
+
+    @property
+    def open_rows(self) -> list[Row]:
+        """What can be accepted: the object that is being selected, or else the selected rows; all proposals without."""
+        if self.objects.clicks:
+            return [row for row in self.rows if row.key == _DRAFT]
+        selected = [row for row in self.selected_rows if row.kind != "object"]
+        return selected or [row for row in self.rows if row.kind == "proposal" and not self.selected]
 
     def accept(self) -> None:
         """Make objects of the selected proposals and closed contours, and keep open ones; without any, all proposals.
 
         What has been rejected is there again.
         """
-        rows = self._open_rows()
+        rows = self.open_rows
         if not rows:
             self._session.say(tr("There is nothing to accept: click in an object first."))
             return
@@ -317,9 +374,13 @@ class ObjectList(QObject):
         self.taken.emit(numbers)
 
     def reject(self) -> None:
-        """Dismiss the selected proposals, remove objects, and mark contours as rejected, those around them too."""
-        rows = [row for row in self.selected_rows if row.kind != "rejected"]
-        offered = [row.item for row in rows if row.item is not None and row.kind == "proposal"]
+        """Dismiss the selected proposals, remove objects, and mark contours as rejected, those around them too.
+
+        Without a selection, all proposals are dismissed; the object that is being selected is dropped.
+        """
+        rows = [row for row in self.selected_rows or self.open_rows if row.kind != "rejected"]
+        draft = any(row.key == _DRAFT for row in rows)
+        offered = [row.item for row in rows if row.item is not None and row.kind == "proposal" and row.key != _DRAFT]
         numbers = [row.key[1] for row in rows if row.kind == "object"]
         own = _own(self._session.scene.contours, [row.item for row in rows if row.item is not None])
         kept = {item.key for item in own} - {row.contour.key for row in rows if row.contour is not None}
@@ -327,8 +388,7 @@ class ObjectList(QObject):
 
         def edit(document: Document) -> Document:
             marked = contours.judge(document, lines, "rejected")
-            if document.objects.clicks and offered:  # the user has asked for it, and may ask again
-                return objects.reject(objects.drop(marked), numbers)
+            marked = objects.select(marked, ()) if draft else marked  # the user has asked for it, and may ask again
             return objects.reject(marked, numbers, offered)
 
         self._edit(tr("reject {what}"), rows, edit)
@@ -341,11 +401,6 @@ class ObjectList(QObject):
             self.reject()
 
     # Editing
-
-    def begin_change(self, number: int) -> None:
-        """Select an object anew, beginning with what it is."""
-        self._edit(tr("change {what}"), self._rows_of(number), lambda d: objects.begin_change(d, number))
-        self.choose((number,))
 
     def rename(self, key: Key, name: str) -> None:
         """Name a row, unless it has gone while its name was typed; a proposal and a closed contour are accepted."""
@@ -365,7 +420,7 @@ class ObjectList(QObject):
         """
         known, rows = self.objects, [row for row in self.selected_rows if row.kind in ("object", "proposal", "closed")]
         if not rows and known.clicks:
-            rows = self._open_rows()
+            rows = self.open_rows
         used = {item.category for item in known.items}
         words = tr("class of {what}") if rows else tr("class of the next objects")
         self._with_objects(words, rows, lambda document, numbers: objects.classify(document, numbers, category))
@@ -390,7 +445,7 @@ class ObjectList(QObject):
     def toggle_frozen(self) -> None:
         """Freeze objects, or release them when all are frozen."""
         frozen = not all(item.frozen for item in self.items)
-        words = tr("freeze {what}") if frozen else tr("release {what}")
+        words = tr("freeze {what}") if frozen else tr("unfreeze {what}")
         self._edit_chosen(words, lambda d, chosen: objects.amend(d, chosen, frozen=frozen))
 
     def toggle_hidden(self) -> None:
@@ -443,11 +498,6 @@ class ObjectList(QObject):
     def _rows_of(self, *numbers: int) -> list[Row]:
         return [row for row in self.rows if row.key[0] == "object" and row.key[1] in numbers]
 
-    def _open_rows(self) -> list[Row]:
-        """The selected rows that can be accepted, or else all proposals."""
-        selected = [row for row in self.selected_rows if row.kind != "object"]
-        return selected or [row for row in self.rows if row.kind == "proposal"]
-
     def _with_objects(
         self,
         words: str,
@@ -471,7 +521,7 @@ class ObjectList(QObject):
             for target, keeps in marks:
                 document = contours.judge(document, (target,), "kept" if keeps else "")
             before = {item.number for item in document.objects.items}
-            ends = bool(known.clicks) and any(row.kind == "proposal" for row in rows)
+            ends = any(row.key == _DRAFT for row in rows)
             document = objects.accept(document, given, ends=ends)
             changed = old | {item.number for item in given}
             numbers[:] = [n.number for n in document.objects.items if n.number in changed or n.number not in before]
@@ -540,10 +590,9 @@ class ObjectList(QObject):
         if scene.objects.proposals is before:
             return
         self._offered = now = scene.objects.proposals
-        chosen = scene.objects.chosen
-        picked = [each.selection for place, each in enumerate(before) if -1 - place in chosen]
-        left = [-1 - place for place, each in enumerate(now) if any(each.selection is one for one in picked)]
-        self._review.choose(scene.selected_contours, (*self.chosen, *left))
+        known = {each.key for each in now}
+        left = (number for number in scene.objects.chosen if number > 0 or number in known)
+        self._review.choose(scene.selected_contours, left)
         self._measure()
         self.changed.emit()
 
@@ -566,7 +615,7 @@ class ObjectList(QObject):
     def _use_merged(self, items: tuple[SegmentedObject, ...], whole: SegmentedObject) -> None:
         """Put one object in the place of several, unless they have changed meanwhile."""
         if not all(any(known is item for known in self.objects.items) for item in items):
-            self._session.say(tr("The objects have changed while they were merged: merge them again."), True)
+            self._session.say(tr("The objects changed during the merge: merge them again."), True)
             return
         rows = self._rows_of(*(item.number for item in items))
         self._edit(tr("merge {what}"), rows, lambda document: objects.merge_into(document, items, whole))
@@ -591,7 +640,9 @@ class ObjectBrush:
         self._shape: tuple[int, ...] = ()
         self._path: list[Position] = []
         self._before: SegmentedObject | None = None
-        self._number, self._radius, self._adds, self._gesture = 0, 0.0, True, ""
+        self._number, self._radius, self._gesture = 0, 0.0, ""
+        self.adds = True
+        """Whether the stroke adds, and does not take away."""
 
     @property
     def painting(self) -> bool:
@@ -600,7 +651,7 @@ class ObjectBrush:
 
     def begin(self, at: Position, radius: float, adds: bool, gesture: str) -> None:
         """Begin a stroke at a place; `gesture` makes one step of undo of it."""
-        self._path, self._radius, self._adds, self._gesture = [at], radius, adds, gesture
+        self._path, self._radius, self.adds, self._gesture = [at], radius, adds, gesture
         self._number, self._before = 0, None
         self._find()
         self._apply()
@@ -615,34 +666,38 @@ class ObjectBrush:
     def end(self) -> None:
         """End the stroke; say so if it has come to no object."""
         if self._path and not self._number:
-            self._session.say(tr("There is no object under the brush from which it could take away."))
+            self._session.say(tr("There is no object under the brush to erase from."))
         self._path = []
+
+    def target(self, at: Position, radius: float) -> SegmentedObject | None:
+        """The object that a stroke from a place would paint; None where it would begin a new one."""
+        return self._touched(np.array([at]), radius)
 
     def _find(self) -> None:
         """Find the object to be painted, unless it is known; a frozen one is left alone, with a word to the user."""
         image = self._session.document.image
         if self._number or image is None:
             return
-        item = self._touched()
+        item = self._touched(np.array(self._path[-2:]), self._radius)
         if item is not None and item.frozen:
             name = self._list.title(item)
-            self._session.say(tr("{name} is frozen: release it to paint it, or paint another one.").format(name=name))
+            self._session.say(
+                tr("{name} is frozen: unfreeze it to paint it, or paint another object.").format(name=name)
+            )
             self._path = []
-        elif item is not None or self._adds:
+        elif item is not None or self.adds:
             self._before = item
             self._number = self._session.document.objects.next_number if item is None else item.number
             self._boundary, self._shape = () if item is None else item.boundary, image.shape
 
-    def _touched(self) -> SegmentedObject | None:
-        """The object that the newest stretch of the path touches."""
-        items, newest = self._session.document.objects.items, np.array(self._path[-2:])
-        way = polyline.sampled(newest, 0.5 * self._radius) if len(newest) > 1 else newest
-        shown, radius = (item for item in items if not item.hidden), self._radius
+    def _touched(self, newest: Array, radius: float) -> SegmentedObject | None:
+        """The object that a stretch of the path touches."""
+        way = polyline.sampled(newest, 0.5 * radius) if len(newest) > 1 else newest
         near = [
-            item for item in shown
+            item for item in self._list.near(way, radius)
             if item.encloses(way).any() or (polyline.distances_from_closed(item.boundary, way) < radius).any()
         ]  # fmt: skip
-        under = self._list.under(self._path[-1])
+        under = self._list.under(tuple(newest[-1].tolist()))
         near.sort(key=lambda item: (item.number not in self._list.chosen, item.number != under, item.area))
         return near[0] if near else None
 
@@ -650,7 +705,7 @@ class ObjectBrush:
         """Paint the newest stretch of the path."""
         if not self._path or not self._number:
             return
-        boundary = painted(self._boundary, self._path[-2:], self._radius, self._adds, self._shape)
+        boundary = painted(self._boundary, self._path[-2:], self._radius, self.adds, self._shape)
         before, number, radius = self._before, self._number, self._radius
         self._boundary, path = boundary, tuple(self._path)
         self._session.edit(

@@ -5,14 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import cast
+from functools import cached_property
+from typing import Any, cast
 
 import numpy as np
+import scipy
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from app.model.document.document import Document
 from app.model.document.modes import MODES
-from app.model.document.objects import AnySelection
+from app.model.document.objects import AnySelection, first_clicks
 from app.model.text.language import tr
 from app.session.features.background import LatestOnlyWorker
 from app.session.scene import Proposal
@@ -29,12 +31,14 @@ from cpm_core import (
     VolumeSelection,
     partition,
     segment,
+    select_all,
     uniform_grid,
 )
 from cpm_core.image import AnyRegions, of_plane
-from cpm_core.numerics import Array, Mask
+from cpm_core.numerics import Array, Mask, Place
 from cpm_core.objects import EVERYWHERE
 from cpm_core.objects.segmented import Click, SegmentedObject, places_of, selection_of
+from cpm_core.shapes import Start
 
 _QUIET = 250
 """Time without a change to parameters or limits after which a run from everywhere begins again [ms]."""
@@ -217,11 +221,23 @@ _SAME_OBJECT = 0.5
 _UNCHANGED = 0.97
 """Overlap from which a selection is what an object is already."""
 
+_MUCH = 2.0
+"""How many times as large as another one an object is that does not count as the same."""
+
 _PLACES = 100
 """About so many pixels by which the object of a selection is found."""
 
 _MOST_SELECTIONS = 50
 """Number of selections that are kept; in a volume, each has a surface."""
+
+
+@dataclass(frozen=True, slots=True)
+class Offer:
+    """What a run offers: the objects of its starts, or all that it has found, without those that were rejected."""
+
+    starts: tuple[Start, ...] = ()
+    found: tuple[Proposal, ...] = ()
+    rejected: tuple[SegmentedObject, ...] = ()
 
 
 class Selector:
@@ -235,13 +251,14 @@ class Selector:
         The objects that there are.
     edited : int
         Number of the object that is being changed, 0 for none: with its own clicks it is as it is.
+    offer : Offer
+        What a run offers: what it has found is with its clicks as it is, too.
     """
 
-    def __init__(self, partition: AnyPartition, items: Sequence[SegmentedObject], edited: int) -> None:
-        self.partition = partition
-        self.items = items
-        self.edited = edited
+    def __init__(self, partition: AnyPartition, items: Sequence[SegmentedObject], edited: int, offer: Offer) -> None:
+        self.partition, self.items, self.edited, self.offer = partition, items, edited, offer
         self._known: dict[tuple[Click, ...], AnySelection | None] = {}
+        self._given = {each.clicks: each.selection for each in offer.found}
         self._changed = next((item for item in items if item.number == edited), None)
         # the places of frozen objects that lie in them: not those of a line that was drawn around one
         frozen = [item for item in items if item.frozen and item.number != edited and item.body is None]
@@ -267,47 +284,81 @@ class Selector:
             if made.found:
                 _ = made.packed  # made on this thread, not on that of the window
             return made
-        if self._changed is not None and clicks == self._changed.clicks:
+        if clicks in self._given:
+            return self._given[clicks]
+        if self._changed is not None and clicks == first_clicks(self._changed, self.partition.shape):
             return selection_of(self._changed, self.partition.shape)
+        if clicks[-1].step:
+            found, first = self._candidates(clicks)
+            return found[min(max(first + clicks[-1].step, 0), len(found) - 1)]
+        return self.partition.select(inside, **self._rest(clicks))
+
+    def _rest(self, clicks: tuple[Click, ...]) -> dict[str, Any]:
+        """What a selection in an image depends on except for the places inside."""
+        inside, outside = places_of(clicks, inside=True), places_of(clicks, inside=False)
         previous = cast("Selection | None", self.selection(clicks[:-1]))
         areas = [item.area for item in self.items if item.number != self.edited]
         if previous is None and len(self._elsewhere):  # frozen objects only take away
-            previous = self.partition.select(inside, outside, areas=areas)
-        return self.partition.select(inside, np.concatenate([outside, self._elsewhere]), previous=previous, areas=areas)
+            previous = cast("Partition", self.partition).select(inside, outside, areas=areas)
+        return {"outside": np.concatenate([outside, self._elsewhere]), "previous": previous, "areas": areas}
 
-    def proposals(self, starts: Sequence[Array], rejected: Sequence[SegmentedObject] = ()) -> tuple[Proposal, ...]:
-        """The objects in which runs were started, given the seeds of each start; no frozen and no rejected ones.
+    def _candidates(self, clicks: tuple[Click, ...]) -> tuple[Sequence[Selection], int]:
+        """What clicks may mean in an image, from small to large, and which of it is their answer without a step."""
+        clicks = (*clicks[:-1], replace(clicks[-1], step=0))
+        answer = cast("Selection", self.selection(clicks))
+        found = cast("Partition", self.partition).candidates(places_of(clicks, inside=True), **self._rest(clicks))
+        return found, int(np.argmax([overlap(each.mask, answer.mask) for each in found]))
 
-        An object that exists already is offered only if it has become another one, and never in a volume.
+    def stepped(self, clicks: tuple[Click, ...], by: int) -> tuple[tuple[Click, ...], int, int]:
+        """The clicks of a candidate so many steps larger, or smaller below 0; its number, from 1, and how many are.
+
+        In a volume there is only one.
         """
-        if isinstance(self.partition, VolumePartition):
-            return self._bodies(self.partition, starts)
+        if isinstance(self.partition, VolumePartition) or self.selection(clicks) is None:
+            return clicks, 1, 1
+        found, first = self._candidates(clicks)
+        last = len(found) - 1
+        place = min(max(min(max(first + clicks[-1].step, 0), last) + by, 0), last)
+        return (*clicks[:-1], replace(clicks[-1], step=place - first)), place + 1, len(found)
+
+    @cached_property
+    def proposals(self) -> tuple[Proposal, ...]:
+        """What the run offers, except what has been rejected; of frozen objects there is nothing.
+
+        An object that exists already is offered only if a start has made it another one, and never in a volume.
+        """
+        partition, offer = self.partition, self.offer
+        if isinstance(partition, VolumePartition):
+            return tuple(self._bodies(partition, offer.starts))
+        found = _uncovered(self._of_starts(partition, offer.starts), offer.rejected)
+        return (*found, *_uncovered(offer.found, (*self.items, *offer.rejected)))
+
+    def _of_starts(self, partition: Partition, starts: Sequence[Start]) -> list[Proposal]:
+        """The objects in which runs were started."""
         found: list[Proposal] = []
-        for seeds in starts:
-            clicks = (Click(tuple(map(tuple, seeds.tolist()))),)
+        for key, start in enumerate(starts, start=1):
+            clicks = (Click(tuple(map(tuple, start.seeds().tolist()))),)
             selection = self.selection(clicks)
             if not isinstance(selection, Selection) or not selection.contours or selection.only_places:
                 continue  # nothing was found, as from a start across an edge
-            others = [other.selection.mask for other in found]
-            others += [item.mask(self.partition.shape) for item in rejected]
-            if any(overlap(selection.mask, mask) > _SAME_OBJECT for mask in others):
+            if any(overlap(selection.mask, other.selection.mask) > _SAME_OBJECT for other in found):
                 continue
-            # the places that lie in it; if a line was drawn around it, pixels all over it
-            places, pixels = selection.inside[selection.holds(selection.inside)], np.argwhere(selection.mask)
-            if not len(places):
-                places = pixels[:: max(len(pixels) // _PLACES, 1)].astype(float)
+            places = selection.inside[selection.holds(selection.inside)]  # none where a line was drawn around it
+            places = places if len(places) else _places_in(selection)
             known = next((item for item in self.items if item.encloses(places).mean() > 0.5), None)
             if known is None:
-                found.append(Proposal(selection, clicks))
-            elif not known.frozen and overlap(known.mask(self.partition.shape), selection.mask) < _UNCHANGED:
-                found.append(Proposal(selection, clicks, known.number))
-        return tuple(found)
+                found.append(Proposal(selection, clicks, key=-key))
+            elif not known.frozen and overlap(known.mask(partition.shape), selection.mask) < _UNCHANGED:
+                found.append(Proposal(selection, clicks, known.number, -key))
+        return found
 
-    def _bodies(self, partition: VolumePartition, starts: Sequence[Array]) -> tuple[Proposal, ...]:
+    def _bodies(self, partition: VolumePartition, starts: Sequence[Start]) -> list[Proposal]:
         """The bodies in which most seeds of a start lie."""
         found: list[Proposal] = []
-        taken = {0, *(body for item in self.items for body in partition.bodies_at(item.inside).tolist())}
-        for seeds in starts:
+        known = (*self.items, *self.offer.rejected)
+        taken = {0, *(body for item in known for body in partition.bodies_at(item.inside).tolist())}
+        for key, start in enumerate(starts, start=1):
+            seeds = start.seeds()
             bodies = partition.bodies_at(seeds)
             body = int(np.bincount(bodies[bodies > 0], minlength=1).argmax())
             if body not in taken:
@@ -315,8 +366,52 @@ class Selector:
                 clicks = (Click(tuple(map(tuple, seeds[bodies == body][:_MOST_PLACES].tolist()))),)
                 selection = self.selection(clicks)
                 if selection is not None and selection.found:
-                    found.append(Proposal(selection, clicks))
-        return tuple(found)
+                    found.append(Proposal(selection, clicks, key=-key))
+        return found
+
+
+def all_objects(partition: AnyPartition) -> tuple[Proposal, ...]:
+    """All objects of an image, each as what a click where it is widest means; none in a volume."""
+    found = select_all(partition) if isinstance(partition, Partition) else ()
+    return tuple(Proposal(each, (Click((_widest(each),)),), key=~index) for index, each in enumerate(found))
+
+
+def _uncovered(found: Sequence[Proposal], items: Sequence[SegmentedObject]) -> list[Proposal]:
+    """Proposals at least half of which lies in no objects, or in ones that are much larger."""
+    left = []
+    for each in found:
+        places, most = _places_in(cast("Selection", each.selection)), _MUCH * extent(each.selection)
+        within = [item.encloses(places) for item in items if item.area < most]
+        if not within or np.any(within, axis=0).mean() < 0.5:
+            left.append(each)
+    return left
+
+
+def _box_of(selection: Selection) -> tuple[slice, ...]:
+    """Rows and columns of an object."""
+    low, high = (np.array([contour.box[end] for contour in selection.contours]) for end in (0, 1))
+    first = np.maximum(np.floor(low.min(axis=0)), 0).astype(int).tolist()
+    return tuple(map(slice, first, np.ceil(high.max(axis=0) + 1).astype(int).tolist()))
+
+
+def _places_in(selection: Selection) -> Array:
+    """Some of the pixels of an object, all over it, shape (N, 2)."""
+    box = _box_of(selection)
+    pixels = np.argwhere(selection.mask[box]) + [part.start for part in box]
+    return pixels[:: max(len(pixels) // _PLACES, 1)].astype(float)
+
+
+def _widest(selection: Selection) -> Place:
+    """The pixel of an object that is farthest from its boundary."""
+    box = _box_of(selection)
+    depth = scipy.ndimage.distance_transform_edt(np.pad(selection.mask[box], 1))
+    row, col = np.unravel_index(int(depth.argmax()), depth.shape)
+    return float(row - 1 + box[0].start), float(col - 1 + box[1].start)
+
+
+def extent(selection: AnySelection) -> float:
+    """Volume of a selection; its area [px²] in an image."""
+    return selection.volume if isinstance(selection, VolumeSelection) else float(np.count_nonzero(selection.mask))
 
 
 def overlap(one: Mask, other: Mask) -> float:

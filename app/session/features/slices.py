@@ -166,7 +166,10 @@ def _document(
 def _shown(shown: ShownObjects, here: Slice) -> ShownObjects:
     """What a slice shows of the selection of objects."""
     offered = tuple(replace(each, selection=selection_in(each.selection, here)) for each in shown.proposals)
-    preview = None if shown.preview is None else selection_in(shown.preview, here)
+    preview = shown.preview
+    if preview is not None:
+        before = None if preview.before is None else selection_in(preview.before, here)
+        preview = replace(preview, after=selection_in(preview.after, here), before=before)
     return replace(shown, proposals=offered, preview=preview)
 
 

@@ -10,9 +10,11 @@ from concurrent.futures import ThreadPoolExecutor
 from app.model.display.comparison import Trial
 from app.model.document.document import Document
 from app.model.text.language import tr
-from app.session.exchange.messages import sentence
+from app.session.exchange.contour_tracking import TrackedContours
+from app.session.exchange.messages import Reconstruction, sentence
+from app.session.scene import ReviewedContours, Scene
 from app.session.tasks.tasks import Cancelled, Task
-from cpm_core import CONTOUR_METHODS, Engine, Image, Result, Start, facts_of, moments
+from cpm_core import CONTOUR_METHODS, Engine, Image, Result, Start, facts_of, measure, moments
 from cpm_core.contours import apply, with_kept
 from cpm_core.numerics import cores
 from cpm_core.objects.methods import result_of
@@ -24,12 +26,19 @@ def start_of(document: Document) -> Start:
     return Start(outlines_of(document.shapes), document.comparison.around)
 
 
+def scene_of(found: Result) -> Scene:
+    """What is shown of a result that no run of the session has."""
+    if found.surface is not None:
+        return Scene(reconstruction=Reconstruction(0, found, None))
+    measures = measure(found.contours, found.spacing, contrast=False)
+    return Scene(contours=ReviewedContours.of(TrackedContours(found, tuple(range(len(measures))), measures), ()))
+
+
 def run_trials(
     image: Image,
     document: Document,
     trials: Mapping[int, Trial],
-    began: Callable[[int], object],
-    ended: Callable[[int, Result | None, float, str], object],
+    report: Callable[[int, dict[str, object]], object],
     task: Task,
 ) -> None:
     """Run trials, one on each core but the one that the window needs.
@@ -40,10 +49,8 @@ def run_trials(
         What is run.
     trials : mapping of int to Trial
         The trials, each with its key.
-    began : callable
-        Called with the key of a trial that begins, on its thread.
-    ended : callable
-        The same with what it has found, the time that it took [s], and what it failed with, if it did.
+    report : callable
+        Called on other threads with the key of a trial and the parts of its row that have changed.
     task : Task
         Its progress; cancelling it ends all of them.
     """
@@ -77,14 +84,15 @@ def run_trials(
         nonlocal done
         try:
             task.check_cancelled()
-            began(key)
+            report(key, {"state": tr("running…")})
             trial, at = trials[key], time.perf_counter()
-            result = (of_method if trial.method else of_parameters)(trial)
-            ended(key, result, time.perf_counter() - at, "")
+            found = (of_method if trial.method else of_parameters)(trial)
+            seconds = time.perf_counter() - at
+            report(key, {"found": found, "scene": scene_of(found), "seconds": seconds, "state": ""})
         except Cancelled:
             return
         except Exception as error:  # an error is shown in its row, and the others go on
-            ended(key, None, 0.0, sentence(error, tr("running {name}").format(name=trials[key].title)))
+            report(key, {"state": sentence(error, tr("running {name}").format(name=trials[key].title))})
         with lock:
             done += 1
             task.fraction = done / len(trials)

@@ -23,7 +23,7 @@ class Workspace:
         self.review = ContourReview(self.session)
         self.hand_editing = HandEditing(self.session, self.review)
         self.object_list = ObjectList(self.session, self.review)
-        self.object_selection = ObjectSelection(self.session)
+        self.object_selection = ObjectSelection(self.session, self.object_list)
         self.skeletons = Skeletons(self.session)
         self.navigation = TimelineNavigation(self.session)
         self.slices = ShownSlices(self.session)

@@ -143,7 +143,7 @@ def prepare(core: Core, wanted: Wanted, check_cancelled: Callable[[], None]) -> 
     if saved is not None:
         parameters, notes = saved.file.parameters, (*notes, *saved.file.notes)
         if saved.file.image is None:
-            raise ValueError(tr("{name} names no image.").format(name=path.name))
+            raise ValueError(tr("{name} does not name an image.").format(name=path.name))
         path, warnings = find_image(saved.file.image, path.absolute().parent, check_cancelled)
         notes = (*notes, *warnings)
     reading = saved.file.image.reading if saved is not None and saved.file.image is not None else wanted.reading
@@ -177,9 +177,9 @@ def _check(saved: Saved, image: Image) -> None:
     """ValueError when what a session holds was drawn or found in a volume and its file is an image, or otherwise."""
     check_axes(saved.file.shapes, image.shape, image.source)
     if any(bool(item.surface) is not (image.ndim == 3) for item in saved.file.objects.items):
-        text = tr("{name} holds objects of a volume, but {image} is an image: put the volume in its place again.")
+        text = tr("{name} contains objects of a volume, but {image} is an image: put the volume back in its place.")
         if image.ndim == 3:
-            text = tr("{name} holds objects of an image, but {image} is a volume: put the image in its place again.")
+            text = tr("{name} contains objects of an image, but {image} is a volume: put the image back in its place.")
         name = saved.path.name if saved.path is not None else tr("The session")
         raise ValueError(text.format(name=name, image=image.source))
 

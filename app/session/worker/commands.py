@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Concatenate, ParamSpec
 
 from app.model.document.document import Document, ImageReference
-from app.model.export import ExportFile, ExportOrder, What, chosen, closed, summary_text, thinned
+from app.model.export import ExportFile, ExportOrder, What, chosen, summary_text, thinned
 from app.model.text.language import tr
 from app.session.exchange.core_functions import Core
 from app.session.exchange.messages import (
@@ -36,7 +36,7 @@ from app.session.tasks.tasks import Task
 from app.session.timeline.plain_runs import Plain, RunsWriter, runs_from_plain
 from app.session.worker.run import Run
 from cpm_core import Image, Result, Skeleton
-from cpm_core.formats import DRAWN, OUTLINABLE, located, write_together
+from cpm_core.formats import DRAWN, located, write_together
 from cpm_core.shapes import NO_SEEDS
 
 P = ParamSpec("P")
@@ -169,14 +169,10 @@ def write_files(
                 key = file.what, order.thins(file.suffix)
                 if key not in made:
                     result = chosen(whole, document, order, file.what, image)
-                    if image is not None and file.what == "contours":
-                        result = closed(result, order, image, run.parameters)
                     made[key] = thinned(result, order.tolerance) if key[1] else result
                 shaped = _shaped(made[key], file, document, image)
-                outlines = order.outlines and file.suffix in OUTLINABLE
-                content = context.core.encode(shaped, file.suffix, outlines=outlines, space=order.space)
-                contents.append((file.path, content))
-                counts.setdefault(file.what, summary_text(made[key], file.what, file.suffix, order))
+                contents.append((file.path, context.core.encode(shaped, file.suffix, space=order.space)))
+                counts.setdefault(file.what, summary_text(made[key], file.what, file.suffix))
             if then is not None:
                 context.report(Finished(partial(then, tuple(content for _, content in contents))))
                 return

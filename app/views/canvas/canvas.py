@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 from PySide6.QtCore import QEvent, QObject, QPointF, Qt, Signal
@@ -253,20 +254,30 @@ class Canvas(ImageView):
     # Called by Qt
 
     def wheelEvent(self, event: QWheelEvent) -> None:
-        """Zoom around the pointer; with Shift go through the slices of a volume."""
+        """Zoom around the pointer; with Shift go through the slices of a volume, or resize what the tool works with."""
         event.accept()
         if event.modifiers() & Qt.KeyboardModifier.ShiftModifier and self.here is not None:
             self.slice_wanted.emit(self._wheel.notches(event))
+        elif event.modifiers() & Qt.KeyboardModifier.ShiftModifier and self.hold.tool.sized:
+            notches = self._wheel.notches(event)
+            for _ in range(abs(notches)):
+                self.hold.tool.resize(-math.copysign(1.0, notches))
         else:
             self.zoom(ZOOM ** (event.angleDelta().y() / 120.0), event.position())
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Leave keys to the window."""
-        event.ignore()
+        """Show what the tool does with Shift; leave keys to the window."""
+        self._use_shift(event, event.modifiers() | Qt.KeyboardModifier.ShiftModifier)
 
     def keyReleaseEvent(self, event: QKeyEvent) -> None:
-        """Leave keys to the window."""
+        """Show what the tool does without Shift; leave keys to the window."""
+        self._use_shift(event, event.modifiers() & ~Qt.KeyboardModifier.ShiftModifier)
+
+    def _use_shift(self, event: QKeyEvent, modifiers: Qt.KeyboardModifier) -> None:
         event.ignore()
+        if event.key() == Qt.Key.Key_Shift and self._pointer is not None and not self.led_by_keys:
+            self.hold.set_modifiers(modifiers)
+            self.hold.move(self, self._pointer)
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
         """Cancel the drag when the window loses the focus."""

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, Qt, Signal
-from PySide6.QtGui import QKeyEvent
+from PySide6.QtGui import QFocusEvent, QKeyEvent
 from PySide6.QtWidgets import QGridLayout, QVBoxLayout, QWidget
 
 from app.model.document import edits
-from app.model.text.keys import with_keys
 from app.model.text.language import from_core, tr
 from app.session.features.comparison import NOW
 from app.session.features.workspace import Workspace
@@ -27,7 +26,6 @@ from cpm_core.numerics import Place
 from cpm_core.shapes import Circle, Sphere
 
 FIRST_TOOL = "circle"
-OFFERED = tr("Enter accepts what was found, the tool Objects ({key:objects}) corrects it, {key:escape} discards it.")
 
 _ARROWS = {
     Qt.Key.Key_Up: (-1.0, 0.0),
@@ -36,7 +34,8 @@ _ARROWS = {
     Qt.Key.Key_Right: (0.0, 1.0),
 }
 _SIZES = {Qt.Key.Key_BracketLeft: -1.0, Qt.Key.Key_BracketRight: 1.0}
-_DRAFT_KEYS = (Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Backspace)
+_ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
+_DRAFT_KEYS = (*_ENTER, Qt.Key.Key_Backspace)
 _PAN = 40.0
 _MIDDLE_FRACTION = 0.2
 
@@ -71,7 +70,9 @@ class CanvasArea(QWidget):
         tools = ToolContext(workspace, self.canvas.layers.drawing, self.refresh)
         self._tools = {kind.name: kind(tools) for kind in TOOLS}
         self.canvas.hold = ToolInUse(self._tools[FIRST_TOOL], SelectTool(tools))
+        self._given = False
         self.canvas.installEventFilter(self)
+        self.canvas.pointed.connect(self._point)
         self.level_drag = LevelDrag(self.canvas.layers.image, self.canvas.viewport())
         self.use_tool(FIRST_TOOL)
         session.said.connect(self.messages.say)
@@ -128,13 +129,12 @@ class CanvasArea(QWidget):
             self.messages.dismiss()
             self._session.select(None)
             self._workspace.review.choose()
-            self._selection.dismiss()
 
     def refresh(self) -> None:
         """Show what to do next below the canvas; advice of the tool has priority."""
         text = self._session.resolved.hint
         if self._session.document.image is not None:
-            offered = with_keys(OFFERED) if self._selection.proposals and not self._selection.selecting else ""
+            offered = "" if self._selection.selecting else self._selection.advice
             text = self.crosshair.advice or self.canvas.hold.tool.advice or offered or text
         self.strip.say_next(text)
 
@@ -160,7 +160,12 @@ class CanvasArea(QWidget):
         self._session.select(len(self._session.document.shapes) - 1)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Take keys for the draft and for what is selected, also those that are shortcuts of the window."""
+        """Take keys for the draft and for what is selected, also those that are shortcuts of the window.
+
+        One Enter too many in a field, which has just given the keyboard back, accepts nothing.
+        """
+        if isinstance(event, QFocusEvent) and event.type() == QEvent.Type.FocusIn:
+            self._given = event.reason() == Qt.FocusReason.ShortcutFocusReason
         if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.ShortcutOverride:
             key, tool = event.key(), self.canvas.hold.tool
             sized = tool.sized or self._session.selected is not None
@@ -170,6 +175,10 @@ class CanvasArea(QWidget):
         if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.KeyPress and self._take_key(event):
             return True
         return super().eventFilter(watched, event)
+
+    def _point(self) -> None:
+        """The pointer is used again after a field."""
+        self._given = False
 
     def _draw(self) -> None:
         self.canvas.draw(self._session.scene)
@@ -182,11 +191,19 @@ class CanvasArea(QWidget):
 
     def _take_key(self, event: QKeyEvent) -> bool:
         key, held, index = Qt.Key(event.key()), event.modifiers(), self._session.selected
-        tool, keyed = self.canvas.hold.tool, self.crosshair.at is not None
+        tool, keyed, objects = self.canvas.hold.tool, self.crosshair.at is not None, self._workspace.object_list
+        given, self._given = self._given, False
+        accepts = key in _ENTER and not keyed and (objects.open_rows or objects.selected)
+        if given and accepts:
+            self._session.say(tr("The value is set. Enter accepts what is offered."))
+            return True
         ends = not keyed or held & Qt.KeyboardModifier.ControlModifier or key == Qt.Key.Key_Backspace
         if tool.drafting and key in _DRAFT_KEYS and ends:
             (tool.take_back if key == Qt.Key.Key_Backspace else tool.finish)()
-        elif key in (Qt.Key.Key_Return, Qt.Key.Key_Enter):
+        elif accepts:
+            if objects.open_rows:  # objects are accepted already
+                objects.accept()
+        elif key in _ENTER:
             self.canvas.hold.set_modifiers(held)
             (self.crosshair.enter if keyed else self.crosshair.show)()
         elif key in _ARROWS:

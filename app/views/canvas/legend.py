@@ -18,7 +18,7 @@ from app.views.widgets.containers import ElidedLabel
 _EVERY = 150
 """Least time between two updates [ms]: the numbers of particles change in every frame."""
 
-_SIGNS = {"line": "━━", "dashed": "╍╍", "dot": "●", "check": "✔"}
+_SIGNS = {"line": "━━", "dashed": "╍╍", "dot": "●", "check": "✔", "area": "■"}
 
 _PAD = 10
 _SENTENCE = 0.55

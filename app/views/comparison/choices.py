@@ -52,7 +52,7 @@ class ParameterChoice(QWidget):
         super().__init__()
         self._session = session
         offered = tuple(control for control in controls() if control.name in acting_in("shape"))
-        self.down, self.across = AxisRow(tr("Parameter"), offered), AxisRow(tr("And"), (*offered, None))
+        self.down, self.across = AxisRow(tr("Parameter"), offered), AxisRow(tr("Second parameter"), (*offered, None))
         layout = QVBoxLayout(self)
         layout.setAlignment(Qt.AlignmentFlag.AlignTop)
         for row, first in zip((self.down, self.across), FIRST_AXES, strict=True):
@@ -123,7 +123,8 @@ class MethodChoice(QWidget):
         self._area = QScrollArea()
         self._area.setWidgetResizable(True)
         layout = QVBoxLayout(self)
-        for widget in (self.list, self.around, self.about):
+        note = wrapped(tr("They start from circles, ellipses and polygons; only particles feel the rest."), dim=True)
+        for widget in (self.list, self.around, note, self.about):
             layout.addWidget(widget)
         layout.addWidget(self._area, 1)
         self.list.itemChanged.connect(self._choose)

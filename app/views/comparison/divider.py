@@ -168,7 +168,7 @@ class Divider(QWidget):
             painter.setPen(QPen(QColor(color), width))
             painter.drawLine(top, bottom)
         painter.setPen(QPen(QColor(theme.HALO), 1.0))
-        painter.setBrush(QColor(theme.CLOSED if self.hasFocus() else theme.CHOSEN))
+        painter.setBrush(QColor(theme.PROPOSAL if self.hasFocus() else theme.CHOSEN))
         painter.drawRoundedRect(QRectF(0.5, middle.y() - _GRIP, self.width() - 1.0, 2 * _GRIP), 6.0, 6.0)
         painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, "↔")
         painter.end()

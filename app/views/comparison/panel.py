@@ -16,7 +16,6 @@ from PySide6.QtWidgets import (
     QHBoxLayout,
     QLabel,
     QMenu,
-    QProgressBar,
     QPushButton,
     QStackedWidget,
     QToolButton,
@@ -26,7 +25,6 @@ from PySide6.QtWidgets import (
 
 from app.model.display.differences import Difference
 from app.model.display.lengths import PixelSize, shown_in
-from app.model.state.situation import remaining_text
 from app.model.text.language import reason, tr, written
 from app.session.features.comparison import NOW, Agreed, ComparedResults, Row
 from app.session.features.timeline import TimelineNavigation
@@ -63,7 +61,7 @@ def _figure(name: str) -> Callable[[Line], float | None]:
 
 
 COLUMNS: tuple[Column[Line], ...] = (
-    Column("name", tr("Result"), tr("What is compared; the reference, with which the others are compared, is bold."),
+    Column("name", tr("Result"), tr("The results; the reference, with which the others are compared, is bold."),
            lambda line: line.title, "Run 1"),
     Column("dice", tr("Dice"), tr("Overlap of the areas: 1 if they are equal, 0 if they are disjoint."),
            _figure("dice"), "0.000", form=".3f"),
@@ -72,15 +70,15 @@ COLUMNS: tuple[Column[Line], ...] = (
     Column("largest", tr("Largest [{unit}]"),
            tr("Largest distance from a point on one boundary to the other boundary (Hausdorff)."),
            _figure("hausdorff"), "000.0", 1, form=".1f"),
-    Column("count", tr("Found"), tr("Number of objects, or else of contours."), lambda line: line.row.count, "000",
-           form=".0f"),
-    Column("seconds", tr("Time [s]"), tr("Time of a run that was made to be compared."),
+    Column("count", tr("Found"), tr("Number of objects, or of contours if there are none."),
+           lambda line: line.row.count, "000", form=".0f"),
+    Column("seconds", tr("Time [s]"), tr("Time of a run that was started for this comparison."),
            lambda line: line.row.seconds, "00.0", form=".2f"),
     Column("f", tr("F"), tr("Harmonic mean of recall and precision."), _figure("f"), "0.000", form=".3f"),
     Column("recall", tr("Recall"), tr("Fraction of the boundary of the reference that is found within the tolerance."),
            _figure("recall"), "0.000", form=".3f"),
     Column("precision", tr("Precision"),
-           tr("Fraction of the boundary that the reference has within the tolerance."),
+           tr("Fraction of the found boundary that lies within the tolerance of the reference."),
            _figure("precision"), "0.000", form=".3f"),
     Column("jaccard", tr("Jaccard"), tr("Intersection of the areas divided by their union."), _figure("jaccard"),
            "0.000", form=".3f"),
@@ -88,9 +86,9 @@ COLUMNS: tuple[Column[Line], ...] = (
            _figure("hausdorff95"), "000.0", 1, form=".1f"),
     Column("missed", tr("Missed"), tr("Objects of the reference that share less than half of their area with one."),
            _figure("objects.missed"), "000", form=".0f"),
-    Column("extra", tr("Extra"), tr("Closed contours that find no object of the reference."), _figure("objects.extra"),
+    Column("extra", tr("Extra"), tr("Closed contours that match no object of the reference."), _figure("objects.extra"),
            "000", form=".0f"),
-    Column("merged", tr("Merged"), tr("Those that contain more than half of two or more objects."),
+    Column("merged", tr("Merged"), tr("Contours that contain more than half of two or more objects."),
            _figure("objects.merged"), "000", form=".0f"),
     Column("ap", "AP@0.5", tr("Found objects divided by all that are found, missed or extra."),
            _figure("objects.average_precision"), "0.000", form=".3f"),
@@ -161,12 +159,12 @@ class ComparePanel(QWidget):
         self._session, self._compared, self._navigation = session, compared, navigation
         self._load, self._jump = load, jump
         self._seen: tuple[tuple[Difference, ...], int] = ((), 0)
-        self.table, self.words, self.trouble = ResultTable(session, compared), wrapped(dim=True), wrapped()
+        self.table, self.words = ResultTable(session, compared), wrapped(dim=True)
         self.methods, self.values = MethodChoice(session), ParameterChoice(session)
         self.setFocusProxy(self.table)
         self.acts = {
             "use": self._act(tr("Use this"), lambda: compared.use(compared.chosen),
-                             tr("Take over the parameters, the run, or the contours as objects.")),
+                             tr("Use these parameters, this run, or these contours as objects.")),
             "refer": self._act(tr("Set as reference"), lambda: compared.refer_to(compared.chosen),
                                tr("Compare all others with this result.")),
             "next": self._act(tr("Next difference"), self.jump_to_next,
@@ -177,8 +175,6 @@ class ComparePanel(QWidget):
         self.keep = wide_button(tr("Keep this result"), compared.keep)
         self.keep.setToolTip(tr("Keep what is found now, to compare later results with it."))
         self.export = wide_button(tr("Export table…"), export)
-        self.bar, self.cancel = QProgressBar(), wide_button(tr("Cancel"), compared.cancel)
-        self.bar.setTextVisible(False)
         self.holes = QCheckBox(tr("Inner contours are holes"))
         self.holes.setToolTip(tr("Otherwise everything inside a contour belongs to the object."))
         self.holes.toggled.connect(compared.set_holes)
@@ -194,13 +190,17 @@ class ComparePanel(QWidget):
         arrange(QVBoxLayout(self), self.pages)
         compared.changed.connect(self._show)
         compared.chosen_changed.connect(self._show)
-        session.tasks.advanced.connect(self._show_progress)
         session.image_changed.connect(lambda: self.pages.setCurrentIndex(0))
         self._show()
 
     def sizeHint(self) -> QSize:
         """As wide as the other panels."""
         return QSize(320, 380)
+
+    @property
+    def figures(self) -> list[dict[str, float | str | None]]:
+        """All figures of all results."""
+        return [{column.name: column.value(line) for column in COLUMNS} for line in self.table.rows.items]
 
     def jump_to_next(self) -> None:
         """Show the next difference; after the last one, the largest again."""
@@ -232,7 +232,6 @@ class ComparePanel(QWidget):
         arrange(
             QVBoxLayout(page),
             arrange(QHBoxLayout(), self.add, self.keep, spacing=6),
-            arrange(QHBoxLayout(), self.bar, self.cancel, spacing=6),
             self.table,
             self.words,
             arrange(QHBoxLayout(), self._button("use"), self._button("refer"), spacing=6),
@@ -279,7 +278,7 @@ class ComparePanel(QWidget):
                        tr("Run snakes, level sets and others from the same start."))  # fmt: skip
             add_choice(menu, tr("&Parameter values…"), partial(self.pages.setCurrentIndex, 2),
                        tr("Run with several values of one or two parameters."))  # fmt: skip
-        add_choice(menu, tr("&Ground truth…"), self._load, tr("Read a mask or contours of a file as the reference."))
+        add_choice(menu, tr("&Ground truth…"), self._load, tr("Read a mask or contours from a file as the reference."))
 
     def _show(self) -> None:
         compared, there = self._compared, self._session.image is not None
@@ -298,15 +297,6 @@ class ComparePanel(QWidget):
         with QSignalBlocker(self.holes):
             self.holes.setChecked(compared.holes)
         self.words.setText(row.state or self._summary())
-        self._show_progress()
-
-    def _show_progress(self) -> None:
-        task = self._compared.task
-        for widget in (self.bar, self.cancel):
-            widget.setVisible(task is not None)
-        if task is not None:
-            self.bar.setValue(round(100 * (task.fraction or 0.0)))
-            self.bar.setToolTip(remaining_text(task.seconds_left))
 
     def _summary(self) -> str:
         """How the marked row differs from the reference, or what can be done."""
@@ -318,7 +308,7 @@ class ComparePanel(QWidget):
             return tr("Choose a result to see it on the picture.")
         agreed = compared.agreed.get(subject.key)
         if agreed is None:
-            return tr("Nothing is found yet.") if subject.found is None else tr("Comparing…")
+            return tr("Nothing found yet.") if subject.found is None else tr("Comparing…")
         if not different:
             return tr("{name} agrees with the reference within the tolerance.").format(name=subject.title)
         missing, farthest = sum(each.kind == "missing" for each in different), different[0].farthest

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtCore import QRectF, QSize, Qt, Signal
-from PySide6.QtGui import QResizeEvent
+from PySide6.QtCore import QRectF, Qt, Signal
 from PySide6.QtWidgets import (
     QCheckBox,
     QComboBox,
@@ -33,29 +32,22 @@ from app.model.export import (
     ExportOrder,
     What,
     chosen,
-    closed,
     file_name,
     formats,
     summary_text,
     thinned,
 )
-from app.model.state.surface_figures import figure_texts
-from app.model.text.language import reason, tr, written
-from app.session.features.skeleton import description_of
+from app.model.text.language import tr, written
 from app.session.session import Session
 from app.session.storage.preferences import Preferences
-from app.views.canvas.items.item import image_rectangle
 from app.views.export.frames import NARROWEST, WIDEST, AnimationPlan, every, frame_size
-from app.views.export.picture import Line, Picture
-from app.views.theme import theme
-from app.views.theme.theme import look
+from app.views.export.picture import Line, Preview
 from app.views.widgets.containers import AcceptButtons, arrange, wrapped
 from app.views.widgets.fields import DecimalField
 from app.views.window.dialogs import FileDialogs, ask_to_replace
-from cpm_core import Result, Skeleton
-from cpm_core.formats import IN_SPACE, OUTLINABLE, check_encoder, left_out
+from cpm_core import Skeleton
+from cpm_core.formats import IN_SPACE, left_out
 from cpm_core.image import CONVENTIONS
-from cpm_core.reconstruction import can_be_closed
 
 _KEY = "export/"
 FORMATS = _KEY + "formats"
@@ -63,6 +55,9 @@ FORMATS = _KEY + "formats"
 
 _FIRST = ["objects:.table.csv", "contours:.svg", "surface:.stl", "skeleton:.svg", "lines:.swc"]
 """Formats that are checked until the user has checked others."""
+
+_PICTURES = frozenset({"pages", "space", "turntable", "run"})
+"""What has no part in the preview."""
 
 _WIDTH = 430
 _SPACES = {"LPS": tr("Left, back, head (LPS), as in DICOM"), "RAS": tr("Right, front, head (RAS), as in NIfTI")}
@@ -107,12 +102,11 @@ class ExportDialog(QDialog):
         self.list = QTreeWidget()
         self.list.setColumnCount(2)
         self.list.setHeaderLabels([tr("What"), tr("File")])
-        self.list.setAccessibleName(tr("What to write"))
-        self.list.setMinimumSize(_WIDTH, 180)
-        self.only, self.everywhere = QCheckBox(tr("Only what is chosen")), QCheckBox(tr("in all formats"))
-        self.outlines, self.units = QCheckBox(tr("Outlines in masks, not areas")), QCheckBox()
-        self.closing, self.space = QComboBox(), QComboBox()
-        self.tolerance, self._vertices = DecimalField(), QLabel()
+        self.list.setAccessibleName(tr("What to export"))
+        self.list.setMinimumSize(_WIDTH, parent.height() // 3)
+        self.only, self.everywhere = QCheckBox(tr("Selection only")), QCheckBox(tr("in all formats"))
+        self.units, self.space = QCheckBox(), QComboBox()
+        self.tolerance, self._vertices, self._size = DecimalField(), QLabel(), QLabel()
         self.tolerance.setRange(0.0, 10.0)
         self.tolerance.setSingleStep(0.1)
         self.tolerance.setDecimals(1)
@@ -130,7 +124,7 @@ class ExportDialog(QDialog):
         self.summary = wrapped()
         self.summary.setMinimumHeight(2 * self.summary.fontMetrics().lineSpacing())
         self.classes: dict[int, QLineEdit] = {}
-        self.preview = None if self._volume else Preview(Picture(scene.display, image_rectangle(image.shape)))
+        self.preview = None if scene.display is None else Preview(scene.display)
         self._lay_out()
         self._restore()
         self._fill()
@@ -153,10 +147,8 @@ class ExportDialog(QDialog):
             self.files,
             self._there.objects if only else None,
             self._there.contours if only else None,
-            self.closing.currentData() or "",
             self.tolerance.value(),
             self.everywhere.isChecked(),
-            self.outlines.isChecked(),
             self.space.currentData(),
             self.units.isChecked(),
         )
@@ -209,31 +201,26 @@ class ExportDialog(QDialog):
         for title, field in (
             ("", self.only),
             (tr("Simplify"), self._thin),
-            (tr("Open contours"), self.closing),
-            ("", self.outlines),
             ("", self.units),
             (tr("Coordinates"), self.space),
             (tr("Steps"), self._steps),
             (tr("Frames"), self._frames),
+            ("", self._size),
             (tr("Name"), _row(self.base)),
             (tr("Folder"), self._place),
             ("", self.summary),
         ):
             form.addRow(title, field)
-        for field, title in ((self.tolerance, tr("Simplify")), (self.base, tr("Name")), (self._place, tr("Folder"))):
-            field.setAccessibleName(title)
-        for field, title in zip(
-            (self.closing, self.space, self.first, self.last, self.stride, self.width_field, self.speed),
-            (tr("Open contours"), tr("Coordinates"), tr("First step"), tr("Last step"), tr("Steps from frame to frame"),
-             tr("Width"), tr("Speed")),
-            strict=True,
+        for field, title in (
+            (self.tolerance, tr("Simplify")), (self.base, tr("Name")), (self._place, tr("Folder")),
+            (self.space, tr("Coordinates")), (self.first, tr("First step")), (self.last, tr("Last step")),
+            (self.stride, tr("Steps per frame")), (self.width_field, tr("Width")), (self.speed, tr("Speed")),
         ):  # fmt: skip
             field.setAccessibleName(title)
-        for box in (self.only, self.everywhere, self.outlines, self.units, self.zoomed):
+        for box in (self.only, self.everywhere, self.units, self.zoomed):
             box.toggled.connect(self._follow)
         for field in (self.tolerance, self.first, self.last, self.stride, self.width_field, self.speed):
             field.valueChanged.connect(self._follow)
-        self.closing.activated.connect(self._follow)
         self.base.textChanged.connect(self._follow)
         self.list.itemChanged.connect(self._follow)
         layout = QHBoxLayout(self)
@@ -250,14 +237,15 @@ class ExportDialog(QDialog):
             field.setValue(get(_KEY + name, field.value()))
         self.tolerance.setValue(get(_KEY + "tolerance", 0.5))
         self.everywhere.setChecked(get(_KEY + "everywhere", False))
-        self.units.setText(tr("Lengths in {unit} too").format(unit=unit))
+        self.units.setText(tr("Physical units ({unit})").format(unit=unit))
         self.units.setChecked(get(_KEY + "units", True))
         for space in CONVENTIONS:
             self.space.addItem(_SPACES[space], space)
 
     def _fill(self) -> None:
         """List what there is, with the formats of the last time checked."""
-        checked = self._preferences.get(FORMATS, _FIRST)
+        moving = ("run:", "turntable:")  # which take long, and are not written by the way
+        checked = [key for key in self._preferences.get(FORMATS, _FIRST) if not key.startswith(moving)]
         for what, count in self._counts().items():
             group = QTreeWidgetItem([f"{KINDS[what][0]} ({count})" if count > 1 else KINDS[what][0]])
             self.list.addTopLevelItem(group)
@@ -311,50 +299,40 @@ class ExportDialog(QDialog):
             show(field, "objects" in whats)
         show(self.only, bool(self._there.objects or self._there.contours))
         show(self._thin, drawn)
-        show(self.outlines, "contours" in whats and bool(suffixes & OUTLINABLE))
         show(self.units, bool(self._image.unit))
         show(self.space, self._image.geometry is not None and bool(suffixes & IN_SPACE) and self._volume)
         show(self._steps, "run" in whats)
         show(self._frames, "run" in whats)
+        show(self._size, "run" in whats)
         self.setWindowTitle(KINDS[next(iter(whats))][1] if len(whats) == 1 else tr("Export"))
         self._show(order)
 
     def _show(self, order: ExportOrder) -> None:
         """Show what is written, in words and as a picture."""
         document, parts, lines, vertices = self._session.document, list[str](), list[Line](), [0, 0]
-        trouble = "" if order.files else tr("Check what to write.")
-        self._form.setRowVisible(self.closing, False)
+        trouble = "" if order.files else tr("Choose what to export.")
         for what in dict.fromkeys(file.what for file in order.files):
             suffixes = [file.suffix for file in order.files if file.what == what]
-            if what not in ("objects", "contours", "skeleton"):
-                parts.append(self._figures(what))
+            if what in _PICTURES:
+                parts.append(KINDS[what][0])
                 continue
             result = chosen(self._found, document, order, what, self._image)
-            if what == "contours":
-                self._offer_closing(result)
-                # In the preview contours are closed straight, which takes no time.
-                straight = ExportOrder(closing="straight" if order.closing else "")
-                result = closed(result, straight, self._image, document.parameters)
-            parts.append(summary_text(result, what, suffixes[0], order))
+            parts.append(summary_text(result, what, suffixes[0]))
             if not self._volume and all(left_out(result, suffix) == len(result.contours) for suffix in suffixes):
-                trouble = tr("Nothing can be written: {what}.").format(what=parts[-1])
+                trouble = tr("Nothing can be exported: {what}.").format(what=parts[-1])
             vertices[0] += sum(len(contour.points) for contour in result.contours)
-            if order.tolerance:
+            if any(map(order.thins, suffixes)):
                 vertices[1] += sum(len(contour.points) for contour in thinned(result, order.tolerance).contours)
-            pale = all(left_out(result, suffix, outlines=order.outlines) for suffix in suffixes)
+            pale = all(left_out(result, suffix) for suffix in suffixes)
             lines += [
-                Line(contour, look().color(theme.REJECTED), pale=True)
-                if pale and not contour.closed
-                else Line(contour, filled=what == "objects" and not contour.hole)
+                Line(contour, what == "objects" and not contour.hole, pale and not contour.closed)
                 for contour in result.contours
             ]
         few, many = (written(f"{count:,}") for count in reversed(vertices))
-        self._vertices.setText(tr("{few} of {many} vertices").format(few=few, many=many) if order.tolerance else "")
-        if any(file.suffix == ".mp4" for file in order.files):
-            try:
-                check_encoder(".mp4")
-            except ValueError as error:
-                trouble = reason(error)
+        self._vertices.setText(tr("{few} of {many} vertices").format(few=few, many=many) if vertices[1] else "")
+        plan = self.animation
+        frames = tr("{count} frames of {width} × {height} px")
+        self._size.setText(frames.format(count=len(plan.steps), width=plan.size[0], height=plan.size[1]))
         if not self.base.text().strip():
             trouble = tr("Name the files.")
         count = tr("1 file") if len(order.files) == 1 else tr("{count} files").format(count=len(order.files))
@@ -362,29 +340,7 @@ class ExportDialog(QDialog):
         self.export_button.setEnabled(not trouble)
         if self.preview is not None:
             self.preview.show_lines(lines)
-
-    def _figures(self, what: What) -> str:
-        """The figures of what has no picture here."""
-        if what == "run":
-            plan = self.animation
-            text = tr("{count} frames of {width} × {height} px")
-            return text.format(count=len(plan.steps), width=plan.size[0], height=plan.size[1])
-        if what == "lines" and isinstance(self._found, Skeleton):
-            return description_of(self._found, self._image)
-        if what == "surface":
-            return ", ".join(f"{label} {value}" for label, value, _ in figure_texts(self._session.status.surface))
-        return KINDS[what][0]
-
-    def _offer_closing(self, result: Result | Skeleton) -> None:
-        """Offer to close open contours, where there are any that can be closed."""
-        closable = sum(can_be_closed(contour) for contour in result.contours if not contour.closed)
-        present = self.closing.currentData() or ""
-        self.closing.clear()
-        self.closing.addItem(tr("Leave them open"), "")
-        self.closing.addItem(tr("Close {count} along the edges").format(count=closable), "edges")
-        self.closing.addItem(tr("Close {count} by straight lines").format(count=closable), "straight")
-        self.closing.setCurrentIndex(self.closing.findData(present))
-        self._form.setRowVisible(self.closing, closable > 0)
+        self.resize(self.size().expandedTo(self.sizeHint()))
 
 
 def _named(document: Document, names: dict[int, str]) -> Document:
@@ -414,28 +370,3 @@ def _number(least: int, most: int, value: int = 1, suffix: str = "") -> QSpinBox
     field.setSuffix(suffix)
     field.setValue(value)
     return field
-
-
-class Preview(QLabel):
-    """What the files will hold on the image, and, pale, what they will not."""
-
-    def __init__(self, picture: Picture) -> None:
-        super().__init__()
-        self._picture = picture
-        self._shown: list[Line] = []
-        self.setAlignment(Qt.AlignmentFlag.AlignCenter)
-        self.setMinimumSize(240, 200)
-        self.setAccessibleName(tr("Preview of the export"))
-
-    def sizeHint(self) -> QSize:
-        """Large enough to see single contours."""
-        return QSize(460, 460)
-
-    def show_lines(self, lines: list[Line]) -> None:
-        """Show lines on the image."""
-        self._shown = lines
-        self.setPixmap(self._picture.drawn(self.size(), self.devicePixelRatioF(), lines))
-
-    def resizeEvent(self, event: QResizeEvent) -> None:
-        """Draw the picture in its new size."""
-        self.show_lines(self._shown)

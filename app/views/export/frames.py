@@ -186,7 +186,7 @@ class FrameRecorder(QObject):
         self._due = False
         trouble = ""
         if report.moment is None:
-            gone = tr("The run of the animation is gone, so nothing has been written.")
+            gone = tr("The run of the animation no longer exists, so nothing was written.")
             trouble = report.sentence or gone
         else:
             try:

@@ -12,7 +12,7 @@ from app.views.widgets.actions import ActionSpec
 from app.views.window.dialogs import ALL_FILES, Files
 from app.views.window.docks import Panel
 from app.views.window.window import Feature, MainWindow
-from cpm_core.formats import CONTOURS_READABLE, PICTURE, READABLE, SURFACES_READABLE, TABLE
+from cpm_core.formats import CONTOURS_READABLE, READABLE, SURFACES_READABLE, TABLE
 
 _SPAN = 48.0
 """Minimum side of the part of the image that is shown around a difference [px]."""
@@ -38,15 +38,10 @@ class CompareFeature(Feature):
             ActionSpec("compare", "Run", "Com&pare…",
                        "Compare what is shown with other runs, methods, values of parameters or a ground truth.",
                        lambda: window.docks.enter("compare"), "Ctrl+D", gap=True, when=has_image),
-            ActionSpec("next_difference", "Run", "Show next &difference",
+            ActionSpec("next_difference", ">" + tr("Compare"), "Show next &difference",
                        "Show the differences from the reference one after the other, the largest first.",
                        self.panel.jump_to_next, "Shift+W", when=lambda _: bool(window.session.scene.differences)),
         )  # fmt: skip
-
-    def close(self) -> bool:
-        """Stop the runs and the thread of comparisons."""
-        self._compared.cancel()
-        return True
 
     def _show_divider(self) -> None:
         if self._compared.chosen == NOW:
@@ -77,11 +72,9 @@ class CompareFeature(Feature):
 
     def _export(self) -> None:
         kinds = {TABLE: tr("Table of all results")}
-        if any(row.trial is not None and row.trial.method for row in self._compared.rows.values()):
-            kinds[PICTURE] = tr("Picture of the methods")
         path = self.window.files.ask_where_to_export(tr("Export the comparison"), ".compared.csv", kinds)
         if path is not None:
-            self._compared.write(path)
+            self._compared.write(path, self.panel.figures)
 
     def _jump(self, difference: Difference) -> None:
         slices = self.window.workspace.slices

@@ -41,7 +41,8 @@ class DrawFeature(Feature):
                        "Add a circle in the middle of the visible part.", area.add_circle, "Ctrl+K",
                        when=has_image),
             ActionSpec("cross_hair", "Tools", "Draw by &keys",
-                       "Draw with the current tool by a cross-hair that arrow keys move; or press Enter on the image.",
+                       "Draw with the current tool by moving a cross-hair with the arrow keys; or press "
+                       "Enter on the image.",
                        area.crosshair.toggle, gap=True, when=has_image),
         )  # fmt: skip
 
@@ -110,10 +111,10 @@ class UndoSelectionFeature(Feature):
             ActionSpec("delete", "Edit", "&Delete", "Remove the selected shape.", session.delete_selected,
                        "Delete Backspace", gap=True, when=has_selection),
             ActionSpec("enlarge", ">" + tr("Edit"), "Larger",
-                       "Make the selected shape, or what the tool works with, larger; so does the key ].",
+                       "Make the selected shape, the brush or the candidate larger; the key ] does the same.",
                        partial(area.enlarge, 1.0), when=sized),
             ActionSpec("shrink", ">" + tr("Edit"), "Smaller",
-                       "Make the selected shape, or what the tool works with, smaller; so does the key [.",
+                       "Make the selected shape, the brush or the candidate smaller; the key [ does the same.",
                        partial(area.enlarge, -1.0), when=sized),
             ActionSpec("clear", "Edit", "Delete &all shapes", "Remove all shapes.",
                        partial(session.edit, tr("delete all shapes"), edits.clear_shapes), "Ctrl+Shift+Backspace",

@@ -47,10 +47,10 @@ class ExportFeature(Feature):
         self._written: set[Path] = set()
         window.session.listen(Opened, self._forget)
         self.actions = (
-            ActionSpec("export", "File", "&Export…", "Write objects, contours, surfaces, pictures and animations.",
+            ActionSpec("export", "File", "&Export…", "Export objects, contours, surfaces, pictures and animations.",
                        self.export, "Ctrl+E Ctrl+Shift+K Ctrl+Shift+A", short=tr("Export"), icon="export", gap=True,
                        when=_can_export),
-            ActionSpec("export_again", "File", "Export a&gain", "Write the same files again, without a dialog.",
+            ActionSpec("export_again", "File", "Export a&gain", "Export the same files again, without a dialog.",
                        self.export_again, "Ctrl+Shift+E", when=_can_export),
         )  # fmt: skip
 
@@ -137,7 +137,8 @@ class ClipboardFeature(Feature):
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
         self.actions = (
-            ActionSpec("copy", "Edit", "&Copy", "Copy what is chosen, or all, as a drawing and as a table.",
+            ActionSpec("copy", "Edit", "&Copy", "Copy the selection, or everything, as a drawing and as a "
+                                                "table.",
                        self.copy, "Ctrl+C", gap=True,
                        when=lambda now: has_contours(now) or (has_objects(now.document) and not has_volume(now))),
             ActionSpec("copy_view", "Edit", "Copy &view as image",
@@ -157,7 +158,7 @@ class ClipboardFeature(Feature):
     def copy_view(self) -> None:
         """Copy what the canvas shows."""
         QApplication.clipboard().setImage(self.window.canvas_area.canvas.grab().toImage())
-        self.window.session.say(tr("The view is on the clipboard."), topic=EXPORTING)
+        self.window.session.say(tr("The view was copied."), topic=EXPORTING)
 
     def _put(self, contents: tuple[bytes, ...]) -> None:
         data = QMimeData()
@@ -187,7 +188,7 @@ class ImportFeature(Feature):
         super().__init__(window)
         self.actions = (
             ActionSpec("import_contours", "File", "&Import contours…",
-                       "Read contours of another program, as a start, as objects or as ground truth.", self._choose,
+                       "Import contours from another program as a start, as objects or as ground truth.", self._choose,
                        when=has_image),
             ActionSpec("paste", "Edit", "&Paste", "Open the picture on the clipboard, or use the contours on it.",
                        self.paste, "Ctrl+V"),
@@ -197,9 +198,9 @@ class ImportFeature(Feature):
         """Read contours, and ask what they are for."""
         session = self.window.session
         if session.document.image is None:
-            message = tr("Open an image first. Then {name} can be drawn.")
+            message = tr("Open an image first; then {name} can be drawn.")
         elif session.scene.slices is None and path.suffix.lower() in IN_VOLUMES:
-            message = tr("{name} lies in a volume, but an image is open.")
+            message = tr("{name} belongs to a volume, but an image is open.")
         else:
             session.attempt(OPENING)
             read_file(session, path, partial(self._use, path))
@@ -221,12 +222,12 @@ class ImportFeature(Feature):
         elif isinstance(picture, QImage) and not picture.isNull():
             keep_picture(session, picture, self.window.open_image)
         else:
-            trouble = tr("There is no picture and there are no contours on the clipboard.")
+            trouble = tr("The clipboard contains neither a picture nor contours.")
             if content and session.scene.slices is not None:
                 trouble = tr("{name} has contours for an image, but a volume is open.")
                 trouble = trouble.format(name=tr("the clipboard"))
             elif content:
-                trouble = tr("Open an image first. Then the contours on the clipboard can be used.")
+                trouble = tr("Open an image first; then the contours on the clipboard can be used.")
             session.say(trouble, True, OPENING)
 
     def _choose(self) -> None:
@@ -245,7 +246,7 @@ class ImportFeature(Feature):
             session.edit(name, lambda document: edits.add_shape(document, found))
             return
         whole = found.kind == "center lines" or not found.count
-        question = tr("Use {name} as a start?") if whole else tr("What is {name} for?")
+        question = tr("Use {name} as a start?") if whole else tr("What should {name} be used for?")
         buttons = _buttons(found, path is not None)
         text = question.format(name=found.name)
         answer = Question(self.window, _TITLES[found.kind], text, _explained(found), buttons).ask()
@@ -253,19 +254,19 @@ class ImportFeature(Feature):
             name = tr("start from {name}").format(name=found.name)
             session.edit(name, lambda document: imported.add_starts(document, found))
         elif answer == "objects":
-            name = tr("take objects from {name}").format(name=found.name)
-            session.edit(name, lambda document: imported.add_objects(document, found.objects))
+            name = tr("add objects from {name}").format(name=found.name)
+            session.edit(name, lambda document: imported.add_objects(document, found.objects, found.classes))
         elif answer == "truth" and path is not None:
             self.window.docks.reveal("compare")
             self.window.workspace.comparison.load(path)
 
 
 def _explained(found: Imported) -> str:
-    sentences = [tr("Particles of a start flow to the edges; objects stay as they are.")]
+    sentences = [tr("Particles flow from a start to the edges; objects stay as they are.")]
     if found.kind == "surface" and not found.objects:
-        sentences.append(tr("The surface is not closed, so that it encloses no object."))
+        sentences.append(tr("The surface is not closed, so it encloses no object."))
     if found.open and found.objects:
-        sentences.append(tr("Open contours are no objects."))
+        sentences.append(tr("Open contours are not objects."))
     return " ".join([*sentences, *map(from_core, found.notes)])
 
 
@@ -287,7 +288,8 @@ class BatchFeature(Feature):
         self._task: Task | None = None
         self.actions = (
             ActionSpec("apply_to_folder", "File", "Apply this session to a &folder…",
-                       "Run every image of a folder with what is drawn and set here, and write the contours.",
+                       "Run every image in a folder with the current starts and settings, and export the "
+                       "contours.",
                        self._apply, "Ctrl+Alt+E",
                        when=lambda situation: has_image(situation) and (self._task is None or self._task.over)),
         )  # fmt: skip
@@ -299,9 +301,9 @@ class BatchFeature(Feature):
             self.window.refresh()
 
     def _report(self, done: BatchDone) -> None:
-        text = tr("{done} of {count} images are done.").format(done=done.images - done.failed, count=done.images)
+        text = tr("{done} of {count} images finished.").format(done=done.images - done.failed, count=done.images)
         more = tr("{failed} could not be used.").format(failed=done.failed)
-        table = tr("The table is {path}.").format(path=done.table)
+        table = tr("The table is in {path}.").format(path=done.table)
         words = " ".join((text, more, table) if done.failed else (text, table))
         self.window.session.say(words, done.failed > 0, TOPIC)
         self.window.refresh()

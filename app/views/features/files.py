@@ -57,7 +57,7 @@ class OpenSaveFeature(Feature):
             ActionSpec("open", "File", "&Open…", "Open an image or a session.", self.ask_for_file, "Ctrl+O",
                        short=tr("Open"), icon="open"),
             Submenu("recent", "File", "Open &recent", self.recent.fill),
-            ActionSpec("save", "File", "&Save session", "Save what you see: drawing, runs, contours, objects, view.",
+            ActionSpec("save", "File", "&Save session", "Save everything: drawing, runs, contours, objects and view.",
                        self.save, "Ctrl+S", short=tr("Save"), icon="save", gap=True, when=has_image),
             ActionSpec("save_as", "File", "Save session &as…",
                        "Save the session to another file and continue with it.", self.save_as, "Ctrl+Shift+S",
@@ -210,8 +210,8 @@ class StartFeature(Feature):
         session.listen(Written, lambda _: self._keep_picture())
         session.listen(NotOpened, self._stay)
         self.actions = (
-            ActionSpec("start", "File", "Sa&mples and recent files", "Show them as pictures.", self.toggle,
-                       "Alt+Home", short=tr("Start"), icon="home"),
+            ActionSpec("start", "File", "Sa&mples and recent files", "Show samples and recent files as pictures.",
+                       self.toggle, "Alt+Home", short=tr("Start"), icon="home"),
         )  # fmt: skip
 
     def close(self) -> bool:
@@ -296,11 +296,11 @@ class FolderFeature(Feature):
         window.session.listen(Opened, self._take)
         window.session.listen(NotOpened, self._stay)
         self.actions = (
-            ActionSpec("previous_image", "File", "Pre&vious image of the folder",
-                       "Open the previous image of the folder, with the session beside it.", partial(self.go, -1),
+            ActionSpec("previous_image", "File", "Pre&vious image in the folder",
+                       "Open the previous image in the folder, with its session.", partial(self.go, -1),
                        "Alt+Left", "back", gap=True, when=lambda _: self._here > 0),
-            ActionSpec("next_image", "File", "Ne&xt image of the folder",
-                       "Open the next image of the folder, with the session beside it.", partial(self.go, 1),
+            ActionSpec("next_image", "File", "Ne&xt image in the folder",
+                       "Open the next image in the folder, with its session.", partial(self.go, 1),
                        "Alt+Right", "forward", when=lambda _: self._here + 1 < len(self._images)),
         )  # fmt: skip
 

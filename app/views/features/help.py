@@ -34,7 +34,7 @@ class HelpFeature(Feature):
             ActionSpec("guide", "Help", "&Guide", "First steps, examples step by step, and the use of the canvas.",
                        self.show_guide, "F1", icon="guide"),
             ActionSpec("about", "Help", "&About CPM",
-                       "Version, license, the paper, and the versions of what the program works with.",
+                       "Version, license, the paper, and the libraries in use.",
                        self._show_about, gap=True),
         )  # fmt: skip
 
@@ -85,7 +85,7 @@ class HelpFeature(Feature):
         box.setInformativeText(f"{text}<table>{rows}</table>")
         box.setTextInteractionFlags(Qt.TextInteractionFlag.TextBrowserInteraction)
         copy = box.addButton(tr("&Copy this text"), QMessageBox.ButtonRole.ActionRole)
-        copy.setToolTip(tr("Copy it to the clipboard, as for a report of an error."))
+        copy.setToolTip(tr("Copy it to the clipboard, for example for a bug report."))
         copy.clicked.disconnect()  # it does not close the box
         copy.clicked.connect(lambda: QApplication.clipboard().setText(about_text()))
         box.addButton(QMessageBox.StandardButton.Close)

@@ -56,7 +56,6 @@ class ObjectsFeature(Feature):
         area.canvas.pointed.connect(lambda at: objects.hover(None) if at is None else None)
         objects.selection_changed.connect(window.refresh)
         selection.changed.connect(window.refresh)
-        objects.taken.connect(lambda numbers: self.ask_name() if len(numbers) == 1 else None)
         objects.class_begun.connect(self._ask_class)
 
         def selects(*kinds: Kind, least: int = 1) -> bool:
@@ -79,60 +78,65 @@ class ObjectsFeature(Feature):
 
         self.actions = (
             ActionSpec("accept", "Objects", "&Accept",
-                       "Make objects of proposals and of closed contours, and keep open contours; so does Enter.",
+                       "Accept proposals and closed contours as objects, and keep open contours; Enter "
+                       "does the same.",
                        objects.accept,
                        when=lambda _: bool(selection.proposals) or selects("proposal", "closed", "open", "rejected")),
             ActionSpec("reject", "Objects", "&Reject",
-                       "Dismiss proposals, remove objects, and leave contours out of files; none is proposed again.",
-                       objects.reject, "X", when=some),
-            ActionSpec("name_object", "Objects", "&Name…", "Give the selected object or contour a name.",
+                       "Dismiss proposals, remove objects, and exclude contours from exports; none is "
+                       "proposed again.",
+                       objects.reject, "X", when=lambda _: bool(objects.selected or selection.proposals)),
+            ActionSpec("name_object", "Objects", "&Name…", "Name the selected object or contour.",
                        self.ask_name, "F2", gap=True, when=some),
             Submenu("object_class", "Objects", "C&lass", self._fill_classes),
             ActionSpec("object_color", "Objects", "C&olor…", "Give objects and contours a color of their own.",
                        self._ask_color, when=lambda _: selects("object", "closed", "open")),
             ActionSpec("merge_objects", "Objects", "&Merge",
-                       "Make one object of the selected ones; open contours are joined along the edges.", merge, "M",
+                       "Merge the selected objects into one; open contours are joined along the edges.", merge, "M",
                        gap=True, when=lambda _: len(objects.selected) > 1),
             ActionSpec("close_contours", "Objects", "Clos&e",
                        "Close the selected open contour along the edge between its ends; several are joined first.",
                        partial(editing.join_selected, closing=True), "Shift+C",
                        when=lambda _: any(not item.contour.closed for item in window.workspace.review.chosen)),
-            ActionSpec("objects_alike", "Objects", "All li&ke this", "Find all objects like the chosen one.",
+            ActionSpec("objects_alike", "Objects", "All li&ke this", "Find all objects like the selected one.",
                        lambda: selection.find_like(objects.items[0].number), "Ctrl+L",
                        when=lambda _: len(objects.items) == 1),
             ActionSpec("change_object", "Objects", "Change by &clicks",
                        "Select the object again, beginning with what it is.", self._change,
                        when=lambda _: len(objects.items) == 1),
             ActionSpec("fit_objects", "Objects", "F&it to the contours",
-                       "Select the chosen objects again by their own clicks, on the contours of the last run.",
+                       "Select the objects again by their own clicks, on the contours of the last run.",
                        lambda: selection.fit(objects.chosen), when=has_objects),
             ActionSpec("freeze_object", "Objects", "&Freeze",
-                       "Keep the objects as they are, and let particles not cross their boundaries.",
+                       "Keep the objects as they are, and keep particles from crossing their boundaries.",
                        objects.toggle_frozen, gap=True, when=has_objects,
-                       worded=lambda _: tr("Release") if all_are("frozen") else tr("&Freeze")),
+                       worded=lambda _: tr("Unfreeze") if all_are("frozen") else tr("&Freeze")),
             ActionSpec("hide_object", "Objects", "&Hide", "Hide the objects, or show them again.",
                        objects.toggle_hidden, when=has_objects,
                        worded=lambda _: tr("Show") if all_are("hidden") else tr("&Hide")),
             Submenu("use_as", "Objects", "&Use as", self._fill_uses),
             ActionSpec("skeleton", "Objects", "Ske&leton",
-                       "Find the center lines of the chosen objects or closed contours, or of all closed contours.",
+                       "Find the center lines of the selected objects or closed contours, or of all closed "
+                       "contours.",
                        self._find_skeleton, icon="mode_skeleton",
                        when=lambda now: bool(objects.chosen) or has_contours(now)),
-            ActionSpec("delete_object", "Objects", "&Delete", "Remove what is selected; so does the key Delete.",
+            ActionSpec("delete_object", "Objects", "&Delete", "Remove the selection; the key Delete does the same.",
                        objects.delete, gap=True, when=some),
-            ActionSpec("all_objects", "Objects", "Select &all", "Select all that the table shows and is not rejected.",
+            ActionSpec("all_objects", "Objects", "Select &all", "Select all rows of the table that are not rejected.",
                        lambda: objects.select(self._shown()), "Ctrl+A", gap=True, when=has_image),
-            ActionSpec("other_objects", ">" + tr("Objects"), "In&vert the selection", "Select what is not selected.",
+            ActionSpec("other_objects", ">" + tr("Objects"), "In&vert the selection",
+                       "Select everything that is not selected.",
                        lambda: objects.select(self._shown() - objects.selected), "Ctrl+I",
                        when=has_image),
             ActionSpec("next_object", ">" + tr("Objects"), "Select ne&xt",
                        "Select one row of the table after the other.",
                        self.select_next, "Shift+N", when=has_image),
-            ActionSpec("show_rejected", "Objects", "&Show rejected", "Show what has been rejected, faint, or hide it.",
+            ActionSpec("show_rejected", "Objects", "&Show rejected",
+                       "Show rejected objects and contours faintly, or hide them.",
                        lambda: layer.choose("rejected", not layer.chosen["rejected"]), gap=True,
                        holds=lambda _: bool(layer.chosen["rejected"])),
             ActionSpec("drop_missed_edits", "Objects", "Remove outdated edits",
-                       "Remove edits by hand that no longer find their contours, with what they drew.",
+                       "Remove manual edits that no longer match a contour, with their lines.",
                        lambda: editing.drop(editing.missed), when=lambda _: bool(editing.missed)),
         )  # fmt: skip
 
@@ -156,17 +160,11 @@ class ObjectsFeature(Feature):
 
     def take_key(self, event: QKeyEvent) -> bool:
         """Handle the keys for what is selected on the canvas; return whether the key was one of them."""
-        tool, crosshair = self.window.canvas_area.canvas.hold.tool, self.window.canvas_area.crosshair
+        tool = self.window.canvas_area.canvas.hold.tool
         if tool is None or event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier:
             return False
         key, selecting = event.key(), tool.name in _SELECTING
-        if key in _ENTER:
-            selected = selecting and any(row.kind != "object" for row in self._list.selected_rows)
-            offered = tool.name != "objects" and bool(self._selection.proposals) and not self._selection.selecting
-            if crosshair.at is not None or tool.drafting or not (selected or offered):
-                return False
-            self._list.accept()
-        elif selecting and 1 <= key - Qt.Key.Key_0 <= len(self._list.objects.classes):
+        if selecting and 1 <= key - Qt.Key.Key_0 <= len(self._list.objects.classes):
             self._list.classify(key - Qt.Key.Key_0)
         elif key in _DELETE and len(self._editing.marked) == 2:
             self._editing.delete_stretch()
@@ -201,7 +199,7 @@ class ObjectsFeature(Feature):
 
     def _change(self) -> None:
         self.window.canvas_area.use_tool("objects")
-        self._list.begin_change(self._list.items[0].number)
+        self._selection.correct(self._list.items[0].number)
 
     def _ask_class(self, category: int) -> None:
         """Ask for the name of a class that is used for the first time."""

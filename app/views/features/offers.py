@@ -40,7 +40,7 @@ class BeginningFeature(Feature):
 
         self.actions = (
             ActionSpec("former_parameters", "Run", "Use parameters of the &last image",
-                       "Set all parameters as they were for the image that was open before this one.",
+                       "Use all parameters of the image that was open before this one.",
                        window.session.use_former_parameters, when=differ),
         )  # fmt: skip
 
@@ -50,7 +50,7 @@ class BeginningFeature(Feature):
         session, offers, beside, kind = self.window.session, self.window.offers, opened.beside, opened.kind
         of_sample = sample_like(opened.path) is not None
         if beside is not None and not of_sample:
-            earlier = tr("{name} holds earlier work on this image. Continue it?").format(name=beside.name)
+            earlier = tr("{name} contains earlier work on this image. Continue it?").format(name=beside.name)
             offers.offer(earlier, (tr("Open session"), partial(self.window.open_image, beside)))
         elif (
             kind is not None
@@ -64,7 +64,8 @@ class BeginningFeature(Feature):
         settings, document = opened.large, session.document
         if settings is not None and _with_settings(document, settings) != document:
             sentence = tr(
-                "This image is large: {scales} scales and smoothing {smoothing} find its objects more surely. Use them?"
+                "This image is large: {scales} scales and smoothing {smoothing} find its objects more "
+                "reliably. Use them?"
             ).format(scales=settings.scales, smoothing=written(f"{settings.smoothing:g}"))
             enlarge = partial(_with_settings, settings=settings)
             offers.offer(sentence, (tr("Use them"), partial(session.edit, tr("settings for a large image"), enlarge)))
@@ -87,7 +88,7 @@ class StackFeature(Feature):
         super().__init__(window)
         self.dialog: PartDialog | None = None
         self._opened: Opened | None = None
-        self._looking = LatestOnlyWorker(window.session, "cpm-parts", tr("looking into the file"))
+        self._looking = LatestOnlyWorker(window.session, "cpm-parts", tr("inspecting the file"))
         window.session.listen(Opened, self._offer)
         self.actions = (
             ActionSpec("parts", "File", "&Parts of the file…",
@@ -146,12 +147,12 @@ class StackFeature(Feature):
         elif parts.doubts and (volume or not parts.fit_a_volume):
             # What is wrong with a volume is reported as long as nobody works on it.
             if parts.planes == parts.pages:  # all were taken, and only how far apart they are is in doubt
-                answers.insert(0, (tr("Size of a voxel…"), partial(self.window.do, "pixel_size")))
+                answers.insert(0, (tr("Voxel size…"), partial(self.window.do, "pixel_size")))
             offer(f"{opened.path.name}: {' '.join(map(from_core, parts.doubts))}", *answers)
         elif parts.several_volumes or (parts.several and not volume):
             if parts.fit_a_volume and not volume:
                 answers.insert(0, (tr("Open as volume"), partial(self._open, True, replace(opened.reading, page=None))))
-            sentence = tr("{name} holds {parts}. Open now: {open}.").format(
+            sentence = tr("{name} contains {parts}. Open now: {open}.").format(
                 name=opened.path.name, parts=parts.counted, open=parts.taken(opened.reading, volume)
             )
             offer(sentence, *answers)
@@ -177,11 +178,11 @@ class PixelSizeFeature(Feature):
         self._told: tuple[tuple[float, ...], str | None] | None = None
         window.session.listen(Opened, self._offer)
         self.actions = (
-            ActionSpec("pixel_size", "Edit", "Size of a p&ixel…",
-                       "Set how far apart rows and columns are, and planes of a volume, and in which unit.", self.ask,
+            ActionSpec("pixel_size", "Edit", "P&ixel size…",
+                       "Set the distance between rows, columns and planes, and its unit.", self.ask,
                        gap=True, when=has_image,
-                       worded=lambda situation: tr("Size of a vo&xel…") if has_volume(situation)
-                       else tr("Size of a p&ixel…")),
+                       worded=lambda situation: tr("Vo&xel size…") if has_volume(situation)
+                       else tr("P&ixel size…")),
         )  # fmt: skip
 
     def _offer(self, opened: Opened) -> None:
@@ -189,7 +190,7 @@ class PixelSizeFeature(Feature):
         parts, ndim = opened.parts, opened.image.ndim
         self._told = None if parts is None else (parts.spacing[-ndim:], parts.unit)
         if ndim == 3 and opened.image.unit is None and opened.saved is None:
-            sentence = tr("{name} does not state the size of a voxel: its voxels are taken for cubes. Set the size?")
+            sentence = tr("{name} contains no voxel size: its voxels are assumed to be cubes. Set the size?")
             self.window.offers.offer(sentence.format(name=opened.path.name), (tr("Set the size…"), self.ask))
 
     def ask(self) -> None:
@@ -206,13 +207,13 @@ class PixelSizeFeature(Feature):
         self.dialog.open()
 
     def _use(self, spacing: tuple[float, ...], unit: str) -> None:
-        name = tr("size of a voxel") if len(spacing) == 3 else tr("size of a pixel")
+        name = tr("voxel size") if len(spacing) == 3 else tr("pixel size")
         self.window.session.edit(name, lambda document: edits.set_pixel_size(document, spacing, unit))
 
     def _reset(self) -> None:
         if self._told is not None:
             spacing, unit = self._told
-            name = tr("size from the file")
+            name = tr("size in the file")
             self.window.session.edit(
                 name, lambda document: edits.set_pixel_size(document, spacing, unit, by_hand=False)
             )

@@ -142,7 +142,7 @@ class TimelineFeature(Feature):
                        to.toggle_play, "Shift+Space", "play", when=recorded,
                        pictured=lambda _: "pause" if to.playing else "play"),
             ActionSpec("timeline_parameters", _MENU, "Use the pa&rameters of this step",
-                       "Set the parameters with which the shown step was computed.", to.use_its_parameters, gap=True,
+                       "Use the parameters with which the shown step was computed.", to.use_its_parameters, gap=True,
                        when=lambda situation: has_particles(situation) and to.other_parameters is not None),
             ActionSpec("timeline_delete", _MENU, "&Delete the branch",
                        "Delete the shown branch; steps shared with other branches are kept.",

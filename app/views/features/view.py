@@ -111,12 +111,12 @@ class LevelsFeature(Feature):
         drag.ended.connect(window.refresh)
         self.actions = (
             ActionSpec("levels_full", _LAYERS, "&All gray values",
-                       "Show all gray values, from the least, black, to the largest, white.",
+                       "Show all gray values, from the smallest (black) to the largest (white).",
                        partial(self._choose, WHOLE), "Alt+Shift+W", when=has_image,
                        holds=lambda _: layer.word("range") == WHOLE),
             ActionSpec("levels_auto", _LAYERS, "A&utomatic range",
-                       "Show all gray values but 0.1 % at either end. Drag with Ctrl and the right button to "
-                       "change it.",
+                       "Show all gray values except 0.1 % at either end. Drag with Ctrl and the right "
+                       "button to change the range.",
                        partial(self._choose, AUTOMATIC), "Alt+W", when=has_image,
                        holds=lambda _: layer.word("range") == AUTOMATIC),
         )  # fmt: skip
@@ -138,14 +138,14 @@ class KeyboardFeature(Feature):
         super().__init__(window)
         self.actions = (
             ActionSpec("go_to_sliders", _AREAS, "&Go to the sliders",
-                       "Give the keyboard to the sliders; Enter or Esc gives it back to the image.",
+                       "Move the keyboard focus to the sliders; Enter or Esc returns it to the image.",
                        lambda: window.docks.enter("run"), "Q"),
             ActionSpec("next_area", _AREAS, "Go to the ne&xt area",
-                       "Give the keyboard to the image, the panel and the timeline in turn.",
+                       "Move the keyboard focus to the image, the panel and the timeline in turn.",
                        lambda: window.docks.go_on(1), "F6"),
             ActionSpec("previous_area", _AREAS, "Go to the pre&vious area", "The same in the other direction.",
                        lambda: window.docks.go_on(-1), "Shift+F6"),
             ActionSpec("open_menu", _AREAS, "Context &menu",
-                       "Open the menu that a click with the right button opens.",
+                       "Open the menu of a right click.",
                        lambda: window.context_menus.open_at(QApplication.focusWidget()), "Shift+F10 Menu"),
         )  # fmt: skip

@@ -206,10 +206,10 @@ class PagesFeature(Feature):
                        "Run every page of the stack, one after the other, in the background.", pages.run,
                        "Ctrl+Shift+Return", gap=True, when=can_run, there=stacked),
             ActionSpec("run_pages_on", "Run", "Run from this page &on",
-                       "Run this page and all after it, one after the other, in the background.",
+                       "Run this page and all pages after it, one after the other, in the background.",
                        lambda: pages.run(pages.number), when=can_run, there=stacked),
             ActionSpec("follow_pages", "Run", "&Follow from page to page",
-                       "Start each page from the contours of the one before.",
+                       "Start each page from the contours of the previous one.",
                        lambda: self._follow(not pages.following), there=stacked,
                        holds=lambda _: pages.following),
         )  # fmt: skip

@@ -15,11 +15,11 @@ from cpm_core.image import COLORS
 
 _PAGE = {"plane": tr("Plane"), "page": tr("Page"), "frame": tr("Frame")}
 _COLORS = {
-    "luminance": tr("Brightness to the eye"),
+    "luminance": tr("Perceived brightness"),
     "red": tr("Red"),
     "green": tr("Green"),
     "blue": tr("Blue"),
-    "contrast": tr("Channel that varies the most"),
+    "contrast": tr("Channel with the largest variation"),
 }
 
 
@@ -77,7 +77,7 @@ class PartDialog(QDialog):
         self._colored = colored
         buttons = AcceptButtons(self, tr("Open"))
         self.open_button = buttons.accept_button
-        heading = QLabel(tr("Which part of {name} is opened?").format(name=name))
+        heading = QLabel(tr("Which part of {name} do you want to open?").format(name=name))
         layout = QVBoxLayout(self)
         layout.setSpacing(12)
         layout.addWidget(heading)

@@ -19,7 +19,7 @@ from app.views.widgets.containers import AcceptButtons
 from app.views.widgets.fields import DecimalField
 
 UNITS = ("nm", "µm", "mm", "cm", "m")
-_SIDES = (tr("Distance of planes"), tr("Distance of rows"), tr("Distance of columns"))
+_SIDES = (tr("Distance between planes"), tr("Distance between rows"), tr("Distance between columns"))
 _LEAST, _MOST = 1e-6, 1e6
 
 
@@ -46,7 +46,7 @@ class PixelSizeDialog(QDialog):
     def __init__(self, parent: QWidget, spacing: tuple[float, ...], unit: str | None, stated: str) -> None:
         super().__init__(parent)
         volume = len(spacing) == 3
-        self.setWindowTitle(tr("Size of a voxel") if volume else tr("Size of a pixel"))
+        self.setWindowTitle(tr("Voxel size") if volume else tr("Pixel size"))
         self.sides = tuple(_field(side) for side in spacing)
         self.unit = QComboBox()
         self.unit.addItems(UNITS)
@@ -64,7 +64,9 @@ class PixelSizeDialog(QDialog):
         self.accepted.connect(
             lambda: self.chosen.emit(tuple(field.value() for field in self.sides), self.unit.currentText())
         )
-        text = tr("The file states {size}.").format(size=stated) if stated else tr("The file does not state the size.")
+        text = (
+            tr("Size in the file: {size}.").format(size=stated) if stated else tr("The file does not contain the size.")
+        )
         layout = QVBoxLayout(self)
         layout.setSpacing(12)
         layout.addWidget(QLabel(text))

@@ -52,7 +52,7 @@ class StartScreen(QWidget):
         self.recent.setAccessibleName(tr("Recent work"))
         self.samples.setAccessibleName(tr("Samples"))
         self.trouble = wrapped()
-        self._nothing = QLabel(tr("What you open or save is shown here."))
+        self._nothing = QLabel(tr("Files that you open or save appear here."))
         self._nothing.setObjectName("dim")
         self._lay_out()
         for grid in (self.recent, self.samples):

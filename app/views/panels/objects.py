@@ -92,7 +92,7 @@ def _state(row: Row) -> str | None:
     return ", ".join(word for holds, word in words if holds) or None
 
 
-CONFIDENCE = tr("Confidence: the estimated probability that the object is right, most of the true one and little else.")
+CONFIDENCE = tr("Confidence: the estimated probability that the object covers most of the true one and little else.")
 
 
 def columns_of(shown: _Shown) -> tuple[Column[Row], ...]:
@@ -117,7 +117,8 @@ def columns_of(shown: _Shown) -> tuple[Column[Row], ...]:
                "000", form=".0f", key=lambda row: list(_KIND).index(row.kind) * 1e7 + abs(row.key[1])),
         Column("name", tr("Name"), tr("Name and color; double-click or press {key:name_object} to rename."),
                lambda row: row.name, "name"),
-        Column("class", tr("Class"), tr("Class of an object, which the digits 1 to 9 set; what else it is."), kind,
+        Column("class", tr("Class"), tr("Class of an object, which the digits 1 to 9 set, or what else the "
+                                        "row is."), kind,
                "proposal",
                key=lambda row: 10 * list(_KIND).index(row.kind) + (row.item.category if row.item else 0)),
         Column("area", tr("Volume"), tr("Volume without hollows."), _figure(lambda found: found.volume),
@@ -128,16 +129,16 @@ def columns_of(shown: _Shown) -> tuple[Column[Row], ...]:
         Column("confidence", tr("%"), CONFIDENCE,
                lambda row: row.item.confidence * 100 if row.item is not None and row.item.confidence else None,
                "00 %", form=".0f", suffix=" %"),
-        Column("length", tr("Area"), tr("Area of the surface, that of hollows included."),
+        Column("length", tr("Area"), tr("Area of the surface, including hollows."),
                _figure(lambda found: found.area), "00,000", 2)
         if solid else
         Column("length", tr("Length"),
-               tr("Length of the boundary, that of holes included, or of the contour."), length, "0,000", 1),
+               tr("Length of the boundary including holes, or of the contour."), length, "0,000", 1),
         Column("gray", tr("Mean gray"), tr("Mean gray value inside."), _figure(lambda found: found.gray), "000.0"),
         Column("strength", tr("Strength"), tr("Mean edge strength along the boundary or contour [gray levels/px]."),
                _of(lambda item: item.strength or None, lambda found: found.strength), "000.0"),
-        Column("state", tr("State"), tr("Frozen objects hold particles back and are not found again; kept contours "
-               "stay through sliders and runs."), _state, "frozen"),
+        Column("state", tr("State"), tr("Frozen objects stop particles and are not found again; kept "
+                                        "contours stay through slider changes and runs."), _state, "frozen"),
         Column("gaps", tr("Surfaces"), tr("Number of closed surfaces that bound it: one more for each hollow."),
                _figure(lambda found: found.parts), "0,000", form=".0f")
         if solid else
@@ -155,8 +156,9 @@ def columns_of(shown: _Shown) -> tuple[Column[Row], ...]:
         Column("by_hand", tr("By hand"), tr("Length that was drawn by hand."),
                _measure(lambda found: found.by_hand * found.length_in_units / found.length if found.by_hand else None),
                "000.0", 1),
-        Column("reached", tr("Reached"), tr("How particles came to it: in free flight from the start, beyond a weak "
-               "edge, along edges over a junction, or by being inserted elsewhere."),
+        Column("reached", tr("Reached"), tr("How particles reached it: in free flight from the start, "
+                                            "beyond a weak edge, along edges over a junction, or by "
+                                            "insertion elsewhere."),
                lambda row: REACHED[row.contour.contour.reached] if row.contour else None, "beyond a weak edge"),
     )  # fmt: skip
 
@@ -225,7 +227,7 @@ def color_of(object_list: ObjectList, row: Row) -> str:
         return theme.CHOSEN if row.kind == "proposal" else object_list.objects.color(row.item)
     assert row.contour is not None
     contour = row.contour.contour
-    return contour.color or (theme.CLOSED if contour.closed else theme.OPEN)
+    return contour.color or theme.CONTOUR
 
 
 class Histogram(QWidget):
@@ -282,7 +284,7 @@ class ClassRow(QWidget):
         self.digit.setText(str(number))
         self.digit.setCheckable(True)
         self.digit.setToolTip(
-            tr("Set the class of what is selected, and of the next objects ({number}).").format(number=number)
+            tr("Set the class of the selection and of the next objects ({number}).").format(number=number)
         )
         self.digit.clicked.connect(partial(object_list.classify, number))
         self.name.setFrame(False)
@@ -358,11 +360,10 @@ class ObjectPanel(QWidget):
         self.show_chosen()
 
     def show_chosen(self) -> None:
-        """Show what is chosen, the classes, and how many rows there are."""
+        """Show what is chosen, or else the only proposal, the classes, and how many rows there are."""
         if not self.isVisible():
             return
-        rows = self._list.selected_rows
-        row = rows[0] if len(rows) == 1 else None
+        row = self._row
         self.name.setVisible(row is not None)
         self.figures.setVisible(row is not None)
         self.name.setPlaceholderText(row.title if row else "")
@@ -380,7 +381,7 @@ class ObjectPanel(QWidget):
             ("rejected", tr("1 rejected"), tr("{count} rejected")),
         )  # fmt: skip
         said = [one if found[kind] == 1 else many.format(count=found[kind]) for kind, one, many in words if found[kind]]
-        nothing = with_keys(tr("Nothing yet. Click in an object with the tool Objects ({key:objects}), or run."))
+        nothing = with_keys(tr("Nothing yet. Click an object with the Objects tool ({key:objects}), or run."))
         self.summary.setText(", ".join(said) or nothing)
 
     def showEvent(self, event: QShowEvent) -> None:
@@ -416,11 +417,17 @@ class ObjectPanel(QWidget):
         columns = {column.name: column for column in self.table.rows.columns}
         said = [columns["class"].text(row, 1.0), *(self.table.said(row, columns[name]) for name in ("area", "length"))]
         if row.item is not None and row.item.confidence:
-            said.append(tr("{share} sure").format(share=columns["confidence"].text(row, 1.0)))
+            said.append(tr("Confidence: {share}").format(share=columns["confidence"].text(row, 1.0)))
         return " · ".join(filter(None, said))
 
+    @property
+    def _row(self) -> Row | None:
+        """The chosen row, or the only proposal; None for several."""
+        rows = self._list.selected_rows or [row for row in self._list.rows if row.kind == "proposal"]
+        return rows[0] if len(rows) == 1 else None
+
     def _rename(self) -> None:
-        rows = self._list.selected_rows
-        if self.name.isModified() and len(rows) == 1:
+        row = self._row
+        if self.name.isModified() and row is not None:
             self.name.setModified(False)
-            self._list.rename(rows[0].key, self.name.text())
+            self._list.rename(row.key, self.name.text())

@@ -108,9 +108,11 @@ class Presets(QToolButton):
         session, suggested = self._session, self.current.name if self.current is not None and self.current.own else ""
         name = ask_for_text(self._window, tr("Name of the preset"), tr("Name:"), tr("Use this name"), suggested)
         if name:
-            about = tr("Made on {image}.").format(image=session.document.image.name) if session.document.image else ""
+            about = (
+                tr("Created for {image}.").format(image=session.document.image.name) if session.document.image else ""
+            )
             kept = self.store.save(Preset(name, session.document.parameters, about))
-            session.say(tr("The parameters are saved as “{name}”.").format(name=kept.name))
+            session.say(tr("The parameters were saved as “{name}”.").format(name=kept.name))
 
     def _delete(self) -> None:
         assert self.current is not None

@@ -312,7 +312,7 @@ class StatusPanel(QWidget):
             self._label.setAccessibleName(resolved.state)
         self.leading.show_numbers([number for number in resolved.numbers if number[0] in resolved.leading])
         others = [number for number in resolved.numbers if number[0] not in resolved.leading]
-        tip = tr("How often per second the window draws the newest particles.")
+        tip = tr("Drawn frames per second.")
         self.others.show_numbers([*others, (tr("Frames/s"), frames_per_second, tip)])
 
     def value(self, label: str) -> str:

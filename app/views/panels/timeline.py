@@ -291,7 +291,7 @@ class TimelinePanel(QWidget):
         self.rename.triggered.connect(self._rename)
         self.view.addAction(self.rename)
         self.branch = _button("branch")
-        self.branch.setToolTip(tr("Name and delete the branch."))
+        self.branch.setToolTip(tr("Rename or delete the branch."))
         self.branch.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         self._lay_out()
         self._later = QTimer(self, singleShot=True, interval=_SLOWLY)

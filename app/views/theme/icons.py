@@ -122,6 +122,6 @@ def fill_colors(menu: QMenu, parent: QWidget, choose: Callable[[str], None], ena
 
 
 def _ask(parent: QWidget, choose: Callable[[str], None]) -> None:
-    color = QColorDialog.getColor(parent=parent, title=tr("Color of the contours"))
+    color = QColorDialog.getColor(parent=parent, title=tr("Color"))
     if color.isValid():
         choose(color.name())

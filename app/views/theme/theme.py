@@ -68,14 +68,15 @@ def use_look(wanted: Look) -> None:
 
 # The canvas is dark in both themes, so that the image is the brightest object. Hues after Okabe and Ito.
 CANVAS = "#14161a"
-MOVING, RESTING, CLOSED, OPEN, BRIDGE, BY_HAND, REJECTED = (
-    Ink(name, INKS[name].default) for name in ("moving", "resting", "closed", "open", "bridge", "by_hand", "rejected")
+MOVING, RESTING, CONTOUR, PROPOSAL, BY_HAND, REJECTED = (
+    Ink(name, INKS[name].default) for name in ("moving", "resting", "contour", "proposal", "by_hand", "rejected")
 )
 """Colors that the preferences can change; use `look` where they do not go through an item of the canvas or a swatch."""
 
 JUNCTION = "#ff7ac6"
 DRAWING = "#c9ced6"
 CHOSEN = "#ffffff"
+REMOVED = "#ff5a36"
 HOVERED = "#90ffffff"
 TRUTH = "#d79bd0"
 MISSING = "#ff5a36"

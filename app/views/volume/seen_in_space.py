@@ -84,7 +84,7 @@ def _objects(
     found = [each.selection for each in offered if isinstance(each.selection, VolumeSelection) and each.selection.found]
     return (
         *(_colored(item.body, spacing, objects.color(item)) for item in seen if item.body is not None),
-        *(_colored(selection.surface, spacing, theme.CHOSEN) for selection in found),
+        *(_colored(selection.surface, spacing, theme.PROPOSAL) for selection in found),
     )
 
 

@@ -45,13 +45,13 @@ class SpaceBar(QWidget):
         """What is chosen."""
         self.checks = {name: QCheckBox(title) for name, (title, _) in PARTS.items()}
         self.opacity = _slider(tr("Opacity of surface and objects"), 0.05, self.shown.opacity)
-        self.opacity.setToolTip(tr("A surface that is not opaque lets particles and slices behind it be seen."))
+        self.opacity.setToolTip(tr("Through a transparent surface, particles and slices behind it are visible."))
         self.cut = QComboBox()
         self.cut.setAccessibleName(tr("Axis of the cut"))
-        self.cut.setToolTip(tr("Take the front part of surface and particles away, to look inside."))
+        self.cut.setToolTip(tr("Cut away the front of the surface and particles to look inside."))
         for title, axis in _CUTS:
             self.cut.addItem(title, axis)
-        self.cut_at = _slider(tr("Place of the cut"), 0.01, self.shown.cut_at)
+        self.cut_at = _slider(tr("Position of the cut"), 0.01, self.shown.cut_at)
         for name, check in self.checks.items():
             check.setToolTip(PARTS[name][1])
             check.setChecked(getattr(self.shown, name))
@@ -121,7 +121,7 @@ def specs(panel: SpacePanel, session: Session) -> Iterator[ActionSpec]:
 
     def copy() -> None:
         QApplication.clipboard().setImage(panel.view.picture())
-        session.say(tr("The picture in space is on the clipboard."), topic=EXPORTING)
+        session.say(tr("The view in space was copied."), topic=EXPORTING)
 
     def along(axis: int) -> ActionSpec:
         """A view along an axis, in words of a patient where it is known how the volume lies."""
@@ -134,7 +134,7 @@ def specs(panel: SpacePanel, session: Session) -> Iterator[ActionSpec]:
             return _FROM[ends_of(image)[axis][1]]
 
         return ActionSpec(f"space_along_{axis}", _MENU, plain,
-                          tr("Look at the volume as at its slices across the axis: {axis} ({key} in the view).")
+                          tr("Look along this axis: {axis} ({key} in the view).")
                           .format(axis=AXES[axis], key=axis + 1), partial(panel.view.look_along, axis),
                           there=has_volume, worded=text)  # fmt: skip
 
@@ -144,10 +144,10 @@ def specs(panel: SpacePanel, session: Session) -> Iterator[ActionSpec]:
                           there=has_volume, holds=lambda _: check.isChecked())  # fmt: skip
 
     yield ActionSpec("space_whole", _MENU, "&Whole volume",
-                     "See the whole volume from where it is seen first (0 in the view).", panel.view.show_all,
+                     "Show the whole volume from the initial direction (0 in the view).", panel.view.show_all,
                      there=has_volume)  # fmt: skip
     yield from map(along, range(3))
     yield from map(part, PARTS)
     yield ActionSpec("copy_space", _MENU, "&Copy picture",
-                     "Copy what the view in space shows to the clipboard.", copy,
+                     "Copy the view in space to the clipboard.", copy,
                      there=has_volume)  # fmt: skip

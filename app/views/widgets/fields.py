@@ -207,7 +207,7 @@ class SpeedControl(QWidget):
         self.slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.label = QLabel(pace_text(PACES[FIRST_PACE]))
         self.label.setMinimumWidth(self.label.fontMetrics().horizontalAdvance(max(map(pace_text, PACES), key=len)) + 8)
-        self.setToolTip(tr("Largest number of steps per second."))
+        self.setToolTip(tr("Maximum number of steps per second."))
         arrange(QHBoxLayout(self), self.slider, self.label, margins=(6, 0, 6, 0))
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Preferred)
         self.slider.valueChanged.connect(self._change)

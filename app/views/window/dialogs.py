@@ -89,7 +89,7 @@ def ask_about_unsaved(parent: QWidget, name: str, lost: Sequence[str]) -> Answer
 def ask_to_replace(parent: QWidget, name: str) -> bool:
     """Whether the file of this name may be replaced."""
     buttons = Button("keep", tr("&Keep it"), "cancel"), Button("replace", tr("&Replace"), "discard")
-    more = tr("A file of this name exists; what it holds would be lost.")
+    more = tr("A file with this name exists; its contents would be lost.")
     return (
         Question(parent, tr("Replace file"), tr("Replace “{name}”?").format(name=name), more, buttons).ask()
         == "replace"

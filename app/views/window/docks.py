@@ -151,7 +151,7 @@ class Docks(QObject):
         title = from_core(panel.title)
         action = QAction(title, self._window)
         action.setObjectName(f"panel_{panel.name}")
-        action.setStatusTip(tr("Open the panel {title} and give it the keyboard.").format(title=title))
+        action.setStatusTip(tr("Open the panel {title} and move the keyboard focus to it.").format(title=title))
         action.setShortcut(QKeySequence(panel.shortcut))
         action.triggered.connect(partial(self._toggle, panel))
         self._window.addAction(action)

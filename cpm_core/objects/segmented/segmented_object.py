@@ -44,6 +44,8 @@ class Click:
         Positions (row, col) in px of the image, or (plane, row, col) in voxels, at least one.
     inside : bool
         Whether they are inside.
+    step : int
+        By how many candidates the object is larger, or smaller below 0, than the one that the places mean first.
 
     Raises
     ------
@@ -53,6 +55,7 @@ class Click:
 
     places: tuple[Place, ...]
     inside: bool = True
+    step: int = 0
 
     def __post_init__(self) -> None:
         if not self.places:
@@ -234,15 +237,15 @@ class SegmentedObject:
 CLASSES: tuple[ObjectClass, ...] = tuple(
     ObjectClass("", color)
     for color in (
-        "#56b4e9",
         "#e69f00",
         "#009e73",
         "#cc79a7",
         "#f0e442",
         "#d55e00",
-        "#0072b2",
         "#b48cff",
-        "#c9ced6",
+        "#56b4e9",
+        "#0072b2",
+        "#b08968",
     )
 )
 """The classes at first: hues after Okabe and Ito, which color-blind people can distinguish, and two more."""

@@ -56,15 +56,17 @@ def test_a_long_message_has_one_line_and_details(ready, qtbot) -> None:
 @pytest.mark.own_window
 def test_the_legend_names_and_counts_what_is_there_and_nothing_else(rested) -> None:
     layers, legend = rested.canvas_area.canvas.layers, rested.canvas_area.strip.legend
-    closed, opened = layers.contours.counts
+    offered = rested.session.scene.objects.proposals
+    rested.canvas_area.strip.legend.show_now()
     assert {entry.text: entry.count for entry in legend.entries} == {
-        text: count for text, count in (("closed", closed), ("open", opened)) if count
+        text: count for text, count in (("contours", sum(layers.contours.counts)), ("proposed", len(offered))) if count
     }
     rested.workspace.review.select(item.key for item in rested.workspace.review.items)
     rested.workspace.object_list.reject()
     legend.show_now()
-    assert {entry.text for entry in legend.entries} == {"rejected"}
+    assert {entry.text for entry in legend.entries} - {"proposed"} == {"rejected"}
     layers.contours.set_shown(False)
+    layers["objects"].set_shown(False)
     legend.show_now()
     assert legend.entries == ()
     assert legend.isHidden()

@@ -126,7 +126,7 @@ def test_the_dialog_leads_to_a_file(rested, hand, tmp_path) -> None:
         hand.qtbot.keyClicks(field, keys)
         hand.qtbot.keyClick(field, KEY.Key_Tab)
     assert dialog.animation == AnimationPlan((2, 7, 12), (100, 100), 15, False)
-    assert dialog.summary.text() == "1 file: 3 frames of 100 × 100 px."
+    assert dialog._size.text() == "3 frames of 100 × 100 px"
     (written_to,) = order(hand.qtbot, rested, dialog, tmp_path)
     with PIL.Image.open(written_to) as animation:
         assert animation.n_frames == 3

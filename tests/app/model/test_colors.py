@@ -49,7 +49,7 @@ def test_marks_on_the_canvas_are_seen_on_its_background():
         for name, color in vars(theme).items()
         if name.isupper() and isinstance(color, str) and name not in ("CANVAS", "HALO") and len(color) == 7
     }
-    assert {"CLOSED", "OPEN", "JUNCTION", "ATTRACTING"} <= marks.keys()
+    assert {"CONTOUR", "PROPOSAL", "JUNCTION", "ATTRACTING"} <= marks.keys()
     assert {name: color for name, color in marks.items() if contrast(color, theme.CANVAS) < 3.0} == {}
 
 
@@ -73,7 +73,7 @@ def seen(color, kind):
 @pytest.mark.parametrize("kind", ["protan", "deutan"])
 @pytest.mark.parametrize(
     "pair",
-    [("MOVING", "RESTING"), ("CLOSED", "OPEN"), ("CLOSED", "MOVING"), ("REGION", "BARRIER"), ("OPEN", "RESTING")],
+    [("MOVING", "RESTING"), ("CONTOUR", "PROPOSAL"), ("PROPOSAL", "MOVING"), ("REGION", "BARRIER")],
 )
 def test_colors_of_data_can_be_distinguished_by_color_blind_users(kind, pair):
     one, other = (seen(getattr(theme, name), kind) for name in pair)

@@ -73,7 +73,7 @@ def test_rejected_objects_are_kept_with_numbers_of_their_own_until_they_are_acce
 
 def test_a_changed_object_keeps_its_number_name_and_class(document) -> None:
     named = objects.rename(document, (2,), " dot ")
-    changing = objects.begin_change(named, 2)
+    changing = objects.select(named, objects.first_clicks(named.objects[2], IMAGE.shape), 2)
     assert (changing.objects.clicks, changing.objects.edited, changing.objects.category) == ((THERE,), 2, 2)
     changed = accepted(changing, FRAME, (THERE, HERE), 2)
     item = changed.objects[2]
@@ -82,7 +82,7 @@ def test_a_changed_object_keeps_its_number_name_and_class(document) -> None:
 
 
 def test_deleting_the_object_that_is_being_changed_ends_the_change(document) -> None:
-    rest = objects.delete(objects.begin_change(document, 2), (2,))
+    rest = objects.delete(objects.select(document, (HERE,), 2), (2,))
     assert (numbers(rest), rest.objects.edited, rest.objects.clicks) == ([1], 0, ())
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,14 +16,43 @@ from PySide6.QtCore import QPoint, Qt
 from app.model.display.effects import MOTION, Distribution, FilterCounts, figures
 from app.model.document import edits
 from app.model.parameters.controls import MAIN, controls, with_value
-from cpm_core import PRESETS, Engine, Parameters, circle
+from app.views.window.window import MainWindow
+from cpm_core import PRESETS, Engine, circle
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import measure
+from cpm_core.parameters import Parameters
 from cpm_core.shapes import Circle
+from tests.app.conftest import Hand
 
 pytestmark = pytest.mark.shared_window
 
+KEY = Qt.Key
 LEFT = Qt.MouseButton.LeftButton
+
+DISCS = ((48, 40, 28, 90.0), (48, 40, 12, 90.0), (28, 100, 14, 180.0), (76, 100, 10, 60.0))
+
+
+@pytest.fixture
+def found(window: MainWindow, hand: Hand, tmp_path: Path) -> MainWindow:
+    """A window in which four contours have been found, one in another and one weak."""
+    row, col = np.indices((96, 128))
+    values = np.full(row.shape, 20.0)
+    for at_row, at_col, radius, rise in DISCS:
+        values += np.where(np.hypot(row - at_row, col - at_col) < radius, rise, 0.0)
+    path = tmp_path / "discs.npy"
+    np.save(path, values)
+    session = window.session
+    session.open(path)
+    hand.wait(lambda: session.document.image is not None and session.document.image.name == "discs.npy")
+    session.edit("reach", lambda document: replace(document, parameters=Parameters()))
+    for at_row, at_col, radius, _ in DISCS:
+        circle = Circle((float(at_row), float(at_col)), 0.75 * radius)
+        session.edit("draw", lambda document, circle=circle: edits.add_shape(document, circle))
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: session.idle)
+    return window
 
 
 def test_motion_comes_first_then_what_matters_for_starts_then_what_decides_which_contours_there_are() -> None:
@@ -103,30 +133,7 @@ def test_gaps_are_counted_between_loose_ends_alone() -> None:
     assert counts.words("beta", 1.0, None) == ""
 
 
-@pytest.fixture
-def four(window, hand, tmp_path):
-    """A window in which four contours have been found."""
-    row, col = np.indices((96, 128))
-    values = np.full(row.shape, 20.0)
-    discs = ((48, 40, 28, 90.0), (48, 40, 12, 90.0), (28, 100, 14, 180.0), (76, 100, 10, 60.0))
-    for at_row, at_col, radius, rise in discs:
-        values += np.where(np.hypot(row - at_row, col - at_col) < radius, rise, 0.0)
-    np.save(tmp_path / "discs.npy", values)
-    session = window.session
-    session.open(tmp_path / "discs.npy")
-    hand.wait(lambda: session.document.image is not None and session.document.image.name == "discs.npy")
-    session.edit("reach", lambda document: replace(document, parameters=Parameters()))
-    for at_row, at_col, radius, _ in discs:
-        start = Circle((float(at_row), float(at_col)), 0.75 * radius)
-        session.edit("draw", lambda document, start=start: edits.add_shape(document, start))
-    hand.canvas.setFocus()
-    hand.key(Qt.Key.Key_Space)
-    hand.wait_for_phase("finished")
-    hand.wait(lambda: session.idle)
-    hand.wait(lambda: len(window.workspace.review.items) == 4)
-
-
-@pytest.mark.usefixtures("four")
+@pytest.mark.usefixtures("found")
 def test_a_filter_that_is_dragged_tells_before_and_after_and_then_what_is_left(window, hand) -> None:
     row = window.panels["run"].parameters.rows["min_strength"]
     assert row.effect.text() == "4 contours"

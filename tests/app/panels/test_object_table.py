@@ -290,7 +290,7 @@ def test_the_form_shows_names_and_draws_what_is_chosen(window, hand, panel, tabl
     assert not panel.name.isVisible()
     choose(hand, table, 0)
     assert panel.name.text() == "frame"
-    assert panel.figures.text() == "object · Area 1,500 px² · Length 200 px · 75 % sure"
+    assert panel.figures.text() == "object · Area 1,500 px² · Length 200 px · Confidence: 75 %"
     assert sum(panel.histogram._counts) == 1500
     hand.qtbot.mouseDClick(panel.name, LEFT)
     hand.qtbot.keyClicks(panel.name, "femur")

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
+from app.model.document.objects import delete
 from app.session.storage.session_file import DocumentFile
+from app.views.widgets.fields import DecimalField
 from cpm_core.shapes import Barrier, Circle, Polygon, Region
 
 pytestmark = pytest.mark.shared_window
@@ -60,48 +62,81 @@ def click(hand, row: float, col: float, modifier: Qt.KeyboardModifier = NONE) ->
     selection = hand.window.workspace.object_selection
     for act in (hand.qtbot.mousePress, hand.qtbot.mouseRelease):
         act(hand.canvas.viewport(), Qt.MouseButton.LeftButton, modifier, hand.at(row, col))
-    hand.wait(lambda: selection.idle and bool(selection.proposals) == selection.selecting)
+    hand.wait(
+        lambda: selection.idle and (not selection.selecting or [each.key for each in selection.proposals[:1]] == [0])
+    )
     hand.qtbot.wait(20)
 
 
 def take(hand) -> None:
-    """Take what is offered, and leave the name as it is."""
-    hand.key(KEY.Key_Return)
+    """Accept what is offered."""
     hand.key(KEY.Key_Return)
 
 
 def offered(objects) -> np.ndarray:
-    (proposal,) = objects.proposals
-    return proposal.selection.mask
+    return objects.proposals[0].selection.mask
+
+
+def run_everywhere(hand) -> None:
+    """Start on a grid over the whole image, and wait for what is found."""
+    selection = hand.window.workspace.object_selection
+    hand.window.actions_by_name["start_grid"].trigger()
+    hand.key(KEY.Key_Space)
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: selection.idle and len(selection.proposals) == 2)
 
 
 def test_the_pointer_shows_what_a_click_takes_and_the_click_takes_that(window, hand, objects, layer) -> None:
     hand.move(18, 18)
     hand.wait(lambda: window.session.scene.objects.preview is not None)
-    preview = window.session.scene.objects.preview.mask
+    preview = window.session.scene.objects.preview.after.mask
     assert overlap(preview, disk(*SMALL)) > 0.9
-    assert layer.preview_fill.count
+    assert layer.added.count
     click(hand, 18, 18)
     np.testing.assert_array_equal(offered(objects), preview)
     assert taken(window) == ()
     hand.canvas.leave()
-    assert not layer.preview_fill.count
+    assert not layer.added.count
 
 
-def test_enter_takes_the_object_asks_for_its_name_and_the_next_click_begins_the_next(window, hand, objects) -> None:
+def test_what_a_click_with_shift_would_remove_is_hatched_before_it(window, hand, objects, layer) -> None:
+    click(hand, 18, 18)
+    click(hand, 43, 42)
+    before = offered(objects)
+    hand.canvas.hold.set_modifiers(SHIFT)
+    hand.canvas.move_to((43.0, 40.0))
+    hand.wait(lambda: layer.removed.count == 1)
+    preview = window.session.scene.objects.preview
+    np.testing.assert_array_equal(preview.before.mask, before)
+    assert not layer.added.count
+    click(hand, 43, 40, SHIFT)
+    np.testing.assert_array_equal(offered(objects), preview.after.mask)
+
+
+def test_enter_accepts_the_object_without_a_word_and_the_next_click_begins_the_next(window, hand, objects) -> None:
     click(hand, 18, 18)
     hand.key(KEY.Key_Return)
-    for letter in (KEY.Key_N, KEY.Key_O):
-        hand.key(letter)
-    hand.key(KEY.Key_Return)
+    assert hand.canvas.hasFocus()  # no field takes Space or another Enter
     (item,) = taken(window)
-    assert item.name == "no"
     assert overlap(item.mask((64, 64)), disk(*SMALL)) > 0.9
     assert not objects.selecting
     click(hand, 43, 42)
     assert overlap(offered(objects), disk(*LARGE)) > 0.9
     hand.key(KEY.Key_Return)
     assert [item.number for item in taken(window)] == [1, 2]
+
+
+def test_one_enter_too_many_after_a_typed_value_accepts_nothing(window, hand, objects) -> None:
+    click(hand, 18, 18)
+    hand.key(KEY.Key_C)
+    field = next(each for each in window.findChildren(DecimalField) if each.isVisible())
+    field.setFocus()
+    hand.qtbot.keyClick(field, KEY.Key_Return)
+    assert hand.canvas.hasFocus()
+    hand.key(KEY.Key_Return)
+    assert not taken(window)
+    hand.key(KEY.Key_Return)
+    assert len(taken(window)) == 1
 
 
 def test_undo_takes_one_click_back_and_redo_repeats_it(window, hand, objects) -> None:
@@ -154,9 +189,14 @@ def test_escape_drops_the_proposal_and_backspace_takes_a_click_back(window, hand
     assert layer.offered_fill.count == 0
 
 
-def test_a_click_in_an_object_changes_it_and_keeps_its_number(window, hand, objects) -> None:
+def test_a_click_in_an_object_chooses_it_and_a_click_in_a_chosen_one_corrects_it(window, hand, objects) -> None:
     click(hand, 18, 18)
     take(hand)
+    window.workspace.object_list.choose(())
+    click(hand, 20, 20)
+    assert window.workspace.object_list.chosen == {1}
+    assert not objects.selecting
+    assert "Click again: correct" in window.canvas_area.hint.text()
     click(hand, 20, 20)
     assert window.session.document.objects.edited == 1
     assert overlap(offered(objects), disk(*SMALL)) > 0.9
@@ -167,6 +207,82 @@ def test_a_click_in_an_object_changes_it_and_keeps_its_number(window, hand, obje
     assert item.encloses(np.array([[18.0, 18.0], [43.0, 42.0]])).all()
 
 
+def test_a_click_with_shift_in_an_object_begins_to_correct_it_at_once(window, hand, objects) -> None:
+    click(hand, 18, 18)
+    click(hand, 43, 42)
+    take(hand)
+    window.workspace.object_list.choose(())
+    click(hand, 43, 40, SHIFT)
+    assert window.session.document.objects.edited == 1
+    assert not offered(objects)[43, 40]
+    assert offered(objects)[18, 18]
+
+
+def test_a_run_from_everywhere_ends_at_counted_objects_that_enter_accepts(window, hand, layer) -> None:
+    run_everywhere(hand)
+    assert "2 objects found. Enter: accept all" in window.canvas_area.hint.text()
+    assert layer.offered_fill.count == 2
+    hand.key(KEY.Key_Return)
+    masks = [item.mask((64, 64)) for item in taken(window)]
+    assert [max(overlap(mask, disk(*where)) for mask in masks) > 0.9 for where in (SMALL, LARGE)] == [True, True]
+    selection = window.workspace.object_selection
+    hand.wait(lambda: selection.idle and not selection.proposals)
+    hand.key(KEY.Key_Z, CONTROL)
+    hand.wait(lambda: len(selection.proposals) == 2)
+    assert not taken(window)
+
+
+def test_a_click_chooses_one_of_several_which_is_accepted_or_rejected_alone(window, hand, objects) -> None:
+    run_everywhere(hand)
+    click(hand, 18, 18)
+    assert "1 of 2 objects" in window.canvas_area.hint.text()
+    take(hand)
+    (item,) = taken(window)
+    assert overlap(item.mask((64, 64)), disk(*SMALL)) > 0.9
+    (rest,) = objects.proposals
+    hand.wait(lambda: objects.idle)
+    assert rest.selection.holds(np.array([LARGE[0]])).all()
+    window.workspace.object_list.choose((rest.key,))
+    hand.key(KEY.Key_X)
+    hand.wait(lambda: objects.idle and not objects.proposals)
+    assert len(taken(window)) == 1
+    hand.key(KEY.Key_Z, CONTROL)
+    hand.wait(lambda: objects.idle and len(objects.proposals) == 1)
+
+
+def test_a_second_click_in_a_chosen_proposal_corrects_it_and_the_others_stay(window, hand, objects) -> None:
+    run_everywhere(hand)
+    click(hand, 18, 18)
+    hand.qtbot.wait(20)
+    click(hand, 18, 18)
+    assert objects.selecting
+    hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
+    assert overlap(offered(objects), disk(*SMALL)) > 0.9
+    take(hand)
+    (item,) = taken(window)
+    assert overlap(item.mask((64, 64)), disk(*SMALL)) > 0.9
+    hand.wait(lambda: objects.idle and len(objects.proposals) == 1)
+
+
+@pytest.mark.parametrize("where", [SMALL, LARGE])
+def test_a_click_a_circle_and_a_run_from_everywhere_give_the_same_object(window, hand, objects, where) -> None:
+    (row, col), radius = where
+    run_everywhere(hand)
+    everywhere = next(each for each in objects.proposals if each.selection.holds(np.array([[row, col]]))[0])
+    hand.key(KEY.Key_X)
+    hand.wait(lambda: objects.idle and not objects.proposals)
+    click(hand, row, col)
+    np.testing.assert_array_equal(offered(objects), everywhere.selection.mask)
+    hand.key(KEY.Key_Escape)
+    window.actions_by_name["start_grid"].trigger()
+    window.session.edit("forget", lambda d: delete(d, [item.number for item in d.objects.rejected]))
+    window.session.edit("draw", lambda d: replace(d, shapes=(Circle((row, col), 0.5 * radius),)))
+    window.session.run()
+    hand.wait_for_phase("finished")
+    hand.wait(lambda: objects.idle and len(objects.proposals) == 1)
+    assert overlap(offered(objects), everywhere.selection.mask) > 0.95
+
+
 def test_who_draws_a_circle_in_an_object_and_runs_gets_it_offered_and_enter_takes_it(window, hand) -> None:
     selection, session = window.workspace.object_selection, window.session
     hand.drag((18, 18), (18, 20), (18, 22))
@@ -175,7 +291,7 @@ def test_who_draws_a_circle_in_an_object_and_runs_gets_it_offered_and_enter_take
     hand.wait_for_phase("finished")
     hand.wait(lambda: bool(selection.proposals))
     assert overlap(offered(selection), disk(*SMALL)) > 0.9
-    assert "Enter accepts what was found" in window.canvas_area.hint.text()
+    assert "1 object found, 97 %. Enter: accept" in window.canvas_area.hint.text()
     hand.key(KEY.Key_Return)
     (item,) = taken(window)
     assert overlap(item.mask((64, 64)), disk(*SMALL)) > 0.9

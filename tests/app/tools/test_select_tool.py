@@ -118,12 +118,11 @@ def test_escape_during_a_drag_selects_what_was_selected_before(found, hand) -> N
     assert selected(found) == {(20, 20)}
 
 
-def test_a_click_inside_a_closed_contour_selects_it_and_enter_makes_an_object_that_is_named_at_once(
-    found, hand
-) -> None:
+def test_a_click_inside_a_closed_contour_selects_it_and_enter_makes_an_object_that_f2_names(found, hand) -> None:
     drag(hand, (20.0, 60.0))
     assert selected(found) == {(20, 60)}
     hand.key(KEY.Key_Return)
+    hand.key(KEY.Key_F2)
     field = found.feature(ObjectsFeature).name_field
     hand.wait(field.isVisible)
     hand.qtbot.keyClicks(field, "aorta")

@@ -78,13 +78,13 @@ def test_lines_of_shapes_get_wider_at_once(window, dialog, hand) -> None:
 def test_reset_of_a_page_restores_its_defaults_and_no_others(window, dialog, hand) -> None:
     preferences = window.preferences
     preferences.choose(CONTOUR_WIDTH, 4.0)
-    preferences.choose(INKS["open"], "#123456")
-    assert look().color(theme.OPEN) == "#123456"
+    preferences.choose(INKS["contour"], "#123456")
+    assert look().color(theme.CONTOUR) == "#123456"
     dialog.turn_to("appearance")
     button = next(b for b in dialog.findChildren(QPushButton) if b.text() == "Reset this page")
     hand.qtbot.mouseClick(button, Qt.MouseButton.LeftButton)
     assert preferences.value(CONTOUR_WIDTH) == CONTOUR_WIDTH.default
-    assert look().color(theme.OPEN) == INKS["open"].default
+    assert look().color(theme.CONTOUR) == INKS["contour"].default
     assert look().contours == 1.0
 
 

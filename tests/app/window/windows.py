@@ -19,7 +19,6 @@ from app.views.canvas.canvas_area import FIRST_TOOL
 from app.views.canvas.tools.brush_tools import RingTool
 from app.views.features.files import StartFeature
 from app.views.main_window import make_window
-from app.views.panels.tables import ItemTable
 from app.views.window import dialogs
 from app.views.window.window import MainWindow
 
@@ -55,8 +54,7 @@ def begin_anew(window: MainWindow, views: dict[str, dict[str, object]]) -> None:
     for layer in window.canvas_area.canvas.layers:
         if layer.view_state() != views[layer.name]:
             layer.use_view_state(views[layer.name])
-    for table in window.findChildren(ItemTable):
-        table.sortByColumn(0, Qt.SortOrder.AscendingOrder)
+    window.panels["objects"].table.sortByColumn(0, Qt.SortOrder.AscendingOrder)
     window.panels["objects"].shown.setCurrentIndex(0)
     window.docks.column.show()
     window.docks.bring("run")
@@ -64,6 +62,7 @@ def begin_anew(window: MainWindow, views: dict[str, dict[str, object]]) -> None:
         tool.used = False
         if isinstance(tool, RingTool):
             tool._chosen = None
+    window.workspace.object_list.set_brush(None)
     window.session.begin_document(use_mode(window.session.document, "shape"))
     window.actions_by_name[FIRST_TOOL].trigger()
     window.canvas_area.messages.clear()

@@ -10,7 +10,7 @@ from operator import itemgetter
 import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import QRectF, Qt
-from PySide6.QtGui import QColor, QPainter, QPainterPath
+from PySide6.QtGui import QBrush, QColor, QPainter, QPainterPath
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
 from app.views.canvas.items.item import OverImage, cached, line_pen, to_xy
@@ -48,8 +48,8 @@ class Curves(OverImage):
         Place in the stack of layers.
     width, halo : float
         Widths of the line and of its halo, 0 for no halo [px of the screen].
-    dashed : bool
-        Whether the line is dashed.
+    dashed : bool or tuple of float
+        Whether the line is dashed, or the lengths of dashes and gaps, in widths of the line.
     kind : {"contours", "shapes", "fixed"}
         What it belongs to; its width is as preferred for this kind.
     """
@@ -62,7 +62,7 @@ class Curves(OverImage):
         z: float,
         width: float = 2.0,
         halo: float = 3.6,
-        dashed: bool = False,
+        dashed: bool | tuple[float, float] = False,
         kind: Kind = "contours",
     ) -> None:
         super().__init__(z, _RIM)
@@ -98,7 +98,7 @@ class Curves(OverImage):
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         pens = {color: line_pen(color, self._width, self._kind) for color in set(self.colors)}
         for pen in pens.values() if self._dashed else ():
-            pen.setDashPattern(_DASHES)
+            pen.setDashPattern(_DASHES if self._dashed is True else self._dashed)
             pen.setCapStyle(Qt.PenCapStyle.FlatCap)
         for color, alike in groupby(seen, itemgetter(1)):
             painter.setPen(pens[color])
@@ -145,12 +145,13 @@ Area = tuple[Sequence[Array], str, float]
 
 
 class Fills(OverImage):
-    """Translucent areas with holes; `z` is the place in the stack of layers."""
+    """Translucent or hatched areas with holes; `z` is the place in the stack of layers."""
 
     count = 0
 
-    def __init__(self, z: float) -> None:
+    def __init__(self, z: float, pattern: Qt.BrushStyle = Qt.BrushStyle.SolidPattern) -> None:
         super().__init__(z, _FILL_RIM)
+        self._pattern = pattern
         self._areas: list[tuple[QPainterPath, str, float]] = []
         cached(self)
 
@@ -172,4 +173,6 @@ class Fills(OverImage):
         for path, color, opacity in self._areas:
             tint = QColor(look().color(color))
             tint.setAlphaF(opacity)
-            painter.fillPath(path, tint)
+            brush = QBrush(tint, self._pattern)
+            brush.setTransform(painter.worldTransform().inverted()[0])  # a hatch is as dense at any zoom
+            painter.fillPath(path, brush)

@@ -9,9 +9,9 @@ import pyqtgraph as pg
 
 from app.model.text.language import tr
 from app.session.scene import Item, Scene
-from app.views.canvas.items.curves import Curves, Fills
+from app.views.canvas.items.curves import Curves
 from app.views.canvas.items.item import Markers, Names
-from app.views.canvas.layers.layer import Amount, Layer, LegendEntry, Sign, Switch
+from app.views.canvas.layers.layer import Layer, LegendEntry, Sign, Switch
 from app.views.theme import theme
 from cpm_core import Truth
 from cpm_core.contours import middle
@@ -24,18 +24,18 @@ _SHORT_OPACITY = 0.6
 """Opacity of short open contours: noise and texture recede behind outlines."""
 
 _KINDS: tuple[tuple[str, str, str, Sign], ...] = (
-    (tr("closed"), tr("Contours that bound a region."), theme.CLOSED, "line"),
-    (tr("open"), tr("Contours with two ends; short ones are thin and pale."), theme.OPEN, "line"),
-    (tr("bridged"), tr("Gaps in edges that contours bridge."), theme.BRIDGE, "dashed"),
-    (tr("by hand"), tr("Stretches that were drawn by hand."), theme.BY_HAND, "dashed"),
-    (tr("kept"), tr("Contours that stay through all sliders and runs."), theme.CLOSED, "check"),
-    (tr("rejected"), tr("Contours that are left out of files."), theme.REJECTED, "dashed"),
-)
+    (tr("contours"), tr("Lines that particles have found, closed and open ones; short open ones are pale."),
+     theme.CONTOUR, "line"),
+    (tr("bridged"), tr("Gaps in edges that contours bridge."), theme.CONTOUR, "dashed"),
+    (tr("by hand"), tr("Segments drawn by hand."), theme.BY_HAND, "dashed"),
+    (tr("kept"), tr("Contours that are kept through all slider changes and runs."), theme.CONTOUR, "check"),
+    (tr("rejected"), tr("Contours that are not exported."), theme.REJECTED, "dashed"),
+)  # fmt: skip
 """Text, tip, color and sign of each kind of contour in the legend."""
 
 
 class ContourLayer(Layer):
-    """Shows contours as reviewed; closed ones lead, long open ones follow, short open ones recede.
+    """Shows contours as reviewed, in thin lines of one neutral color; short open ones recede.
 
     Rejected contours are faint and dashed or hidden, selected ones have a bright rim. Where a contour bridges a gap,
     its line is dashed.
@@ -46,9 +46,8 @@ class ContourLayer(Layer):
     tip = tr("Closed, open, and drawn by hand.")
     shortcut = "Alt+4"
     in_slices = True
-    colors = (theme.CLOSED, theme.OPEN, theme.BY_HAND)
+    colors = (theme.CONTOUR, theme.BY_HAND)
     options = (
-        Amount("fill", tr("Area"), 0.0, 1.0, 0.05, 0.1, tr("Opacity of the areas of closed contours.")),
         Switch("rejected", tr("Rejected ones, dashed"), True, tr("Show rejected contours, faint and dashed.")),
         Switch("names", tr("Names"), True, tr("Show the names of contours.")),
         Switch("junctions", tr("Junctions"), False, tr("Mark the points where contours meet.")),
@@ -58,17 +57,14 @@ class ContourLayer(Layer):
         """Make its items."""
         self._hovered = Curves(theme.HOVERED, 3.7, width=7.0, halo=0.0)
         self._chosen = Curves(theme.CHOSEN, 3.8, width=6.5, halo=8.5)
-        self._areas = Fills(2.9)
         self.rejected = Curves(theme.REJECTED, 3.9, width=1.2, halo=0.0, dashed=True)
-        self.short = Curves(theme.OPEN, 3.95, width=1.0, halo=0.0)
-        self._curves = {True: Curves(theme.CLOSED, 4.1, width=2.2), False: Curves(theme.OPEN, 4.0, width=1.5, halo=2.6)}
-        self._other = Curves(theme.CLOSED, 4.12)
-        self.bridges = Curves(theme.BRIDGE, 4.2, width=1.3, halo=0.0, dashed=True)
+        self.short = Curves(theme.CONTOUR, 3.95, width=1.0, halo=0.0)
+        self._curves, self._other = Curves(theme.CONTOUR, 4.1, width=1.5, halo=3.2), Curves(theme.CONTOUR, 4.12)
+        self.bridges = Curves(theme.HALO, 4.2, width=1.5, halo=0.0, dashed=True)
         self.by_hand = Curves(theme.BY_HAND, 4.25, halo=0.0, dashed=True)
         self._names = Names(5.7)
         self.junctions = Markers(5.5, size=8.0, symbol="d", pen=pg.mkPen(theme.HALO), brush=pg.mkBrush(theme.JUNCTION))
-        self.add(self._areas, self._hovered, self._chosen, self.short, *self._curves.values(), self._other)
-        self.add(self.bridges, self.by_hand)
+        self.add(self._hovered, self._chosen, self.short, self._curves, self._other, self.bridges, self.by_hand)
         self.add(self.rejected, switch="rejected")
         self.add(self._names, switch="names")
         self.add(self.junctions, switch="junctions")
@@ -85,20 +81,13 @@ class ContourLayer(Layer):
         """Kinds of contours."""
         kept = sum(item.reviewed.verdict == "kept" for item in self.scene.contours.items)
         rejected = self.rejected.count if self.chosen["rejected"] else 0
-        counts = (*self.counts, self.bridges.count, self.by_hand.count, kept, rejected)
+        counts = (sum(self.counts), self.bridges.count, self.by_hand.count, kept, rejected)
         return [LegendEntry(count, *kind) for count, kind in zip(counts, _KINDS, strict=True)]
 
     def fade(self) -> None:
         """Set the opacity; short open contours are paler."""
         super().fade()
         self.short.setOpacity(_SHORT_OPACITY * self.opacity)
-
-    def follow_choice(self, name: str) -> None:
-        """Show areas in another opacity, or show or hide rejected contours, names or junctions."""
-        if name == "fill":
-            self._show_areas()
-        else:
-            super().follow_choice(name)
 
     def follow(self, before: Scene) -> None:
         """Show other contours, or another selection."""
@@ -114,12 +103,10 @@ class ContourLayer(Layer):
     def _show(self) -> None:
         items, counting = self.scene.contours.items, self._counting
         self.rejected.show(_paths([item for item in items if item.reviewed.rejected]))
-        for curves in (self.short, *self._curves.values()):
+        for curves in (self.short, self._curves):
             curves.show(_paths([item for item in counting if self._curves_of(item) is curves]))
         other = [item for item in counting if self._curves_of(item) is self._other]
-        plain = {True: theme.CLOSED, False: theme.OPEN}
-        self._other.show(_paths(other), [item.contour.color or plain[item.contour.closed] for item in other])
-        self._show_areas()
+        self._other.show(_paths(other), [item.contour.color or theme.CONTOUR for item in other])
         result = self.scene.contours.result
         self.bridges.show([bridge.points for bridge in result.bridges] if result is not None else [])
         self.by_hand.show([stretch for item in counting for stretch in item.contour.by_hand])
@@ -129,27 +116,19 @@ class ContourLayer(Layer):
         self.junctions.show({(float(row), float(col)) for row, col in ends})
 
     def _curves_of(self, item: Item) -> Curves:
-        """Where a contour is drawn: with a color or edited by hand, short and without a name, or closed or open."""
+        """Where a contour is drawn: with a color or edited by hand, open, short and without a name, or else."""
         contour, image = item.contour, self.scene.image
         if contour.color or contour.by_hand:
             return self._other
         wanted = contour.closed or contour.name or item.reviewed.verdict == "kept"
         if wanted or image is None or contour.length >= _SHORT * math.hypot(*image.shape):
-            return self._curves[contour.closed]
+            return self._curves
         return self.short
 
     @property
     def _counting(self) -> list[Item]:
         """The contours that are not rejected."""
         return [item for item in self.scene.contours.items if not item.reviewed.rejected]
-
-    def _show_areas(self) -> None:
-        """Tint the areas that closed contours bound; one inside another bounds a hole, as in the masks."""
-        tinted: dict[str, list[Array]] = {}
-        for contour in (item.contour for item in self._counting if item.contour.closed):
-            tinted.setdefault(contour.color or theme.CLOSED, []).append(contour.points)
-        fill = self.number("fill")
-        self._areas.show([(curves, tint, fill) for tint, curves in sorted(tinted.items())] if fill else [])
 
 
 def _paths(items: Sequence[Item]) -> list[Array]:

@@ -78,7 +78,7 @@ class Switch:
 Option = Choice | Amount | Switch
 
 
-Sign = Literal["line", "dashed", "dot", "check"]
+Sign = Literal["line", "dashed", "dot", "check", "area"]
 """How it is drawn: as a line, a dashed line, a disc, or not in a way of its own."""
 
 
@@ -96,7 +96,7 @@ class LegendEntry:
         What that means, in one sentence.
     color : str
         Their color.
-    sign : {"line", "dashed", "dot", "check"}
+    sign : {"line", "dashed", "dot", "check", "area"}
         How they are drawn.
     """
 

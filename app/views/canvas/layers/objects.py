@@ -1,4 +1,4 @@
-"""The layer of the objects: those selected, by class, the one that is offered, and what a click would take."""
+"""The layer of the objects: those accepted, by class, those that are offered, and what a click would change."""
 
 from __future__ import annotations
 
@@ -6,33 +6,45 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 import pyqtgraph as pg
+from PySide6.QtCore import Qt
 
 from app.model.text.language import tr
-from app.session.scene import Scene
+from app.session.features.object_selection import DOUBTFUL, percent
+from app.session.scene import Proposal, Scene
 from app.views.canvas.items.curves import Area, Curves, Fills
 from app.views.canvas.items.item import Markers, Names
-from app.views.canvas.layers.layer import Amount, Layer, Switch
+from app.views.canvas.layers.layer import Amount, Layer, LegendEntry, Switch
 from app.views.theme import theme
 from cpm_core import Selection
-from cpm_core.numerics import Array
-from cpm_core.objects.segmented import Line, SegmentedObject
+from cpm_core.numerics import Array, Position
+from cpm_core.objects.segmented import CLASSES, Line, SegmentedObject
 
-_OFFERED, _PREVIEW = 0.4, 0.3
-"""Opacity of the area of what is offered, and of what a click would take."""
+_OFFERED, _DOUBTFUL, _CHANGED = 0.2, 0.08, 0.4
+"""Opacity of the area of what is offered, of what is doubtful, and of what a click would change."""
+
+_SPARSE = 2.5, 5.0
+"""Dashes around what is doubtful."""
+
+_FEW = 12
+"""Number of proposals up to which those that are doubtful are marked with their probability."""
 
 _MOST_MARKS = 60
 """Largest number of places of one click that are marked."""
 
 
 class ObjectLayer(Layer):
-    """Shows objects with area and outline in the color of their class; stretches that follow no contour are dashed."""
+    """Shows objects with area and outline in the color of their class; stretches that follow no contour are dashed.
+
+    Proposals are dashed, in one color; those that are doubtful are sparse and pale. What a click would take away is
+    hatched.
+    """
 
     name = "objects"
     title = tr("Objects")
-    tip = tr("Objects that have been selected, and the one that is being selected.")
+    tip = tr("Accepted objects by class, and those that are offered, dashed.")
     shortcut = "Alt+5"
     in_slices = True
-    colors = (theme.CLOSED, theme.CHOSEN)
+    colors = (CLASSES[0].color, theme.PROPOSAL)
     options = (
         Amount("fill", tr("Area"), 0.0, 1.0, 0.05, 0.25, tr("Opacity of the areas.")),
         Switch("names", tr("Names"), True, tr("Show the names of objects.")),
@@ -41,19 +53,29 @@ class ObjectLayer(Layer):
     def make(self) -> None:
         """Make its items."""
         self.fills = Fills(3.0)
-        self._outlines = Curves(theme.CLOSED, 4.3)
+        self._outlines = Curves(theme.CHOSEN, 4.3)
         self._gaps = Curves(theme.HALO, 4.35, halo=0.0, dashed=True)
         self._chosen = Curves(theme.CHOSEN, 4.25, width=5.0, halo=7.0)
         self._hovered = Curves(theme.HOVERED, 4.24, width=5.0, halo=0.0)
-        self.preview_fill, self._preview = Fills(4.4), Curves(theme.CHOSEN, 4.45, width=1.2, halo=2.4)
-        self.offered_fill, self._offered = Fills(4.5), Curves(theme.CHOSEN, 4.55, width=2.2, halo=4.0)
-        self._offered_gaps = Curves(theme.HALO, 4.6, halo=0.0, dashed=True)
+        self.offered_fill, self._offered = Fills(4.4), Curves(theme.PROPOSAL, 4.55, width=2.2, halo=4.0, dashed=True)
+        self._doubtful = Curves(theme.PROPOSAL, 4.5, width=1.4, halo=2.8, dashed=_SPARSE)
+        self.added, self.removed = Fills(4.6), Fills(4.65, Qt.BrushStyle.BDiagPattern)
         self._clicks = Markers(6.9, size=9.0, pen=pg.mkPen(theme.HALO, width=1.2))
-        self._names = Names(5.8)
-        self.add(self.fills, self._outlines, self._gaps, self._chosen, self._hovered)
-        self.add(self.preview_fill, self._preview, self.offered_fill, self._offered, self._offered_gaps)
-        self.add(self._clicks)
+        self._names, self._likely = Names(5.8), Names(5.85)
+        self.add(self.fills, self._outlines, self._gaps, self._chosen, self._hovered, self.offered_fill)
+        self.add(self._offered, self._doubtful, self.added, self.removed, self._clicks, self._likely)
         self.add(self._names, switch="names")
+
+    def legend_entries(self) -> Sequence[LegendEntry]:
+        """Objects, and those that are offered."""
+        offered, objects = self._proposals, self.scene.document.objects
+        color = objects.color(objects.items[0]) if objects.items else theme.PROPOSAL
+        return (
+            LegendEntry(
+                len(objects.items), tr("accepted"), tr("Objects, in the colors of their classes."), color, "area"
+            ),
+            LegendEntry(len(offered), tr("proposed"), tr("Objects that are offered."), theme.PROPOSAL, "dashed"),
+        )
 
     def follow_choice(self, name: str) -> None:
         """Show areas in another opacity, or show or hide names."""
@@ -69,16 +91,17 @@ class ObjectLayer(Layer):
         other = (of.items, of.classes, of.edited) != (last_of.items, last_of.classes, last_of.edited)
         if other:
             self._show_objects()
-        if other or shown.chosen != last.chosen:
-            self._chosen.show(_paths(item for item in self._seen() if item.number in shown.chosen))
-        if other or shown.hovered != last.hovered:
-            self._hovered.show(_paths(item for item in self._seen() if item.number == shown.hovered))
-        if shown.proposals is not last.proposals or of.category != last_of.category or other:
+        other_offer = shown.proposals is not last.proposals
+        if other or other_offer or shown.chosen != last.chosen:
+            self._chosen.show(self._paths_of(shown.chosen))
+        if other or other_offer or shown.hovered != last.hovered:
+            self._hovered.show(self._paths_of({shown.hovered}))
+        if other_offer:
             self._show_proposals()
+        if other_offer or (shown.chosen, shown.hovered) != (last.chosen, last.hovered):
+            self._show_likely()
         if shown.preview is not last.preview:
-            found = [shown.preview] if isinstance(shown.preview, Selection) and shown.preview.found else []
-            self.preview_fill.show([_area(each, theme.CHOSEN, _PREVIEW) for each in found])
-            self._preview.show([contour.path for each in found for contour in each.contours])
+            self._show_preview()
         if of.clicks != last_of.clicks:
             self._show_clicks()
 
@@ -96,15 +119,60 @@ class ObjectLayer(Layer):
         self._gaps.show([gap for item in seen for gap in _curves(item.gaps)])
         self._names.show([(item.center, item.name, objects.color(item)) for item in seen if item.name])
 
+    @property
+    def _proposals(self) -> list[Proposal]:
+        """What is offered and can be drawn."""
+        return [each for each in self.scene.objects.proposals if isinstance(each.selection, Selection)]
+
+    def _paths_of(self, numbers: Iterable[int]) -> list[Array]:
+        """The boundaries of the objects of some numbers, and of proposals of some keys."""
+        wanted = set(numbers)
+        chosen = [each.selection for each in self._proposals if each.key and each.key in wanted]
+        return [*_paths(item for item in self._seen() if item.number in wanted), *_outlines(chosen)]
+
     def _show_proposals(self) -> None:
-        objects, offered = self.scene.document.objects, self.scene.objects.proposals
-        color = objects.classes[objects.category - 1].color
-        selections = [
-            each.selection for each in offered if isinstance(each.selection, Selection) and each.selection.found
-        ]
-        self.offered_fill.show([_area(selection, color, _OFFERED) for selection in selections])
-        self._offered.show([contour.path for selection in selections for contour in selection.contours])
-        self._offered_gaps.show([gap for selection in selections for gap in selection.gaps])
+        found = [each.selection for each in self._proposals]
+        sure = [each for each in found if each.confidence >= DOUBTFUL]
+        doubtful = [each for each in found if each.confidence < DOUBTFUL]
+        areas = [(_curves_of(each), theme.PROPOSAL, _OFFERED) for each in sure]
+        self.offered_fill.show([*areas, *((_curves_of(each), theme.PROPOSAL, _DOUBTFUL) for each in doubtful)])
+        self._offered.show(_outlines(sure))
+        self._doubtful.show(_outlines(doubtful))
+
+    def _show_likely(self) -> None:
+        """Show how probable proposals are: of many only that under the pointer and chosen ones."""
+        shown, offered = self.scene.objects, self._proposals
+        few = len(offered) <= _FEW
+        offered = offered if self.scene.volume is None else []  # how probable bodies are is not known
+        marked = [
+            each for each in offered
+            if each.key in {*shown.chosen, shown.hovered, 0} or len(offered) == 1
+            or (few and each.selection.confidence < DOUBTFUL)
+        ]  # fmt: skip
+        self._likely.show(
+            [
+                (
+                    _top(each.selection),
+                    f"{'? ' * (each.selection.confidence < DOUBTFUL)}{percent(each.selection)}",
+                    "#ffffff",
+                )
+                for each in marked
+                if each.selection.found
+            ]
+        )
+
+    def _show_preview(self) -> None:
+        """Show what a click would add, or take away: where the boundaries before and after it enclose an odd number."""
+        preview = self.scene.objects.preview
+        changed: list[Area] = []
+        if preview is not None and isinstance(preview.after, Selection):
+            curves = _curves_of(preview.after)
+            if isinstance(preview.before, Selection):
+                curves += _curves_of(preview.before)
+            changed = [(curves, theme.PROPOSAL if preview.adds else theme.REMOVED, _CHANGED if preview.adds else 1.0)]
+        adds = preview is not None and preview.adds
+        self.added.show(changed if adds else [])
+        self.removed.show([] if adds else changed)
 
     def _show_clicks(self) -> None:
         """Mark the places of all clicks, of a long stroke only some."""
@@ -118,8 +186,19 @@ class ObjectLayer(Layer):
         )
 
 
-def _area(selection: Selection, color: str, opacity: float) -> Area:
-    return [contour.points for contour in selection.contours], color, opacity
+def _curves_of(selection: Selection) -> list[Array]:
+    return [contour.points for contour in selection.contours]
+
+
+def _outlines(selections: Iterable[Selection]) -> list[Array]:
+    return [contour.path for selection in selections for contour in selection.contours]
+
+
+def _top(selection: Selection) -> Position:
+    """The highest place of an object."""
+    points = np.concatenate(_curves_of(selection))
+    row, col = points[points[:, 0].argmin()].tolist()
+    return row, col
 
 
 def _curves(lines: Sequence[Line]) -> list[Array]:

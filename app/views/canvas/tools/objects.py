@@ -20,8 +20,8 @@ _MOST = 200
 class ObjectTool(Tool):
     """Selects the object under the pointer; with Shift a click says what does not belong to it.
 
-    A stroke says the same of all that it crosses. Enter accepts the object; a click on an accepted object
-    changes it.
+    A stroke says the same of all that it crosses. A click in an object, or in one of several proposals, chooses it, and
+    in a chosen one begins to correct it. Enter accepts what is offered.
     """
 
     name = "objects"
@@ -41,36 +41,37 @@ class ObjectTool(Tool):
 
     @property
     def drafting(self) -> bool:
-        """Whether an object is being selected, or one is offered."""
-        return self._selection.selecting or bool(self._selection.proposals)
+        """Whether an object is being selected."""
+        return self._selection.selecting
+
+    @property
+    def sized(self) -> bool:  # type: ignore[override]
+        """Whether there is something to make smaller or larger."""
+        return self.drafting or bool(self._selection.proposals or self._list.chosen)
 
     @property
     def advice(self) -> str:
         """What to do next."""
         if not self._selection.ready:
             if self.volume is not None and self._session.status.surface is None:
-                return tr("Let a run find the surface first: objects are the bodies that it encloses.")
+                return tr("Start a run to find the surface first: objects are the bodies that it encloses.")
             return ""
-        if self._selection.selecting:
-            return with_keys(tr("Click to add, Shift-click to remove. Enter accepts, {key:escape} cancels."))
-        if self._selection.proposals:
-            return with_keys(
-                tr("Enter accepts what was found. Click to add, Shift-click to remove, {key:escape} discards it.")
-            )
-        if self._list.chosen:
-            return tr("Enter: rename · 1-9: class · Delete: remove. Click in the next object.")
-        return tr("Click in an object, or drag across it.")
+        if self._list.chosen and not self._selection.selecting:
+            return with_keys(tr("Click again: correct · {key:name_object}: rename · 1-9: class · Delete: remove"))
+        return self._selection.advice or tr("Click in an object, or drag across it.")
 
     def set_in_use(self, in_use: bool) -> None:
         """Let the image be prepared while the tool is in use."""
         self._selection.set_in_use(in_use)
 
     def press(self, at: Place, reach: float) -> None:
-        """Begin a click or a stroke, or change the object under the pointer if none is being selected."""
+        """Begin a click or a stroke, or choose the object under the pointer; when it is chosen, begin to correct it."""
         self.used = True
         existing = self._existing(at)
-        if existing:
-            self._list.begin_change(existing)
+        if existing in self._session.scene.objects.chosen or (existing and existing == self._only):
+            self._selection.correct(existing)
+        elif existing:
+            self._list.choose((existing,))
         else:
             self._path = [at]
 
@@ -92,10 +93,14 @@ class ObjectTool(Tool):
         self._selection.click(path[:: math.ceil(len(path) / _MOST)], self._inside)
 
     def hover(self, at: Place) -> None:
-        """Show what a click would take."""
+        """Show what a click would choose, or what it would change."""
         existing = self._existing(at)
-        self._list.hover(("object", existing) if existing else None)
+        self._list.hover(("object" if existing > 0 else "proposal", existing) if existing else None)
         self._selection.point(None if existing else at, self._inside)
+
+    def resize(self, by: float) -> None:
+        """Take the next larger candidate, or the next smaller one."""
+        self._selection.step(1 if by > 0 else -1)
 
     def finish(self) -> None:
         """Accept the object."""
@@ -118,7 +123,7 @@ class ObjectTool(Tool):
         self._selection.point(None)
 
     def cursor(self, at: Place, reach: float) -> Cursor:
-        """A hand over an object that a click would change."""
+        """A hand over an object that a click would choose."""
         return Cursor.PointingHandCursor if self._existing(at) else Cursor.CrossCursor
 
     @property
@@ -126,9 +131,15 @@ class ObjectTool(Tool):
         """Whether a click adds: with Shift it says what does not belong to the object."""
         return not self.modifiers & TAKING_AWAY
 
+    @property
+    def _only(self) -> int:
+        """Key of the only proposal, which is as good as chosen; 0 where there are none or several."""
+        offered = self._selection.proposals
+        return offered[0].key if len(offered) == 1 else 0
+
     def _existing(self, at: Place) -> int:
-        """Number of the object that a click would change; 0 while another one is being selected."""
-        return 0 if self._selection.selecting or not self._inside else self._list.under(at)
+        """Number of the object, or key of the proposal, that a click would choose; 0 while one is being selected."""
+        return 0 if self._selection.selecting or not self._inside else self._selection.under(at)
 
     def _end_stroke(self) -> None:
         self._path = []

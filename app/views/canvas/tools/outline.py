@@ -47,7 +47,7 @@ class OutlineTool(Tool):
     shortcut = "U"
     group = OBJECT
     panel = "objects"
-    tip = tr("Click from place to place around an object: the line follows the edges and becomes a contour.")
+    tip = tr("Click along the boundary of an object: the line follows the edges and becomes a contour.")
     clicks = True
     by_keys = tr("Enter sets an anchor; Enter once more on the first anchor closes the line, on the last one ends it.")
 
@@ -73,8 +73,8 @@ class OutlineTool(Tool):
         if not self._anchors:
             return "" if self.used else self.tip
         return tr(
-            "Click the first anchor to close the line, Enter or a double click ends it; Shift draws straight, a drag "
-            "freehand; Backspace takes the last anchor back."
+            "Click the first anchor to close the line, Enter or a double click ends it; Shift draws a "
+            "straight line, dragging draws freehand; Backspace removes the last anchor."
         )
 
     def press(self, at: Position, reach: float) -> None:

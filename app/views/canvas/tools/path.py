@@ -83,11 +83,11 @@ class PathTool(Tool):
         if not self._corners:
             return "" if self.used else self.tip
         if self._freehand and self._first:
-            return with_keys(tr("Let go to end it; {key:escape} cancels."))
+            return with_keys(tr("Release to finish; {key:escape} cancels."))
         ends = tr("Enter or a double click ends it;")
         if self.closed:
             ends = tr("Enter, a double click or the first corner ends it;")
-        rest = tr("Shift keeps to eight directions; Backspace takes the last corner back; {key:escape} cancels.")
+        rest = tr("Shift snaps to eight directions; Backspace removes the last corner; {key:escape} cancels.")
         return f"{ends} {with_keys(rest)}"
 
     def press(self, at: Place, reach: float) -> None:
@@ -239,7 +239,9 @@ class ThresholdTool(PathTool):
     text = tr("T&hreshold")
     shortcut = "H"
     group = AREA
-    tip = tr("Drag, or click corner by corner, around where to start on strong edges; [ and ] change how strong.")
+    tip = tr(
+        "Drag, or click corner by corner, around an area in which to start on strong edges; [ and ] change how strong."
+    )
     made = Threshold
     title = tr("threshold")
 
@@ -255,7 +257,7 @@ class RegionTool(PathTool):
     text = tr("Region of &interest")
     shortcut = "I"
     group = LIMIT
-    tip = tr("Drag, or click corner by corner, around what particles are to stay in.")
+    tip = tr("Drag, or click corner by corner, around the region that particles must stay in.")
     made = Region
     title = tr("region of interest")
     color = theme.REGION
@@ -274,7 +276,7 @@ class BarrierTool(PathTool):
     text = tr("&Barrier")
     shortcut = "B"
     group = LIMIT
-    tip = tr("Drag, or click corner by corner, where no particle is to cross.")
+    tip = tr("Drag, or click corner by corner, to draw a line that no particle crosses.")
     made = Barrier
     title = tr("barrier")
     color = theme.BARRIER

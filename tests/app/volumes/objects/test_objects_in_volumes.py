@@ -89,7 +89,7 @@ BALL = 4.0 / 3.0 * np.pi * RADIUS**3
 def forget_offer(window, hand) -> None:
     """What is offered around the starts is dropped, so that clicks begin with nothing."""
     hand.wait(lambda: len(window.workspace.object_selection.proposals) == 2)
-    hand.key(KEY.Key_Escape)
+    hand.key(KEY.Key_X)
     hand.wait(lambda: not window.workspace.object_selection.proposals)
 
 
