@@ -36,7 +36,7 @@ class _Anchor(NamedTuple):
 
 
 class OutlineTool(Tool):
-    """Draws an object, or an open contour, by a live wire: clicks set anchors, and the line between them follows the edges.
+    """Draws an object, or an open contour: clicks set anchors, and the line between them follows the edges.
 
     With Shift the line is straight, a drag draws freehand. A line that begins or ends on a contour joins it there, one
     between two places of the same contour takes the place of the stretch between them.
