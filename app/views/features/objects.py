@@ -71,7 +71,7 @@ class ObjectsFeature(Feature):
             return bool(objects.items) and all(getattr(item, state) for item in objects.items)
 
         def merge() -> None:
-            if objects.mergeable or objects.chosen:
+            if selects("object", "proposal", "closed", least=2):
                 objects.merge()
             else:
                 editing.join_selected(closing=False)
