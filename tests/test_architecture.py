@@ -24,7 +24,7 @@ LATE_LIBRARIES = {
     "cpm_core.image.drawing": {"matplotlib"},
     "cpm_core.contours.surface": {"fast_simplification"},
     "cpm_core.objects.segmented.areas": {"shapely"},
-    "cpm_core.objects.segmented.splitting": {"shapely"},
+    "cpm_core.objects.segmented.by_hand": {"shapely"},
     "cpm_core.numerics.segments": {"shapely"},
     "cpm_core.formats.animation": {"imageio_ffmpeg"},
     "cpm_core.formats.images.nifti": {"nibabel"},

@@ -185,6 +185,16 @@ def split(document: Document, whole: SegmentedObject, halves: Halves) -> Documen
     return _with(document, items=items, clicks=(), edited=0)
 
 
+def put(document: Document, number: int, item: SegmentedObject | None = None) -> Document:
+    """The document with another object of a number, or without one; it is no longer being changed by clicks."""
+    objects = document.objects
+    items = {each.number: each for each in objects.items} | ({} if item is None else {number: item})
+    left = tuple(each for each in items.values() if item is not None or each.number != number)
+    changing = objects.edited == number
+    clicks, edited = ((), 0) if changing else (objects.clicks, objects.edited)
+    return _with(document, items=left, clicks=clicks, edited=edited)
+
+
 def name_class(document: Document, category: int, name: str, color: str = "") -> Document:
     """The document in which a class has a name, and another color unless that is empty."""
     classes = list(document.objects.classes)
@@ -361,19 +371,13 @@ def brushed(
     Document
         The object without clicks, of which the boundary is no longer the answer.
     """
-    objects = document.objects
-    items = {item.number: item for item in objects.items}
-    if boundary:
-        made = before or SegmentedObject(number, (), boundary, category=objects.category)
-        kept = tuple(gap for gap in made.gaps if lies_on(gap, boundary))
-        painted = []
-        for points in map(np.array, boundary):
-            on = np.abs(polyline.distances(path, points) - radius) <= _ON_BRUSH
-            runs = (points[run].tolist() for run in polyline.stretches(on, closed=True) if len(run) > 1)
-            painted += [tuple((row, col) for row, col in run) for run in runs]
-        items[number] = replace(made, clicks=(), boundary=boundary, gaps=(*kept, *painted))
-    else:
-        items.pop(number, None)
-    edited = objects.edited if objects.edited != number else 0
-    clicks = objects.clicks if edited == objects.edited else ()
-    return replace(document, objects=replace(objects, items=tuple(items.values()), edited=edited, clicks=clicks))
+    if not boundary:
+        return put(document, number)
+    made = before or SegmentedObject(number, (), boundary, category=document.objects.category)
+    kept = tuple(gap for gap in made.gaps if lies_on(gap, boundary))
+    painted = []
+    for points in map(np.array, boundary):
+        on = np.abs(polyline.distances(path, points) - radius) <= _ON_BRUSH
+        runs = (points[run].tolist() for run in polyline.stretches(on, closed=True) if len(run) > 1)
+        painted += [tuple((row, col) for row, col in run) for run in runs]
+    return put(document, number, replace(made, clicks=(), boundary=boundary, gaps=(*kept, *painted)))

@@ -159,7 +159,7 @@ def can_step(situation: Situation) -> bool:
 
 NOT_IN_VOLUMES = frozenset(
     (
-        *("edit_contours", "outline", "brush", "close_contours", "show_rejected"),
+        *("mend", "outline", "close_contours", "show_rejected"),
         *("split", "objects_alike", "apply_to_folder"),
     )
 )

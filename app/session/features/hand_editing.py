@@ -8,15 +8,17 @@ import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from app.model.document.contours import NAMES, add_hand_edits, drop_hand_edits
+from app.model.document.objects import put, title
 from app.model.text.language import tr
 from app.session.features.contour_review import ContourReview
 from app.session.scene import Item, ReviewedContours
 from app.session.session import Session
 from app.session.worker.requests import EDGES, find_edges
 from cpm_core import Contour
-from cpm_core.contours import HandEdit, Path
+from cpm_core.contours import HandEdit, Path, neighborhood
 from cpm_core.field import ScaleField
-from cpm_core.numerics import Array, Position
+from cpm_core.numerics import Array, PathTree, Position
+from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects, contours_of, redrawn
 from cpm_core.parameters import invalidating
 from cpm_core.reconstruction import Contact, LiveWire, chain, cut, deletion, nearest_ridge, on_ridge, pull, wire_from
 
@@ -25,6 +27,9 @@ Way = Callable[[Position], Array]
 
 _SNAP = 3.0
 """Distance from an edge within which a place that is clicked is moved onto it [px]."""
+
+_SAME = 1.0
+"""Distance by which a contour has to be nearer than the boundary of an object to be meant [px]."""
 
 _NOT_FOUND = tr(
     "{count} of {all} manual edits no longer match a contour. Their lines stay; the menu Objects removes them."
@@ -46,6 +51,8 @@ class HandEditing(QObject):
         self._session = session
         self._review = review
         self._contours: ReviewedContours | None = None
+        self._lines: tuple[SegmentedObjects, list[tuple[SegmentedObject, Contour]], PathTree] | None = None
+        """Objects, and the curves of the boundaries of those that are shown."""
         self._ends: tuple[list[Contour], Array] | None = None
         """The open contours, and the places of both ends of each, in turn, shape (2 N, 2) [px]."""
         self._edges: ScaleField | None = None
@@ -92,6 +99,23 @@ class HandEditing(QObject):
         key = self._review.under(at, reach)
         return None if key is None else Contact.at(self._review[key].contour, at)
 
+    def boundary(self, at: Position, reach: float) -> tuple[SegmentedObject, Contact] | None:
+        """The nearest place on the boundary of an object within reach of a place [px], unless a contour is nearer."""
+        objects = self._session.document.objects
+        if self._lines is None or self._lines[0] is not objects:
+            shown = [item for item in objects.items if not item.hidden]
+            curves = [(item, contour) for item in shown for contour in contours_of(item)]
+            self._lines = objects, curves, neighborhood([contour for _, contour in curves])
+        _, curves, around = self._lines
+        found = around.passing(at, reach)
+        if not found:
+            return None
+        item, contour = curves[found[0]]
+        held, other = Contact.at(contour, at), self.contact(at, reach)
+        if other is not None and (other.at_end or _SAME + other.line.nearest(at)[1] < held.line.nearest(at)[1]):
+            return None
+        return item, held
+
     def key_of(self, contact: Contact) -> int | None:
         """Key of the contour that a place lies on, if it is still there."""
         item = self._item(contact)
@@ -135,6 +159,15 @@ class HandEditing(QObject):
 
     # Edits
 
+    def redraw(self, item: SegmentedObject, held: Contact, edit: HandEdit, snapping: bool) -> None:
+        """Carry out an edit on the boundary of an object that was held at a place."""
+        assert held.line.source is not None
+        new = redrawn(item, held.line.source, edit, self._edges if snapping else None)
+        what = title(self._session.document.objects, item)
+        self._session.edit(
+            tr("redraw boundary of {what}").format(what=what), lambda document: put(document, item.number, new)
+        )
+
     def add(self, edits: Sequence[HandEdit]) -> None:
         """Carry out edits, as one step of undo."""
         if edits:
@@ -147,11 +180,6 @@ class HandEditing(QObject):
             self._session.say(tr("A contour cannot be cut at its end: click farther along it."))
         else:
             self.add((cut(at),))
-
-    def cut_marked(self) -> None:
-        """Cut a contour at the place marked last."""
-        if self.marked:
-            self.cut(self.marked[-1])
 
     def delete_stretch(self) -> None:
         """Delete the stretch between the two marked places, which lie on one contour."""
@@ -193,7 +221,7 @@ class HandEditing(QObject):
         return next((item for item in seen if item.contour is contact.line.source), None)
 
     def _forget(self) -> None:
-        self._edges, self._asked, self._reported = None, (), ()
+        self._edges, self._lines, self._asked, self._reported = None, None, (), ()
         self.mark(())
 
     def _follow(self) -> None:

@@ -157,6 +157,13 @@ def _size(row: Row) -> float:
     return size_of(row.item) if row.item is not None else row.contour.contour.area if row.contour else 0.0
 
 
+BRUSH = 1.0, 500.0
+"""Limits of the radius of the brush [px]."""
+
+_BRUSH, _LEAST_BRUSH = 0.03, 4.0
+"""Radius of the brush at first, in the longest side of the image, and at least [px]."""
+
+
 class ObjectList(QObject):
     """Lists objects, proposals and contours, selects among all of them, and does what is done to the selected ones."""
 
@@ -164,11 +171,16 @@ class ObjectList(QObject):
     """The rows, their classes or their gray values have changed."""
     class_begun = Signal(int)
     """A class without a name is used next to another one for the first time."""
+    brush_changed = Signal(float)
+    """The brush has another radius [px]."""
 
     def __init__(self, session: Session, review: ContourReview) -> None:
         super().__init__(session)
         self._session, self._review = session, review
         self.selection_changed = review.selection_changed
+        self._brush: float | None = None
+        self._boxes: dict[int, tuple[tuple[Line, ...], tuple[float, ...]]] = {}
+        """The boundary of each object, and the least and largest row and column of it."""
         self._known, self._measured_in = session.document.objects, session.image
         self._offered: tuple[Proposal, ...] = ()
         self._figures: dict[int, tuple[Image, object, Figures]] = {}
@@ -248,8 +260,29 @@ class ObjectList(QObject):
 
     def under(self, at: Place) -> int:
         """Number of the smallest shown object at a place (row, col) [px], or (plane, row, col); 0 for none."""
-        around = [row.item for row in self.rows if row.kind == "object" and row.item and _holds(row, at)]
+        if len(at) == 3:
+            around = [item for item in self.objects.items if not item.hidden and holds(item, at)]
+        else:
+            place = np.array([at], dtype=float)
+            around = [item for item in self.near(place, 0.0) if item.encloses(place)[0]]
         return min(around, key=size_of).number if around else 0
+
+    def near(self, places: Array, reach: float) -> list[SegmentedObject]:
+        """The shown objects whose boxes come within reach of one of some places, shape (N, 2) [px]."""
+        shown = [item for item in self.objects.items if not item.hidden and item.boundary]
+        known, self._boxes = self._boxes, {}
+        for item in shown:
+            boundary, box = known.get(item.number, ((), ()))
+            if boundary is not item.boundary:
+                corners = np.concatenate([np.asarray(curve) for curve in item.boundary])
+                box = (*corners.min(axis=0).tolist(), *corners.max(axis=0).tolist())
+            self._boxes[item.number] = item.boundary, box
+        low, high = (places.min(axis=0) - reach).tolist(), (places.max(axis=0) + reach).tolist()
+
+        def meets(top: float, left: float, bottom: float, right: float) -> bool:
+            return bool(top <= high[0] and left <= high[1] and bottom >= low[0] and right >= low[1])
+
+        return [item for item in shown if meets(*self._boxes[item.number][1])]
 
     def at(self, place: Place, reach: float, areas: bool = True) -> Key | None:
         """The row at a place: a contour within `reach` [px], or else the smallest one around it.
@@ -280,6 +313,19 @@ class ObjectList(QObject):
                 if polyline.inside(outline, np.concatenate(places)).mean() >= 0.5:
                     found.append(row.key)
         return frozenset(found)
+
+    # The brush
+
+    @property
+    def brush(self) -> float:
+        """Radius of the brush that paints objects [px of the image]."""
+        image = self._session.document.image
+        return self._brush or max(_BRUSH * max(image.shape if image is not None else (0,)), _LEAST_BRUSH)
+
+    def set_brush(self, radius: float | None) -> None:
+        """Set the radius of the brush within its limits [px]; for None it depends on the size of the image again."""
+        self._brush = None if radius is None else min(max(radius, BRUSH[0]), BRUSH[1])
+        self.brush_changed.emit(self.brush)
 
     # Selecting
 
@@ -581,7 +627,9 @@ class ObjectBrush:
         self._shape: tuple[int, ...] = ()
         self._path: list[Position] = []
         self._before: SegmentedObject | None = None
-        self._number, self._radius, self._adds, self._gesture = 0, 0.0, True, ""
+        self._number, self._radius, self._gesture = 0, 0.0, ""
+        self.adds = True
+        """Whether the stroke adds, and does not take away."""
 
     @property
     def painting(self) -> bool:
@@ -590,7 +638,7 @@ class ObjectBrush:
 
     def begin(self, at: Position, radius: float, adds: bool, gesture: str) -> None:
         """Begin a stroke at a place; `gesture` makes one step of undo of it."""
-        self._path, self._radius, self._adds, self._gesture = [at], radius, adds, gesture
+        self._path, self._radius, self.adds, self._gesture = [at], radius, adds, gesture
         self._number, self._before = 0, None
         self._find()
         self._apply()
@@ -608,33 +656,35 @@ class ObjectBrush:
             self._session.say(tr("There is no object under the brush to erase from."))
         self._path = []
 
+    def target(self, at: Position, radius: float) -> SegmentedObject | None:
+        """The object that a stroke from a place would paint; None where it would begin a new one."""
+        return self._touched(np.array([at]), radius)
+
     def _find(self) -> None:
         """Find the object to be painted, unless it is known; a frozen one is left alone, with a word to the user."""
         image = self._session.document.image
         if self._number or image is None:
             return
-        item = self._touched()
+        item = self._touched(np.array(self._path[-2:]), self._radius)
         if item is not None and item.frozen:
             name = self._list.title(item)
             self._session.say(
                 tr("{name} is frozen: unfreeze it to paint it, or paint another object.").format(name=name)
             )
             self._path = []
-        elif item is not None or self._adds:
+        elif item is not None or self.adds:
             self._before = item
             self._number = self._session.document.objects.next_number if item is None else item.number
             self._boundary, self._shape = () if item is None else item.boundary, image.shape
 
-    def _touched(self) -> SegmentedObject | None:
-        """The object that the newest stretch of the path touches."""
-        items, newest = self._session.document.objects.items, np.array(self._path[-2:])
-        way = polyline.sampled(newest, 0.5 * self._radius) if len(newest) > 1 else newest
-        shown, radius = (item for item in items if not item.hidden), self._radius
+    def _touched(self, newest: Array, radius: float) -> SegmentedObject | None:
+        """The object that a stretch of the path touches."""
+        way = polyline.sampled(newest, 0.5 * radius) if len(newest) > 1 else newest
         near = [
-            item for item in shown
+            item for item in self._list.near(way, radius)
             if item.encloses(way).any() or (polyline.distances_from_closed(item.boundary, way) < radius).any()
         ]  # fmt: skip
-        under = self._list.under(self._path[-1])
+        under = self._list.under(tuple(newest[-1].tolist()))
         near.sort(key=lambda item: (item.number not in self._list.chosen, item.number != under, item.area))
         return near[0] if near else None
 
@@ -642,7 +692,7 @@ class ObjectBrush:
         """Paint the newest stretch of the path."""
         if not self._path or not self._number:
             return
-        boundary = painted(self._boundary, self._path[-2:], self._radius, self._adds, self._shape)
+        boundary = painted(self._boundary, self._path[-2:], self._radius, self.adds, self._shape)
         before, number, radius = self._before, self._number, self._radius
         self._boundary, path = boundary, tuple(self._path)
         self._session.edit(

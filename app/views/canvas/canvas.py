@@ -266,12 +266,18 @@ class Canvas(ImageView):
             self.zoom(ZOOM ** (event.angleDelta().y() / 120.0), event.position())
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Leave keys to the window."""
-        event.ignore()
+        """Show what the tool does with Shift; leave keys to the window."""
+        self._use_shift(event, event.modifiers() | Qt.KeyboardModifier.ShiftModifier)
 
     def keyReleaseEvent(self, event: QKeyEvent) -> None:
-        """Leave keys to the window."""
+        """Show what the tool does without Shift; leave keys to the window."""
+        self._use_shift(event, event.modifiers() & ~Qt.KeyboardModifier.ShiftModifier)
+
+    def _use_shift(self, event: QKeyEvent, modifiers: Qt.KeyboardModifier) -> None:
         event.ignore()
+        if event.key() == Qt.Key.Key_Shift and self._pointer is not None and not self.led_by_keys:
+            self.hold.set_modifiers(modifiers)
+            self.hold.move(self, self._pointer)
 
     def focusOutEvent(self, event: QFocusEvent) -> None:
         """Cancel the drag when the window loses the focus."""

@@ -244,7 +244,8 @@ class ExportDialog(QDialog):
 
     def _fill(self) -> None:
         """List what there is, with the formats of the last time checked."""
-        checked = self._preferences.get(FORMATS, _FIRST)
+        moving = ("run:", "turntable:")  # which take long, and are not written by the way
+        checked = [key for key in self._preferences.get(FORMATS, _FIRST) if not key.startswith(moving)]
         for what, count in self._counts().items():
             group = QTreeWidgetItem([f"{KINDS[what][0]} ({count})" if count > 1 else KINDS[what][0]])
             self.list.addTopLevelItem(group)
@@ -320,7 +321,7 @@ class ExportDialog(QDialog):
             if not self._volume and all(left_out(result, suffix) == len(result.contours) for suffix in suffixes):
                 trouble = tr("Nothing can be exported: {what}.").format(what=parts[-1])
             vertices[0] += sum(len(contour.points) for contour in result.contours)
-            if order.tolerance:
+            if any(map(order.thins, suffixes)):
                 vertices[1] += sum(len(contour.points) for contour in thinned(result, order.tolerance).contours)
             pale = all(left_out(result, suffix) for suffix in suffixes)
             lines += [
@@ -328,7 +329,7 @@ class ExportDialog(QDialog):
                 for contour in result.contours
             ]
         few, many = (written(f"{count:,}") for count in reversed(vertices))
-        self._vertices.setText(tr("{few} of {many} vertices").format(few=few, many=many) if order.tolerance else "")
+        self._vertices.setText(tr("{few} of {many} vertices").format(few=few, many=many) if vertices[1] else "")
         plan = self.animation
         frames = tr("{count} frames of {width} × {height} px")
         self._size.setText(frames.format(count=len(plan.steps), width=plan.size[0], height=plan.size[1]))

@@ -43,11 +43,6 @@ class CompareFeature(Feature):
                        self.panel.jump_to_next, "Shift+W", when=lambda _: bool(window.session.scene.differences)),
         )  # fmt: skip
 
-    def close(self) -> bool:
-        """Stop the runs and the thread of comparisons."""
-        self._compared.cancel()
-        return True
-
     def _show_divider(self) -> None:
         if self._compared.chosen == NOW:
             self.wipe.end()

@@ -255,7 +255,7 @@ class ImportFeature(Feature):
             session.edit(name, lambda document: imported.add_starts(document, found))
         elif answer == "objects":
             name = tr("add objects from {name}").format(name=found.name)
-            session.edit(name, lambda document: imported.add_objects(document, found.objects))
+            session.edit(name, lambda document: imported.add_objects(document, found.objects, found.classes))
         elif answer == "truth" and path is not None:
             self.window.docks.reveal("compare")
             self.window.workspace.comparison.load(path)

@@ -107,6 +107,10 @@ def _modes(actions: Actions) -> QWidget:
     return segments
 
 
+_WIDE = 80
+"""Width of a button [px], enough for the longest word."""
+
+
 class ToolPalette(QToolBar):
     """One button for each group of tools, and one for the starts that need no drawing."""
 
@@ -140,7 +144,7 @@ class ToolButton(QToolButton):
         self.setObjectName("tools")
         self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
         self.setPopupMode(QToolButton.ToolButtonPopupMode.MenuButtonPopup)
-        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        self.setFixedWidth(_WIDE)
         self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.setAutoRaise(True)
         menu = QMenu(self)

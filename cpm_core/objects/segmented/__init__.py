@@ -3,6 +3,10 @@
 from cpm_core.objects.segmented.areas import lies_on as lies_on
 from cpm_core.objects.segmented.areas import painted as painted
 from cpm_core.objects.segmented.areas import union as union
+from cpm_core.objects.segmented.by_hand import Halves as Halves
+from cpm_core.objects.segmented.by_hand import redrawn as redrawn
+from cpm_core.objects.segmented.by_hand import split as split
+from cpm_core.objects.segmented.by_hand import split_along as split_along
 from cpm_core.objects.segmented.segmented_object import CLASSES as CLASSES
 from cpm_core.objects.segmented.segmented_object import Click as Click
 from cpm_core.objects.segmented.segmented_object import Line as Line
@@ -12,6 +16,3 @@ from cpm_core.objects.segmented.segmented_object import SegmentedObjects as Segm
 from cpm_core.objects.segmented.segmented_object import contours_of as contours_of
 from cpm_core.objects.segmented.segmented_object import places_of as places_of
 from cpm_core.objects.segmented.segmented_object import selection_of as selection_of
-from cpm_core.objects.segmented.splitting import Halves as Halves
-from cpm_core.objects.segmented.splitting import split as split
-from cpm_core.objects.segmented.splitting import split_along as split_along

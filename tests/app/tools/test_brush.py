@@ -22,8 +22,8 @@ PIXELS = np.stack([ROW, COL], axis=-1).reshape(-1, 2).astype(float)
 @pytest.fixture
 def brush(hand):
     """The tool in use."""
-    hand.key(KEY.Key_Z)
-    assert hand.canvas.hold.tool.name == "brush"
+    hand.key(KEY.Key_J)
+    assert hand.canvas.hold.tool.name == "mend"
     return hand.canvas.hold.tool
 
 

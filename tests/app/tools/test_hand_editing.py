@@ -40,7 +40,7 @@ def contours(window: MainWindow):
 @pytest.fixture
 def outlined(ready: MainWindow, hand: Hand) -> MainWindow:
     """The disk with its closed contour, and the edges at hand."""
-    ready.canvas_area.use_tool("edit_contours")
+    ready.canvas_area.use_tool("mend")
     hand.canvas.setFocus()
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
@@ -114,6 +114,7 @@ def test_undo_takes_edits_back_one_by_one_and_redo_brings_them_again(gap, hand) 
 
 
 def test_a_click_with_shift_cuts(outlined, hand) -> None:
+    hand.move(*at(1.0))
     assert "Shift-click to cut" in outlined.canvas_area.strip.hint.text()
     hand.qtbot.mouseClick(hand.canvas.viewport(), Qt.MouseButton.LeftButton, SHIFT, hand.at(*at(1.0)))
     settle(outlined, hand)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,9 +11,9 @@ from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QCursor
 
 from app.model.document import objects
-from cpm_core import Contour
 from cpm_core.contours import HandEdit
 from cpm_core.numerics import polyline
+from cpm_core.objects.segmented import SegmentedObject
 
 pytestmark = pytest.mark.shared_window
 
@@ -38,12 +39,8 @@ def image_file(tmp_path):
 @pytest.fixture
 def pair(window, hand):
     """One object around both nuclei, with a name, and the tool in use with the edges at hand."""
-    window.session.edit(
-        "both",
-        lambda d: objects.rename(
-            objects.accept(d, [objects.bounded(d.objects, [Contour(around(), True)])]), (1,), "both"
-        ),
-    )
+    both = SegmentedObject(1, (), (objects.line_of(around()),), name="both")
+    window.session.edit("both", lambda d: replace(d, objects=replace(d.objects, items=(both,))))
     hand.canvas.setFocus()
     hand.key(KEY.Key_K)
     hand.move(5, 5)
@@ -138,7 +135,7 @@ def test_both_halves_of_a_proposal_are_accepted(window, hand) -> None:
 
 def test_a_click_cuts_an_open_contour(window, hand) -> None:
     line = tuple((50.0, float(col)) for col in range(6, 30))
-    window.session.edit("line", lambda d: objects.replace(d, hand_edits=(HandEdit(added=line),)))
+    window.session.edit("line", lambda d: replace(d, hand_edits=(HandEdit(added=line),)))
     hand.canvas.setFocus()
     hand.key(KEY.Key_K)
     hand.wait(lambda: window.session.idle and len(window.workspace.review.items) == 1)

@@ -62,6 +62,7 @@ def begin_anew(window: MainWindow, views: dict[str, dict[str, object]]) -> None:
         tool.used = False
         if isinstance(tool, RingTool):
             tool._chosen = None
+    window.workspace.object_list.set_brush(None)
     window.session.begin_document(use_mode(window.session.document, "shape"))
     window.actions_by_name[FIRST_TOOL].trigger()
     window.canvas_area.messages.clear()

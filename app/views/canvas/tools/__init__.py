@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from app.views.canvas.tools.brush_tools import BrushTool, EraserTool, SprayTool
+from app.views.canvas.tools.brush_tools import EraserTool, SprayTool
 from app.views.canvas.tools.drawn import AttractTool, CircleTool, EllipseTool, PointTool, RepelTool
-from app.views.canvas.tools.edit_contours import EditContoursTool
+from app.views.canvas.tools.mend import MendTool
 from app.views.canvas.tools.objects import ObjectTool
 from app.views.canvas.tools.outline import OutlineTool
 from app.views.canvas.tools.path import BarrierTool, GridTool, PolygonTool, RegionTool, StrokeTool, ThresholdTool
@@ -17,8 +17,7 @@ TOOLS: tuple[type[Tool], ...] = (
     OutlineTool,
     SelectTool,
     EraserTool,
-    EditContoursTool,
-    BrushTool,
+    MendTool,
     SplitTool,
     CircleTool,
     EllipseTool,

@@ -1,17 +1,15 @@
-"""The tools that work within a ring around the pointer: spray, eraser, and the brush that paints objects."""
+"""The tools that work within a ring around the pointer: spray and eraser."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import scipy
 
 from app.model.text.language import tr
-from app.session.features.object_list import ObjectBrush
 from app.session.undo_history import Erasure
-from app.views.canvas.tools.tool import MEND, SELECT, STROKE, TAKING_AWAY, ShapeTool
+from app.views.canvas.tools.tool import SELECT, STROKE, ShapeTool
 from app.views.theme import theme
 from cpm_core.numerics import Array, Place
 from cpm_core.shapes import Points
@@ -79,9 +77,13 @@ class RingTool(ShapeTool):
 
     def resize(self, by: float) -> None:
         """Make the ring larger or smaller."""
-        self._chosen = min(max(self.radius * _FACTOR**by, _LEAST), _MOST)
+        self.set_radius(min(max(self.radius * _FACTOR**by, _LEAST), _MOST))
         if self._at is not None:
             self.hover(self._at)
+
+    def set_radius(self, radius: float) -> None:
+        """Set the radius of the ring [px of the image]."""
+        self._chosen = radius
 
     def put_away(self) -> None:
         """Hide the ring."""
@@ -169,52 +171,3 @@ class EraserTool(RingTool):
         self.release()
         if erased:
             self._session.undo()
-
-
-class BrushTool(RingTool):
-    """Adds what the ring goes over to an object; with Shift takes it away."""
-
-    name = "brush"
-    text = tr("&Brush")
-    shortcut = "Z"
-    group = MEND
-    panel = "objects"
-    tip = tr("Drag to paint an object, Shift-drag to erase it; [ and ] change the brush.")
-    color: str = theme.RESTING
-    guidance = tr("Drag from an object to add to it, Shift-drag to erase it, elsewhere for a new one; [ and ] resize.")
-    by_keys = tr("Enter begins to paint, Shift+Enter to erase, arrow keys continue, Enter ends; [ and ] resize.")
-
-    def set_up(self) -> None:
-        """Set what it keeps between events."""
-        super().set_up()
-        self._brush = ObjectBrush(self._session, self._workspace.object_list)
-        self._adds = True
-        self._objects = self._session.document.objects
-
-    def hover(self, at: Place) -> None:
-        """Move the ring, whose color shows what a stroke from here would do."""
-        if not self._brush.painting:
-            self._adds = not self.modifiers & TAKING_AWAY
-            self.color = theme.RESTING if self._adds else theme.BARRIER
-        super().hover(at)
-
-    def work(self, path: tuple[Place, ...]) -> None:
-        """Begin a stroke, or paint on."""
-        row, col = path[-1][-2:]
-        if len(path) == 1:
-            self._objects = self._session.document.objects
-            self._brush.begin((row, col), self.radius, self._adds, self._gesture)
-        else:
-            self._brush.paint((row, col))
-
-    def release(self) -> None:
-        """End the stroke."""
-        self._brush.end()
-        super().release()
-
-    def cancel(self) -> None:
-        """Restore the objects from before the stroke."""
-        before = self._objects
-        if self._brush.painting:
-            self._session.edit("", lambda document: replace(document, objects=before), self._gesture)
-        self.release()

@@ -117,7 +117,7 @@ class SplitTool(Tool):
         """A knife; the edges are prepared as the tool is taken."""
         self._reach = max(reach, 1.0)
         self._editing.prepare()
-        return pointer("split")
+        return pointer("knife")
 
     def _click(self, at: Position) -> None:
         first, whole = self._whole, self._whole_at(at)
@@ -132,8 +132,8 @@ class SplitTool(Tool):
 
     def _split_along(self, path: list[Position]) -> None:
         places = polyline.sampled(np.array(path), _FINEST)
-        shown = [item for item in self._list.objects.items if not item.hidden]
-        crossed = [(item.number in self._list.chosen, int(item.encloses(places).sum()), item) for item in shown]
+        near = self._list.near(places, 0.0)
+        crossed = [(item.number in self._list.chosen, int(item.encloses(places).sum()), item) for item in near]
         _, length, whole = max(crossed, key=lambda one: (one[1] > 0, *one[:2]), default=(False, 0, None))
         whole = whole if length else self._proposed(places)
         if whole is None:

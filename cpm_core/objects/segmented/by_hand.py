@@ -1,4 +1,4 @@
-"""An object in an image split into two: between two places in its halves, or along a line across it."""
+"""Objects in an image edited by hand: split in two, by places or along a line, or with a stretch that is redrawn."""
 
 from __future__ import annotations
 
@@ -10,6 +10,8 @@ import numpy as np
 import scipy
 import skimage
 
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.hand_edits import HandEdit, apply
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Mask, Position
@@ -113,6 +115,33 @@ def split_along(item: SegmentedObject, line: Sequence[Position], scale_field: Sc
     halves = _divided(item, area, cuts, _Across(path), scale_field, level)
     larger = halves.first.area >= halves.second.area
     return halves if larger else replace(halves, first=halves.second, second=halves.first)
+
+
+def redrawn(
+    item: SegmentedObject, contour: Contour, edit: HandEdit, scale_field: ScaleField | None = None
+) -> SegmentedObject:
+    """An object with an edit by hand carried out on one of the closed curves of its boundary.
+
+    Parameters
+    ----------
+    item : SegmentedObject
+        The object.
+    contour : Contour
+        The curve that is edited.
+    edit : HandEdit
+        A stretch in place of another one.
+    scale_field : ScaleField, optional
+        Fields of the image that the stretch follows; the rest of it, or without them all of it, is a gap.
+    """
+    changed = [one for one in apply((contour,), (edit,))[0] if one.closed]
+    rest = [curve for curve in item.boundary if not np.array_equal(curve, contour.points)]
+    boundary = boundary_of(area_of([*rest, *(tuple(map(tuple, one.points.tolist())) for one in changed)]))
+    if not boundary:
+        return item
+    gaps = _gaps(np.array(edit.added), scale_field, _level(item, scale_field))
+    return replace(
+        item, clicks=(), boundary=boundary, gaps=tuple(gap for gap in (*item.gaps, *gaps) if lies_on(gap, boundary))
+    )
 
 
 def _direction(path: Array) -> Array:

@@ -1,0 +1,131 @@
+"""The tool that mends: what it will do is said before the press, on boundaries of objects, contours and elsewhere."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtGui import QCursor
+
+from cpm_core.contours import HandEdit
+from cpm_core.objects.segmented import SegmentedObject
+
+pytestmark = pytest.mark.shared_window
+
+KEY, CONTROL, SHIFT = Qt.Key, Qt.KeyboardModifier.ControlModifier, Qt.KeyboardModifier.ShiftModifier
+CENTER, TRUE, DRAWN = (32.0, 32.0), 18.0, 23.0
+"""The object is drawn larger than the disk in the image."""
+
+
+def at(angle: float, radius: float) -> tuple[float, float]:
+    return CENTER[0] + radius * math.sin(angle), CENTER[1] + radius * math.cos(angle)
+
+
+@pytest.fixture
+def mended(window, hand):
+    """An object whose boundary lies next to the edge, an open contour in a corner, and the tool in use."""
+    ring = tuple(at(0.05 * math.pi * k, DRAWN) for k in range(40))
+    line = HandEdit(added=tuple((3.0, float(col)) for col in range(4, 16)))
+    bone = SegmentedObject(1, (), (ring,), name="bone")
+    window.session.edit("bone", lambda d: replace(d, hand_edits=(line,), objects=replace(d.objects, items=(bone,))))
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_J)
+    hand.move(32, 32)
+    hand.wait(lambda: window.workspace.hand_editing.edges is not None and window.session.idle)
+    hand.wait(lambda: len(window.workspace.review.items) == 1)
+    return window
+
+
+def bone(window) -> SegmentedObject:
+    return window.session.document.objects[1]
+
+
+def radii(item: SegmentedObject) -> np.ndarray:
+    (curve,) = item.boundary
+    return np.hypot(*(np.array(curve) - CENTER).T)
+
+
+def shape(hand) -> Qt.CursorShape:
+    return hand.canvas.viewport().cursor().shape()
+
+
+def ring(hand) -> np.ndarray:
+    """The line of the ring, shape (2, K)."""
+    x, y = hand.canvas.layers.drawing._draft._ring.getData()
+    return np.empty((2, 0)) if x is None else np.stack([y, x])
+
+
+def test_words_and_pointer_say_before_a_press_what_it_will_do(mended, hand) -> None:
+    words = mended.canvas_area.strip.hint
+    for place, said, alone, pointer in (
+        (at(0.0, DRAWN), "pull the boundary of bone", "bend the boundary of bone", Qt.CursorShape.OpenHandCursor),
+        ((3, 9), "pull the contour", "cut the contour", Qt.CursorShape.OpenHandCursor),
+        ((3, 4), "to another end", "to another end", Qt.CursorShape.BitmapCursor),
+        ((32, 32), "add to bone", "take away from bone", Qt.CursorShape.CrossCursor),
+        ((60, 3), "paint a new object", "over an object", Qt.CursorShape.CrossCursor),
+    ):
+        hand.move(*place)
+        assert said in words.text()
+        assert shape(hand) == pointer
+        hand.qtbot.keyPress(hand.canvas, KEY.Key_Shift)
+        assert alone in words.text(), "without a move of the pointer"
+        hand.qtbot.keyRelease(hand.canvas, KEY.Key_Shift)
+        assert said in words.text()
+    center, reach = ring(hand).mean(axis=1), np.ptp(ring(hand), axis=1) / 2
+    assert center == pytest.approx((60, 3), abs=0.5)
+    assert reach == pytest.approx(2 * [mended.workspace.object_list.brush], rel=0.02), "the brush in its true size"
+
+
+def test_a_boundary_is_pulled_onto_the_edge_in_one_step_of_undo(mended, hand) -> None:
+    hand.drag(at(0.0, DRAWN), at(0.0, 21.0), at(0.0, 19.0))
+    item = bone(mended)
+    assert radii(item).min() == pytest.approx(TRUE, abs=0.7)
+    assert radii(item).max() == pytest.approx(DRAWN, abs=0.3), "the rest of it stays"
+    by_hand = np.concatenate([np.array(gap) for gap in item.gaps])
+    assert np.median(np.hypot(*(by_hand - CENTER).T)) > TRUE + 1.0, "what follows the edge is no gap"
+    assert mended.session.history.undo_name == "redraw boundary of bone"
+    hand.key(KEY.Key_Z, CONTROL)
+    assert radii(bone(mended)) == pytest.approx(DRAWN)
+
+
+def test_with_shift_it_bends_and_what_is_bent_is_a_gap(mended, hand) -> None:
+    viewport, left = hand.canvas.viewport(), Qt.MouseButton.LeftButton
+    hand.qtbot.mousePress(viewport, left, SHIFT, hand.at(*at(1.0, DRAWN)))
+    for radius in (25.0, 28.0):
+        hand.qtbot.keyPress(hand.canvas, KEY.Key_Shift)
+        hand.canvas.move_to(at(1.0, radius))
+    hand.qtbot.mouseRelease(viewport, left, SHIFT, hand.at(*at(1.0, 28.0)))
+    item = bone(mended)
+    assert radii(item).max() == pytest.approx(28.0, abs=0.5)
+    assert len(item.gaps) == 1 and len(item.gaps[0]) > 10
+    assert len(mended.session.document.hand_edits) == 1, "contours stay as they are"
+
+
+def test_a_frozen_object_is_not_pulled_and_a_click_chooses(mended, hand) -> None:
+    hand.click(*at(0.0, DRAWN))
+    assert mended.workspace.object_list.chosen == {1}
+    mended.workspace.object_list.toggle_frozen()
+    hand.drag(at(0.0, DRAWN), at(0.0, 21.0), at(0.0, 19.0))
+    assert radii(bone(mended)) == pytest.approx(DRAWN)
+    assert "frozen" in mended.canvas_area.messages.text
+
+
+def test_away_from_lines_it_paints_and_keys_do_the_same(mended, hand) -> None:
+    before = bone(mended).area
+    hand.drag((32, 32), (32, 50), (32, 58))
+    assert bone(mended).area > before + 5
+    QCursor.setPos(mended.mapToGlobal(QPoint(2, 2)))
+    hand.key(KEY.Key_Return)
+    crosshair = mended.canvas_area.crosshair
+    crosshair.move(*(np.array(at(-2.0, DRAWN)) - crosshair.at))
+    hand.key(KEY.Key_Return)
+    crosshair.move(*(np.array(at(-2.0, TRUE + 1)) - crosshair.at))
+    hand.key(KEY.Key_Return)
+    assert radii(bone(mended)).min() == pytest.approx(TRUE, abs=1.0), "pulled by keys"
+    hand.key(KEY.Key_Escape)
+    size = mended.workspace.object_list.brush
+    hand.key(KEY.Key_BracketRight)
+    assert mended.workspace.object_list.brush == pytest.approx(1.2 * size)
