@@ -59,10 +59,10 @@ class Figures:
 Key = tuple[Literal["object", "proposal", "contour"], int]
 """What identifies a row: the number of an object, the key of a proposal, which is below 1, or that of a contour."""
 
-Kind = Literal["object", "proposal", "closed", "open", "rejected"]
 _DRAFT: Key = ("proposal", 0)
 """The key of the object that is being selected."""
 
+Kind = Literal["object", "proposal", "closed", "open", "rejected"]
 KINDS: tuple[Kind, ...] = ("object", "proposal", "closed", "open", "rejected")
 """What a row can be, in the order shown."""
 
@@ -169,8 +169,6 @@ class ObjectList(QObject):
 
     changed = Signal()
     """The rows, their classes or their gray values have changed."""
-    taken = Signal(object)
-    """Proposals or contours have become objects of these numbers: tuple of int."""
     class_begun = Signal(int)
     """A class without a name is used next to another one for the first time."""
     brush_changed = Signal(float)
@@ -369,9 +367,8 @@ class ObjectList(QObject):
         if not rows:
             self._session.say(tr("There is nothing to accept: click in an object first."))
             return
-        numbers = self._with_objects(tr("accept {what}"), rows)
+        self._with_objects(tr("accept {what}"), rows)
         self._session.seal()
-        self.taken.emit(numbers)
 
     def reject(self) -> None:
         """Dismiss the selected proposals, remove objects, and mark contours as rejected, those around them too.
@@ -454,11 +451,6 @@ class ObjectList(QObject):
         words = tr("hide {what}") if hidden else tr("show {what}")
         self._edit_chosen(words, lambda d, chosen: objects.amend(d, chosen, hidden=hidden))
 
-    @property
-    def mergeable(self) -> bool:
-        """Whether two or more of the selected rows are objects, or become some when they are accepted."""
-        return sum(row.kind in ("object", "proposal", "closed") for row in self.selected_rows) > 1
-
     def merge(self) -> None:
         """Make one object of several; in a volume that is done on another thread."""
         rows = [row for row in self.selected_rows if row.kind in ("object", "proposal", "closed")]
@@ -495,16 +487,13 @@ class ObjectList(QObject):
 
     # Internal
 
-    def _rows_of(self, *numbers: int) -> list[Row]:
-        return [row for row in self.rows if row.key[0] == "object" and row.key[1] in numbers]
-
     def _with_objects(
         self,
         words: str,
         rows: Sequence[Row],
         then: Callable[[Document, Collection[int]], Document] = lambda document, _: document,
-    ) -> tuple[int, ...]:
-        """Make objects of rows, keep open ones, and return the numbers of all objects, which `then` gets too."""
+    ) -> None:
+        """Make objects of rows, keep open ones, and do what follows with the numbers of all objects."""
         known = self.objects
         given = [row.item for row in rows if row.item is not None and row.kind != "object"]
         given += [objects.bounded(known, *outline) for outline in self._outlines(rows)]
@@ -528,10 +517,8 @@ class ObjectList(QObject):
             return then(document, numbers)
 
         self._edit(words, rows, edit)
-        present = tuple(item.number for item in self.objects.items if item.number in numbers)
         if given:
-            self.choose(present)
-        return present
+            self.choose(item.number for item in self.objects.items if item.number in numbers)
 
     def _outlines(self, rows: Sequence[Row]) -> list[tuple[list[Contour], list[Bridge]]]:
         """The boundaries of the objects that closed contours make: each with the holes directly in it, and bridges.
@@ -617,7 +604,7 @@ class ObjectList(QObject):
         if not all(any(known is item for known in self.objects.items) for item in items):
             self._session.say(tr("The objects changed during the merge: merge them again."), True)
             return
-        rows = self._rows_of(*(item.number for item in items))
+        rows = [row for row in self.rows if row.item in items]
         self._edit(tr("merge {what}"), rows, lambda document: objects.merge_into(document, items, whole))
         self.choose((whole.number,))
 
