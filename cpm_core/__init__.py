@@ -126,7 +126,6 @@ from cpm_core.objects import (
     partition,
     select,
     select_all,
-    similar,
 )
 from cpm_core.objects.methods import (
     CONTOUR_METHODS,
@@ -234,7 +233,6 @@ __all__ = [
     "segment",
     "select",
     "select_all",
-    "similar",
     "skeleton",
     "sphere",
     "stroke",

@@ -6,7 +6,6 @@ from cpm_core.objects.partition import EVERYWHERE as EVERYWHERE
 from cpm_core.objects.partition import Partition, partition
 from cpm_core.objects.select import select, select_all
 from cpm_core.objects.selection import Selection
-from cpm_core.objects.similar import similar
 from cpm_core.objects.volume_partition import VolumePartition, VolumeSelection
 
 __all__ = [
@@ -18,5 +17,4 @@ __all__ = [
     "partition",
     "select",
     "select_all",
-    "similar",
 ]

@@ -38,7 +38,7 @@ from cpm_core.objects.boundaries.necks import bodies
 from cpm_core.objects.boundaries.snapping import snapped
 from cpm_core.objects.confidence import Signs, probability
 from cpm_core.objects.outline import SMOOTHING, outlines, support_of
-from cpm_core.objects.prior.prior import Prior, Prompt
+from cpm_core.objects.prior.prior import Likely, Prior, Prompt
 from cpm_core.objects.selection import Selection
 from cpm_core.objects.vessels import vessel_tree
 from cpm_core.objects.volume_partition import VolumePartition
@@ -374,9 +374,9 @@ class Partition(drawing.Pictured):
         mask[box] = _linked(part, np.concatenate(held), crossings(self._barriers(corner), part.shape).pixels)
         return mask
 
-    def certain(self) -> Iterator[Selection]:
-        """The objects that closed contours enclose beyond doubt, the largest first; none lies in another one."""
-        return map(self.selection_of, self._closed.objects())
+    def certain(self) -> Iterator[Mask]:
+        """The objects that closed contours enclose beyond doubt, each of shape (H, W), the largest first."""
+        return self._closed.objects()
 
     def selection_of(
         self,
@@ -395,26 +395,23 @@ class Partition(drawing.Pictured):
         box, corner = _box_of(mask)
         there = self._ground(box, corner)
         found = outlines(mask[box], there)
-        signs = (signs or self._judged(mask, inside, outside))._replace(
-            support=support_of(found, there), pixels=int(np.count_nonzero(mask))
-        )
+        if signs is None:
+            signs = Signs(*self.judged(mask, inside)[2:] if self.prior else (), places=len(inside) + len(outside))
+        signs = signs._replace(support=support_of(found, there), pixels=int(np.count_nonzero(mask)))
         found = tuple(replace(one, contour=replace(one.contour, points=one.contour.points + corner)) for one in found)
         contours = tuple(outline.contour for outline in found)
         gaps = tuple(gap for outline in found for gap in outline.gaps)
         return Selection(mask, contours, gaps, probability(signs), inside, outside, remark, signs)
 
-    def _judged(self, mask: Mask, inside: Array, outside: Array) -> Signs:
-        """What speaks for an object, shape (H, W), that was not found by the prior."""
-        if not self.prior:
-            return Signs(places=len(inside) + len(outside))
+    def judged(self, mask: Mask, inside: Array = NOWHERE) -> Likely:
+        """What the prior makes of an object, shape (H, W), that was found otherwise, and of places in it."""
         pixels = np.rint(np.clip(inside, 0, np.array(mask.shape) - 1)).astype(np.int64)
         pixels = pixels[mask[tuple(pixels.T)]]
         if not len(pixels) or len(pixels) >= LEAST_PLACES:
             box, corner = _box_of(mask)
             depth = scipy.ndimage.distance_transform_edt(mask[box])
             pixels = np.argwhere(depth == depth.max())[:1] + corner
-        likely = self._prior.judged(mask, pixels)
-        return Signs(*likely[2:], places=len(inside) + len(outside))
+        return self._prior.judged(mask, pixels)
 
     @cached_property
     def values(self) -> Array:

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.image.image import Image, as_plane
 from cpm_core.numerics.real_numbers import as_places
+from cpm_core.objects.everywhere import everywhere, similar
 from cpm_core.objects.partition import Partition, partition
 from cpm_core.objects.selection import Selection
-from cpm_core.objects.similar import similar
 
 
 def select(
@@ -56,20 +55,20 @@ def select(
 
 
 def select_all(values: ArrayLike | Image | Partition, like: Sequence[Selection] = ()) -> tuple[Selection, ...]:
-    """Choose all objects of an image that are like some, or all that are beyond doubt.
+    """Choose all objects of an image, or all that are like some.
 
     Parameters
     ----------
     values : array_like, shape (H, W), or Image, or Partition
         Image.
     like : sequence of Selection
-        Some of them. Without any, particles find the contours of the whole image, and all that closed ones enclose
-        beyond doubt are chosen.
+        Some of them. Without any, particles find the contours of the whole image, unless it is a partition, and what
+        they part it into is judged by the prior: those are chosen that are likely, or beyond doubt.
 
     Returns
     -------
     tuple of Selection
-        The objects, those that are given first; none overlap.
+        The objects, those that are given first. None overlap, except objects in objects, such as a nucleus in a cell.
 
     Examples
     --------
@@ -78,13 +77,12 @@ def select_all(values: ArrayLike | Image | Partition, like: Sequence[Selection] 
     (2, 2)
     """
     if not like:
-        cut: Any = values if isinstance(values, Partition) else partition(values)
-        return tuple(cut.certain())
+        return tuple(everywhere(values if isinstance(values, Partition) else partition(as_plane(values))))
     cut = values if isinstance(values, Partition) else Partition(as_plane(values), ())
     found = list(like)
     taken = np.any([one.mask for one in like], axis=0)
     for one in like:
-        for other in similar(cut, one)[1:]:
+        for other in similar(cut, one):
             if not (other.mask & taken).any():
                 found.append(other)
                 taken |= other.mask

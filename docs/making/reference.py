@@ -30,7 +30,7 @@ GROUPS: dict[str, tuple[str, tuple[str, ...]]] = {
     ),
     "objects": (
         "Objects chosen by places",
-        ("select", "select_all", "partition", "Partition", "Selection", "VolumePartition", "VolumeSelection", "similar",
+        ("select", "select_all", "partition", "Partition", "Selection", "VolumePartition", "VolumeSelection",
          "objects_result"),
     ),
     "skeletons": ("Skeletons", ("skeleton", "Skeleton", "centerlines", "Centerlines", "write_swc")),

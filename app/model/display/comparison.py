@@ -56,7 +56,7 @@ def parameter_trials(parameters: Parameters, axes: Sequence[Axis]) -> tuple[Tria
         raise ValueError(tr("Both parameters are the same: choose two different ones."))
     trials = []
     for values in itertools.product(*(axis.values for axis in axes)):
-        title = ", ".join(f"{axis.control.symbol} = {short_text(value)}"
+        title = ", ".join(f"{axis.control.symbol} {short_text(value)}"
                           for axis, value in zip(axes, values, strict=True))  # fmt: skip
         chosen = tuple(zip(names, values, strict=True))
         trials.append(Trial(title, with_values(parameters, chosen), chosen))

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import zip_longest
 from typing import Literal
 
 import numpy as np
 import scipy
 
 from app.model.document.document import Document
-from app.model.document.objects import line_of
+from app.model.document.objects import line_of, name_class
 from app.model.text.language import tr
 from cpm_core import Centerlines, Contour, Image, Surface, VolumePartition
 from cpm_core.contours import PackedSurface, inside_of
@@ -39,6 +40,8 @@ class Imported:
         Starts along them.
     objects : tuple of SegmentedObject
         Objects of the closed ones.
+    classes : tuple of str
+        Names of their classes, empty where a file has none.
     open : int
         Number of open ones, which enclose no object.
     notes : tuple of str
@@ -54,6 +57,7 @@ class Imported:
     open: int
     notes: tuple[str, ...]
     kind: Kind = "contours"
+    classes: tuple[str, ...] = ()
 
     @classmethod
     def of_surface(cls, surface: Surface, volume: Image, name: str, notes: tuple[str, ...] = ()) -> Imported:
@@ -75,7 +79,8 @@ class Imported:
         _check(tr("{name} has {count} contours, but at most {most} can be imported."), name, count)
         closed = [contour for contour in found.contours if contour.closed]
         starts = starts_along(found.contours, found.places)
-        return cls(name, count, starts, objects_of(closed), count - len(closed), found.notes)
+        classes = tuple(parts[0].category for parts in _grouped(closed))
+        return cls(name, count, starts, objects_of(closed), count - len(closed), found.notes, classes=classes)
 
 
 def _check(message: str, name: str, count: int) -> None:
@@ -84,18 +89,30 @@ def _check(message: str, name: str, count: int) -> None:
 
 
 def objects_of(contours: Sequence[Contour]) -> tuple[SegmentedObject, ...]:
-    """Objects with closed contours as their boundaries; those of one group are one object."""
+    """Objects with closed contours as their boundaries; those of one group are one object.
+
+    A name that is only that of the class is left out.
+    """
+    return tuple(
+        SegmentedObject(
+            number,
+            (),
+            tuple(line_of(part.points) for part in parts),
+            name=parts[0].name if parts[0].name != parts[0].category else "",
+            color=parts[0].color,
+            confidence=1.0,
+        )
+        for number, parts in enumerate(_grouped(contours), start=1)
+    )
+
+
+def _grouped(contours: Sequence[Contour]) -> list[list[Contour]]:
+    """The boundaries of each object that encloses anything, holes last."""
     groups: dict[tuple[int, int], list[Contour]] = {}
     for index, contour in enumerate(contours):
-        groups.setdefault((contour.group, 0 if contour.group else index), []).append(contour)
-    made: list[SegmentedObject] = []
-    for parts in groups.values():
-        lines = [line for line in (line_of(part.points) for part in parts) if len(set(line)) > 2]
-        first = next((part for part in parts if not part.hole), parts[0])
-        if lines:
-            number = len(made) + 1
-            made.append(SegmentedObject(number, (), tuple(lines), name=first.name, color=first.color, confidence=1.0))
-    return tuple(made)
+        if len(set(line_of(contour.points))) > 2:
+            groups.setdefault((contour.group, 0 if contour.group else index), []).append(contour)
+    return [sorted(parts, key=lambda part: part.hole) for parts in groups.values()]
 
 
 def bodies_of(surface: Surface, volume: Image) -> tuple[SegmentedObject, ...]:
@@ -132,9 +149,22 @@ def add_starts(document: Document, imported: Imported) -> Document:
     return replace(document, shapes=(*document.shapes, *imported.starts))
 
 
-def add_objects(document: Document, made: Sequence[SegmentedObject]) -> Document:
-    """The document with objects, of the class that is chosen."""
+def add_objects(document: Document, made: Sequence[SegmentedObject], classes: Sequence[str] = ()) -> Document:
+    """The document with objects, each of the class of its name, else of the class that is chosen."""
+    first = document.objects.next_number - 1
+    for item, name in zip_longest(made, classes, fillvalue=""):
+        document, category = _class_called(document, name)
+        objects, added = document.objects, replace(item, number=first + item.number, category=category)
+        document = replace(document, objects=replace(objects, items=(*objects.items, added)))
+    return document
+
+
+def _class_called(document: Document, name: str) -> tuple[Document, int]:
+    """The number of a class by its name, which the first class without name and objects gets where none has it."""
     objects = document.objects
-    first = objects.next_number - 1
-    added = (replace(item, number=first + item.number, category=objects.category) for item in made)
-    return replace(document, objects=replace(objects, items=(*objects.items, *added)))
+    used = {item.category for item in objects.items}
+    numbers = range(1, len(objects.classes) + 1)
+    known = [number for number in numbers if objects.classes[number - 1].name == name]
+    free = [number for number in numbers if not objects.classes[number - 1].name and number not in used]
+    number = next(iter([*known, *free]), 0) if name else 0
+    return (name_class(document, number, name), number) if number else (document, objects.category)

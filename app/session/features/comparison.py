@@ -98,6 +98,8 @@ class Row:
         """Number of objects, or of contours; in a volume of objects, or of parts of the surface."""
         if self.found is None:
             return None
+        if self.truth is not None:
+            return int(self.truth.objects.max())
         if self.found.surface is not None:
             numbers = self.found.surface.numbers
             return self.found.surface.components if numbers is None else len(np.unique(numbers))
@@ -219,7 +221,7 @@ class ComparedResults(QObject):
         """Another image has been opened."""
         self.cancel()
         self._latest.forget()
-        self.rows, self._path = {NOW: Row(NOW, tr("Shown now"))}, None
+        self.rows, self._path, self._made = {NOW: Row(NOW, tr("Shown now"))}, None, IdentityCache()
         self.reference = self.chosen = NOW
         self.chosen_changed.emit()
         self.refer_to(NOW)
@@ -467,6 +469,7 @@ def _read(file: Path, image: Image, holes: bool) -> Row:
     found = Result(
         np.empty((0, image.ndim)), contours, surface, 0, True, "", image.shape, image.spacing, image.unit, file.name
     )
+    _ = truth.objects  # made on this thread, not on that of the window
     return Row(NOW, file.name, found, scene_of(found), truth=truth)
 
 

@@ -338,7 +338,7 @@ class ObjectSelection(QObject):
             self._found = found
             self._follow()
             if not found:
-                self._session.say(tr("No object was found: click in one, or start the run there."))
+                self._session.say(tr("No object was found: click one, or start the run there."))
 
     def _selector(self, partition: AnyPartition, number: int) -> Selector:
         """What selects the object of a number anew, or a new one."""
@@ -401,7 +401,7 @@ class ObjectSelection(QObject):
         if step.clicks != before:
             return
         if not clicks:
-            self._session.say(tr("Click in an object, or choose one, to make it smaller or larger."))
+            self._session.say(tr("Click an object, or select one, to make it smaller or larger."))
         elif clicks == before:
             none = tr("There is no larger candidate.") if step.by > 0 else tr("There is no smaller candidate.")
             self._session.say(none)

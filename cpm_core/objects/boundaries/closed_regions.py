@@ -25,6 +25,9 @@ from cpm_core.segmentation.reach.drawn_area import LEAST_PLACES, drawn_area
 _MOST = 0.5
 """Share of a start above which it lies in a region, and of a contour above which it lies in another one."""
 
+_AGAIN = 0.85
+"""Area of a region, in that of one around it, from which it is the same."""
+
 _NECK = 0.7
 """Width of a neck between two bodies, as a fraction of that of the narrower one."""
 
@@ -125,13 +128,25 @@ class ClosedRegions:
                 yield mask
 
     def objects(self) -> Iterator[Mask]:
-        """What certain contours enclose, each of shape (H, W), the largest first; none lies in another one."""
-        taken = np.zeros(self._values.shape, np.bool_)
+        """What certain contours enclose, each of shape (H, W), the largest first.
+
+        Of those that lie in another one, holes are left out: their edge rises the other way than the outermost one.
+        """
+        found: list[ClosedRegion] = []
         for index in reversed(range(len(self._contours))):
             region = self._region(index)
-            if region is not None and not (taken[region.box] & region.filled).any():
-                taken[region.box] |= region.filled
-                mask = np.zeros_like(taken)
+            if region is None:
+                continue
+            pixels = np.argwhere(region.filled) + [side.start for side in region.box]
+            shares = [other.share(pixels, filled=True) for other in found]
+            around = [other for other, share in zip(found, shares, strict=True) if share > _MOST]
+            if any(0.0 < share <= _MOST for share in shares) or (
+                around and len(pixels) > _AGAIN * np.count_nonzero(around[-1].filled)
+            ):
+                continue
+            found.append(region)
+            if not around or around[0].rises == region.rises:
+                mask = np.zeros(self._values.shape, np.bool_)
                 mask[region.box] = region.mask
                 yield mask
 

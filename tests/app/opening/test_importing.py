@@ -11,6 +11,7 @@ from PySide6.QtCore import QMimeData, QStandardPaths, Qt
 from PySide6.QtGui import QColor, QImage
 from PySide6.QtWidgets import QApplication
 
+from app.model.document import objects
 from app.views.window.window import MainWindow
 from cpm_core import Contour
 from cpm_core.formats import encoded
@@ -65,6 +66,17 @@ def test_dropped_contours_are_objects_with_names_colors_and_holes(window, hand, 
     assert item.area == 24.0 * 24.0 - 8.0 * 8.0
 
 
+def test_objects_of_labelme_keep_their_classes(window, hand, tmp_path) -> None:
+    session = window.session
+    session.edit("name", lambda document: objects.name_class(document, 3, "bone"))
+    found = [replace(RING, name="radius", category="bone"), replace(RING, points=RING.points + 10.0, name="skin")]
+    with answering("Objects"):
+        drop(window, file_of(tmp_path, *found, suffix=".labelme.json"))
+        hand.wait(lambda: len(session.document.objects.items) == 2)
+    assert [(item.name, item.category) for item in session.document.objects.items] == [("radius", 3), ("", 1)]
+    assert [one.name for one in session.document.objects.classes[:3]] == ["skin", "", "bone"]
+
+
 def test_dropped_contours_are_the_truth_that_the_run_is_compared_with(window, hand, tmp_path) -> None:
     with answering("Ground truth"):
         drop(window, file_of(tmp_path, RING))
@@ -97,7 +109,7 @@ def test_a_pasted_picture_is_kept_in_a_file_and_opened(window, hand, tmp_path, m
     assert Path(window.session.document.image.path).parent == tmp_path / "cpm" / "pasted"
 
 
-@pytest.mark.parametrize(("text", "told"), [("hello", "clipboard"), ("", "no picture")])
+@pytest.mark.parametrize(("text", "told"), [("hello", "clipboard"), ("", "neither a picture")])
 def test_what_cannot_be_pasted_is_told(window, hand, text, told) -> None:
     put(text=text)
     hand.key(Qt.Key.Key_V, CTRL)

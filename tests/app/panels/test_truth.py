@@ -136,6 +136,7 @@ def test_true_objects_that_touch_are_taken_one_by_one(compared, hand, tmp_path) 
     comparison = compared.workspace.comparison
     comparison.load(tmp_path / "labels.npy")
     hand.wait(lambda: truth_row(compared).title == "labels.npy")
+    assert truth_row(compared).count == 3
     comparison.use(truth_row(compared).key)
     hand.wait(lambda: len(compared.session.document.objects.items) == 3)
     for item in compared.session.document.objects.items:

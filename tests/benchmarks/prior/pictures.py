@@ -92,11 +92,11 @@ def outlined(folders: Sequence[Path], chance: random.Random) -> dict[str, list[E
     for folder in folders:
         labeled = sorted(folder.glob("*" + _LABELS))
         kept = [path for number, path in enumerate(labeled) if number % HELD_OUT]
-        kinds[folder.name] = [example for path in kept for example in _objects(path, chance)]
+        kinds[folder.name] = [example for path in kept for example in objects_of(path, chance)]
     return kinds
 
 
-def _objects(path: Path, chance: random.Random) -> Iterator[Example]:
+def objects_of(path: Path, chance: random.Random) -> Iterator[Example]:
     """A few objects of the image that belongs to a file of labels, with what lies around them."""
     stem = path.name.removesuffix(_LABELS)
     image_path = next(there for ending in (".png", ".jpg") if (there := path.with_name(stem + ending)).exists())

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from cpm_core.model.starts import circle
 from cpm_core.objects.partition import partition
+from cpm_core.objects.select import select_all
 from cpm_core.parameters import PRESETS
 from cpm_core.segmentation.evolve import segment
 
@@ -82,3 +83,19 @@ def test_a_start_across_the_boundary_of_an_object_traces_all_of_it_and_nothing_o
     result = segment(noisy(200.0 * (object_ + neighbor)), circle((56, 18), 13), SHAPE)
     assert [contour.closed for contour in result.contours] == [True]
     assert abs(result.contours[0].area - np.pi * 26**2) < 0.01 * np.pi * 26**2
+
+
+@pytest.mark.parametrize(
+    ("values", "objects"),
+    [
+        (noisy(200.0 * RING), [RING]),
+        (noisy(200.0 * RING + 200.0 * disk((50, 64), 6)), [RING, disk((50, 64), 6)]),
+        (100.0 * disk((56, 60), 40) + 100.0 * disk((50, 64), 14), [disk((56, 60), 40), disk((50, 64), 14)]),
+    ],
+    ids=["a hole", "an object in a hole", "a part"],
+)
+def test_everywhere_parts_and_what_lies_in_holes_are_objects_and_holes_are_not(values, objects):
+    found = select_all(values)
+    assert len(found) == len(objects)
+    for truth in objects:
+        assert max(dice(one.mask, truth > 0.5) for one in found) > 0.95

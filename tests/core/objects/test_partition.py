@@ -8,7 +8,7 @@ import scipy.ndimage as ndi
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cpm_core import Image, Partition, Regions, circle, partition, segment, similar
+from cpm_core import Image, Partition, Regions, circle, partition, segment, select_all
 
 from ..scenes import antialiased, disk, ring
 
@@ -140,7 +140,7 @@ def test_all_like_this_finds_the_others_and_parts_those_that_touch():
         return alike | (np.hypot(row - 110.0, col - 100.0) < 3.0)
 
     there = partition(antialiased((128, 128), disks))
-    found = similar(there, there.select([(20, 20)]))
+    found = select_all(there, [there.select([(20, 20)])])
     assert len(found) == len(centers)
     for center in centers:
         true = within(*center, 11.0)
