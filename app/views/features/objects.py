@@ -28,7 +28,7 @@ from cpm_core.numerics import Position
 
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
-_SELECTING = ("objects", "select", "edit_contours")
+_SELECTING = ("objects", "select", "mend")
 """Tools with which keys act on what is selected."""
 
 
@@ -40,7 +40,7 @@ class ObjectsFeature(Feature):
         area, session = window.canvas_area, window.session
         self._list = objects = window.workspace.object_list
         self._selection = selection = window.workspace.object_selection
-        self._editing = editing = window.workspace.hand_editing
+        editing = window.workspace.hand_editing
         layer = area.canvas.layers.contours
         self.panel = ObjectPanel(session, objects, lambda name: window.actions_by_name.get(name))  # noqa: PLW0108  # made later
         self.panels = (Panel("objects", "Objects", self.panel, "Ctrl+Shift+O"),)
@@ -53,6 +53,7 @@ class ObjectsFeature(Feature):
         Keys(area.canvas, self.take_key)
         area.canvas.pointer.doubled.connect(self._open)
         self.panel.table.zoom_wanted.connect(area.zoom_to_selection)
+        area.tool_changed.connect(lambda: self.panel.brush.setVisible(area.canvas.hold.tool.name == "mend"))
         area.canvas.pointed.connect(lambda at: objects.hover(None) if at is None else None)
         objects.selection_changed.connect(window.refresh)
         selection.changed.connect(window.refresh)
@@ -71,7 +72,7 @@ class ObjectsFeature(Feature):
             return bool(objects.items) and all(getattr(item, state) for item in objects.items)
 
         def merge() -> None:
-            if objects.mergeable or objects.chosen:
+            if selects("object", "proposal", "closed", least=2):
                 objects.merge()
             else:
                 editing.join_selected(closing=False)
@@ -166,8 +167,6 @@ class ObjectsFeature(Feature):
         key, selecting = event.key(), tool.name in _SELECTING
         if selecting and 1 <= key - Qt.Key.Key_0 <= len(self._list.objects.classes):
             self._list.classify(key - Qt.Key.Key_0)
-        elif key in _DELETE and len(self._editing.marked) == 2:
-            self._editing.delete_stretch()
         elif selecting and key in _DELETE and self._list.selected and not tool.drafting:
             self._list.delete()
         else:

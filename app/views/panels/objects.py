@@ -36,12 +36,13 @@ from app.model.display.lengths import shown_in
 from app.model.document.objects import class_title, listed_classes
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
-from app.session.features.object_list import Figures, Kind, ObjectList, Row, histogram
+from app.session.features.object_list import BRUSH, Figures, Kind, ObjectList, Row, histogram
 from app.session.session import Session
 from app.views.panels.tables import Column, ItemTable, Role, Selection, TableModel
 from app.views.theme import theme
 from app.views.theme.icons import fill_colors, swatch
 from app.views.widgets.containers import arrange, wrapped
+from app.views.widgets.fields import DecimalField
 from cpm_core import Image
 from cpm_core.contours import Measures, Reached
 from cpm_core.objects.segmented import SegmentedObject
@@ -345,6 +346,14 @@ class ObjectPanel(QWidget):
         self.buttons: dict[str, QToolButton] = {}
         self._grid = QGridLayout()
         self._grid.setSpacing(4)
+        self.brush = DecimalField()
+        self.brush.setRange(*BRUSH)
+        self.brush.setPrefix(tr("Brush") + " ")
+        self.brush.setSuffix(" px")
+        self.brush.setToolTip(tr("Radius of the brush; the keys [ and ] change it."))
+        self.brush.setVisible(False)
+        self.brush.valueChanged.connect(object_list.set_brush)
+        object_list.brush_changed.connect(self.brush.show_value)
         self.shown = QComboBox()
         self.shown.setAccessibleName(tr("Rows in the table"))
         self.shown.setToolTip(tr("Which rows the table shows."))
@@ -353,8 +362,8 @@ class ObjectPanel(QWidget):
         self.shown.currentIndexChanged.connect(lambda place: self.table.show_only(_FILTERS[place][1]))
         self.summary = wrapped(dim=True)
         row = arrange(QHBoxLayout(), self.summary, self.shown, spacing=6, wide=self.summary)
-        arrange(QVBoxLayout(self), self.name, self.figures, self.histogram, self._classes, self._grid, row, self.table,
-                margins=(2, 6, 2, 6), spacing=6, wide=self.table)  # fmt: skip
+        arrange(QVBoxLayout(self), self.name, self.figures, self.histogram, self._classes, self._grid, self.brush, row,
+                self.table, margins=(2, 6, 2, 6), spacing=6, wide=self.table)  # fmt: skip
         for changed in (object_list.changed, object_list.selection_changed, session.image_changed):
             changed.connect(self.show_chosen)
         self.show_chosen()
@@ -372,6 +381,7 @@ class ObjectPanel(QWidget):
         self.figures.setText(self._said(row) if row else "")
         counts = row.figures.counts if row is not None and row.figures is not None else ()
         self.histogram.show_counts(self._session.image, counts, color_of(self._list, row) if row else "")
+        self.brush.show_value(self._list.brush)
         self._show_classes()
         found = Counter(each.kind for each in self._list.rows)
         words: tuple[tuple[Kind, str, str], ...] = (
