@@ -59,4 +59,4 @@ def test_it_stops_when_it_is_canceled_and_leaves_no_process(ready: MainWindow, h
 def test_a_folder_without_an_image_is_reported(ready: MainWindow, hand: Hand, tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(QFileDialog, "getExistingDirectory", lambda *_: str(tmp_path / "nowhere"))
     apply(hand)
-    hand.wait(lambda: "This folder contains no readable image" in ready.canvas_area.messages.text)
+    hand.wait(lambda: "contains no readable image" in ready.canvas_area.messages.text)
