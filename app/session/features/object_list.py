@@ -17,19 +17,16 @@ from app.model.document.objects import brushed
 from app.model.text.language import tr
 from app.model.volume.surface_section import holds, size_of
 from app.session.features.background import IdentityCache, LatestOnlyWorker
-from app.session.features.contour_review import PLACES, ContourReview
+from app.session.features.contour_review import ContourReview
 from app.session.scene import Item, Proposal, ReviewedContours
 from app.session.session import Session
 from cpm_core import Bridge, Contour, Image, Surface
 from cpm_core.contours import bridges_on
-from cpm_core.numerics import Array, PathTree, Place, Position, polyline
+from cpm_core.numerics import Array, Place, Position, polyline
 from cpm_core.objects.segmented import Halves, Line, SegmentedObject, SegmentedObjects, painted, union
 
 BINS = 32
 """Number of bars of a histogram."""
-
-_ON, _MOST, _PIECE = 1.0, 0.9, 32
-"""Distance up to which a contour runs along a boundary [px], the share of it that has to, and corners of a piece."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,6 +96,11 @@ class Row:
         """The name that the user has given it, or empty."""
         return self.item.name if self.item is not None else self.contour.contour.name if self.contour else ""
 
+    @property
+    def drawn(self) -> SegmentedObject | None:
+        """The object where it is shown, which hidden and rejected ones are not; None for a contour."""
+        return None if self.item is None or self.item.hidden or self.kind == "rejected" else self.item
+
 
 def _boundary(item: SegmentedObject) -> object:
     return item.surface or item.boundary
@@ -127,27 +129,16 @@ def _as_objects(offered: tuple[Proposal, ...], known: SegmentedObjects) -> tuple
     return tuple(replace(each.item, number=each.number or fresh, category=known.category) for fresh, each in found)
 
 
-def _own(shown: ReviewedContours, items: Sequence[SegmentedObject]) -> tuple[Item, ...]:
-    """The contours that bound no object: less than most of their length runs along boundaries."""
-    paths = [np.array((*curve, curve[0])) for item in items for curve in item.boundary]
-    if not paths or not shown.items:
-        return shown.items
-    pieces = [path[first : first + _PIECE + 1] for path in paths for first in range(0, len(path) - 1, _PIECE)]
-    places = np.concatenate([polyline.middles(item.contour.path, PLACES) for item in shown.items])
-    along = np.zeros(len(places), np.bool_)
-    along[PathTree(pieces).pairs(places, _ON)[0]] = True
-    share = along.reshape(-1, PLACES).mean(axis=1).tolist()
-    return tuple(item for item, part in zip(shown.items, share, strict=True) if part < _MOST)
+def _boundaries(items: Iterable[SegmentedObject]) -> list[Line]:
+    return [line for item in items for line in item.boundary]
 
 
 def _holds(row: Row, place: Place) -> bool:
     """Whether a place (row, col) [px], or (plane, row, col), lies inside what a row shows."""
-    if row.item is None:
+    if row.drawn is None:
         line = row.contour.contour if row.kind == "closed" and row.contour is not None else None
         return line is not None and len(place) == 2 and bool(polyline.inside(line.points, np.array([place]))[0])
-    if row.kind == "rejected" or row.item.hidden:
-        return False
-    return holds(row.item, place) if len(place) == 3 else bool(row.item.encloses(np.array([place], dtype=float))[0])
+    return holds(row.drawn, place) if len(place) == 3 else bool(row.drawn.encloses(np.array([place], dtype=float))[0])
 
 
 def _size(row: Row) -> float:
@@ -218,9 +209,9 @@ class ObjectList(QObject):
         self, known: SegmentedObjects, proposals: tuple[Proposal, ...], shown: ReviewedContours
     ) -> tuple[Row, ...]:
         offered = self._parts.get(_as_objects, proposals, known)
-        bounding = [item for item in (*known.items, *offered, *known.rejected) if item.boundary]
-        alike = frozenset(id(item.boundary) for item in bounding)  # no others when a proposal becomes an object
-        own, self._bounding = self._parts.named("own", lambda: (_own(shown, bounding), bounding), shown, alike)
+        lines = _boundaries((*known.items, *offered, *known.rejected))
+        alike = frozenset(map(id, lines))  # no others when a proposal becomes an object
+        own, self._lines = self._parts.named("own", lambda: (self._review.apart(lines), lines), shown, alike)
         found = enumerate((each.key for each in proposals if each.selection.found), start=1)
         rows = [
             *(Row(("object", one.number), "object", self.title(one), one, figures=self.figures(one))
@@ -289,30 +280,31 @@ class ObjectList(QObject):
 
         The inside of a closed contour counts only where `areas` do; that of objects and proposals always does.
         """
-        rows = [row for row in self.rows if row.kind != "rejected" or row.contour is not None]
-        listed, lines = {row.key for row in rows}, self._review.near(place, reach) if len(place) == 2 else []
+        lines = self._review.near(place, reach) if len(place) == 2 else []
+        listed = {row.key for row in self.rows}
         for item in lines:
             if ("contour", item.key) in listed:
                 return "contour", item.key
-        around = [row for row in rows if (areas or row.item is not None) and _holds(row, place)]
+        around = [row for row in self.rows if (areas or row.item is not None) and _holds(row, place)]
         if around:
             return min(around, key=_size).key
         away = [
-            (polyline.distances_from_closed(row.item.boundary, np.array([place]))[0], row.key)
-            for row in rows if lines and row.item is not None and row.item.boundary and not row.item.hidden
+            (polyline.distances_from_closed(row.drawn.boundary, np.array([place]))[0], row.key)
+            for row in self.rows if lines and row.drawn is not None and row.drawn.boundary
         ]  # fmt: skip
         return min(away)[1] if away else None
 
     def within(self, outline: Sequence[Position]) -> frozenset[Key]:
         """Keys of the shown rows that lie inside a closed outline of places (row, col) for half of their length."""
-        inside = {("contour", key) for key in self._review.within(outline)}
-        found = [row.key for row in self.rows if row.key in inside]
-        for row in self.rows:
-            if row.item is not None and row.kind != "rejected" and row.item.boundary and not row.item.hidden:
-                places = [polyline.middles(np.array((*line, line[0])), PLACES) for line in row.item.boundary]
-                if polyline.inside(outline, np.concatenate(places)).mean() >= 0.5:
-                    found.append(row.key)
-        return frozenset(found)
+        contours = self._review.within(outline)
+
+        def inside(row: Row) -> bool:
+            if row.contour is not None:
+                return row.contour.key in contours
+            corners = row.drawn.boundary if row.drawn is not None else ()
+            return bool(corners) and bool(polyline.inside(outline, np.concatenate(corners)).mean() >= 0.5)
+
+        return frozenset(row.key for row in self.rows if inside(row))
 
     # The brush
 
@@ -379,7 +371,7 @@ class ObjectList(QObject):
         draft = any(row.key == _DRAFT for row in rows)
         offered = [row.item for row in rows if row.item is not None and row.kind == "proposal" and row.key != _DRAFT]
         numbers = [row.key[1] for row in rows if row.kind == "object"]
-        own = _own(self._session.scene.contours, [row.item for row in rows if row.item is not None])
+        own = self._review.apart(_boundaries(row.item for row in rows if row.item is not None))
         kept = {item.key for item in own} - {row.contour.key for row in rows if row.contour is not None}
         lines = [self._review.target(item) for item in self._review.items if item.key not in kept]
 
@@ -461,8 +453,13 @@ class ObjectList(QObject):
         elif len(rows) > 1:
             self._with_objects(tr("merge {what}"), rows, objects.merge)
 
+    def whole(self, row: Row) -> SegmentedObject | None:
+        """The object that a row is, or would be once it is accepted; None for one that is hidden, rejected or open."""
+        closed = self._outlines([row])
+        return objects.bounded(self.objects, *closed[0]) if closed else row.drawn
+
     def split(self, whole: SegmentedObject, halves: Halves) -> None:
-        """Put the halves of an object, or of one that is not accepted yet, in its place, and choose them."""
+        """Put the halves of an object, or of what is not accepted yet, in its place, and choose them."""
         before = {item.number for item in self.objects.items} - {whole.number}
         words = tr("split {what}").format(what=self.title(whole))
         self._session.edit(words, lambda document: objects.split(document, whole, halves))
@@ -500,7 +497,7 @@ class ObjectList(QObject):
         kept = [row.contour for row in rows if row.kind == "open" and row.contour is not None]
         undecided = [row.contour for row in rows if row.kind == "rejected" and row.contour is not None]
         back = [row.item for row in rows if row.kind == "rejected" and row.item is not None]
-        left = {item.key for item in _own(self._session.scene.contours, back)}
+        left = {item.key for item in self._review.apart(_boundaries(back))}
         undecided += [item for item in self._review.items if item.key not in left]
         marks = [(self._review.target(item), item in kept) for item in (*kept, *undecided)]
         old = {row.key[1] for row in rows if row.kind == "object"}
