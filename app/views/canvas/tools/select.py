@@ -37,6 +37,7 @@ class SelectTool(ShapeTool):
     word = tr("Select")
     shortcut = "S"
     group = SELECT
+    panel = "objects"
     tip = tr(
         "Click objects, contours or shapes to select them, or drag a frame around them; drag a shape to move it. "
         "{key:accept} accepts, {key:reject} rejects."
