@@ -172,12 +172,13 @@ def branches(stand: Stand) -> None:
     compared.add_branch(navigation.outline.branches[0].identity)
     compared.choose(max(compared.rows))
     wait(lambda: compared.idle and len(compared.agreed) == 1)
+    stand.window.docks.reveal("compare")
     stand.settle()
     stand.take("branches")
 
 
 def trust(stand: Stand) -> None:
-    """Nuclei in a table, some named and one rejected, compared with a truth."""
+    """Nuclei compared with a truth, on both sides of the divider."""
     window, compared = stand.window, stand.window.workspace.comparison
     window.use_theme(theme.DARK)
     stand.open("nuclei.png")
@@ -193,10 +194,8 @@ def trust(stand: Stand) -> None:
         wait(lambda: compared.idle and len(compared.rows) == 2)
     compared.choose(max(compared.rows))
     window.docks.reveal("compare")
-    window.docks.reveal("contours")
-    stand.do("next_contour")
     stand.settle()
-    wait(lambda: compared.idle)
+    wait(lambda: compared.idle and bool(compared.agreed))
     stand.take("trust")
 
 

@@ -458,8 +458,13 @@ class ObjectList(QObject):
         elif len(rows) > 1:
             self._with_objects(tr("merge {what}"), rows, objects.merge)
 
+    def whole(self, row: Row) -> SegmentedObject | None:
+        """The object that a row is, or would be once it is accepted; None for one that is hidden, rejected or open."""
+        closed = self._outlines([row])
+        return objects.bounded(self.objects, *closed[0]) if closed else row.drawn
+
     def split(self, whole: SegmentedObject, halves: Halves) -> None:
-        """Put the halves of an object, or of one that is not accepted yet, in its place, and choose them."""
+        """Put the halves of an object, or of what is not accepted yet, in its place, and choose them."""
         before = {item.number for item in self.objects.items} - {whole.number}
         words = tr("split {what}").format(what=self.title(whole))
         self._session.edit(words, lambda document: objects.split(document, whole, halves))

@@ -125,7 +125,7 @@ def test_all_pages_are_run_and_followed_and_the_table_tells_them(stack, hand) ->
     assert [float(area) for area in table.column("area") if area != "–"] == pytest.approx([np.pi * 81] * 4, rel=0.05)
     columns = [float(col) for col in table.column("col") if col != "–"]
     np.testing.assert_allclose(np.diff(columns), [5, 5, 5], atol=0.3)
-    assert "4 of 5 pages are done; tracks: 1. 1 could not be used." in feature.panel.summary.text()
+    assert "4 of 5 pages finished; tracks: 1. 1 could not be used." in feature.panel.summary.text()
     assert stack.session.status.phase == "finished"  # the page that is open shows its run
     assert len(stack.session.scene.contours.items) == 1
 

@@ -118,7 +118,7 @@ def test_away_from_lines_it_paints_and_keys_do_the_same(mended, hand) -> None:
     hand.drag((32, 32), (32, 50), (32, 58))
     assert bone(mended).area > before + 5
     QCursor.setPos(mended.mapToGlobal(QPoint(2, 2)))
-    hand.key(KEY.Key_Return)
+    mended.actions_by_name["cross_hair"].trigger()
     crosshair = mended.canvas_area.crosshair
     crosshair.move(*(np.array(at(-2.0, DRAWN)) - crosshair.at))
     hand.key(KEY.Key_Return)

@@ -143,3 +143,14 @@ def test_a_click_cuts_an_open_contour(window, hand) -> None:
     assert "cut the contour" in window.canvas_area.strip.hint.text()
     hand.click(50, 18)
     hand.wait(lambda: window.session.idle and len(window.workspace.review.items) == 2)
+
+
+def test_both_halves_of_a_closed_contour_are_accepted(window, hand) -> None:
+    closed = HandEdit(added=objects.line_of(around()), closed=True)
+    window.session.edit("closed", lambda d: replace(d, hand_edits=(closed,)))
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_K)
+    hand.wait(lambda: window.session.idle and len(window.workspace.object_list.rows) == 1)
+    hand.drag((43, 28), (21, 41))
+    assert [item.number for item in items(window)] == [1, 2]
+    assert [row.kind for row in window.workspace.object_list.rows] == ["object", "object"]
