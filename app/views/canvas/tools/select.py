@@ -19,7 +19,7 @@ from cpm_core.numerics import Place, Position
 from cpm_core.shapes import Circle
 
 _ADDING = Qt.KeyboardModifier.ShiftModifier | Qt.KeyboardModifier.ControlModifier
-_REMOVING = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.AltModifier
+_REMOVING = Qt.KeyboardModifier.ControlModifier
 _MOST_STEPS = 200
 """Most places along one move of the pointer at which contours are looked for."""
 
@@ -119,7 +119,7 @@ class SelectTool(ShapeTool):
 
     def release(self) -> None:
         """Keep what is selected; a click next to everything selects nothing."""
-        if self._before is None and not self._found and not self.modifiers & (_ADDING | _REMOVING):
+        if self._before is None and not self._found and not self.modifiers & _ADDING:
             self._list.select(())
         self._leave()
         super().release()
