@@ -79,7 +79,7 @@ def test_the_legend_drops_its_words_where_there_is_no_room_and_can_be_folded(res
     strip.setFixedWidth(2000)
     qtbot.waitUntil(lambda: strip.width() == 2000)
     whole = legend.sizeHint().width()
-    strip.setFixedWidth(160)
+    strip.setFixedWidth(100)
     qtbot.waitUntil(lambda: legend.sizeHint().width() < whole)
     strip.setFixedWidth(2000)
     qtbot.waitUntil(lambda: legend.sizeHint().width() == whole)
