@@ -105,7 +105,7 @@ def midway(stand: Stand) -> None:
 
 
 def rest(stand: Stand) -> None:
-    """The whole U found, and offered as the object."""
+    """The whole U found, and proposed as the object."""
     selection = stand.window.workspace.object_selection
     stand.run()
     wait(lambda: selection.idle and bool(selection.proposals))
@@ -113,11 +113,13 @@ def rest(stand: Stand) -> None:
 
 
 def objects(stand: Stand) -> None:
-    """Nuclei taken as objects of two classes, and one of two that touch selected by a click in each."""
+    """Nuclei accepted as objects of two classes, and one of two that touch selected by a click in each."""
     window = stand.window
     selection, taken = window.workspace.object_selection, window.workspace.object_list
     stand.open("nuclei.png")
     stand.run()
+    wait(lambda: selection.idle and bool(selection.proposals))
+    selection.drop()
     stand.do("objects")
     wait(lambda: selection.ready)
     for place, category in (

@@ -171,9 +171,9 @@ def merge_into(document: Document, merged: Iterable[SegmentedObject], whole: Seg
 
 
 def split(document: Document, whole: SegmentedObject, halves: Halves) -> Document:
-    """The document with the halves of an object, which may be a proposal; the first keeps its number and name."""
+    """The document with the halves of an object, or of what may become one; the first keeps its number and name."""
     objects = document.objects
-    ends = whole.number == objects.edited or all(whole.number != item.number for item in objects.items)
+    ends = whole.number == objects.edited or whole.clicks == objects.clicks
     second = replace(halves.second, number=objects.next_number, name="")
     return accept(document, (halves.first, second), ends=ends)
 

@@ -67,6 +67,7 @@ class Docks(QObject):
         self.tabs.setDocumentMode(True)
         self.tabs.setMinimumWidth(_LEAST)
         self.tabs.tabBar().setExpanding(False)
+        self.tabs.tabBar().setDrawBase(False)
         self.column = QDockWidget(tr("Panels"), window)
         self.column.setObjectName("column")
         self.column.setFeatures(QDockWidget.DockWidgetFeature.DockWidgetClosable)
