@@ -125,11 +125,8 @@ def _measured(item: SegmentedObject, image: Image) -> Figures:
 
 def _as_objects(offered: tuple[Proposal, ...], known: SegmentedObjects) -> tuple[SegmentedObject, ...]:
     """The objects that proposals would become, each with a number that no other row has."""
-    found = [(place, each) for place, each in enumerate(offered) if each.selection.found]
-    return tuple(
-        objects.made(each.selection, each.clicks, each.number or known.next_number + place, known.category)
-        for place, each in found
-    )
+    found = enumerate((each for each in offered if each.selection.found), start=known.next_number)
+    return tuple(replace(each.item, number=each.number or fresh, category=known.category) for fresh, each in found)
 
 
 def _boundaries(items: Iterable[SegmentedObject]) -> list[Line]:
@@ -198,7 +195,8 @@ class ObjectList(QObject):
     @property
     def items(self) -> tuple[SegmentedObject, ...]:
         """The chosen objects, in the order in which they were accepted."""
-        return tuple(item for item in self.objects.items if item.number in self.chosen)
+        chosen = self.chosen
+        return tuple(item for item in self.objects.items if item.number in chosen)
 
     @property
     def rows(self) -> tuple[Row, ...]:
@@ -212,7 +210,8 @@ class ObjectList(QObject):
     ) -> tuple[Row, ...]:
         offered = self._parts.get(_as_objects, proposals, known)
         lines = _boundaries((*known.items, *offered, *known.rejected))
-        own = self._parts.named("own", lambda: self._review.apart(lines), shown, lines)
+        alike = frozenset(map(id, lines))  # no others when a proposal becomes an object
+        own, self._lines = self._parts.named("own", lambda: (self._review.apart(lines), lines), shown, alike)
         found = enumerate((each.key for each in proposals if each.selection.found), start=1)
         rows = [
             *(Row(("object", one.number), "object", self.title(one), one, figures=self.figures(one))
@@ -386,7 +385,7 @@ class ObjectList(QObject):
     def delete(self) -> None:
         """Remove the selected objects, and dismiss or reject the rest; rejected objects are forgotten."""
         if all(row.kind in ("object", "rejected") and row.item is not None for row in self.selected_rows):
-            self._edit_chosen(tr("delete {what}"), objects.delete, "object", "rejected")
+            self.do(tr("delete {what}"), objects.delete, "object", "rejected")
         else:
             self.reject()
 
@@ -432,17 +431,21 @@ class ObjectList(QObject):
 
         self._edit(tr("color {what}"), rows, edit)
 
-    def toggle_frozen(self) -> None:
-        """Freeze objects, or release them when all are frozen."""
-        frozen = not all(item.frozen for item in self.items)
-        words = tr("freeze {what}") if frozen else tr("unfreeze {what}")
-        self._edit_chosen(words, lambda d, chosen: objects.amend(d, chosen, frozen=frozen))
+    def toggle(self, state: Literal["frozen", "hidden"]) -> None:
+        """Freeze or hide objects, or take that back when all are so."""
+        on = not all(getattr(item, state) for item in self.items)
+        words = (
+            (tr("show {what}"), tr("hide {what}"))
+            if state == "hidden"
+            else (tr("unfreeze {what}"), tr("freeze {what}"))
+        )
+        self.do(words[on], lambda d, chosen: objects.amend(d, chosen, **{state: on}))
 
-    def toggle_hidden(self) -> None:
-        """Hide objects, or show them again when all are hidden."""
-        hidden = not all(item.hidden for item in self.items)
-        words = tr("hide {what}") if hidden else tr("show {what}")
-        self._edit_chosen(words, lambda d, chosen: objects.amend(d, chosen, hidden=hidden))
+    def do(self, words: str, edit: Callable[[Document, frozenset[int]], Document], *kinds: Kind) -> None:
+        """Edit the selected objects, or those of some kinds; `words` say what is done to ``{what}``."""
+        rows = [row for row in self.selected_rows if row.key[0] == "object" and row.kind in (kinds or ("object",))]
+        numbers = frozenset(row.key[1] for row in rows)
+        self._edit(words, rows, lambda document: edit(document, numbers))
 
     def merge(self) -> None:
         """Make one object of several; in a volume that is done on another thread."""
@@ -465,18 +468,6 @@ class ObjectList(QObject):
         words = tr("split {what}").format(what=self.title(whole))
         self._session.edit(words, lambda document: objects.split(document, whole, halves))
         self.choose(item.number for item in self.objects.items if item.number not in before)
-
-    def as_starts(self) -> None:
-        """Start the next run on their outlines too."""
-        self._edit_chosen(tr("start from {what}"), objects.as_starts)
-
-    def as_regions(self) -> None:
-        """Hold the particles inside of them."""
-        self._edit_chosen(tr("region of interest of {what}"), objects.as_regions)
-
-    def as_barriers(self) -> None:
-        """Hold the particles back at their boundaries."""
-        self._edit_chosen(tr("barrier around {what}"), objects.as_barriers)
 
     def close(self) -> None:
         """End the threads."""
@@ -543,11 +534,6 @@ class ObjectList(QObject):
                 bounds = [closed[each].contour for each in (number, *holes)]
                 outlines.append((bounds, list(bridges_on(result.bridges, bounds))))
         return outlines
-
-    def _edit_chosen(self, words: str, edit: Callable[[Document, frozenset[int]], Document], *kinds: Kind) -> None:
-        rows = [row for row in self.selected_rows if row.key[0] == "object" and row.kind in (kinds or ("object",))]
-        numbers = frozenset(row.key[1] for row in rows)
-        self._edit(words, rows, lambda document: edit(document, numbers))
 
     def _edit(self, words: str, rows: Sequence[Row], edit: Callable[[Document], Document]) -> None:
         """Edit the document, as a step of undo that names what is edited."""

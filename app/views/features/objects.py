@@ -9,7 +9,7 @@ from PySide6.QtGui import QCursor, QKeyEvent
 from PySide6.QtWidgets import QMenu
 
 from app.model.document.modes import use_skeleton
-from app.model.document.objects import class_title, listed_classes
+from app.model.document.objects import as_barriers, as_regions, as_starts, class_title, listed_classes
 from app.model.preferences.table import UNIT
 from app.model.state.situation import Situation, has_contours, has_image
 from app.model.text.language import tr
@@ -110,10 +110,10 @@ class ObjectsFeature(Feature):
                        lambda: selection.fit(objects.chosen), when=has_objects),
             ActionSpec("freeze_object", "Objects", "&Freeze",
                        "Keep the objects as they are, and keep particles from crossing their boundaries.",
-                       objects.toggle_frozen, gap=True, when=has_objects,
+                       partial(objects.toggle, "frozen"), gap=True, when=has_objects,
                        worded=lambda _: tr("Unfreeze") if all_are("frozen") else tr("&Freeze")),
             ActionSpec("hide_object", "Objects", "&Hide", "Hide the objects, or show them again.",
-                       objects.toggle_hidden, when=has_objects,
+                       partial(objects.toggle, "hidden"), when=has_objects,
                        worded=lambda _: tr("Show") if all_are("hidden") else tr("&Hide")),
             Submenu("use_as", "Objects", "&Use as", self._fill_uses),
             ActionSpec("skeleton", "Objects", "Ske&leton",
@@ -223,13 +223,12 @@ class ObjectsFeature(Feature):
             action.setIcon(swatch(objects.classes[category - 1].color))
 
     def _fill_uses(self, menu: QMenu) -> None:
-        objects = self._list
-        for text, do in (
-            (tr("&Start of the next run"), objects.as_starts),
-            (tr("Region of &interest"), objects.as_regions),
-            (tr("&Barrier"), objects.as_barriers),
+        for text, words, edit in (
+            (tr("&Start of the next run"), tr("start from {what}"), as_starts),
+            (tr("Region of &interest"), tr("region of interest of {what}"), as_regions),
+            (tr("&Barrier"), tr("barrier around {what}"), as_barriers),
         ):
-            add_choice(menu, text, do).setEnabled(bool(objects.chosen))
+            add_choice(menu, text, partial(self._list.do, words, edit)).setEnabled(bool(self._list.chosen))
 
     def _closed(self) -> list[Contour]:
         """The closed ones of the selected contours, or of all that have not been rejected if none is selected."""

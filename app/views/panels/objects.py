@@ -111,11 +111,13 @@ def columns_of(shown: _Shown) -> tuple[Column[Row], ...]:
     def area(item: SegmentedObject) -> float:
         return item.area * pixel
 
+    def number(row: Row) -> int | None:
+        return row.contour.measures.number if row.contour else abs(row.key[1]) or None
+
     length = _of(lambda item: item.perimeter(spacing), lambda found: found.length_in_units)
     return (
         Column("number", tr("#"), tr("Number; it stays the same."),
-               lambda row: row.contour.measures.number if row.contour else row.key[1] if row.key[1] > 0 else None,
-               "000", form=".0f", key=lambda row: list(_KIND).index(row.kind) * 1e7 + abs(row.key[1])),
+               number, "000", form=".0f", key=lambda row: list(_KIND).index(row.kind) * 1e7 + (number(row) or 0)),
         Column("name", tr("Name"), tr("Name and color; double-click or press {key:name_object} to rename."),
                lambda row: row.name, "name"),
         Column("class", tr("Class"), tr("Class of an object, which the digits 1 to 9 set, or what else the "
@@ -225,7 +227,7 @@ class ObjectTable(ItemTable):
 def color_of(object_list: ObjectList, row: Row) -> str:
     """The color of a row: of an object that of its class, unless it has its own."""
     if row.item is not None:
-        return theme.CHOSEN if row.kind == "proposal" else object_list.objects.color(row.item)
+        return theme.PROPOSAL if row.kind == "proposal" else object_list.objects.color(row.item)
     assert row.contour is not None
     contour = row.contour.contour
     return contour.color or theme.CONTOUR
