@@ -172,7 +172,8 @@ class ExportDialog(QDialog):
         put = self._preferences.put
         shown = {_key(item) for item in self._items()}
         before = self._preferences.get(FORMATS, _FIRST)
-        put(FORMATS, [*(key for key in before if key not in shown), *map(_of_file, order.files)])
+        checked = [f"{file.what}:{file.suffix}" for file in order.files]
+        put(FORMATS, [*(key for key in before if key not in shown), *checked])
         put(_KEY + "tolerance", order.tolerance)
         put(_KEY + "everywhere", order.everywhere)
         put(_KEY + "units", order.in_units)
@@ -350,10 +351,6 @@ def _named(document: Document, names: dict[int, str]) -> Document:
 def _key(item: QTreeWidgetItem) -> str:
     """How the preferences call a format of something."""
     return ":".join(item.data(0, _ROLE))
-
-
-def _of_file(file: ExportFile) -> str:
-    return f"{file.what}:{file.suffix}"
 
 
 def _row(*parts: QWidget) -> QWidget:

@@ -16,6 +16,7 @@ from app.views.window import dialogs
 from cpm_core import Parameters
 from cpm_core.shapes import Circle, Everywhere, Polygon, Region
 from tests.app.conftest import disc
+from tests.app.exporting import export
 
 pytestmark = pytest.mark.shared_window
 
@@ -75,6 +76,15 @@ def run_all(window, hand) -> None:
     hand.qtbot.mouseClick(window.feature(PagesFeature).bar.run, LEFT)
     assert window.workspace.pages.running
     settled(window, hand)
+
+
+def test_all_pages_are_written_in_several_formats_at_once(stack, hand, tmp_path) -> None:
+    run_all(stack, hand)
+    labels, table = export(hand.qtbot, stack, tmp_path, "pages:.tif", "pages:.measures.csv")
+    assert (labels.name, table.name) == ("cells_pages.tif", "cells_pages.measures.csv")
+    hand.wait(lambda: "cells_pages.tif (2 files)" in stack.canvas_area.messages.text)
+    assert (tifffile.imread(labels)[0] > 0).sum() == pytest.approx(np.pi * 81.0, rel=0.1)
+    assert table.read_text().startswith("page,track,")
 
 
 def test_the_line_shows_the_pages_and_keys_go_through_them(stack, hand) -> None:
