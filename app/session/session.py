@@ -339,12 +339,6 @@ class Session(QObject):
         self._worker_thread.report(opened)
         self._wake()
 
-    def use_former_parameters(self) -> None:
-        """Use the parameters of the image that was open before."""
-        former = self.former_parameters
-        if former is not None:
-            self.edit(tr("parameters of the last image"), lambda document: edits.set_parameters(document, former))
-
     def export(self, order: ExportOrder, then: Callable[[tuple[bytes, ...]], object] | None = None) -> None:
         """Write files, all or none, or prepare what they would hold for `then`."""
         self.attempt(EXPORTING)

@@ -105,7 +105,7 @@ def midway(stand: Stand) -> None:
 
 
 def rest(stand: Stand) -> None:
-    """The whole U found, and offered as the object."""
+    """The whole U found, and proposed as the object."""
     selection = stand.window.workspace.object_selection
     stand.run()
     wait(lambda: selection.idle and bool(selection.proposals))
@@ -113,11 +113,13 @@ def rest(stand: Stand) -> None:
 
 
 def objects(stand: Stand) -> None:
-    """Nuclei taken as objects of two classes, and one of two that touch selected by a click in each."""
+    """Nuclei accepted as objects of two classes, and one of two that touch selected by a click in each."""
     window = stand.window
     selection, taken = window.workspace.object_selection, window.workspace.object_list
     stand.open("nuclei.png")
     stand.run()
+    wait(lambda: selection.idle and bool(selection.proposals))
+    selection.drop()
     stand.do("objects")
     wait(lambda: selection.ready)
     for place, category in (
@@ -172,12 +174,13 @@ def branches(stand: Stand) -> None:
     compared.add_branch(navigation.outline.branches[0].identity)
     compared.choose(max(compared.rows))
     wait(lambda: compared.idle and len(compared.agreed) == 1)
+    stand.window.docks.reveal("compare")
     stand.settle()
     stand.take("branches")
 
 
 def trust(stand: Stand) -> None:
-    """Nuclei in a table, some named and one rejected, compared with a truth."""
+    """Nuclei compared with a truth, on both sides of the divider."""
     window, compared = stand.window, stand.window.workspace.comparison
     window.use_theme(theme.DARK)
     stand.open("nuclei.png")
@@ -193,10 +196,8 @@ def trust(stand: Stand) -> None:
         wait(lambda: compared.idle and len(compared.rows) == 2)
     compared.choose(max(compared.rows))
     window.docks.reveal("compare")
-    window.docks.reveal("contours")
-    stand.do("next_contour")
     stand.settle()
-    wait(lambda: compared.idle)
+    wait(lambda: compared.idle and bool(compared.agreed))
     stand.take("trust")
 
 

@@ -9,7 +9,6 @@ from cpm_core.reconstruction.by_hand.operations import chain as chain
 from cpm_core.reconstruction.by_hand.operations import connect as connect
 from cpm_core.reconstruction.by_hand.operations import cut as cut
 from cpm_core.reconstruction.by_hand.operations import deletion as deletion
-from cpm_core.reconstruction.by_hand.operations import outline as outline
 from cpm_core.reconstruction.by_hand.operations import pull as pull
 from cpm_core.reconstruction.by_hand.operations import wire_from as wire_from
 from cpm_core.reconstruction.curve.closing import can_be_closed as can_be_closed

@@ -50,7 +50,7 @@ ROWS = (
     Row("The run as an animation", "Ctrl+E: GIF, APNG, MP4",
         "tests/core/formats/test_animation.py::test_all_frames_are_there_for_their_time"),
     Row("The clipboard", "Ctrl+C, Ctrl+V",
-        "tests/app/session/test_saving.py::test_contours_are_copied_as_what_they_are_and_as_text"),
+        "tests/app/session/test_saving.py::test_contours_are_copied_in_all_formats_at_once_and_as_a_table"),
     Row("Every file states how it was made", "provenance in every format",
         "tests/core/formats/test_provenance.py::test_every_format_tells_how_its_contours_were_found"),
     Row("Everything can be undone", "Ctrl+Z",

@@ -13,7 +13,7 @@ from app.model.document.document import Document
 from app.model.text.language import tr
 from cpm_core import Bridge, Contour, Result, Selection, Surface, VolumeSelection
 from cpm_core.contours import PackedSurface
-from cpm_core.numerics import Array, Place, Position, length, polyline, thinned
+from cpm_core.numerics import Place, Position, length, polyline, thinned
 from cpm_core.objects import boundaries_result
 from cpm_core.objects.segmented import (
     Click,
@@ -24,6 +24,7 @@ from cpm_core.objects.segmented import (
     SegmentedObjects,
     contours_of,
     lies_on,
+    line_of,
     union,
 )
 from cpm_core.parameters import Provenance
@@ -170,29 +171,11 @@ def merge_into(document: Document, merged: Iterable[SegmentedObject], whole: Seg
 
 
 def split(document: Document, whole: SegmentedObject, halves: Halves) -> Document:
-    """The document with the halves of an object; the first has its number and name.
-
-    It may be an object that is not accepted yet: then both halves are new.
-    """
+    """The document with the halves of an object, or of what may become one; the first keeps its number and name."""
     objects = document.objects
-    known = [item.number for item in objects.items]
-    first = replace(halves.first, number=whole.number if whole.number in known else objects.next_number)
-    second = replace(halves.second, number=max(objects.next_number, first.number + 1), name="")
-    items = tuple(first if item.number == first.number else item for item in objects.items)
-    items = (*items, *(() if whole.number in known else (first,)), second)
-    if whole.number in known and whole.number != objects.edited:
-        return _with(document, items=items)
-    return _with(document, items=items, clicks=(), edited=0)
-
-
-def put(document: Document, number: int, item: SegmentedObject | None = None) -> Document:
-    """The document with another object of a number, or without one; it is no longer being changed by clicks."""
-    objects = document.objects
-    items = {each.number: each for each in objects.items} | ({} if item is None else {number: item})
-    left = tuple(each for each in items.values() if item is not None or each.number != number)
-    changing = objects.edited == number
-    clicks, edited = ((), 0) if changing else (objects.clicks, objects.edited)
-    return _with(document, items=left, clicks=clicks, edited=edited)
+    ends = whole.number == objects.edited or whole.clicks == objects.clicks
+    second = replace(halves.second, number=objects.next_number, name="")
+    return accept(document, (halves.first, second), ends=ends)
 
 
 def name_class(document: Document, category: int, name: str, color: str = "") -> Document:
@@ -332,11 +315,6 @@ def _with(document: Document, **parts: object) -> Document:
     return replace(document, objects=replace(document.objects, **parts))  # type: ignore[arg-type]
 
 
-def line_of(points: Array) -> Line:
-    """A line as objects keep it, rounded."""
-    return tuple((row, col) for row, col in np.round(points, _DECIMALS).tolist())
-
-
 _ON_BRUSH = 0.1
 """Difference between the distance from the path of the brush and its radius up to which a vertex is painted [px]."""
 
@@ -372,7 +350,7 @@ def brushed(
         The object without clicks, of which the boundary is no longer the answer.
     """
     if not boundary:
-        return put(document, number)
+        return delete(document, (number,))
     made = before or SegmentedObject(number, (), boundary, category=document.objects.category)
     kept = tuple(gap for gap in made.gaps if lies_on(gap, boundary))
     painted = []
@@ -380,4 +358,5 @@ def brushed(
         on = np.abs(polyline.distances(path, points) - radius) <= _ON_BRUSH
         runs = (points[run].tolist() for run in polyline.stretches(on, closed=True) if len(run) > 1)
         painted += [tuple((row, col) for row, col in run) for run in runs]
-    return put(document, number, replace(made, clicks=(), boundary=boundary, gaps=(*kept, *painted)))
+    new = replace(made, clicks=(), boundary=boundary, gaps=(*kept, *painted))
+    return accept(document, (new,), ends=document.objects.edited == number)

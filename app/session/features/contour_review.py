@@ -15,8 +15,11 @@ from cpm_core import Result
 from cpm_core.contours import anchor, neighborhood
 from cpm_core.numerics import Array, PathTree, Position, polyline
 
-PLACES = 24
+_PLACES = 24
 """Number of places along a contour that are compared with an outline."""
+
+_ON, _MOST, _PIECE = 1.0, 0.9, 32
+"""Distance up to which a contour runs along a boundary [px], the share of it that has to, and corners of a piece."""
 
 
 class ContourReview(QObject):
@@ -37,7 +40,7 @@ class ContourReview(QObject):
         self._contours: ReviewedContours = NO_CONTOURS
         self._by_key: dict[int, Item] = {}
         self._around: PathTree | None = None
-        self._places: dict[int, Array] | None = None
+        self._places: Array | None = None
         session.scene_changed.connect(self._follow)
         session.image_changed.connect(self.choose)
 
@@ -88,14 +91,20 @@ class ContourReview(QObject):
 
     def within(self, outline: Sequence[Position]) -> frozenset[int]:
         """Keys of the shown contours that lie inside a closed outline of places (row, col) for half of their length."""
-        shown = [item for item in self.items if self.rejected_seen or not item.reviewed.rejected]
-        if not shown:
-            return frozenset()
-        if self._places is None:
-            self._places = {item.key: polyline.middles(item.contour.path, PLACES) for item in self.items}
-        places = np.concatenate([self._places[item.key] for item in shown])
-        share = polyline.inside(outline, places).reshape(len(shown), PLACES).mean(axis=1)
-        return frozenset(item.key for item, part in zip(shown, share.tolist(), strict=True) if part >= 0.5)
+        inside = polyline.inside(outline, self._sampled).reshape(-1, _PLACES).mean(axis=1)
+        seen = (item for item, part in zip(self.items, inside.tolist(), strict=True) if part >= 0.5)
+        return frozenset(item.key for item in seen if self.rejected_seen or not item.reviewed.rejected)
+
+    def apart(self, boundaries: Iterable[Sequence[Position]]) -> tuple[Item, ...]:
+        """The contours of which less than most runs along one of some closed lines of places (row, col) [px]."""
+        paths = [np.array((*line, line[0])) for line in boundaries]
+        if not paths or not self.items:
+            return self.items
+        pieces = [path[first : first + _PIECE + 1] for path in paths for first in range(0, len(path) - 1, _PIECE)]
+        along = np.zeros(len(self._sampled), np.bool_)
+        along[PathTree(pieces).pairs(self._sampled, _ON)[0]] = True
+        share = along.reshape(-1, _PLACES).mean(axis=1).tolist()
+        return tuple(item for item, part in zip(self.items, share, strict=True) if part < _MOST)
 
     def target(self, item: Item) -> Target:
         """A contour as edits of the document name it."""
@@ -116,6 +125,14 @@ class ContourReview(QObject):
             shown = replace(scene.objects, chosen=numbers)
             self._session.show(replace(scene, selected_contours=keys, objects=shown))
             self.selection_changed.emit()
+
+    @property
+    def _sampled(self) -> Array:
+        """Places along each contour, one contour after the other, shape (N, 2)."""
+        if self._places is None:
+            places = [polyline.middles(item.contour.path, _PLACES) for item in self.items]
+            self._places = np.concatenate([np.empty((0, 2)), *places])
+        return self._places
 
     def hover(self, key: int | None) -> None:
         """Set the contour under the pointer, or None."""

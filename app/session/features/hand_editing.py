@@ -8,7 +8,7 @@ import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from app.model.document.contours import NAMES, add_hand_edits, drop_hand_edits
-from app.model.document.objects import put, title
+from app.model.document.objects import accept, bounded, title
 from app.model.text.language import tr
 from app.session.features.contour_review import ContourReview
 from app.session.scene import Item, ReviewedContours
@@ -18,7 +18,7 @@ from cpm_core import Contour
 from cpm_core.contours import HandEdit, Path, neighborhood
 from cpm_core.field import ScaleField
 from cpm_core.numerics import Array, PathTree, Position
-from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects, contours_of, redrawn
+from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects, contours_of, outlined, redrawn
 from cpm_core.parameters import invalidating
 from cpm_core.reconstruction import Contact, LiveWire, chain, cut, deletion, nearest_ridge, on_ridge, pull, wire_from
 
@@ -163,10 +163,17 @@ class HandEditing(QObject):
         """Carry out an edit on the boundary of an object that was held at a place."""
         assert held.line.source is not None
         new = redrawn(item, held.line.source, edit, self._edges if snapping else None)
-        what = title(self._session.document.objects, item)
+        objects = self._session.document.objects
         self._session.edit(
-            tr("redraw boundary of {what}").format(what=what), lambda document: put(document, item.number, new)
+            tr("redraw boundary of {what}").format(what=title(objects, item)),
+            lambda document: accept(document, (new,), ends=objects.edited == item.number),
         )
+
+    def outline(self, path: Array) -> int:
+        """Make an object of a closed line that has been drawn, shape (K, 2) [px]; returns its number."""
+        item = outlined(bounded(self._session.document.objects, [Contour(path, True)]), self._edges)
+        self._session.edit(NAMES["outline"], lambda document: accept(document, (item,)))
+        return item.number
 
     def add(self, edits: Sequence[HandEdit]) -> None:
         """Carry out edits, as one step of undo."""

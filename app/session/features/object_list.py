@@ -17,19 +17,16 @@ from app.model.document.objects import brushed
 from app.model.text.language import tr
 from app.model.volume.surface_section import holds, size_of
 from app.session.features.background import IdentityCache, LatestOnlyWorker
-from app.session.features.contour_review import PLACES, ContourReview
+from app.session.features.contour_review import ContourReview
 from app.session.scene import Item, Proposal, ReviewedContours
 from app.session.session import Session
 from cpm_core import Bridge, Contour, Image, Surface
 from cpm_core.contours import bridges_on
-from cpm_core.numerics import Array, PathTree, Place, Position, polyline
+from cpm_core.numerics import Array, Place, Position, polyline
 from cpm_core.objects.segmented import Halves, Line, SegmentedObject, SegmentedObjects, painted, union
 
 BINS = 32
 """Number of bars of a histogram."""
-
-_ON, _MOST, _PIECE = 1.0, 0.9, 32
-"""Distance up to which a contour runs along a boundary [px], the share of it that has to, and corners of a piece."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,10 +56,10 @@ class Figures:
 Key = tuple[Literal["object", "proposal", "contour"], int]
 """What identifies a row: the number of an object, the key of a proposal, which is below 1, or that of a contour."""
 
-Kind = Literal["object", "proposal", "closed", "open", "rejected"]
 _DRAFT: Key = ("proposal", 0)
 """The key of the object that is being selected."""
 
+Kind = Literal["object", "proposal", "closed", "open", "rejected"]
 KINDS: tuple[Kind, ...] = ("object", "proposal", "closed", "open", "rejected")
 """What a row can be, in the order shown."""
 
@@ -99,6 +96,11 @@ class Row:
         """The name that the user has given it, or empty."""
         return self.item.name if self.item is not None else self.contour.contour.name if self.contour else ""
 
+    @property
+    def drawn(self) -> SegmentedObject | None:
+        """The object where it is shown, which hidden and rejected ones are not; None for a contour."""
+        return None if self.item is None or self.item.hidden or self.kind == "rejected" else self.item
+
 
 def _boundary(item: SegmentedObject) -> object:
     return item.surface or item.boundary
@@ -123,34 +125,20 @@ def _measured(item: SegmentedObject, image: Image) -> Figures:
 
 def _as_objects(offered: tuple[Proposal, ...], known: SegmentedObjects) -> tuple[SegmentedObject, ...]:
     """The objects that proposals would become, each with a number that no other row has."""
-    found = [(place, each) for place, each in enumerate(offered) if each.selection.found]
-    return tuple(
-        objects.made(each.selection, each.clicks, each.number or known.next_number + place, known.category)
-        for place, each in found
-    )
+    found = enumerate((each for each in offered if each.selection.found), start=known.next_number)
+    return tuple(replace(each.item, number=each.number or fresh, category=known.category) for fresh, each in found)
 
 
-def _own(shown: ReviewedContours, items: Sequence[SegmentedObject]) -> tuple[Item, ...]:
-    """The contours that bound no object: less than most of their length runs along boundaries."""
-    paths = [np.array((*curve, curve[0])) for item in items for curve in item.boundary]
-    if not paths or not shown.items:
-        return shown.items
-    pieces = [path[first : first + _PIECE + 1] for path in paths for first in range(0, len(path) - 1, _PIECE)]
-    places = np.concatenate([polyline.middles(item.contour.path, PLACES) for item in shown.items])
-    along = np.zeros(len(places), np.bool_)
-    along[PathTree(pieces).pairs(places, _ON)[0]] = True
-    share = along.reshape(-1, PLACES).mean(axis=1).tolist()
-    return tuple(item for item, part in zip(shown.items, share, strict=True) if part < _MOST)
+def _boundaries(items: Iterable[SegmentedObject]) -> list[Line]:
+    return [line for item in items for line in item.boundary]
 
 
 def _holds(row: Row, place: Place) -> bool:
     """Whether a place (row, col) [px], or (plane, row, col), lies inside what a row shows."""
-    if row.item is None:
+    if row.drawn is None:
         line = row.contour.contour if row.kind == "closed" and row.contour is not None else None
         return line is not None and len(place) == 2 and bool(polyline.inside(line.points, np.array([place]))[0])
-    if row.kind == "rejected" or row.item.hidden:
-        return False
-    return holds(row.item, place) if len(place) == 3 else bool(row.item.encloses(np.array([place], dtype=float))[0])
+    return holds(row.drawn, place) if len(place) == 3 else bool(row.drawn.encloses(np.array([place], dtype=float))[0])
 
 
 def _size(row: Row) -> float:
@@ -169,8 +157,6 @@ class ObjectList(QObject):
 
     changed = Signal()
     """The rows, their classes or their gray values have changed."""
-    taken = Signal(object)
-    """Proposals or contours have become objects of these numbers: tuple of int."""
     class_begun = Signal(int)
     """A class without a name is used next to another one for the first time."""
     brush_changed = Signal(float)
@@ -209,7 +195,8 @@ class ObjectList(QObject):
     @property
     def items(self) -> tuple[SegmentedObject, ...]:
         """The chosen objects, in the order in which they were accepted."""
-        return tuple(item for item in self.objects.items if item.number in self.chosen)
+        chosen = self.chosen
+        return tuple(item for item in self.objects.items if item.number in chosen)
 
     @property
     def rows(self) -> tuple[Row, ...]:
@@ -222,7 +209,9 @@ class ObjectList(QObject):
         self, known: SegmentedObjects, proposals: tuple[Proposal, ...], shown: ReviewedContours
     ) -> tuple[Row, ...]:
         offered = self._parts.get(_as_objects, proposals, known)
-        own = self._parts.get(_own, shown, (*known.items, *offered, *known.rejected))
+        lines = _boundaries((*known.items, *offered, *known.rejected))
+        alike = frozenset(map(id, lines))  # no others when a proposal becomes an object
+        own, self._lines = self._parts.named("own", lambda: (self._review.apart(lines), lines), shown, alike)
         found = enumerate((each.key for each in proposals if each.selection.found), start=1)
         rows = [
             *(Row(("object", one.number), "object", self.title(one), one, figures=self.figures(one))
@@ -291,30 +280,31 @@ class ObjectList(QObject):
 
         The inside of a closed contour counts only where `areas` do; that of objects and proposals always does.
         """
-        rows = [row for row in self.rows if row.kind != "rejected" or row.contour is not None]
-        listed, lines = {row.key for row in rows}, self._review.near(place, reach) if len(place) == 2 else []
+        lines = self._review.near(place, reach) if len(place) == 2 else []
+        listed = {row.key for row in self.rows}
         for item in lines:
             if ("contour", item.key) in listed:
                 return "contour", item.key
-        around = [row for row in rows if (areas or row.item is not None) and _holds(row, place)]
+        around = [row for row in self.rows if (areas or row.item is not None) and _holds(row, place)]
         if around:
             return min(around, key=_size).key
         away = [
-            (polyline.distances_from_closed(row.item.boundary, np.array([place]))[0], row.key)
-            for row in rows if lines and row.item is not None and row.item.boundary and not row.item.hidden
+            (polyline.distances_from_closed(row.drawn.boundary, np.array([place]))[0], row.key)
+            for row in self.rows if lines and row.drawn is not None and row.drawn.boundary
         ]  # fmt: skip
         return min(away)[1] if away else None
 
     def within(self, outline: Sequence[Position]) -> frozenset[Key]:
         """Keys of the shown rows that lie inside a closed outline of places (row, col) for half of their length."""
-        inside = {("contour", key) for key in self._review.within(outline)}
-        found = [row.key for row in self.rows if row.key in inside]
-        for row in self.rows:
-            if row.item is not None and row.kind != "rejected" and row.item.boundary and not row.item.hidden:
-                places = [polyline.middles(np.array((*line, line[0])), PLACES) for line in row.item.boundary]
-                if polyline.inside(outline, np.concatenate(places)).mean() >= 0.5:
-                    found.append(row.key)
-        return frozenset(found)
+        contours = self._review.within(outline)
+
+        def inside(row: Row) -> bool:
+            if row.contour is not None:
+                return row.contour.key in contours
+            corners = row.drawn.boundary if row.drawn is not None else ()
+            return bool(corners) and bool(polyline.inside(outline, np.concatenate(corners)).mean() >= 0.5)
+
+        return frozenset(row.key for row in self.rows if inside(row))
 
     # The brush
 
@@ -369,9 +359,8 @@ class ObjectList(QObject):
         if not rows:
             self._session.say(tr("There is nothing to accept: click in an object first."))
             return
-        numbers = self._with_objects(tr("accept {what}"), rows)
+        self._with_objects(tr("accept {what}"), rows)
         self._session.seal()
-        self.taken.emit(numbers)
 
     def reject(self) -> None:
         """Dismiss the selected proposals, remove objects, and mark contours as rejected, those around them too.
@@ -382,7 +371,7 @@ class ObjectList(QObject):
         draft = any(row.key == _DRAFT for row in rows)
         offered = [row.item for row in rows if row.item is not None and row.kind == "proposal" and row.key != _DRAFT]
         numbers = [row.key[1] for row in rows if row.kind == "object"]
-        own = _own(self._session.scene.contours, [row.item for row in rows if row.item is not None])
+        own = self._review.apart(_boundaries(row.item for row in rows if row.item is not None))
         kept = {item.key for item in own} - {row.contour.key for row in rows if row.contour is not None}
         lines = [self._review.target(item) for item in self._review.items if item.key not in kept]
 
@@ -396,7 +385,7 @@ class ObjectList(QObject):
     def delete(self) -> None:
         """Remove the selected objects, and dismiss or reject the rest; rejected objects are forgotten."""
         if all(row.kind in ("object", "rejected") and row.item is not None for row in self.selected_rows):
-            self._edit_chosen(tr("delete {what}"), objects.delete, "object", "rejected")
+            self.do(tr("delete {what}"), objects.delete, "object", "rejected")
         else:
             self.reject()
 
@@ -442,22 +431,21 @@ class ObjectList(QObject):
 
         self._edit(tr("color {what}"), rows, edit)
 
-    def toggle_frozen(self) -> None:
-        """Freeze objects, or release them when all are frozen."""
-        frozen = not all(item.frozen for item in self.items)
-        words = tr("freeze {what}") if frozen else tr("unfreeze {what}")
-        self._edit_chosen(words, lambda d, chosen: objects.amend(d, chosen, frozen=frozen))
+    def toggle(self, state: Literal["frozen", "hidden"]) -> None:
+        """Freeze or hide objects, or take that back when all are so."""
+        on = not all(getattr(item, state) for item in self.items)
+        words = (
+            (tr("show {what}"), tr("hide {what}"))
+            if state == "hidden"
+            else (tr("unfreeze {what}"), tr("freeze {what}"))
+        )
+        self.do(words[on], lambda d, chosen: objects.amend(d, chosen, **{state: on}))
 
-    def toggle_hidden(self) -> None:
-        """Hide objects, or show them again when all are hidden."""
-        hidden = not all(item.hidden for item in self.items)
-        words = tr("hide {what}") if hidden else tr("show {what}")
-        self._edit_chosen(words, lambda d, chosen: objects.amend(d, chosen, hidden=hidden))
-
-    @property
-    def mergeable(self) -> bool:
-        """Whether two or more of the selected rows are objects, or become some when they are accepted."""
-        return sum(row.kind in ("object", "proposal", "closed") for row in self.selected_rows) > 1
+    def do(self, words: str, edit: Callable[[Document, frozenset[int]], Document], *kinds: Kind) -> None:
+        """Edit the selected objects, or those of some kinds; `words` say what is done to ``{what}``."""
+        rows = [row for row in self.selected_rows if row.key[0] == "object" and row.kind in (kinds or ("object",))]
+        numbers = frozenset(row.key[1] for row in rows)
+        self._edit(words, rows, lambda document: edit(document, numbers))
 
     def merge(self) -> None:
         """Make one object of several; in a volume that is done on another thread."""
@@ -469,24 +457,17 @@ class ObjectList(QObject):
         elif len(rows) > 1:
             self._with_objects(tr("merge {what}"), rows, objects.merge)
 
+    def whole(self, row: Row) -> SegmentedObject | None:
+        """The object that a row is, or would be once it is accepted; None for one that is hidden, rejected or open."""
+        closed = self._outlines([row])
+        return objects.bounded(self.objects, *closed[0]) if closed else row.drawn
+
     def split(self, whole: SegmentedObject, halves: Halves) -> None:
-        """Put the halves of an object, or of one that is not accepted yet, in its place, and choose them."""
+        """Put the halves of an object, or of what is not accepted yet, in its place, and choose them."""
         before = {item.number for item in self.objects.items} - {whole.number}
         words = tr("split {what}").format(what=self.title(whole))
         self._session.edit(words, lambda document: objects.split(document, whole, halves))
         self.choose(item.number for item in self.objects.items if item.number not in before)
-
-    def as_starts(self) -> None:
-        """Start the next run on their outlines too."""
-        self._edit_chosen(tr("start from {what}"), objects.as_starts)
-
-    def as_regions(self) -> None:
-        """Hold the particles inside of them."""
-        self._edit_chosen(tr("region of interest of {what}"), objects.as_regions)
-
-    def as_barriers(self) -> None:
-        """Hold the particles back at their boundaries."""
-        self._edit_chosen(tr("barrier around {what}"), objects.as_barriers)
 
     def close(self) -> None:
         """End the threads."""
@@ -495,23 +476,20 @@ class ObjectList(QObject):
 
     # Internal
 
-    def _rows_of(self, *numbers: int) -> list[Row]:
-        return [row for row in self.rows if row.key[0] == "object" and row.key[1] in numbers]
-
     def _with_objects(
         self,
         words: str,
         rows: Sequence[Row],
         then: Callable[[Document, Collection[int]], Document] = lambda document, _: document,
-    ) -> tuple[int, ...]:
-        """Make objects of rows, keep open ones, and return the numbers of all objects, which `then` gets too."""
+    ) -> None:
+        """Make objects of rows, keep open ones, and do what follows with the numbers of all objects."""
         known = self.objects
         given = [row.item for row in rows if row.item is not None and row.kind != "object"]
         given += [objects.bounded(known, *outline) for outline in self._outlines(rows)]
         kept = [row.contour for row in rows if row.kind == "open" and row.contour is not None]
         undecided = [row.contour for row in rows if row.kind == "rejected" and row.contour is not None]
         back = [row.item for row in rows if row.kind == "rejected" and row.item is not None]
-        left = {item.key for item in _own(self._session.scene.contours, back)}
+        left = {item.key for item in self._review.apart(_boundaries(back))}
         undecided += [item for item in self._review.items if item.key not in left]
         marks = [(self._review.target(item), item in kept) for item in (*kept, *undecided)]
         old = {row.key[1] for row in rows if row.kind == "object"}
@@ -528,10 +506,8 @@ class ObjectList(QObject):
             return then(document, numbers)
 
         self._edit(words, rows, edit)
-        present = tuple(item.number for item in self.objects.items if item.number in numbers)
         if given:
-            self.choose(present)
-        return present
+            self.choose(item.number for item in self.objects.items if item.number in numbers)
 
     def _outlines(self, rows: Sequence[Row]) -> list[tuple[list[Contour], list[Bridge]]]:
         """The boundaries of the objects that closed contours make: each with the holes directly in it, and bridges.
@@ -558,11 +534,6 @@ class ObjectList(QObject):
                 bounds = [closed[each].contour for each in (number, *holes)]
                 outlines.append((bounds, list(bridges_on(result.bridges, bounds))))
         return outlines
-
-    def _edit_chosen(self, words: str, edit: Callable[[Document, frozenset[int]], Document], *kinds: Kind) -> None:
-        rows = [row for row in self.selected_rows if row.key[0] == "object" and row.kind in (kinds or ("object",))]
-        numbers = frozenset(row.key[1] for row in rows)
-        self._edit(words, rows, lambda document: edit(document, numbers))
 
     def _edit(self, words: str, rows: Sequence[Row], edit: Callable[[Document], Document]) -> None:
         """Edit the document, as a step of undo that names what is edited."""
@@ -617,7 +588,7 @@ class ObjectList(QObject):
         if not all(any(known is item for known in self.objects.items) for item in items):
             self._session.say(tr("The objects changed during the merge: merge them again."), True)
             return
-        rows = self._rows_of(*(item.number for item in items))
+        rows = [row for row in self.rows if row.item in items]
         self._edit(tr("merge {what}"), rows, lambda document: objects.merge_into(document, items, whole))
         self.choose((whole.number,))
 

@@ -86,10 +86,10 @@ class Question:
         if selection is not None:
             rest = [each for each in offered if each.clicks != clicks[: len(each.clicks)]]
             held = (selection.holds(np.array(each.clicks[0].places[:1]))[0] for each in rest)
-            offered = (
-                Proposal(selection, clicks, selector.edited),
-                *(each for each, within in zip(rest, held, strict=True) if not within),
-            )
+            rest = [each for each, within in zip(rest, held, strict=True) if not within]
+            offered = (Proposal(selection, clicks, selector.edited), *rest)
+        for each in offered:
+            _ = each.item if each.selection.found else None  # made on this thread, not on that of the window
         preview = self.pointed.preview() if self.pointed is not None else None
         return offered, preview, step.selector.stepped(step.clicks, step.by) if step is not None else None
 
@@ -338,7 +338,7 @@ class ObjectSelection(QObject):
             self._found = found
             self._follow()
             if not found:
-                self._session.say(tr("No object was found: click in one, or start the run there."))
+                self._session.say(tr("No object was found: click one, or start the run there."))
 
     def _selector(self, partition: AnyPartition, number: int) -> Selector:
         """What selects the object of a number anew, or a new one."""
@@ -401,7 +401,7 @@ class ObjectSelection(QObject):
         if step.clicks != before:
             return
         if not clicks:
-            self._session.say(tr("Click in an object, or choose one, to make it smaller or larger."))
+            self._session.say(tr("Click an object, or select one, to make it smaller or larger."))
         elif clicks == before:
             none = tr("There is no larger candidate.") if step.by > 0 else tr("There is no smaller candidate.")
             self._session.say(none)
@@ -419,8 +419,6 @@ class ObjectSelection(QObject):
             return
         self._was_ready = ready
         self._show(proposals=proposals)
-        keys = {each.key for each in proposals}
-        self._list.choose(number for number in self._session.scene.objects.chosen if number > 0 or number in keys)
         self.changed.emit()
 
     def _show(self, **parts: Any) -> None:

@@ -318,7 +318,7 @@ class StackPages(QObject):
 
         def work(_: Task) -> Report:
             export_stack(result, *paths)
-            return Exported(path)
+            return Exported(path, tr("{count} files").format(count=len(paths)) if len(paths) > 1 else "")
 
         self._session.tasks.start(
             tr("Writing {name}…").format(name=path.name), work, tr("writing {name}").format(name=path.name)

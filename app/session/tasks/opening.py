@@ -10,6 +10,7 @@ from pathlib import Path
 
 from app.model.display.display_image import display_of
 from app.model.document.modes import suited
+from app.model.export import KINDS
 from app.model.text.language import reason, tr
 from app.model.volume.parts import Parts
 from app.session.exchange.core_functions import Core
@@ -33,6 +34,7 @@ from cpm_core.segmentation import large_image_settings
 from cpm_core.shapes import check_axes
 
 _NUMBER = re.compile(r"(\d+)")
+_EXPORTED = re.compile(rf"(.+)_(?:{'|'.join(KINDS)})\.")
 
 
 def images_beside(image: Path) -> tuple[Path, ...]:
@@ -42,13 +44,15 @@ def images_beside(image: Path) -> tuple[Path, ...]:
 
 
 def images_in(folder: Path) -> tuple[Path, ...]:
-    """The images in a folder; none in one that cannot be read."""
+    """The images in a folder, without what has been exported of them; none in one that cannot be read."""
     try:
         with os.scandir(folder) as entries:
             names = [entry.name for entry in entries if _is_image(entry)]
     except OSError:
         return ()
-    return tuple(folder / name for name in sorted(names, key=_counted))
+    stems = {stem for name in names for stem in (Path(name).stem, name.partition(".")[0])}
+    exported = {name for name in names if (parts := _EXPORTED.match(name)) and parts[1] in stems}
+    return tuple(folder / name for name in sorted({*names} - exported, key=_counted))
 
 
 def session_beside(image: Path) -> Path | None:

@@ -195,7 +195,7 @@ class CanvasArea(QWidget):
         given, self._given = self._given, False
         accepts = key in _ENTER and not keyed and (objects.open_rows or objects.selected)
         if given and accepts:
-            self._session.say(tr("The value is set. Enter accepts what is offered."))
+            self._session.say(tr("The value is set. Enter accepts the proposal."))
             return True
         ends = not keyed or held & Qt.KeyboardModifier.ControlModifier or key == Qt.Key.Key_Backspace
         if tool.drafting and key in _DRAFT_KEYS and ends:

@@ -123,7 +123,9 @@ class MethodChoice(QWidget):
         self._area = QScrollArea()
         self._area.setWidgetResizable(True)
         layout = QVBoxLayout(self)
-        note = wrapped(tr("They start from circles, ellipses and polygons; only particles feel the rest."), dim=True)
+        note = wrapped(
+            tr("They start from circles, ellipses and polygons; only particles respond to other shapes."), dim=True
+        )
         for widget in (self.list, self.around, note, self.about):
             layout.addWidget(widget)
         layout.addWidget(self._area, 1)

@@ -305,7 +305,7 @@ class ComparePanel(QWidget):
         if len(compared.rows) == 1:
             return tr("Add a result to compare it with what is shown now.")
         if subject.key == compared.reference:
-            return tr("Choose a result to see it on the picture.")
+            return tr("Select a result to see it on the image.")
         agreed = compared.agreed.get(subject.key)
         if agreed is None:
             return tr("Nothing found yet.") if subject.found is None else tr("Comparing…")

@@ -68,8 +68,8 @@ _ROLE = Qt.ItemDataRole.UserRole
 class Exportable:
     """What there is besides the scene: chosen objects and contours, done pages, the last step of the run.
 
-    `part` returns the part of the image that frames show: all of it, or for True the visible part. Files that have been
-    `written` before are replaced without a question.
+    `part` returns the part of the image that frames show. Files that have been `written` before are replaced without a
+    question.
     """
 
     objects: frozenset[int]
@@ -77,7 +77,7 @@ class Exportable:
     pages: int
     last: int
     in_space: bool
-    part: Callable[[bool], QRectF]
+    part: Callable[[], QRectF]
     written: Container[Path]
 
 
@@ -118,7 +118,6 @@ class ExportDialog(QDialog):
         )
         self.width_field, self.speed = _number(NARROWEST, WIDEST, 640, " px"), _number(1, 50, 15, tr(" per second"))
         self.stride.setMaximum(max(there.last, 1))
-        self.zoomed = QCheckBox(tr("Only the visible part"))
         stem = image.source.partition(".")[0] if self._volume else Path(image.source).stem
         self.base, self._place = QLineEdit(stem), QPushButton()
         self.summary = wrapped()
@@ -158,9 +157,8 @@ class ExportDialog(QDialog):
         """The settings of the animation of the run."""
         return AnimationPlan(
             every(self.first.value(), max(self.last.value(), self.first.value()), self.stride.value()),
-            frame_size(self._there.part(self.zoomed.isChecked()), self.width_field.value()),
+            frame_size(self._there.part(), self.width_field.value()),
             self.speed.value(),
-            self.zoomed.isChecked(),
         )
 
     def accept(self) -> None:
@@ -174,7 +172,8 @@ class ExportDialog(QDialog):
         put = self._preferences.put
         shown = {_key(item) for item in self._items()}
         before = self._preferences.get(FORMATS, _FIRST)
-        put(FORMATS, [*(key for key in before if key not in shown), *map(_of_file, order.files)])
+        checked = [f"{file.what}:{file.suffix}" for file in order.files]
+        put(FORMATS, [*(key for key in before if key not in shown), *checked])
         put(_KEY + "tolerance", order.tolerance)
         put(_KEY + "everywhere", order.everywhere)
         put(_KEY + "units", order.in_units)
@@ -197,7 +196,7 @@ class ExportDialog(QDialog):
             form.addRow(field.accessibleName(), field)
         self._thin = _row(self.tolerance, self.everywhere, self._vertices)
         self._steps = _row(self.first, QLabel(tr("to")), self.last, QLabel(tr("every")), self.stride)
-        self._frames = _row(self.width_field, self.speed, self.zoomed)
+        self._frames = _row(self.width_field, self.speed)
         for title, field in (
             ("", self.only),
             (tr("Simplify"), self._thin),
@@ -217,7 +216,7 @@ class ExportDialog(QDialog):
             (self.stride, tr("Steps per frame")), (self.width_field, tr("Width")), (self.speed, tr("Speed")),
         ):  # fmt: skip
             field.setAccessibleName(title)
-        for box in (self.only, self.everywhere, self.units, self.zoomed):
+        for box in (self.only, self.everywhere, self.units):
             box.toggled.connect(self._follow)
         for field in (self.tolerance, self.first, self.last, self.stride, self.width_field, self.speed):
             field.valueChanged.connect(self._follow)
@@ -352,10 +351,6 @@ def _named(document: Document, names: dict[int, str]) -> Document:
 def _key(item: QTreeWidgetItem) -> str:
     """How the preferences call a format of something."""
     return ":".join(item.data(0, _ROLE))
-
-
-def _of_file(file: ExportFile) -> str:
-    return f"{file.what}:{file.suffix}"
 
 
 def _row(*parts: QWidget) -> QWidget:

@@ -20,7 +20,6 @@ from app.session.tasks.tasks import Task
 from app.session.worker.requests import FrameTaken, take_frame
 from app.views.canvas.canvas import Canvas
 from app.views.canvas.image_view import ImageView
-from app.views.canvas.items.item import image_rectangle
 from cpm_core.numerics import Pixels
 
 _INTERVAL = 15
@@ -35,28 +34,17 @@ NARROWEST, WIDEST = 64, 3840
 
 @dataclass(frozen=True, slots=True)
 class AnimationPlan:
-    """Settings of an animation: a step for each frame, width and height of a frame [px], and the speed.
-
-    Frames are `zoomed` where they show the visible part of the canvas only.
-    """
+    """Settings of an animation: a step for each frame, width and height of a frame [px], and the speed."""
 
     steps: tuple[int, ...]
     size: tuple[int, int]
     frames_per_second: int
-    zoomed: bool
 
 
 def every(first: int, last: int, stride: int) -> tuple[int, ...]:
     """Every `stride`-th step from the first, and always the last."""
     steps = list(range(first, last + 1, max(stride, 1)))
     return tuple(steps if steps and steps[-1] == last else [*steps, last])
-
-
-def seen_part(canvas: Canvas, shape: tuple[int, ...], zoomed: bool) -> QRectF:
-    """Part of the image that a frame shows: all of it, or the visible part of the canvas."""
-    whole = image_rectangle(shape)
-    part = canvas.view.viewRect().intersected(whole) if zoomed else whole
-    return whole if part.isEmpty() else part
 
 
 def frame_size(part: QRectF, width: int) -> tuple[int, int]:

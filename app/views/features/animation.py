@@ -15,7 +15,8 @@ from app.session.exchange.messages import Exported, Report
 from app.session.session import Session
 from app.session.signals import FILMING
 from app.session.tasks.tasks import Task
-from app.views.export.frames import AnimationPlan, FrameRecorder, FrameRenderer, seen_part
+from app.views.canvas.items.item import image_rectangle
+from app.views.export.frames import AnimationPlan, FrameRecorder, FrameRenderer
 from app.views.window.window import Feature, MainWindow
 from cpm_core import write_animation
 from cpm_core.formats import check_animation
@@ -63,15 +64,17 @@ class AnimationFeature(Feature):
         frames: queue.Queue[Pixels | None] = queue.Queue()
         encode = partial(_encode, frames, len(plan.steps), path, plan.frames_per_second, comment_on(session))
         task = begin_writing(session, path, encode)
-        renderer = FrameRenderer(session.scene, canvas, self.part(plan.zoomed), plan.size)
+        renderer = FrameRenderer(session.scene, canvas, self.part(), plan.size)
         filming = FrameRecorder(session, renderer, task, [(branch, step) for step in plan.steps], frames)
         self._filming = [*(other for other in self._filming if not other.over), filming]
         return task
 
-    def part(self, zoomed: bool) -> QRectF:
-        """Part of the image that frames show: all of it, or the visible part."""
+    def part(self) -> QRectF:
+        """Part of the image that frames show: the visible one."""
         canvas = self.window.canvas_area.canvas
-        return seen_part(canvas, canvas.shape or (1, 1), zoomed)
+        whole = image_rectangle(canvas.shape or (1, 1))
+        part = canvas.view.viewRect().intersected(whole)
+        return whole if part.isEmpty() else part
 
 
 def _taken(frames: queue.Queue[Pixels | None], task: Task) -> Iterator[Pixels]:

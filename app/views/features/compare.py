@@ -24,9 +24,14 @@ class CompareFeature(Feature):
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
         self._compared = compared = window.workspace.comparison
-        self.panel = ComparePanel(
-            window.session, compared, window.workspace.navigation, self._load, self._export, self._jump
-        )
+
+        def export() -> None:
+            kinds = {TABLE: tr("Table of all results")}
+            path = window.files.ask_where_to_export(tr("Export the comparison"), ".compared.csv", kinds)
+            if path is not None:
+                compared.write(path, self.panel.figures)
+
+        self.panel = ComparePanel(window.session, compared, window.workspace.navigation, self._load, export, self._jump)
         self.panels = (Panel("compare", "Compare", self.panel, "F12", shown=False),)
         self.panel.table.zoom_wanted.connect(self.panel.jump_to_next)
         self.wipe = Wipe(window.canvas_area.canvas)
@@ -69,12 +74,6 @@ class CompareFeature(Feature):
         chosen = self.window.files.ask_for_file("truth", tr("Compare with ground truth"), kinds)
         if chosen is not None:
             self._compared.load(str(chosen))
-
-    def _export(self) -> None:
-        kinds = {TABLE: tr("Table of all results")}
-        path = self.window.files.ask_where_to_export(tr("Export the comparison"), ".compared.csv", kinds)
-        if path is not None:
-            self._compared.write(path, self.panel.figures)
 
     def _jump(self, difference: Difference) -> None:
         slices = self.window.workspace.slices

@@ -95,10 +95,8 @@ class ExportFeature(Feature):
             self._written.add(file.path)
             if file.what == "run":
                 self.window.feature(AnimationFeature).write(workspace.navigation.place[0], animation, file.path)
-            elif file.what == "space":
-                space.write_picture(file.path)
-            elif file.what == "turntable":
-                space.write_turntable(file.path)
+            elif file.what in ("space", "turntable"):
+                space.write(file.path, file.what == "turntable")
             elif file.what == "pages":
                 paths.append(file.path)
             else:
@@ -127,8 +125,8 @@ def _can_export(situation: Situation) -> bool:
     )
 
 
-_COPIED = {"image/svg+xml": ".svg", "text/csv": ".measures.csv", "application/geo+json": ".geojson"}
-"""Kinds of contours on the clipboard, and the suffixes of files that hold the same."""
+_KINDS = ("image/svg+xml", "application/geo+json", "text/csv")
+"""Kinds of contours on the clipboard, the richest first."""
 
 
 class ClipboardFeature(Feature):
@@ -137,8 +135,7 @@ class ClipboardFeature(Feature):
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
         self.actions = (
-            ActionSpec("copy", "Edit", "&Copy", "Copy the selection, or everything, as a drawing and as a "
-                                                "table.",
+            ActionSpec("copy", "Edit", "&Copy", "Copy the selection, or everything, as a drawing and as a table.",
                        self.copy, "Ctrl+C", gap=True,
                        when=lambda now: has_contours(now) or (has_objects(now.document) and not has_volume(now))),
             ActionSpec("copy_view", "Edit", "Copy &view as image",
@@ -152,7 +149,8 @@ class ClipboardFeature(Feature):
         chosen = session.scene.objects.chosen
         contours = frozenset(item.measures.number for item in self.window.workspace.review.chosen)
         what: What = "objects" if chosen or (has_objects(session.document) and not contours) else "contours"
-        files = tuple(ExportFile(Path(f"copy{suffix}"), what, suffix) for suffix in _COPIED.values())
+        suffixes = (".svg", ".geojson", ".table.csv" if what == "objects" else ".measures.csv")
+        files = tuple(ExportFile(Path(f"copy{suffix}"), what, suffix) for suffix in suffixes)
         session.export(ExportOrder(files, chosen or None, contours or None), self._put)
 
     def copy_view(self) -> None:
@@ -162,15 +160,12 @@ class ClipboardFeature(Feature):
 
     def _put(self, contents: tuple[bytes, ...]) -> None:
         data = QMimeData()
-        for kind, content in zip(_COPIED, contents, strict=True):
+        for kind, content in zip(_KINDS, contents, strict=True):
             data.setData(kind, content)
-        data.setText(contents[1].decode())  # most programs take text only: the table
+        data.setText(contents[-1].decode())  # most programs take text only: the table
         QApplication.clipboard().setMimeData(data)
         self.window.session.say(tr("Copied as a drawing and a table."), topic=EXPORTING)
 
-
-_ON_CLIPBOARD = ("image/svg+xml", "application/geo+json", "text/csv")
-"""Kinds of contours that programs put on the clipboard, the richest first."""
 
 IN_VOLUMES = frozenset((*SURFACES_READABLE, *FOR_CENTERLINES))
 """Suffixes of files that lie in a volume."""
@@ -211,7 +206,7 @@ class ImportFeature(Feature):
         """Open the picture or the files on the clipboard, or read the contours on it."""
         data, session = QApplication.clipboard().mimeData(), self.window.session
         session.attempt(OPENING)
-        kind = next(filter(data.hasFormat, _ON_CLIPBOARD), "")
+        kind = next(filter(data.hasFormat, _KINDS), "")
         text = data.text() if data.hasText() and not data.hasImage() else ""
         content = bytes(data.data(kind).data()) if kind else text.encode()
         picture = data.imageData() if data.hasImage() else None

@@ -9,7 +9,7 @@ from PySide6.QtGui import QCursor, QKeyEvent
 from PySide6.QtWidgets import QMenu
 
 from app.model.document.modes import use_skeleton
-from app.model.document.objects import class_title, listed_classes
+from app.model.document.objects import as_barriers, as_regions, as_starts, class_title, listed_classes
 from app.model.preferences.table import UNIT
 from app.model.state.situation import Situation, has_contours, has_image
 from app.model.text.language import tr
@@ -28,7 +28,7 @@ from cpm_core.numerics import Position
 
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
-_SELECTING = ("objects", "select", "edit_contours")
+_SELECTING = ("objects", "select", "mend")
 """Tools with which keys act on what is selected."""
 
 
@@ -40,7 +40,7 @@ class ObjectsFeature(Feature):
         area, session = window.canvas_area, window.session
         self._list = objects = window.workspace.object_list
         self._selection = selection = window.workspace.object_selection
-        self._editing = editing = window.workspace.hand_editing
+        editing = window.workspace.hand_editing
         layer = area.canvas.layers.contours
         self.panel = ObjectPanel(session, objects, lambda name: window.actions_by_name.get(name))  # noqa: PLW0108  # made later
         self.panels = (Panel("objects", "Objects", self.panel, "Ctrl+Shift+O"),)
@@ -53,10 +53,10 @@ class ObjectsFeature(Feature):
         Keys(area.canvas, self.take_key)
         area.canvas.pointer.doubled.connect(self._open)
         self.panel.table.zoom_wanted.connect(area.zoom_to_selection)
+        area.tool_changed.connect(lambda: self.panel.brush.setVisible(area.canvas.hold.tool.name == "mend"))
         area.canvas.pointed.connect(lambda at: objects.hover(None) if at is None else None)
         objects.selection_changed.connect(window.refresh)
         selection.changed.connect(window.refresh)
-        objects.class_begun.connect(self._ask_class)
 
         def selects(*kinds: Kind, least: int = 1) -> bool:
             return sum(row.kind in kinds for row in objects.selected_rows) >= least
@@ -70,12 +70,23 @@ class ObjectsFeature(Feature):
         def all_are(state: str) -> bool:
             return bool(objects.items) and all(getattr(item, state) for item in objects.items)
 
+        def ask_class(category: int) -> None:
+            for row in objects.selected_rows[:1]:
+                self.class_field.ask(self._place(row), "", partial(objects.name_class, category), above=True)
+
+        def ask_color() -> None:
+            menu = QMenu(window)
+            fill_colors(menu, window, objects.paint, True)
+            menu.aboutToHide.connect(menu.deleteLater)
+            menu.popup(QCursor.pos())
+
         def merge() -> None:
-            if objects.mergeable or objects.chosen:
+            if selects("object", "proposal", "closed", least=2):
                 objects.merge()
             else:
                 editing.join_selected(closing=False)
 
+        objects.class_begun.connect(ask_class)
         self.actions = (
             ActionSpec("accept", "Objects", "&Accept",
                        "Accept proposals and closed contours as objects, and keep open contours; Enter "
@@ -90,7 +101,7 @@ class ObjectsFeature(Feature):
                        self.ask_name, "F2", gap=True, when=some),
             Submenu("object_class", "Objects", "C&lass", self._fill_classes),
             ActionSpec("object_color", "Objects", "C&olor…", "Give objects and contours a color of their own.",
-                       self._ask_color, when=lambda _: selects("object", "closed", "open")),
+                       ask_color, when=lambda _: selects("object", "closed", "open")),
             ActionSpec("merge_objects", "Objects", "&Merge",
                        "Merge the selected objects into one; open contours are joined along the edges.", merge, "M",
                        gap=True, when=lambda _: len(objects.selected) > 1),
@@ -109,10 +120,10 @@ class ObjectsFeature(Feature):
                        lambda: selection.fit(objects.chosen), when=has_objects),
             ActionSpec("freeze_object", "Objects", "&Freeze",
                        "Keep the objects as they are, and keep particles from crossing their boundaries.",
-                       objects.toggle_frozen, gap=True, when=has_objects,
+                       partial(objects.toggle, "frozen"), gap=True, when=has_objects,
                        worded=lambda _: tr("Unfreeze") if all_are("frozen") else tr("&Freeze")),
             ActionSpec("hide_object", "Objects", "&Hide", "Hide the objects, or show them again.",
-                       objects.toggle_hidden, when=has_objects,
+                       partial(objects.toggle, "hidden"), when=has_objects,
                        worded=lambda _: tr("Show") if all_are("hidden") else tr("&Hide")),
             Submenu("use_as", "Objects", "&Use as", self._fill_uses),
             ActionSpec("skeleton", "Objects", "Ske&leton",
@@ -166,8 +177,6 @@ class ObjectsFeature(Feature):
         key, selecting = event.key(), tool.name in _SELECTING
         if selecting and 1 <= key - Qt.Key.Key_0 <= len(self._list.objects.classes):
             self._list.classify(key - Qt.Key.Key_0)
-        elif key in _DELETE and len(self._editing.marked) == 2:
-            self._editing.delete_stretch()
         elif selecting and key in _DELETE and self._list.selected and not tool.drafting:
             self._list.delete()
         else:
@@ -201,19 +210,6 @@ class ObjectsFeature(Feature):
         self.window.canvas_area.use_tool("objects")
         self._selection.correct(self._list.items[0].number)
 
-    def _ask_class(self, category: int) -> None:
-        """Ask for the name of a class that is used for the first time."""
-        rows = self._list.selected_rows
-        if rows:
-            accept = partial(self._list.name_class, category)
-            self.class_field.ask(self._place(rows[0]), "", accept, above=True)
-
-    def _ask_color(self) -> None:
-        menu = QMenu(self.window)
-        fill_colors(menu, self.window, self._list.paint, True)
-        menu.aboutToHide.connect(menu.deleteLater)
-        menu.popup(QCursor.pos())
-
     def _fill_classes(self, menu: QMenu) -> None:
         objects = self._list.objects
         for category in listed_classes(objects):
@@ -224,13 +220,12 @@ class ObjectsFeature(Feature):
             action.setIcon(swatch(objects.classes[category - 1].color))
 
     def _fill_uses(self, menu: QMenu) -> None:
-        objects = self._list
-        for text, do in (
-            (tr("&Start of the next run"), objects.as_starts),
-            (tr("Region of &interest"), objects.as_regions),
-            (tr("&Barrier"), objects.as_barriers),
+        for text, words, edit in (
+            (tr("&Start of the next run"), tr("start from {what}"), as_starts),
+            (tr("Region of &interest"), tr("region of interest of {what}"), as_regions),
+            (tr("&Barrier"), tr("barrier around {what}"), as_barriers),
         ):
-            add_choice(menu, text, do).setEnabled(bool(objects.chosen))
+            add_choice(menu, text, partial(self._list.do, words, edit)).setEnabled(bool(self._list.chosen))
 
     def _closed(self) -> list[Contour]:
         """The closed ones of the selected contours, or of all that have not been rejected if none is selected."""

@@ -11,7 +11,7 @@ from app.model.document.document import Document
 from app.model.document.modes import ADVICE, use_kind
 from app.model.document.samples import sample_like
 from app.model.preferences.table import KEEP_PARAMETERS, OFFER_SETTINGS
-from app.model.state.situation import Situation, has_image, has_volume
+from app.model.state.situation import has_image, has_volume
 from app.model.text.language import from_core, tr, written
 from app.model.volume.parts import Parts
 from app.session.exchange.messages import Opened
@@ -33,16 +33,6 @@ class BeginningFeature(Feature):
         super().__init__(window)
         window.session.listen(Opened, self._offer)
         window.preferences.follow(KEEP_PARAMETERS, self._use)
-
-        def differ(situation: Situation) -> bool:
-            former, document = window.session.former_parameters, situation.document
-            return former is not None and document.fitting(former) != document.parameters
-
-        self.actions = (
-            ActionSpec("former_parameters", "Run", "Use parameters of the &last image",
-                       "Use all parameters of the image that was open before this one.",
-                       window.session.use_former_parameters, when=differ),
-        )  # fmt: skip
 
     def _offer(self, opened: Opened) -> None:
         if opened.saved is not None:

@@ -101,9 +101,9 @@ class TimelineFeature(Feature):
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
         self.navigation = to = window.workspace.navigation
-        self.panel = TimelinePanel(to, lambda: is_running(window.session.situation))
+        self.panel = TimelinePanel(to, lambda: window.session.status)
         self.panels = (Panel("timeline", "Timeline", self.panel, "F9", below=True),)
-        window.session.status_changed.connect(lambda: self.panel.setVisible(is_started(window.session.situation)))
+        window.session.status_changed.connect(self.panel.follow_run)
 
         def go_to_end(event: QKeyEvent) -> bool:
             """Home and End on the canvas; in sliders and fields they keep their meaning."""

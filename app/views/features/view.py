@@ -7,7 +7,6 @@ from functools import partial
 
 from PySide6.QtWidgets import QApplication
 
-from app.model.display.coloring import QUANTITIES
 from app.model.state.situation import has_image
 from app.model.text.language import tr, written
 from app.session.storage.preferences import Preferences
@@ -36,7 +35,7 @@ class LayersFeature(Feature):
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
         area, canvas, workspace = window.canvas_area, window.canvas_area.canvas, window.workspace
-        layers, particles, legend = canvas.layers, canvas.layers.particles, area.strip.legend
+        layers, legend = canvas.layers, area.strip.legend
         panel = LayersPanel(layers)
         self.panels = (Panel("layers", "Layers", panel, "F8"),)
         canvas.pointed.connect(layers.forces.point_at)
@@ -59,12 +58,6 @@ class LayersFeature(Feature):
                               lambda: layer.set_shown(not layer.shown), layer.shortcut,
                               holds=lambda _: layer.shown)  # fmt: skip
 
-        def coloring(way: str, title: str) -> ActionSpec:
-            tip = QUANTITIES[way].tip if way in QUANTITIES else particles.tip
-            return ActionSpec(f"colour_{way}", _LAYERS, title, tip,
-                              partial(particles.choose, "colour", way),
-                              holds=lambda _: particles.word("colour") == way)  # fmt: skip
-
         self.actions = (
             ActionSpec("fit", "View", "&Fit to window", "Show the whole image.", canvas.fit, "F Ctrl+0",
                        short=tr("Fit"), icon="fit", when=has_image),
@@ -79,7 +72,6 @@ class LayersFeature(Feature):
             ActionSpec("legend", "View", "Le&gend", "Show or hide what the lines and dots mean.",
                        lambda: legend.fold(not legend.folded), "Alt+L", gap=True, holds=lambda _: not legend.folded),
             *map(toggle, layers),
-            *(coloring(way, title) for way, title in particles.ways.items()),
         )  # fmt: skip
 
     def close(self) -> bool:

@@ -259,37 +259,23 @@ class SpaceFeature(Feature):
         self.panel.view.close_thread()
         return True
 
-    def write_picture(self, path: Path) -> Task | None:
-        """Write what is seen."""
-        shown, seen, camera = self.panel.view, self.panel.contents, self.panel.view.camera
+    def write(self, path: Path, turning: bool) -> None:
+        """Write what is seen as a picture, or a full turn of it."""
+        room, seen, camera = self.panel.view.room, self.panel.contents, self.panel.view.camera
         if seen is None or camera is None:
-            return None
-        draw = partial(picture_of, seen, camera, shown.room)
-        comment = comment_on(self.window.session)
-
-        def work(_: Task) -> Report:
-            write_picture(draw(), path, comment)
-            return Exported(path)
-
-        return begin_writing(self.window.session, path, work, cancellable=False)
-
-    def write_turntable(self, path: Path) -> Task | None:
-        """Write a full turn of what is seen."""
-        shown, seen, camera = self.panel.view, self.panel.contents, self.panel.view.camera
-        if seen is None or camera is None:
-            return None
-        size = animation_size(shown.room)
-        frames = partial(turn, seen, camera.enlarged(size[0] / shown.room[0]), size)
-        comment = comment_on(self.window.session)
+            return
+        size, comment = animation_size(room), comment_on(self.window.session)
 
         def work(task: Task) -> Report | None:
-            def advance(count: int) -> None:
-                task.advance(count / FRAMES)
-
-            written = write_animation(frames(), path, FRAMES_PER_SECOND, advance, lambda: task.cancelled, comment)
+            if not turning:
+                write_picture(picture_of(seen, camera, room), path, comment)
+                return Exported(path)
+            frames = turn(seen, camera.enlarged(size[0] / room[0]), size)
+            advance: Callable[[int], None] = lambda count: task.advance(count / FRAMES)  # noqa: E731
+            written = write_animation(frames, path, FRAMES_PER_SECOND, advance, lambda: task.cancelled, comment)
             return Exported(path) if written else None
 
-        return begin_writing(self.window.session, path, work)
+        begin_writing(self.window.session, path, work)
 
     # Internal
 

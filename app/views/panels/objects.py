@@ -36,12 +36,13 @@ from app.model.display.lengths import shown_in
 from app.model.document.objects import class_title, listed_classes
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
-from app.session.features.object_list import Figures, Kind, ObjectList, Row, histogram
+from app.session.features.object_list import BRUSH, Figures, Kind, ObjectList, Row, histogram
 from app.session.session import Session
 from app.views.panels.tables import Column, ItemTable, Role, Selection, TableModel
 from app.views.theme import theme
 from app.views.theme.icons import fill_colors, swatch
 from app.views.widgets.containers import arrange, wrapped
+from app.views.widgets.fields import DecimalField
 from cpm_core import Image
 from cpm_core.contours import Measures, Reached
 from cpm_core.objects.segmented import SegmentedObject
@@ -110,11 +111,13 @@ def columns_of(shown: _Shown) -> tuple[Column[Row], ...]:
     def area(item: SegmentedObject) -> float:
         return item.area * pixel
 
+    def number(row: Row) -> int | None:
+        return row.contour.measures.number if row.contour else abs(row.key[1]) or None
+
     length = _of(lambda item: item.perimeter(spacing), lambda found: found.length_in_units)
     return (
         Column("number", tr("#"), tr("Number; it stays the same."),
-               lambda row: row.contour.measures.number if row.contour else row.key[1] if row.key[1] > 0 else None,
-               "000", form=".0f", key=lambda row: list(_KIND).index(row.kind) * 1e7 + abs(row.key[1])),
+               number, "000", form=".0f", key=lambda row: list(_KIND).index(row.kind) * 1e7 + (number(row) or 0)),
         Column("name", tr("Name"), tr("Name and color; double-click or press {key:name_object} to rename."),
                lambda row: row.name, "name"),
         Column("class", tr("Class"), tr("Class of an object, which the digits 1 to 9 set, or what else the "
@@ -224,7 +227,7 @@ class ObjectTable(ItemTable):
 def color_of(object_list: ObjectList, row: Row) -> str:
     """The color of a row: of an object that of its class, unless it has its own."""
     if row.item is not None:
-        return theme.CHOSEN if row.kind == "proposal" else object_list.objects.color(row.item)
+        return theme.PROPOSAL if row.kind == "proposal" else object_list.objects.color(row.item)
     assert row.contour is not None
     contour = row.contour.contour
     return contour.color or theme.CONTOUR
@@ -278,7 +281,7 @@ class ClassRow(QWidget):
         self.color.setAutoRaise(True)
         self.color.setToolTip(tr("Color of the class"))
         menu = QMenu(self.color)
-        fill_colors(menu, self, self._paint, True)
+        fill_colors(menu, self, lambda color: object_list.name_class(number, self.name.text(), color), True)
         self.color.setMenu(menu)
         self.color.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         self.digit.setText(str(number))
@@ -301,11 +304,6 @@ class ClassRow(QWidget):
         self.name.setPlaceholderText(class_title(objects, self._number))
         if not self.name.isModified():
             self.name.setText(known.name)
-
-    def _paint(self, color: str) -> None:
-        known = self._list.objects.classes[self._number - 1]
-        if color:
-            self._list.name_class(self._number, known.name, color)
 
     def _rename(self) -> None:
         if self.name.isModified():
@@ -345,6 +343,14 @@ class ObjectPanel(QWidget):
         self.buttons: dict[str, QToolButton] = {}
         self._grid = QGridLayout()
         self._grid.setSpacing(4)
+        self.brush = DecimalField()
+        self.brush.setRange(*BRUSH)
+        self.brush.setPrefix(tr("Brush") + " ")
+        self.brush.setSuffix(" px")
+        self.brush.setToolTip(tr("Radius of the brush; the keys [ and ] change it."))
+        self.brush.setVisible(False)
+        self.brush.valueChanged.connect(object_list.set_brush)
+        object_list.brush_changed.connect(self.brush.show_value)
         self.shown = QComboBox()
         self.shown.setAccessibleName(tr("Rows in the table"))
         self.shown.setToolTip(tr("Which rows the table shows."))
@@ -353,8 +359,8 @@ class ObjectPanel(QWidget):
         self.shown.currentIndexChanged.connect(lambda place: self.table.show_only(_FILTERS[place][1]))
         self.summary = wrapped(dim=True)
         row = arrange(QHBoxLayout(), self.summary, self.shown, spacing=6, wide=self.summary)
-        arrange(QVBoxLayout(self), self.name, self.figures, self.histogram, self._classes, self._grid, row, self.table,
-                margins=(2, 6, 2, 6), spacing=6, wide=self.table)  # fmt: skip
+        arrange(QVBoxLayout(self), self.name, self.figures, self.histogram, self._classes, self._grid, self.brush, row,
+                self.table, margins=(2, 6, 2, 6), spacing=6, wide=self.table)  # fmt: skip
         for changed in (object_list.changed, object_list.selection_changed, session.image_changed):
             changed.connect(self.show_chosen)
         self.show_chosen()
@@ -372,6 +378,7 @@ class ObjectPanel(QWidget):
         self.figures.setText(self._said(row) if row else "")
         counts = row.figures.counts if row is not None and row.figures is not None else ()
         self.histogram.show_counts(self._session.image, counts, color_of(self._list, row) if row else "")
+        self.brush.show_value(self._list.brush)
         self._show_classes()
         found = Counter(each.kind for each in self._list.rows)
         words: tuple[tuple[Kind, str, str], ...] = (

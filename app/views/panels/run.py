@@ -371,4 +371,4 @@ class RunPanel(Scrolled):
         """Scroll an unfolded section into view, after the layout has placed it."""
         if unfolded and self.isVisible():
             scroll = self.verticalScrollBar().setValue
-            QTimer.singleShot(0, self, lambda: scroll(section.mapTo(self.widget(), QPoint()).y()))
+            QTimer.singleShot(0, self, lambda: scroll(section.mapTo(self._content, QPoint()).y()))

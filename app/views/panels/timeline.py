@@ -29,6 +29,7 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.display.lengths import round_up
+from app.model.state.situation import RunStatus
 from app.model.text.language import tr
 from app.session.features.timeline import TimelineNavigation
 from app.session.timeline.stored_runs import Branch
@@ -267,12 +268,12 @@ class TimelineView(QWidget):
 
 
 class TimelinePanel(QWidget):
-    """Shows the timeline of a run and goes to any of its steps; updated less often while `running` is true."""
+    """Shows the timeline while there is a run and goes to any of its steps; updated less often while that runs."""
 
-    def __init__(self, navigation: TimelineNavigation, running: Callable[[], bool]) -> None:
+    def __init__(self, navigation: TimelineNavigation, status: Callable[[], RunStatus]) -> None:
         super().__init__()
         self._navigation = navigation
-        self._running = running
+        self._status = status
         self.view = TimelineView(navigation)
         self.setFocusProxy(self.view)
         self.buttons = {name: _button(name) for name in ("first", "back", "play", "forward", "last")}
@@ -309,9 +310,17 @@ class TimelinePanel(QWidget):
         self.branch.setIcon(icon("branch", theme.text, faded=theme.line))
         self.parameters.setIcon(icon("restore", theme.text, faded=theme.line))
 
+    def follow_run(self) -> None:
+        """Be seen while there is a run."""
+        self.setVisible(self._status().started)
+
+    @property
+    def _running(self) -> bool:
+        return self._status().phase == "running"
+
     def show_parameters(self) -> None:
         """Offer the parameters of the step if they differ from the present ones."""
-        self.parameters.setVisible(self._navigation.other_parameters is not None and not self._running())
+        self.parameters.setVisible(self._navigation.other_parameters is not None and not self._running)
 
     def minimumSizeHint(self) -> QSize:
         """Room for the buttons and a short track."""
@@ -333,7 +342,7 @@ class TimelinePanel(QWidget):
         arrange(QHBoxLayout(self), *self.buttons.values(), *fields, margins=(8, 1, 8, 1), spacing=2, wide=scroll)
 
     def _follow(self) -> None:
-        if not self._running():
+        if not self._running:
             self._later.stop()
             self._show()
         elif not self._later.isActive():

@@ -192,7 +192,7 @@ _STYLE = Template("""
 QToolTip { color: $text; background: $base; border: 1px solid $line; padding: 4px; }
 QMenuBar { background: $window; }
 QToolBar { background: $window; border: none; border-bottom: 1px solid $line;
-            spacing: 2px; padding: 4px; }
+            spacing: 2px; padding: 3px 4px; }
 QToolBar#palette { border-bottom: none; border-right: 1px solid $line; }
 QToolBar::separator { background: $line; width: 1px; height: 1px; margin: 5px; }
 QToolBar QToolButton { padding: 4px 6px; border: 1px solid transparent; border-radius: 5px; }
@@ -245,7 +245,6 @@ QFrame#popup { background: $panel; border: 1px solid $line; }
 QLabel#heading { color: $dim; font-weight: 600; }
 QLabel#dim { color: $dim; }
 QLabel#state { font-weight: 600; }
-QWidget#explanation { border-top: 1px solid $line; }
 QToolButton#fold { border: none; color: $dim; font-weight: 600; padding: 2px 0; }
 QToolButton#fold:hover { color: $text; }
 QToolButton#fold:focus { color: $accent; }

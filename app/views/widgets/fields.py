@@ -25,6 +25,9 @@ from app.session.session import Session
 from app.views.widgets.containers import arrange
 
 _POINT = "."
+_LARGE = 100.0
+"""From this value on, a whole number has no decimals."""
+
 _GROUP = 3
 """Digits between separators of groups."""
 
@@ -72,8 +75,11 @@ class DecimalField(WheelWithFocus, QDoubleSpinBox):
             self.valueChanged.emit(value)
 
     def textFromValue(self, value: float) -> str:
-        """The word for a value, or the number."""
-        return self._words.get(value) or super().textFromValue(value)
+        """The word for a value, or the number; a large whole one has no decimals."""
+        if value in self._words:
+            return self._words[value]
+        long = self.decimals() and value >= _LARGE and value == round(value)
+        return self.locale().toString(value, "f", 0) if long else super().textFromValue(value)
 
     def validate(self, text: str, place: int) -> tuple[QValidator.State, str, int]:
         """Whether a text is a number or a word, or the beginning of one."""

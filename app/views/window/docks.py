@@ -45,8 +45,15 @@ class Panel:
 _WIDTH, _LEAST, _SHARE = 300, 284, 0.29
 """Initial and least width of the column [px], and the part of the window that it may have."""
 
+_FIRST = ("objects", "run", "layers")
+"""The tabs that are always there, before those that appear."""
+
 _VERSION = 2
 """Version of the stored layout."""
+
+
+def _place(panel: Panel) -> int:
+    return _FIRST.index(panel.name) if panel.name in _FIRST else len(_FIRST)
 
 
 class Docks(QObject):
@@ -55,11 +62,12 @@ class Docks(QObject):
     def __init__(self, window: QMainWindow, panels: Iterable[Panel], keyboard: Keyboard, below: QBoxLayout) -> None:
         super().__init__(window)
         self._window, self._keyboard, self._laid_out = window, keyboard, False
-        self._panels = {panel.name: panel for panel in panels}
+        self._panels = {panel.name: panel for panel in sorted(panels, key=_place)}
         self.tabs = QTabWidget()
         self.tabs.setDocumentMode(True)
         self.tabs.setMinimumWidth(_LEAST)
         self.tabs.tabBar().setExpanding(False)
+        self.tabs.tabBar().setDrawBase(False)
         self.column = QDockWidget(tr("Panels"), window)
         self.column.setObjectName("column")
         self.column.setFeatures(QDockWidget.DockWidgetFeature.DockWidgetClosable)

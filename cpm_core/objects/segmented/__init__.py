@@ -4,6 +4,8 @@ from cpm_core.objects.segmented.areas import lies_on as lies_on
 from cpm_core.objects.segmented.areas import painted as painted
 from cpm_core.objects.segmented.areas import union as union
 from cpm_core.objects.segmented.by_hand import Halves as Halves
+from cpm_core.objects.segmented.by_hand import line_of as line_of
+from cpm_core.objects.segmented.by_hand import outlined as outlined
 from cpm_core.objects.segmented.by_hand import redrawn as redrawn
 from cpm_core.objects.segmented.by_hand import split as split
 from cpm_core.objects.segmented.by_hand import split_along as split_along

@@ -136,11 +136,6 @@ def connect(path: Array, begin: Contact | None = None, end: Contact | None = Non
     return (HandEdit((), places(path), False, before, after),)
 
 
-def outline(path: Array) -> HandEdit:
-    """A closed contour along a path, whose last vertex is joined to the first."""
-    return HandEdit(added=places(path), closed=True)
-
-
 def chain(scale_field: ScaleField, contours: Sequence[Contour], closing: bool = False) -> tuple[HandEdit, ...]:
     """Open contours joined to one by live wires between ends, the nearest first; where `closing`, to a closed one."""
     ends = [(number, end) for number, contour in enumerate(contours) for end in Contact.ends(contour)]

@@ -59,7 +59,7 @@ def test_the_legend_names_and_counts_what_is_there_and_nothing_else(rested) -> N
     offered = rested.session.scene.objects.proposals
     rested.canvas_area.strip.legend.show_now()
     assert {entry.text: entry.count for entry in legend.entries} == {
-        text: count for text, count in (("contours", sum(layers.contours.counts)), ("proposed", len(offered))) if count
+        text: count for text, count in (("found", sum(layers.contours.counts)), ("proposed", len(offered))) if count
     }
     rested.workspace.review.select(item.key for item in rested.workspace.review.items)
     rested.workspace.object_list.reject()
@@ -75,11 +75,12 @@ def test_the_legend_names_and_counts_what_is_there_and_nothing_else(rested) -> N
 def test_the_legend_drops_its_words_where_there_is_no_room_and_can_be_folded(rested, hand, qtbot) -> None:
     strip = rested.canvas_area.strip
     legend = strip.legend
+    hand.wait(lambda: rested.workspace.object_selection.idle)
     legend.show_now()
     strip.setFixedWidth(2000)
     qtbot.waitUntil(lambda: strip.width() == 2000)
     whole = legend.sizeHint().width()
-    strip.setFixedWidth(160)
+    strip.setFixedWidth(100)
     qtbot.waitUntil(lambda: legend.sizeHint().width() < whole)
     strip.setFixedWidth(2000)
     qtbot.waitUntil(lambda: legend.sizeHint().width() == whole)

@@ -37,7 +37,7 @@ def apply(hand: Hand) -> None:
 def test_a_folder_is_run_as_by_the_command_line(ready: MainWindow, hand: Hand, folder, tmp_path) -> None:
     apply(hand)
     assert not ready.actions_by_name["apply_to_folder"].isEnabled()
-    hand.wait(lambda: ready.canvas_area.messages.text.startswith("1 of 2 images are done. 1 could not be used."))
+    hand.wait(lambda: ready.canvas_area.messages.text.startswith("1 of 2 images finished. 1 could not be used."))
     assert ready.actions_by_name["apply_to_folder"].isEnabled()
     images = " ".join(shlex.quote(str(path)) for path in sorted(folder.glob("*.png")))
     command = f"batch {images} --session {folder}/contours/session.cpm --output {tmp_path}/again"
@@ -59,4 +59,4 @@ def test_it_stops_when_it_is_canceled_and_leaves_no_process(ready: MainWindow, h
 def test_a_folder_without_an_image_is_reported(ready: MainWindow, hand: Hand, tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(QFileDialog, "getExistingDirectory", lambda *_: str(tmp_path / "nowhere"))
     apply(hand)
-    hand.wait(lambda: "There is no image in this folder" in ready.canvas_area.messages.text)
+    hand.wait(lambda: "contains no readable image" in ready.canvas_area.messages.text)

@@ -227,6 +227,7 @@ QTS_OWN = ("qt_dockwidget", "ScrollLeftButton", "ScrollRightButton", "qt_toolbar
 seen = 0
 
 def outside(said):
+    said = re.sub(r"\\n[^\\n]*\\(\\d{4}\\)$", " ", said)  # authors and year of a publication
     said = re.sub(r"<sub>.*?</sub>|<[^>]*>|&\\w+;|\\b\\w_\\w+(,0)?", " ", said)
     said = re.sub(r"\\((\\w|\\+|,|\\.|\\[|\\]|Shift|Escape|Space|Delete|F\\d+|Ctrl|Alt|Home|End)+\\)", " ", said)
     depth, kept = 0, ""

@@ -56,6 +56,14 @@ def go(window: MainWindow, hand, key, expected: str) -> None:
     hand.wait(lambda: name(window) == expected and window.session.idle)
 
 
+def test_what_has_been_exported_of_an_image_is_no_next_image(folder: Path) -> None:
+    for exported in ("hand1_objects.npy", "hand1_contours.figure.png", "hand1_other.npy", "arm_objects.npy"):
+        np.save(folder / "x.npy", np.eye(64))
+        (folder / "x.npy").rename(folder / exported)
+    names = [path.name for path in images_beside(folder / "hand1.npy")]
+    assert names == ["arm_objects.npy", "hand1.npy", "hand1_other.npy", "hand2.npy", "Hand10.npy"]
+
+
 def test_images_are_in_the_order_in_which_people_count(folder: Path) -> None:
     names = [path.name for path in images_beside(folder / "hand2.npy")]
     assert names == ["hand1.npy", "hand2.npy", "Hand10.npy"]

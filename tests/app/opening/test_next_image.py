@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QCheckBox, QWidget
 
 from app.model.document import edits
@@ -94,19 +93,6 @@ def test_a_new_image_begins_with_the_parameters_of_its_mode_not_with_those_of_th
     tune(window)
     open_image(window, hand, other)
     assert window.session.document.parameters == fresh_parameters("shape") == FRESH
-
-
-def test_the_parameters_of_the_last_image_are_one_action_away_and_can_be_taken_back(window, hand, other) -> None:
-    action = window.actions_by_name["former_parameters"]
-    assert not action.isEnabled()
-    tune(window)
-    open_image(window, hand, other)
-    assert action.isEnabled()
-    action.trigger()
-    assert window.session.document.parameters == replace(FRESH, beta=1.9)
-    assert not action.isEnabled()
-    hand.key(Qt.Key.Key_Z, Qt.KeyboardModifier.ControlModifier)
-    assert window.session.document.parameters == FRESH
 
 
 def test_parameters_are_kept_for_the_next_image_by_choice(window, hand, other) -> None:

@@ -61,7 +61,7 @@ def test_of_several_times_the_first_is_opened_and_the_others_are_offered(window,
     write_times(tmp_path / "s")
     open_file(window, hand, tmp_path / "s")
     assert np.array_equal(window.session.image.values, VALUES[:9])
-    assert bar(window).text == "s holds 9 planes, 2 points in time. Open now: time 1."
+    assert bar(window).text == "s contains 9 planes, 2 points in time. Open now: time 1."
     answer(window, hand, "Choose…")
     dialog = window.feature(StackFeature).dialog
     dialog.time.selectAll()

@@ -16,6 +16,7 @@ from app.views.window import dialogs
 from cpm_core import Parameters
 from cpm_core.shapes import Circle, Everywhere, Polygon, Region
 from tests.app.conftest import disc
+from tests.app.exporting import export
 
 pytestmark = pytest.mark.shared_window
 
@@ -77,6 +78,15 @@ def run_all(window, hand) -> None:
     settled(window, hand)
 
 
+def test_all_pages_are_written_in_several_formats_at_once(stack, hand, tmp_path) -> None:
+    run_all(stack, hand)
+    labels, table = export(hand.qtbot, stack, tmp_path, "pages:.tif", "pages:.measures.csv")
+    assert (labels.name, table.name) == ("cells_pages.tif", "cells_pages.measures.csv")
+    hand.wait(lambda: "cells_pages.tif (2 files)" in stack.canvas_area.messages.text)
+    assert (tifffile.imread(labels)[0] > 0).sum() == pytest.approx(np.pi * 81.0, rel=0.1)
+    assert table.read_text().startswith("page,track,")
+
+
 def test_the_line_shows_the_pages_and_keys_go_through_them(stack, hand) -> None:
     bar = stack.feature(PagesFeature).bar
     assert bar.isVisible()
@@ -125,7 +135,7 @@ def test_all_pages_are_run_and_followed_and_the_table_tells_them(stack, hand) ->
     assert [float(area) for area in table.column("area") if area != "–"] == pytest.approx([np.pi * 81] * 4, rel=0.05)
     columns = [float(col) for col in table.column("col") if col != "–"]
     np.testing.assert_allclose(np.diff(columns), [5, 5, 5], atol=0.3)
-    assert "4 of 5 pages are done; tracks: 1. 1 could not be used." in feature.panel.summary.text()
+    assert "4 of 5 pages finished; tracks: 1. 1 could not be used." in feature.panel.summary.text()
     assert stack.session.status.phase == "finished"  # the page that is open shows its run
     assert len(stack.session.scene.contours.items) == 1
 

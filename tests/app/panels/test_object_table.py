@@ -329,7 +329,7 @@ def test_a_color_is_that_of_objects_and_contours_alike(window, hand, drawn) -> N
     window.session.edit("draw", lambda document: replace(document, objects=SegmentedObjects((DOT,))))
     choose(hand, drawn, 0)
     choose(hand, drawn, 1, SHIFT)
-    window.feature(ObjectsFeature)._ask_color()
+    window.actions_by_name["object_color"].trigger()
     popup = window.findChildren(QMenu)[-1]
     next(action for action in popup.actions() if action.text() == "Orange").trigger()
     popup.close()
@@ -393,3 +393,19 @@ def test_a_name_that_is_typed_goes_to_no_object_of_another_image(window, hand, t
     window.session.open(image_file)
     hand.wait(lambda: window.session.image_generation != before)
     assert not field.isVisible()
+
+
+def test_the_radius_of_the_brush_is_in_the_panel_while_the_tool_that_mends_is_used(window, hand, panel) -> None:
+    assert not panel.brush.isVisible()
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_J)
+    hand.wait(panel.brush.isVisible)
+    before = panel.brush.value()
+    hand.key(KEY.Key_BracketRight)
+    assert panel.brush.value() > before
+    panel.brush.selectAll()
+    hand.qtbot.keyClicks(panel.brush, "7")
+    hand.qtbot.keyClick(panel.brush, KEY.Key_Return)
+    assert window.workspace.object_list.brush == 7.0
+    hand.key(KEY.Key_S)
+    assert not panel.brush.isVisible()

@@ -58,7 +58,7 @@ def test_an_unusable_file_is_reported_in_one_sentence_and_the_image_stays(ready,
         said = ready.canvas_area.messages.text
         assert said.endswith(".")
         assert "\n" not in said
-        assert "Something unexpected" not in said
+        assert "An unexpected error" not in said
         assert "Traceback" not in said
         assert ready.session.document == document
         hand.key(KEY.Key_Escape)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from pathlib import Path
 
@@ -10,7 +9,6 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
-from app.model.export import ExportOrder
 from app.views.features.files import OpenSaveFeature
 from app.views.window.window import MainWindow
 from cpm_core.formats.sessions.session_file import load_session
@@ -165,29 +163,17 @@ def draw_outline(hand: Hand) -> None:
         hand.click(*at(angle))
 
 
-def test_an_outline_along_the_edge_is_a_contour_before_any_run(window, hand, tmp_path: Path) -> None:
+def test_an_outline_along_the_edge_is_an_object_before_any_run(window, hand) -> None:
     hand.canvas.setFocus()
     hand.key(KEY.Key_U)
     hand.wait(lambda: window.workspace.hand_editing.edges is not None)
     draw_outline(hand)
-    settle(window, hand)
-    (one,) = contours(window)
-    assert one.closed and one.area == pytest.approx(AREA, rel=0.04) and one.contrast > 0.5
-    assert one.length_by_hand == pytest.approx(one.length)
-    window.docks.reveal("objects")
-    table = window.panels["objects"].table
-    hand.wait(table.isVisible)
-    assert table.column("by_hand") == [f"{one.length:.0f}"]
-    path = tmp_path / "hand.measures.csv"
-    window.session.export(ExportOrder.of(path))
-    hand.wait(path.exists)
-    settle(window, hand)
-    (row,) = csv.DictReader(path.read_text().splitlines())
-    assert float(row["by_hand_px"]) == pytest.approx(one.length, abs=1e-3)
+    (one,) = window.session.document.objects.items
+    assert one.area == pytest.approx(AREA, rel=0.04) and one.bridged() < 3.0
+    assert window.workspace.object_list.chosen == {1}
     hand.canvas.setFocus()
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
-    settle(window, hand)
-    assert contours(window) == [] and len(window.session.status.contours) == 0
+    assert window.session.document.objects.items == () and contours(window) == []
 
 
 def test_an_outline_between_two_places_of_a_contour_redraws_the_stretch(outlined, hand) -> None:
@@ -211,9 +197,8 @@ def test_a_freehand_outline_snaps_and_closes_where_it_began(window, hand) -> Non
     hand.key(KEY.Key_U)
     hand.wait(lambda: window.workspace.hand_editing.edges is not None)
     hand.drag(*(at(angle, RADIUS + 1.0) for angle in np.linspace(0.0, 2.0 * math.pi, 40)))
-    settle(window, hand)
-    (one,) = contours(window)
-    assert one.closed and one.area == pytest.approx(AREA, rel=0.04)
+    (one,) = window.session.document.objects.items
+    assert one.area == pytest.approx(AREA, rel=0.04)
 
 
 def test_edits_by_hand_are_saved_and_come_back(gap, hand, tmp_path: Path) -> None:

@@ -107,7 +107,7 @@ def test_with_shift_it_bends_and_what_is_bent_is_a_gap(mended, hand) -> None:
 def test_a_frozen_object_is_not_pulled_and_a_click_chooses(mended, hand) -> None:
     hand.click(*at(0.0, DRAWN))
     assert mended.workspace.object_list.chosen == {1}
-    mended.workspace.object_list.toggle_frozen()
+    mended.workspace.object_list.toggle("frozen")
     hand.drag(at(0.0, DRAWN), at(0.0, 21.0), at(0.0, 19.0))
     assert radii(bone(mended)) == pytest.approx(DRAWN)
     assert "frozen" in mended.canvas_area.messages.text
@@ -118,7 +118,7 @@ def test_away_from_lines_it_paints_and_keys_do_the_same(mended, hand) -> None:
     hand.drag((32, 32), (32, 50), (32, 58))
     assert bone(mended).area > before + 5
     QCursor.setPos(mended.mapToGlobal(QPoint(2, 2)))
-    hand.key(KEY.Key_Return)
+    mended.actions_by_name["cross_hair"].trigger()
     crosshair = mended.canvas_area.crosshair
     crosshair.move(*(np.array(at(-2.0, DRAWN)) - crosshair.at))
     hand.key(KEY.Key_Return)

@@ -108,7 +108,7 @@ def test_a_frozen_object_stays_and_escape_forgets_the_first_half(pair, hand) -> 
     hand.click(39, 44)
     assert len(items(pair)) == 1 and hand.canvas.hold.tool.drafting
     pair.workspace.object_list.choose((1,))
-    pair.workspace.object_list.toggle_frozen()
+    pair.workspace.object_list.toggle("frozen")
     hand.drag((40, 20), (22, 44))
     assert len(items(pair)) == 1 and "frozen" in pair.canvas_area.messages.text
     hand.click(3, 3)
@@ -143,3 +143,14 @@ def test_a_click_cuts_an_open_contour(window, hand) -> None:
     assert "cut the contour" in window.canvas_area.strip.hint.text()
     hand.click(50, 18)
     hand.wait(lambda: window.session.idle and len(window.workspace.review.items) == 2)
+
+
+def test_both_halves_of_a_closed_contour_are_accepted(window, hand) -> None:
+    closed = HandEdit(added=objects.line_of(around()), closed=True)
+    window.session.edit("closed", lambda d: replace(d, hand_edits=(closed,)))
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_K)
+    hand.wait(lambda: window.session.idle and len(window.workspace.object_list.rows) == 1)
+    hand.drag((43, 28), (21, 41))
+    assert [item.number for item in items(window)] == [1, 2]
+    assert [row.kind for row in window.workspace.object_list.rows] == ["object", "object"]

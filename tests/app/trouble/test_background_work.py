@@ -92,7 +92,7 @@ def test_a_run_starts_and_goes_on_where_an_overlay_fails(ready, hand, monkeypatc
 def test_what_background_work_fails_with_is_said_once_and_taken_back(window, hand) -> None:
     latest, results = LatestOnlyWorker(window.session, "test", "measuring"), []
     latest.ask(raising(ZeroDivisionError("by zero")), results.append)
-    hand.wait(lambda: said(window) == "Something unexpected happened while measuring: by zero.")
+    hand.wait(lambda: said(window) == "An unexpected error occurred while measuring: by zero.")
     window.canvas_area.messages.dismiss()
     latest.ask(raising(ZeroDivisionError("by zero")), results.append)
     hand.wait(lambda: latest.idle)

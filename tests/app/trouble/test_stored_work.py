@@ -102,7 +102,7 @@ def test_work_that_no_journal_can_take_is_said_once_and_taken_back(window, hand,
         draw(window)
         journal(window).write()
         hand.wait(lambda: "No space left on device." in said(window))
-        assert said(window).startswith("Unsaved work is not kept")
+        assert said(window).startswith("Unsaved work cannot be protected")
         window.canvas_area.messages.dismiss()
         journal(window).write()
         journal(window).flush()

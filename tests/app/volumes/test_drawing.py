@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
+from app.views.canvas.tools.tool import GROUPS, MEND
 from app.views.features.files import OpenSaveFeature
 from app.views.features.volumes import SlicesFeature
+from app.views.window.bars import ToolPalette
 from cpm_core.shapes import Box, BoxRegion, Charge, Polygon, PrismRegion, Stroke, Wall
 from tests.app.volumes.conftest import SHAPE, drag, move, press, release
 
@@ -150,3 +152,8 @@ def test_limits_and_charges_act_on_the_run_and_come_back_with_the_session(volume
     hand.wait(lambda: volume.session.document.shapes == document.shapes and volume.session.idle)
     hand.wait(lambda: volume.session.scene.snapshot is not None)
     np.testing.assert_array_equal(volume.session.scene.snapshot.position, found)
+
+
+def test_groups_of_tools_that_a_volume_lacks_are_hidden(volume) -> None:
+    shown = {group for group, button in volume.findChild(ToolPalette).buttons.items() if button.isVisible()}
+    assert shown == {*GROUPS} - {MEND}

@@ -84,7 +84,7 @@ def test_a_stack_opens_at_its_first_page_and_as_one_volume_on_request(window, ha
     open_file(window, hand, path)
     assert window.session.image.ndim == 2
     offer = window.offers
-    assert offer.text == "stack.tif holds 24 pages. Open now: page 1."
+    assert offer.text == "stack.tif contains 24 pages. Open now: page 1."
     hand.qtbot.mouseClick(offer.buttons[0], Qt.MouseButton.LeftButton)
     hand.wait(lambda: window.session.image.ndim == 3 and window.session.idle)
     np.testing.assert_array_equal(window.session.image.values, pages)

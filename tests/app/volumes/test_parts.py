@@ -53,7 +53,7 @@ def choose(window, hand, dialog, **numbers) -> None:
 
 def test_a_hyperstack_says_what_it_holds_and_opens_each_part(window, hand, hyperstack) -> None:
     open_file(window, hand, hyperstack)
-    told = "cells.ome.tif holds 9 pages, 3 channels, 2 points in time. Open now: page 1, channel 1, time 1."
+    told = "cells.ome.tif contains 9 pages, 3 channels, 2 points in time. Open now: page 1, channel 1, time 1."
     assert window.offers.text == told
     choose(window, hand, ask(window, hand), page=4, channel=3, time=2)
     expected = load_image(hyperstack, page=4, channel=3, time=2)

@@ -29,7 +29,7 @@ def guide(window, hand) -> Guide:
 
 def test_every_action_that_is_named_exists(window, guide) -> None:
     for name in NAMED:
-        assert name in window.actions_by_name
+        assert name in window.shortcuts.names()
     for name in PAGES:
         guide.turn_to(name)
         assert "{" not in guide.text.toPlainText()

@@ -49,7 +49,7 @@ def run_values(window: MainWindow, folder: Path) -> None:
 
 def write_film(window: MainWindow, folder: Path) -> None:
     steps = tuple(range(4))
-    window.feature(AnimationFeature).write(1, AnimationPlan(steps, (160, 160), 10, False), folder / "film.gif")
+    window.feature(AnimationFeature).write(1, AnimationPlan(steps, (160, 160), 10), folder / "film.gif")
 
 
 def export(window: MainWindow, folder: Path) -> None:

@@ -24,7 +24,7 @@ _SHORT_OPACITY = 0.6
 """Opacity of short open contours: noise and texture recede behind outlines."""
 
 _KINDS: tuple[tuple[str, str, str, Sign], ...] = (
-    (tr("contours"), tr("Lines that particles have found, closed and open ones; short open ones are pale."),
+    (tr("found"), tr("Lines that particles have found, closed and open ones; short open ones are pale."),
      theme.CONTOUR, "line"),
     (tr("bridged"), tr("Gaps in edges that contours bridge."), theme.CONTOUR, "dashed"),
     (tr("by hand"), tr("Segments drawn by hand."), theme.BY_HAND, "dashed"),

@@ -41,7 +41,7 @@ class ObjectLayer(Layer):
 
     name = "objects"
     title = tr("Objects")
-    tip = tr("Accepted objects by class, and those that are offered, dashed.")
+    tip = tr("Accepted objects by class, and proposals, dashed.")
     shortcut = "Alt+5"
     in_slices = True
     colors = (CLASSES[0].color, theme.PROPOSAL)
@@ -74,7 +74,7 @@ class ObjectLayer(Layer):
             LegendEntry(
                 len(objects.items), tr("accepted"), tr("Objects, in the colors of their classes."), color, "area"
             ),
-            LegendEntry(len(offered), tr("proposed"), tr("Objects that are offered."), theme.PROPOSAL, "dashed"),
+            LegendEntry(len(offered), tr("proposed"), tr("Objects that can be accepted."), theme.PROPOSAL, "dashed"),
         )
 
     def follow_choice(self, name: str) -> None:

@@ -28,9 +28,9 @@ _STILL = 0.5
 
 _JOINS = tr("Release on another end to join, elsewhere to extend. {key:escape} cancels.")
 _REDRAWS = tr("Release to redraw the line along the edge; Shift only bends it. {key:escape} cancels.")
-_TAKE = tr("Drag to take away from {name}. [ and ] change the brush.")
-_TAKE_LATER = tr("Drag over an object to take away from it. [ and ] change the brush.")
-_ADD = tr("Drag to add to {name}, with Shift to take away. [ and ] change the brush.")
+_TAKE = tr("Drag to erase from {name}. [ and ] change the brush.")
+_TAKE_LATER = tr("Drag over an object to erase from it. [ and ] change the brush.")
+_ADD = tr("Drag to add to {name}, Shift-drag to erase. [ and ] change the brush.")
 _PAINT = tr("Drag to paint a new object. [ and ] change the brush.")
 
 
@@ -46,8 +46,8 @@ class MendTool(RingTool):
     shortcut = "J"
     group = MEND
     panel = "objects"
-    tip = tr("Drag a line to pull it, an end of a contour to join it, elsewhere to paint; with Shift cut or take away.")
-    by_keys = tr("Enter picks up or paints, with Shift cuts or takes away; arrow keys move, Enter ends.")
+    tip = tr("Drag a line to pull it, an end of a contour to join it, elsewhere to paint; Shift cuts or erases.")
+    by_keys = tr("Enter picks up or paints, with Shift cuts or erases; arrow keys move, Enter ends.")
 
     def set_up(self) -> None:
         """Set what it keeps between events."""
@@ -107,9 +107,9 @@ class MendTool(RingTool):
         if self._takes_away:
             return tr("Click to cut the contour here, drag to bend it.")
         if len(self._editing.marked) == 2:
-            return tr("Delete removes the stretch between the marks; {key:escape} removes the marks.")
+            return tr("Delete removes the segment between the marks; {key:escape} removes the marks.")
         if self._editing.marked:
-            return tr("Click a second place to mark a stretch.")
+            return tr("Click a second point to mark a segment.")
         return tr("Drag to pull the contour, click to mark a place, Shift-click to cut.")
 
     def press(self, at: Position, reach: float) -> None:
@@ -139,7 +139,7 @@ class MendTool(RingTool):
             if item is None:
                 self._editing.add(edits)
             elif item.frozen:
-                frozen = tr("{name} is frozen: release it to change it.").format(name=self._list.title(item))
+                frozen = tr("{name} is frozen: unfreeze it to change it.").format(name=self._list.title(item))
                 self._session.say(frozen, topic=EDITING)
             else:
                 self._editing.redraw(item, held, edits[0], not self._takes_away)

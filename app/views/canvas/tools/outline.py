@@ -1,4 +1,4 @@
-"""The outline tool: draws contours along the edges, anchor by anchor, or freehand."""
+"""The outline tool: draws objects and contours along the edges, anchor by anchor, or freehand."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from app.session.signals import EDITING
 from app.views.canvas.tools.tool import OBJECT, Cursor, Tool
 from app.views.theme import theme
 from cpm_core.numerics import Array, Position, polyline
-from cpm_core.reconstruction import Contact, connect, outline
+from cpm_core.reconstruction import Contact, connect
 
 _FINEST = 1.0
 """Least distance between two corners of a freehand path [px]."""
@@ -36,7 +36,7 @@ class _Anchor(NamedTuple):
 
 
 class OutlineTool(Tool):
-    """Draws a contour by a live wire: clicks set anchors, and the line between them follows the edges.
+    """Draws an object, or an open contour: clicks set anchors, and the line between them follows the edges.
 
     With Shift the line is straight, a drag draws freehand. A line that begins or ends on a contour joins it there, one
     between two places of the same contour takes the place of the stretch between them.
@@ -47,7 +47,7 @@ class OutlineTool(Tool):
     shortcut = "U"
     group = OBJECT
     panel = "objects"
-    tip = tr("Click along the boundary of an object: the line follows the edges and becomes a contour.")
+    tip = tr("Click along the boundary of an object: the line follows the edges, and becomes an object when closed.")
     clicks = True
     by_keys = tr("Enter sets an anchor; Enter once more on the first anchor closes the line, on the last one ends it.")
 
@@ -136,7 +136,7 @@ class OutlineTool(Tool):
         if closed and polyline.area(path) < _SMALLEST:
             self._session.say(tr("That is too small for an outline. {advice}").format(advice=self.tip), topic=EDITING)
         elif closed:
-            self._editing.add((outline(path[:-1]),))
+            self._workspace.object_list.choose((self._editing.outline(path[:-1]),))
         else:
             self._editing.add(connect(path, begin, last))
 

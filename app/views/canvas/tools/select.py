@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import math
 import operator
 
-import numpy as np
 from PySide6.QtCore import Qt
 
 from app.model.document.edits import Hit
@@ -19,13 +17,11 @@ from cpm_core.numerics import Place, Position
 from cpm_core.shapes import Circle
 
 _ADDING = Qt.KeyboardModifier.ShiftModifier | Qt.KeyboardModifier.ControlModifier
-_REMOVING = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.AltModifier
-_MOST_STEPS = 200
-"""Most places along one move of the pointer at which contours are looked for."""
+_REMOVING = Qt.KeyboardModifier.ControlModifier
 
 
 class SelectTool(ShapeTool):
-    """Selects by a click, by a frame that is dragged from an empty place, or by a drag from one contour across others.
+    """Selects by a click, or by a frame around what is to be selected.
 
     A shape moves with the pointer, and reshapes by its handles. Shift adds to the selection, Ctrl removes from it; a
     click with either of them removes what is selected, and adds what is not. In a volume a click next to all moves
@@ -37,6 +33,7 @@ class SelectTool(ShapeTool):
     word = tr("Select")
     shortcut = "S"
     group = SELECT
+    panel = "objects"
     tip = tr(
         "Click objects, contours or shapes to select them, or drag a frame around them; drag a shape to move it. "
         "{key:accept} accepts, {key:reject} rejects."
@@ -53,8 +50,6 @@ class SelectTool(ShapeTool):
         self._reach = 0.0
         self._corner: Position | None = None
         """Where a frame begins."""
-        self._last: Position | None = None
-        """Where the pointer was last on its way across contours."""
         self._chosen: frozenset[Key] = frozenset()
         self._found: frozenset[Key] = frozenset()
         self._removes = False
@@ -62,7 +57,7 @@ class SelectTool(ShapeTool):
     @property
     def advice(self) -> str:
         """What can be done with what is selected."""
-        if self._corner is not None or self._last is not None:
+        if self._corner is not None:
             return with_keys(tr("Shift adds to the selection, Ctrl removes from it; {key:escape} cancels."))
         kinds = {row.kind for row in self._list.selected_rows}
         if kinds == {"object"}:
@@ -84,29 +79,18 @@ class SelectTool(ShapeTool):
         self._crossing = key is None and self.here is not None
         self._found = frozenset(() if key is None else (key,))
         self._removes = key in self._chosen if self.modifiers & _ADDING else bool(self.modifiers & _REMOVING)
-        if key is not None and key[0] == "contour" and self._list.at(at, reach, areas=False) == key:
-            self._last = self.flat(at)
-        elif self.here is None:
-            self._corner = self.flat(at)
+        self._corner = self.flat(at) if self.here is None else None
         if key is not None:
             self._show()
         self.drag(at)
 
     def drag(self, at: Place) -> None:
-        """Move the selected shape, or its handle; or select what lies in the frame, or what the pointer crosses."""
+        """Move the selected shape, or its handle; or select what lies in the frame."""
         shape = self._before
         if self._crossing:
             self._workspace.slices.through(at)
         if self._corner is not None:
             self._draw_frame(self._corner, self.flat(at))
-        elif self._last is not None:
-            here = self.flat(at)
-            steps = math.dist(self._last, here) / max(0.5 * self._reach, 1e-9)
-            way = np.linspace(self._last, here, 2 + min(int(steps), _MOST_STEPS))
-            found = (self._list.at((float(row), float(col)), 0.5 * self._reach, areas=False) for row, col in way)
-            self._found |= {key for key in found if key is not None and key[0] == "contour"}
-            self._last = here
-            self._show()
         if shape is None or at == self._anchor:
             return
         if self._part == "handle":
@@ -119,14 +103,14 @@ class SelectTool(ShapeTool):
 
     def release(self) -> None:
         """Keep what is selected; a click next to everything selects nothing."""
-        if self._before is None and not self._found and not self.modifiers & (_ADDING | _REMOVING):
+        if self._before is None and not self._found and not self.modifiers & _ADDING:
             self._list.select(())
         self._leave()
         super().release()
 
     def cancel(self) -> None:
         """Restore the shape, select what was selected before, and highlight nothing."""
-        if self._corner is not None or self._last is not None:
+        if self._corner is not None:
             known = {row.key for row in self._list.rows}
             self._list.select(self._chosen & known)
         self._leave()
@@ -189,7 +173,7 @@ class SelectTool(ShapeTool):
         self._advised()
 
     def _leave(self) -> None:
-        self._corner = self._last = None
+        self._corner = None
         self._found, self._crossing = frozenset(), False
         self._drawing.show_draft()
         self._advised()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import partial
@@ -11,26 +12,27 @@ import numpy as np
 from PySide6.QtCore import QTimer
 from PySide6.QtGui import QCursor
 
-from app.model.document.objects import made
 from app.model.text.keys import with_keys
 from app.model.text.language import from_core, tr
 from app.session.signals import EDITING
 from app.views.canvas.tools.tool import MEND, Cursor, Tool
 from app.views.theme import theme
 from app.views.theme.icons import pointer
-from cpm_core import Selection
 from cpm_core.numerics import Array, Position, polyline
 from cpm_core.objects.segmented import Halves, SegmentedObject, split, split_along
 
 _FINEST = 1.0
 """Least distance between two places of a line [px]."""
 
+_PLACES = 16
+"""Places along a line at which is looked for what it crosses."""
+
 _RESTS = 40
 """Time after which the pointer rests, and a preview is made [ms]."""
 
 
 class SplitTool(Tool):
-    """Splits an object, or one that is proposed, between two clicks or along a line; cuts a contour that is clicked."""
+    """Splits objects, proposals and closed contours between two clicks or along a line; cuts a contour at a click."""
 
     name = "split"
     text = tr("Spli&t")
@@ -66,7 +68,8 @@ class SplitTool(Tool):
         if self._whole is not None:
             name = self._list.title(self._whole)
             return with_keys(tr("Click the other half of {name}; {key:escape} cancels."), name=name)
-        if self._at is not None and self._whole_at(self._at) is None and self._editing.contact(self._at, self._reach):
+        at = self._at
+        if at is not None and self._editing.contact(at, self._reach) is not None and self._whole_at(at) is None:
             return tr("Click to cut the contour here.")
         return self.tip
 
@@ -131,15 +134,13 @@ class SplitTool(Tool):
             self._session.say(tr("There is no object here. {advice}").format(advice=self.tip), topic=EDITING)
 
     def _split_along(self, path: list[Position]) -> None:
-        places = polyline.sampled(np.array(path), _FINEST)
-        near = self._list.near(places, 0.0)
-        crossed = [(item.number in self._list.chosen, int(item.encloses(places).sum()), item) for item in near]
-        _, length, whole = max(crossed, key=lambda one: (one[1] > 0, *one[:2]), default=(False, 0, None))
-        whole = whole if length else self._proposed(places)
-        if whole is None:
-            self._session.say(tr("The line crosses no object. {advice}").format(advice=self.tip), topic=EDITING)
+        crossed = [self._whole_at((row, col)) for row, col in polyline.middles(np.array(path), _PLACES).tolist()]
+        wholes = {item.number: item for item in crossed if item is not None}
+        number, _ = Counter(item.number for item in crossed if item is not None).most_common(1)[0] if wholes else (0, 0)
+        if number:
+            self._use(wholes[number], partial(split_along, wholes[number], path, self._editing.edges))
         else:
-            self._use(whole, partial(split_along, whole, path, self._editing.edges))
+            self._session.say(tr("The line crosses no object. {advice}").format(advice=self.tip), topic=EDITING)
 
     def _use(self, whole: SegmentedObject, halves: Callable[[], Halves]) -> None:
         """Put the halves in the place of an object, or report why there are none."""
@@ -154,21 +155,11 @@ class SplitTool(Tool):
             self._session.say(from_core(str(error)), topic=EDITING)
 
     def _whole_at(self, at: Position) -> SegmentedObject | None:
-        """The object at a place, a chosen one first, or one that is proposed there."""
-        place, number = np.array([at]), self._list.under(at)
-        chosen = [item for item in self._list.items if not item.hidden and item.encloses(place)[0]]
-        if chosen or number:
-            return chosen[0] if chosen else self._list.objects[number]
-        return self._proposed(place)
-
-    def _proposed(self, places: Array) -> SegmentedObject | None:
-        """The first proposal that holds one of some places, as the object that it would be."""
-        objects = self._list.objects
-        for each in self._workspace.object_selection.proposals:
-            selection = each.selection
-            if isinstance(selection, Selection) and selection.found and selection.holds(places).any():
-                return made(selection, each.clicks, each.number or objects.next_number, objects.category)
-        return None
+        """The object, proposal or closed contour around a place, a selected one first, then the smallest."""
+        rows, under, place = self._list.selected_rows, ("object", self._list.under(at)), np.array([at])
+        key = under if under[1] else self._list.at(at, 0.0)
+        wholes = [self._list.whole(row) for row in (*rows, *(row for row in self._list.rows if row.key == key))]
+        return next((item for item in wholes if item is not None and item.encloses(place)[0]), None)
 
     def _show(self) -> None:
         """Draw the line, or the clicked half and where a click here would split the object."""

@@ -73,7 +73,7 @@ def test_a_click_in_space_moves_the_slices_there(volume, hand, space) -> None:
 def test_the_picture_in_space_is_saved_as_it_is_seen(volume, hand, space, tmp_path) -> None:
     hand.wait(lambda: space.view.idle)
     path = tmp_path / "space.png"
-    volume.feature(SpaceFeature).write_picture(path)
+    volume.feature(SpaceFeature).write(path, False)
     hand.wait(path.exists)
     seen = np.asarray(PIL.Image.open(path).convert("RGB"))
     assert seen.shape[:2] == space.view.room
@@ -90,7 +90,7 @@ def test_a_turntable_is_one_full_turn(volume, hand, space, tmp_path, monkeypatch
     monkeypatch.setattr("app.views.features.volumes.FRAMES", 8)
     hand.wait(lambda: space.view.idle)
     path = tmp_path / "turn.gif"
-    volume.feature(SpaceFeature).write_turntable(path)
+    volume.feature(SpaceFeature).write(path, True)
     hand.wait(path.exists)
     with PIL.Image.open(path) as film:
         assert film.n_frames == 8

@@ -117,4 +117,4 @@ def test_what_cannot_be_split_is_reported() -> None:
     with pytest.raises(ValueError, match="not split"):
         split_along(item, ((5.0, 5.0), (5.0, 90.0)))
     with pytest.raises(ValueError, match="too short"):
-        split_along(item, ((48.0, 48.0), (48.0, 48.1)))
+        split_along(item, ((48.0, 48.0), (48.0, 48.0)))
