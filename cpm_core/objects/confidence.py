@@ -12,7 +12,7 @@ from importlib.resources import files
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import expit, logit
+import scipy
 
 from cpm_core.numerics.types import Array
 
@@ -52,14 +52,14 @@ class Signs(NamedTuple):
 
 def features(signs: Signs) -> Array:
     """What the rule weighs, shape (7,)."""
-    shares = logit(np.clip(signs[:4], 1.0 - _SUREST, _SUREST))
+    shares = scipy.special.logit(np.clip(signs[:4], 1.0 - _SUREST, _SUREST))
     return np.array([*shares, np.log(max(signs.places, 1)), signs.places == 0, signs.certain])
 
 
 def probability(signs: Signs) -> float:
     """Probability that an object is right, from what speaks for it."""
     *weights, offset = _numbers()
-    return float(min(expit(np.array(weights) @ features(signs) + offset), _SUREST))
+    return float(min(scipy.special.expit(np.array(weights) @ features(signs) + offset), _SUREST))
 
 
 @cache
