@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from app.model.display.differences import Apart, Difference
 from app.model.display.display_image import DisplayImage
 from app.model.document.document import Document
-from app.model.document.objects import AnySelection
+from app.model.document.objects import AnySelection, made
 from app.model.text.language import tr
 from app.model.volume.slices import Slices
 from app.session.exchange.contour_tracking import TrackedContours
@@ -21,7 +22,7 @@ from app.session.worker.requests import Probed, Shaded
 from cpm_core import Contour, Image, Result, Skeleton, Truth, VolumeTruth
 from cpm_core.contours import Mark, Measures, ReviewedContour, reviewed
 from cpm_core.numerics import Array, Index
-from cpm_core.objects.segmented import Click
+from cpm_core.objects.segmented import Click, SegmentedObject
 from cpm_core.shapes import NO_SEEDS, ImageSeeds
 
 
@@ -69,7 +70,7 @@ class ReviewedContours:
 NO_CONTOURS = ReviewedContours()
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Proposal:
     """An object that is offered.
 
@@ -89,6 +90,11 @@ class Proposal:
     clicks: tuple[Click, ...]
     number: int = 0
     key: int = 0
+
+    @cached_property
+    def item(self) -> SegmentedObject:
+        """The object that it would become, of the first class; it has to have a boundary."""
+        return made(self.selection, self.clicks, self.number or 1, 1)
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -125,11 +125,8 @@ def _measured(item: SegmentedObject, image: Image) -> Figures:
 
 def _as_objects(offered: tuple[Proposal, ...], known: SegmentedObjects) -> tuple[SegmentedObject, ...]:
     """The objects that proposals would become, each with a number that no other row has."""
-    found = [(place, each) for place, each in enumerate(offered) if each.selection.found]
-    return tuple(
-        objects.made(each.selection, each.clicks, each.number or known.next_number + place, known.category)
-        for place, each in found
-    )
+    found = enumerate((each for each in offered if each.selection.found), start=known.next_number)
+    return tuple(replace(each.item, number=each.number or fresh, category=known.category) for fresh, each in found)
 
 
 def _boundaries(items: Iterable[SegmentedObject]) -> list[Line]:
@@ -198,7 +195,8 @@ class ObjectList(QObject):
     @property
     def items(self) -> tuple[SegmentedObject, ...]:
         """The chosen objects, in the order in which they were accepted."""
-        return tuple(item for item in self.objects.items if item.number in self.chosen)
+        chosen = self.chosen
+        return tuple(item for item in self.objects.items if item.number in chosen)
 
     @property
     def rows(self) -> tuple[Row, ...]:
@@ -212,7 +210,8 @@ class ObjectList(QObject):
     ) -> tuple[Row, ...]:
         offered = self._parts.get(_as_objects, proposals, known)
         lines = _boundaries((*known.items, *offered, *known.rejected))
-        own = self._parts.named("own", lambda: self._review.apart(lines), shown, lines)
+        alike = frozenset(map(id, lines))  # no others when a proposal becomes an object
+        own, self._lines = self._parts.named("own", lambda: (self._review.apart(lines), lines), shown, alike)
         found = enumerate((each.key for each in proposals if each.selection.found), start=1)
         rows = [
             *(Row(("object", one.number), "object", self.title(one), one, figures=self.figures(one))

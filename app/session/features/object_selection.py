@@ -86,10 +86,10 @@ class Question:
         if selection is not None:
             rest = [each for each in offered if each.clicks != clicks[: len(each.clicks)]]
             held = (selection.holds(np.array(each.clicks[0].places[:1]))[0] for each in rest)
-            offered = (
-                Proposal(selection, clicks, selector.edited),
-                *(each for each, within in zip(rest, held, strict=True) if not within),
-            )
+            rest = [each for each, within in zip(rest, held, strict=True) if not within]
+            offered = (Proposal(selection, clicks, selector.edited), *rest)
+        for each in offered:
+            _ = each.item if each.selection.found else None  # made on this thread, not on that of the window
         preview = self.pointed.preview() if self.pointed is not None else None
         return offered, preview, step.selector.stepped(step.clicks, step.by) if step is not None else None
 
@@ -419,8 +419,6 @@ class ObjectSelection(QObject):
             return
         self._was_ready = ready
         self._show(proposals=proposals)
-        keys = {each.key for each in proposals}
-        self._list.choose(number for number in self._session.scene.objects.chosen if number > 0 or number in keys)
         self.changed.emit()
 
     def _show(self, **parts: Any) -> None:

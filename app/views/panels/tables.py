@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Hashable, Iterable, Sequence, Set
 from dataclasses import dataclass
 from functools import partial
+from itertools import groupby
 from typing import Any, Generic, TypeVar
 
 from PySide6.QtCore import (
@@ -380,9 +381,11 @@ class ItemTable(Table):
             return
         selection, name = QItemSelection(), self.number("name")
         rows = [row for row in range(len(self.rows.items)) if self.rows.key(row) in wanted]
-        for row in rows:
-            first = self._sorted.mapFromSource(self.rows.index(row, 0))
-            selection.select(first, first.siblingAtColumn(len(self.rows.columns) - 1))
+        places = sorted(self._sorted.mapFromSource(self.rows.index(row, 0)).row() for row in rows)
+        for _, block in groupby(enumerate(places), lambda pair: pair[1] - pair[0]):  # Qt is slow with many ranges
+            found = [place for _, place in block]
+            last = self._sorted.index(found[-1], len(self.rows.columns) - 1)
+            selection.select(self._sorted.index(found[0], 0), last)
         self._showing = True
         self.selectionModel().select(selection, QItemSelectionModel.SelectionFlag.ClearAndSelect)
         if rows and self.state() != QAbstractItemView.State.EditingState:

@@ -75,6 +75,7 @@ def test_the_legend_names_and_counts_what_is_there_and_nothing_else(rested) -> N
 def test_the_legend_drops_its_words_where_there_is_no_room_and_can_be_folded(rested, hand, qtbot) -> None:
     strip = rested.canvas_area.strip
     legend = strip.legend
+    hand.wait(lambda: rested.workspace.object_selection.idle)
     legend.show_now()
     strip.setFixedWidth(2000)
     qtbot.waitUntil(lambda: strip.width() == 2000)
