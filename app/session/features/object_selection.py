@@ -110,6 +110,7 @@ class ObjectSelection(QObject):
         self._in_use, self._over = False, False
         self._pointed: Click | None = None
         self._steps = 0
+        self._next: Callable[[], object] | None = None
         self._searched: AnyPartition | None = None
         self._found: tuple[Proposal, ...] = ()
         self._selectors: dict[int, Selector] = {}
@@ -159,9 +160,9 @@ class ObjectSelection(QObject):
                 "Click to add, Shift-click to remove, [ ] for smaller and larger. Enter accepts, {key:escape} cancels."
             )
         elif len(meant) > 1 and self._in_use:
-            said = tr("{count} objects found. Enter: accept all · click one: accept or correct it · {key:reject}: reject")
+            said = tr("{count} objects found. Enter: accept all · click one: accept or correct · {key:reject}: reject")
         elif len(meant) > 1:
-            said = tr("{count} objects found. Enter: accept all · {key:objects}: choose, correct · {key:reject}: reject")
+            said = tr("{count} objects found. Enter: accept all · {key:objects}: choose · {key:reject}: reject")
         elif len(offered) > 1:
             said = tr("1 of {count} objects{likely}. Enter: accept · click again: correct · {key:reject}: reject")
         elif offered:
@@ -208,6 +209,13 @@ class ObjectSelection(QObject):
         """Take a larger candidate for what is being selected or chosen, or a smaller one for `by` below 0."""
         self._steps += by
         self._follow()
+
+    def when_answered(self, do: Callable[[], object]) -> None:
+        """Do something with the object of the clicks, as soon as it is known."""
+        if self.selecting and not any(each.clicks == self._session.document.objects.clicks for each in self.proposals):
+            self._next = do
+        else:
+            do()
 
     def take_back(self) -> None:
         """Take back the last click."""
@@ -404,6 +412,9 @@ class ObjectSelection(QObject):
         self._remark = remark
         if candidate is not None and question.stepped is not None:
             self._use_step(question.stepped, *candidate)
+        do, self._next = self._next, None
+        if do is not None and clicks:
+            do()
 
     def _use_step(self, step: Stepped, clicks: tuple[Click, ...], number: int, count: int) -> None:
         """Select a candidate, and report which one it is."""

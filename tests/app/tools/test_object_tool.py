@@ -127,6 +127,14 @@ def test_enter_accepts_the_object_without_a_word_and_the_next_click_begins_the_n
     assert [item.number for item in taken(window)] == [1, 2]
 
 
+def test_enter_right_after_a_click_accepts_what_it_means(window, hand, objects) -> None:
+    hand.click(18, 18)
+    hand.key(KEY.Key_Return)
+    hand.wait(lambda: bool(taken(window)))
+    assert overlap(taken(window)[0].mask((64, 64)), disk(*SMALL)) > 0.9
+    assert not objects.selecting
+
+
 def test_one_enter_too_many_after_a_typed_value_accepts_nothing(window, hand, objects) -> None:
     click(hand, 18, 18)
     hand.key(KEY.Key_C)
