@@ -34,13 +34,10 @@ def drawn_area(points: Array, shape: tuple[int, ...]) -> Mask:
     `points`, shape (N, 2), are its particles [px of the image]. Rows of particles are closed up to about the distance
     of neighbors, and what they enclose is filled, also with the border of the image.
     """
-    on = np.zeros(shape, bool)
-    place = np.clip(np.rint(points).astype(int), 0, np.array(shape) - 1)
-    on[tuple(place.T)] = True
+    on, usual = _marked(points, shape)
     if len(points) < 2:
         return on
-    nearest, _ = scipy.spatial.cKDTree(points).query(points, k=[2])
-    link = max(_LEAST_LINK, _LINK * float(np.median(nearest)))
+    link = max(_LEAST_LINK, _LINK * usual)
     near = scipy.ndimage.distance_transform_edt(~on) <= link
     filled = scipy.ndimage.binary_fill_holes(near) | _cut_off(near, on)
     return np.asarray(on | (scipy.ndimage.distance_transform_edt(filled) > link))
@@ -74,13 +71,17 @@ def _in_hull(on: Mask, parts: NDArray[np.integer[Any]], count: int) -> Mask:
 
 def hollow_part(points: Array, area: Mask) -> Mask:
     """The part of a start's area that its particles, shape (N, 2) [px], only enclose; none of a filled one."""
+    on, usual = _marked(points, area.shape)
+    return np.asarray(area & (scipy.ndimage.distance_transform_edt(~on) > max(_LEAST_LINK, _HOLLOW * usual)))
+
+
+def _marked(points: Array, shape: tuple[int, ...]) -> tuple[Mask, float]:
+    """Pixels with particles, and the usual distance of neighbors [px], infinite where there are none."""
+    on = np.zeros(shape, bool)
+    on[tuple(np.clip(np.rint(points).astype(int), 0, np.array(shape) - 1).T)] = True
     if len(points) < 2:
-        return np.zeros_like(area)
-    nearest, _ = scipy.spatial.cKDTree(points).query(points, k=[2])
-    gap = max(_LEAST_LINK, _HOLLOW * float(np.median(nearest)))
-    on = np.ones(area.shape, bool)
-    on[tuple(np.clip(np.rint(points).astype(int), 0, np.array(area.shape) - 1).T)] = False
-    return np.asarray(area & (scipy.ndimage.distance_transform_edt(on) > gap))
+        return on, np.inf
+    return on, float(np.median(scipy.spatial.cKDTree(points).query(points, k=[2])[0]))
 
 
 def radius_of(area: Mask) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from functools import lru_cache
 from threading import Lock
 
 import numpy as np
@@ -23,16 +23,6 @@ _KEPT = 6
 """Limited fields that are kept: those of all scales of a run."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class _Known:
-    """A reach map and what it has been made from."""
-
-    plain: ScaleField
-    start: Array
-    setting: tuple[float, ...]
-    map: ReachMap | None
-
-
 class LocalFields:
     """Reach maps and limited fields of an image; threads may share them.
 
@@ -42,38 +32,24 @@ class LocalFields:
     def __init__(self, field_of: Callable[[Parameters, int], ScaleField], regions: Regions | None) -> None:
         self._field_of = field_of
         self._regions = regions
-        self._known: _Known | None = None
-        self._limited: list[tuple[ScaleField, ReachMap, float, ScaleField]] = []
+        self._map: tuple[tuple[object, ...], Array, ReachMap | None] | None = None
+        self._limited = lru_cache(_KEPT)(_limited)
         self._lock = Lock()
 
     def at(self, scale: int, start: Array, parameters: Parameters) -> ScaleField:
         """Field of a scale in a run from a start, shape (N, 2) [px of the image]."""
         plain = self._field_of(parameters, scale)
-        if not is_limited(parameters):
-            return plain
-        reached = self.map_of(start, parameters)
-        if reached is None:
-            return plain
-        budget = budget_of(parameters)
-        with self._lock:
-            for known, of, most, limited in self._limited:
-                if known is plain and of is reached and most == budget:
-                    return limited
-        limited = limited_to(plain, _at_scale(reached.within(budget), scale, plain.shape))
-        with self._lock:
-            self._limited = [*self._limited[1 - _KEPT :], (plain, reached, budget, limited)]
-        return limited
+        reached = self.map_of(start, parameters) if is_limited(parameters) else None
+        return plain if reached is None else self._limited(plain, reached, budget_of(parameters), scale)
 
     def map_of(self, start: Array, parameters: Parameters) -> ReachMap | None:
         """How a start, shape (N, 2) [px], reaches the edges of the image; None for one from everywhere."""
         plain = self._field_of(parameters, 0)
-        setting = (parameters.beta, parameters.w2, parameters.weakest_edge)
+        made_of = (plain, id(start), parameters.beta, parameters.w2, parameters.weakest_edge)
         with self._lock:
-            known = self._known
-            if known is None or known.plain is not plain or known.start is not start or known.setting != setting:
-                known = _Known(plain, start, setting, reach_map(plain, start, self._closed(plain), parameters))
-                self._known = known
-            return known.map
+            if self._map is None or self._map[0] != made_of:
+                self._map = made_of, start, reach_map(plain, start, self._closed(plain), parameters)
+            return self._map[2]
 
     def _closed(self, plain: ScaleField) -> Mask:
         """Where no particle goes, shape (H, W)."""
@@ -85,11 +61,12 @@ class LocalFields:
         return closed
 
 
-def _at_scale(ridge: Mask, scale: int, shape: tuple[int, ...]) -> Mask:
-    """Pixels of a scale that contain one of the image."""
-    if scale == 0:
-        return ridge
-    place = np.rint(to_scale(np.argwhere(ridge).astype(float), scale, ridge.shape)).astype(int)
-    coarse = np.zeros(shape, bool)
-    coarse[tuple(np.clip(place, 0, np.array(shape) - 1).T)] = True
-    return np.asarray(scipy.ndimage.binary_closing(coarse) | coarse)
+def _limited(plain: ScaleField, reached: ReachMap, budget: float, scale: int) -> ScaleField:
+    """A field limited to the edges that are reached, on the pixels of its scale that contain one of theirs."""
+    ridge = reached.within(budget)
+    if scale:
+        place = np.rint(to_scale(np.argwhere(ridge).astype(float), scale, ridge.shape)).astype(int)
+        coarse = np.zeros(plain.shape, bool)
+        coarse[tuple(np.clip(place, 0, np.array(plain.shape) - 1).T)] = True
+        ridge = np.asarray(scipy.ndimage.binary_closing(coarse) | coarse)
+    return limited_to(plain, ridge)

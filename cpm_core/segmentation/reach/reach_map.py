@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy
+import skimage
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Reached
@@ -121,7 +122,8 @@ def reach_map(scale_field: ScaleField, start: Array, closed: Mask, parameters: P
     if not (flight | coasted).any():
         return None
     edges = scipy.ndimage.binary_dilation(ridge, np.ones((3, 3), bool))
-    crept = _crept(edges, flight | coasted)
+    along, _ = skimage.graph.MCP_Geometric(np.where(edges, 1.0, np.inf)).find_costs(np.argwhere(flight | coasted))
+    crept = along.astype(np.float32)
     way = np.where(np.isfinite(crept), _JUNCTION, np.where(edges, _LAUNCHED, 0)).astype(np.uint8)
     way[coasted], way[flight] = _WEAK, _FLIGHT
     return ReachMap(way, ridge, crept)
@@ -169,25 +171,3 @@ def _has_sense(scale_field: ScaleField, bounds: Bounds, along: Mask) -> Mask:
     curve = curve[tuple(axis[along] for axis in nearest)]
     sign = np.where(np.bincount(curve, across, minlength=count + 1) < 0.0, -1.0, 1.0)
     return np.asarray(sign[curve] * across >= _SENSE * np.hypot(down, right) * scale_field.edge_map[along])
-
-
-def _crept(edges: Mask, reached: Mask) -> NDArray[np.float32]:
-    """Distance along edges from those that are reached, shape (H, W) [px]."""
-    crept = np.full(edges.shape, np.inf, np.float32)
-    if not reached.any():
-        return crept
-    number = np.full(edges.shape, -1, np.int32)  # the only indices of graphs that all releases of SciPy take
-    number[edges] = np.arange(np.count_nonzero(edges))
-    pairs, lengths = [], []
-    for down, right in ((0, 1), (1, 0), (1, 1), (1, -1)):
-        rows = slice(0, edges.shape[0] - down), slice(down, None)
-        cols = (slice(0, edges.shape[1] - right), slice(right, None)) if right >= 0 else (slice(1, None), slice(0, -1))
-        one, other = number[rows[0], cols[0]], number[rows[1], cols[1]]
-        joined = (one >= 0) & (other >= 0)
-        pairs.append(np.stack([one[joined], other[joined]]))
-        lengths.append(np.full(np.count_nonzero(joined), np.hypot(down, right)))
-    (one, other), length = np.concatenate(pairs, axis=1), np.concatenate(lengths)
-    count = np.count_nonzero(edges)
-    graph = scipy.sparse.csr_array((length, (one, other)), shape=(count, count))
-    crept[edges] = scipy.sparse.csgraph.dijkstra(graph, directed=False, indices=number[reached], min_only=True)
-    return crept
