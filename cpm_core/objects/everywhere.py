@@ -80,7 +80,7 @@ def everywhere(partition: Partition) -> Iterator[Selection]:
     for mask in partition.certain():
         known.append(mask)
         taken |= scipy.ndimage.binary_fill_holes(mask)
-        yield _proposed(partition, mask, Signs(places=0, certain=True))
+        yield _proposed(partition, mask, certain=True)
     if not partition.prior or not partition.contours:
         return
     parts = _Parts.of(partition)
@@ -183,14 +183,14 @@ def _apart(mask: Mask, other: Mask) -> bool:
     return bool((~scipy.ndimage.binary_erosion(large, iterations=3))[rim].mean() <= _AT_RIM)
 
 
-def _proposed(partition: Partition, mask: Mask, signs: Signs | None = None) -> Selection:
+def _proposed(partition: Partition, mask: Mask, signs: Signs | None = None, *, certain: bool = False) -> Selection:
     """An object of some pixels, shape (H, W), with the deepest of them as the place inside."""
     box = scipy.ndimage.find_objects(mask.astype(np.uint8))[0]
     depth = scipy.ndimage.distance_transform_edt(np.pad(mask[box], 1))
     place = np.argwhere(depth == depth.max())[:1] - 1.0 + [side.start for side in box]
     if signs is None:
         signs = Signs(*partition.judged(mask, place)[2:] if partition.prior else (), places=0)
-    return partition.selection_of(mask, place, signs=signs)
+    return partition.selection_of(mask, place, signs=signs, certain=certain)
 
 
 def _largest(mask: Mask) -> Mask:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import zip_longest
 from typing import Literal
 
 import numpy as np
@@ -152,8 +151,8 @@ def add_starts(document: Document, imported: Imported) -> Document:
 def add_objects(document: Document, made: Sequence[SegmentedObject], classes: Sequence[str] = ()) -> Document:
     """The document with objects, each of the class of its name, else of the class that is chosen."""
     first = document.objects.next_number - 1
-    for item, name in zip_longest(made, classes, fillvalue=""):
-        document, category = _class_called(document, name)
+    for index, item in enumerate(made):
+        document, category = _class_called(document, classes[index] if classes else "")
         objects, added = document.objects, replace(item, number=first + item.number, category=category)
         document = replace(document, objects=replace(objects, items=(*objects.items, added)))
     return document
