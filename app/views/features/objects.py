@@ -40,7 +40,7 @@ class ObjectsFeature(Feature):
         area, session = window.canvas_area, window.session
         self._list = objects = window.workspace.object_list
         self._selection = selection = window.workspace.object_selection
-        editing = window.workspace.hand_editing
+        self._editing = editing = window.workspace.hand_editing
         layer = area.canvas.layers.contours
         self.panel = ObjectPanel(session, objects, lambda name: window.actions_by_name.get(name))  # noqa: PLW0108  # made later
         self.panels = (Panel("objects", "Objects", self.panel, "Ctrl+Shift+O"),)
@@ -177,6 +177,8 @@ class ObjectsFeature(Feature):
         key, selecting = event.key(), tool.name in _SELECTING
         if selecting and 1 <= key - Qt.Key.Key_0 <= len(self._list.objects.classes):
             self._list.classify(key - Qt.Key.Key_0)
+        elif key in _DELETE and len(self._editing.marked) == 2:
+            self._editing.delete_stretch()
         elif selecting and key in _DELETE and self._list.selected and not tool.drafting:
             self._list.delete()
         else:

@@ -61,7 +61,7 @@ class ObjectLayer(Layer):
         self._doubtful = Curves(theme.PROPOSAL, 4.5, width=1.4, halo=2.8, dashed=_SPARSE)
         self.added, self.removed = Fills(4.6), Fills(4.65, Qt.BrushStyle.BDiagPattern)
         self._clicks = Markers(6.9, size=9.0, pen=pg.mkPen(theme.HALO, width=1.2))
-        self._names, self._likely = Names(5.8), Names(5.85)
+        self._names, self._likely = Names(5.8), Names(5.85, above=True)
         self.add(self.fills, self._outlines, self._gaps, self._chosen, self._hovered, self.offered_fill)
         self.add(self._offered, self._doubtful, self.added, self.removed, self._clicks, self._likely)
         self.add(self._names, switch="names")
@@ -122,7 +122,8 @@ class ObjectLayer(Layer):
     @property
     def _proposals(self) -> list[Proposal]:
         """What is offered and can be drawn."""
-        return [each for each in self.scene.objects.proposals if isinstance(each.selection, Selection)]
+        offered = self.scene.objects.proposals
+        return [each for each in offered if isinstance(each.selection, Selection) and each.selection.found]
 
     def _paths_of(self, numbers: Iterable[int]) -> list[Array]:
         """The boundaries of the objects of some numbers, and of proposals of some keys."""
