@@ -16,7 +16,7 @@ from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.objects.boundaries.alike import alike
 from cpm_core.objects.boundaries.crossings import crossings
 from cpm_core.objects.boundaries.necks import bodies
-from cpm_core.objects.confidence import Signs
+from cpm_core.objects.confidence import Signs, probability
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.prior.prior import Likely
 from cpm_core.objects.selection import Selection
@@ -34,9 +34,9 @@ _GAP, _DEEP, _LEAST, _MOST = 0.75, 1.5, 30, 0.4
 """How much deeper than the gap between them parts are, and least depth [px]; least area [px²], and largest share of the
 image."""
 
-_BOUNDED, _OWN, _LIKELY = 0.6, 0.5, 0.8
+_BOUNDED, _OWN, _LIKELY = 0.6, 0.5, 0.1
 """Least share of the boundary of a part at contours, and that it owns: its neighbor there is less likely an object; and
-least overlap that the prior expects."""
+least probability that it is right."""
 
 _OVER, _WITHIN, _MOST_WITHIN, _AT_RIM = 0.3, 0.95, 0.6, 0.3
 """Share of an object from which it is another one again, unless it is an object in it, or around it: least share of the
@@ -89,7 +89,8 @@ def everywhere(partition: Partition) -> Iterator[Selection]:
     for number, likely in sorted(judged.items(), key=lambda item: -item[1].overlap):
         mask = likely.mask & partition.interest
         pixels = np.count_nonzero(mask)
-        if likely.overlap < _LIKELY or owned[number] < _OWN or pixels < _LEAST:
+        signs = Signs(*likely[2:], places=0)
+        if probability(signs) < _LIKELY or owned[number] < _OWN or pixels < _LEAST:
             continue
         over = np.count_nonzero(mask & taken) / pixels
         if over <= _OVER:
@@ -98,7 +99,7 @@ def everywhere(partition: Partition) -> Iterator[Selection]:
             continue
         known.append(mask)
         taken |= mask
-        yield _proposed(partition, mask, Signs(*likely[2:], places=0))
+        yield _proposed(partition, mask, signs)
 
 
 class _Parts(NamedTuple):

@@ -122,7 +122,8 @@ class ObjectLayer(Layer):
     @property
     def _proposals(self) -> list[Proposal]:
         """What is offered and can be drawn."""
-        return [each for each in self.scene.objects.proposals if isinstance(each.selection, Selection)]
+        offered = self.scene.objects.proposals
+        return [each for each in offered if isinstance(each.selection, Selection) and each.selection.found]
 
     def _paths_of(self, numbers: Iterable[int]) -> list[Array]:
         """The boundaries of the objects of some numbers, and of proposals of some keys."""
