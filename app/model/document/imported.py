@@ -10,13 +10,13 @@ import numpy as np
 import scipy
 
 from app.model.document.document import Document
-from app.model.document.objects import line_of, name_class
+from app.model.document.objects import name_class
 from app.model.text.language import tr
 from cpm_core import Centerlines, Contour, Image, Surface, VolumePartition
 from cpm_core.contours import PackedSurface, inside_of
 from cpm_core.formats import ContourFile
 from cpm_core.numerics import Place
-from cpm_core.objects.segmented import Click, SegmentedObject
+from cpm_core.objects.segmented import Click, SegmentedObject, line_of
 from cpm_core.shapes import Points, Polygon, Stroke, start_on_surface, starts_along, starts_in
 
 MOST = 1000

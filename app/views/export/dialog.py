@@ -165,7 +165,8 @@ class ExportDialog(QDialog):
         """Name the classes, keep the choice for the next time, and order the files."""
         order, written_before = self.order, self._there.written
         asked = [file.path.name for file in order.files if file.path.exists() and file.path not in written_before]
-        if not order.files or (asked and not ask_to_replace(self, ", ".join(asked))):
+        more = tr("{name} and {count} more").format(name=asked[0], count=len(asked) - 1) if len(asked) > 1 else ""
+        if not order.files or (asked and not ask_to_replace(self, more or asked[0])):
             return
         named = {number: field.text() for number, field in self.classes.items() if field.text()}
         self._session.edit(tr("name classes"), partial(_named, names=named))
