@@ -9,7 +9,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QRectF
 
-from app.model.export import provenance_comment
+from app.model.document.modes import MODES
 from app.model.text.language import reason, tr
 from app.session.exchange.messages import Exported, Report
 from app.session.session import Session
@@ -18,17 +18,25 @@ from app.session.tasks.tasks import Task
 from app.views.canvas.items.item import image_rectangle
 from app.views.export.frames import AnimationPlan, FrameRecorder, FrameRenderer
 from app.views.window.window import Feature, MainWindow
-from cpm_core import write_animation
-from cpm_core.formats import check_animation
+from cpm_core import METHODS, write_animation
+from cpm_core.formats import check_animation, facts_on, plain_shapes, text_of
 from cpm_core.numerics import Pixels
+from cpm_core.parameters import Provenance, taken
 
 _TIMEOUT = 0.05
 """Time between two checks for cancellation [s]."""
 
 
 def comment_on(session: Session) -> str:
-    """How pictures of a session came about, for their file."""
-    return provenance_comment(session.document, steered=session.status.steered)
+    """How pictures of a session came about, for their file; empty without an image."""
+    document, image = session.document, session.document.image
+    if image is None:
+        return ""
+    method, shapes = METHODS[MODES[document.mode].method], plain_shapes(document.shapes)
+    parameters = taken(document.parameters, method.parameters)
+    steered = session.status.steered
+    made = Provenance(method.name, parameters, shapes=shapes, steered=steered, sha256=image.sha256)
+    return text_of(facts_on(image.name, made))
 
 
 def begin_writing(
