@@ -32,7 +32,7 @@ from app.session.worker.commands import Command, RunsRestored, restore_runs, run
 from app.session.worker.run import Run
 from app.session.worker.worker_thread import WorkerThread
 from cpm_core import METHODS, Image, Parameters
-from cpm_core.formats import Reading, differ
+from cpm_core.formats import Reading
 from cpm_core.formats.images.reading import DEFAULT
 from cpm_core.shapes import Sphere
 
@@ -473,7 +473,7 @@ class Session(QObject):
         if opened.saved is None or not opened.saved.file.runs or image is None:
             return
         known = opened.saved.file.image
-        if known is not None and known.sha256 and differ(known.sha256, opened.sha256):
+        if known is not None and known.sha256 not in ("", opened.sha256):
             return  # the notes report that the image has changed
         self._board.busy("restoring", tr("Restoring the runs…"))
         self.post(run_call(None, Run.place, self._board.image_generation, self.document.charges))

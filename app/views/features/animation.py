@@ -39,12 +39,24 @@ def comment_on(session: Session) -> str:
     return text_of(facts_on(image.name, made))
 
 
-def begin_writing(
-    session: Session, path: Path, work: Callable[[Task], Report | None], cancellable: bool = True
-) -> Task:
+def begin_writing(session: Session, path: Path, work: Callable[[Task], Report]) -> Task:
     """Write a file on another thread."""
     doing, done = tr("Writing {name}…").format(name=path.name), tr("writing {name}").format(name=path.name)
-    return session.tasks.start(doing, work, done, cancellable=cancellable)
+    return session.tasks.start(doing, work, done)
+
+
+def begin_animation(
+    session: Session, path: Path, frames: Callable[[Task], Iterator[Pixels]], count: int, frames_per_second: float
+) -> Task:
+    """Write an animation of so many frames, which are made on another thread."""
+    comment = comment_on(session)
+
+    def work(task: Task) -> Report:
+        advance: Callable[[int], None] = lambda written: task.advance(written / count)  # noqa: E731
+        write_animation(frames(task), path, frames_per_second, advance, comment=comment)
+        return Exported(path)
+
+    return begin_writing(session, path, work)
 
 
 class AnimationFeature(Feature):
@@ -70,8 +82,7 @@ class AnimationFeature(Feature):
             session.say(reason(error), True, FILMING)
             return None
         frames: queue.Queue[Pixels | None] = queue.Queue()
-        encode = partial(_encode, frames, len(plan.steps), path, plan.frames_per_second, comment_on(session))
-        task = begin_writing(session, path, encode)
+        task = begin_animation(session, path, partial(_taken, frames), len(plan.steps), plan.frames_per_second)
         renderer = FrameRenderer(session.scene, canvas, self.part(), plan.size)
         filming = FrameRecorder(session, renderer, task, [(branch, step) for step in plan.steps], frames)
         self._filming = [*(other for other in self._filming if not other.over), filming]
@@ -96,18 +107,3 @@ def _taken(frames: queue.Queue[Pixels | None], task: Task) -> Iterator[Pixels]:
         if frame is None:
             return
         yield frame
-
-
-def _encode(
-    frames: queue.Queue[Pixels | None], count: int, path: Path, frames_per_second: float, comment: str, task: Task
-) -> Report | None:
-    """Write frames as they arrive; runs on a worker thread."""
-    done = write_animation(
-        _taken(frames, task),
-        path,
-        frames_per_second,
-        progress=lambda written: task.advance(written / count),
-        cancelled=lambda: task.cancelled,
-        comment=comment,
-    )
-    return Exported(path) if done else None

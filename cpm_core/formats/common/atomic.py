@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import hashlib
 import os
 import secrets
 import signal
@@ -64,8 +65,9 @@ def drafts_of(*paths: Path) -> Iterator[list[Path]]:
             with _failures_told(path):
                 target = path.resolve()
                 _check_target(target)
-                remove_abandoned(target.parent)
-                moves.append((target.with_name(f"{_DRAFT}{secrets.token_hex(12)}.part"), target))
+                stem = f"{_DRAFT}{hashlib.sha256(os.fsencode(target.name)).hexdigest()[:12]}"
+                remove_abandoned(target.parent, stem)  # left behind by writers of this target
+                moves.append((target.with_name(f"{stem}-{secrets.token_hex(6)}.part"), target))
         with _failures_told(paths[-1] if paths else Path()):
             yield [draft for draft, _ in moves]
         for draft, target in moves:
@@ -140,11 +142,11 @@ def _failures_told(file: Path, more: str = "") -> Iterator[None]:
         raise ValueError(f"{placed(file)} cannot be written: {reason}.{more}") from error
 
 
-def remove_abandoned(folder: Path) -> None:
-    """Remove drafts from a folder whose writers were killed."""
+def remove_abandoned(folder: Path, stem: str = _DRAFT) -> None:
+    """Remove drafts from a folder whose writers were killed, of all targets or those whose names begin with a stem."""
     oldest = time.time() - _ABANDONED
     with contextlib.suppress(OSError):
-        for left in folder.glob(f"{_DRAFT}*.part"):
+        for left in folder.glob(f"{stem}*.part"):
             if left.stat().st_mtime < oldest:
                 left.unlink()
 
