@@ -18,11 +18,12 @@ from app.model.document.document import Document
 from app.model.text.language import tr
 from app.session.signals import Board
 from app.session.timeline.moments import Erased
+from app.session.timeline.stored_runs import starts_of
 from app.session.undo_history import Erasure
 from app.session.worker.commands import Command, find_seeds, run_call
 from app.session.worker.run import Run
 from cpm_core.numerics import Place
-from cpm_core.shapes import Interest, Points, Shape, Start
+from cpm_core.shapes import Interest, Shape
 
 _LAG = 2.0
 """Distance by which particles may have moved since they were shown [px]."""
@@ -122,7 +123,9 @@ class Live:
         new = (drawn - self._executed) & gained
         if new:
             self._execute(self._executed + new)
-            self._post(run_call(self._board.generation, Run.join, _only(document, new)))
+            regions = (shape for shape in document.shapes if isinstance(shape, Interest))
+            only = replace(document, shapes=(*starts_of(new), *regions))
+            self._post(run_call(self._board.generation, Run.join, only))
 
     def begin_erasure(self) -> Erasure:
         """An erasure that has not removed anything yet."""
@@ -156,11 +159,3 @@ class Live:
         moving = self._board.status.phase == "running"
         erased = Erased(path, radius + _LAG * moving)
         return bool(np.any(erased.reaches(scene.snapshot.position, scene.image.spacing)))
-
-
-def _only(document: Document, sources: Counter[Hashable]) -> Document:
-    """The document with only these sources, in its regions of interest."""
-    points = tuple(source for source in sources.elements() if isinstance(source, tuple))
-    starts = [source for source in sources.elements() if isinstance(source, Start)]
-    regions = [shape for shape in document.shapes if isinstance(shape, Interest)]
-    return replace(document, shapes=(*starts, *([Points(points)] if points else []), *regions))

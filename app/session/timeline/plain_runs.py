@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
-from collections import Counter
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -16,12 +15,13 @@ from app.model.document.document import Document, ImageReference
 from app.model.document.saving import restored, to_file
 from app.model.text.language import reason, tr
 from app.session.timeline.moments import FIGURES, BranchStep, Erased, Joined, RunAction, Stepped
-from app.session.timeline.stored_runs import Branch, StoredBranch, StoredRun, StoredRuns
+from app.session.timeline.stored_runs import Branch, StoredBranch, StoredRun, StoredRuns, starts_of
 from app.session.timeline.timeline import MOST_RUNS
 from cpm_core import Parameters, PlacedCharge, State
 from cpm_core.field import in_order
 from cpm_core.formats import (
     Reading,
+    SessionFile,
     array_from_plain,
     array_to_plain,
     decode,
@@ -42,7 +42,6 @@ from cpm_core.formats import (
 from cpm_core.numerics import Position
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.parameters import shown
-from cpm_core.shapes import Points, Start
 
 MOST = 24 * 2**20
 """Largest size of states and figures in a session file [characters]; actions, which repeat all, come in any case."""
@@ -53,15 +52,15 @@ MOST_STEPS = 200_000
 Plain = Mapping[str, Any]
 
 
-@dataclass(frozen=True, slots=True)
-class _Branch:
-    """What a branch is, next to its actions and figures."""
-
-    number: int
-    name: str
-    named: bool
-    first: int
-    scales: tuple[tuple[int, int], ...] = ()
+_ENTRIES = {
+    "number": "identity",
+    "name": "name",
+    "named": "renamed",
+    "parent": "parent",
+    "first": "first",
+    "scales": "scales",
+}
+"""Entries of a branch in a file, and the attributes of a branch that they hold."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +118,7 @@ def runs_from_plain(plain: Plain, image: ImageReference) -> tuple[StoredRuns, st
     def add_run(entry: Plain) -> None:
         run = _run(entry, image)
         found = {stored.branch.identity: (run, stored) for stored in run.branches}
-        if branches.keys() & found or len(found) < len(run.branches):
+        if branches.keys() & found:
             raise ValueError("two branches have the same number.")
         branches.update(found)
         runs.append(run)
@@ -153,16 +152,9 @@ def runs_from_plain(plain: Plain, image: ImageReference) -> tuple[StoredRuns, st
 
 def _run_to_plain(run: StoredRun) -> dict[str, Any]:
     numbers: dict[RunAction, int] = {}
-    sources = list(run.drawn.elements())
-    points = tuple(source for source in sources if isinstance(source, tuple))
-    starts: list[Start] = [source for source in sources if isinstance(source, Start)]
-    if points:
-        starts.append(Points(points))
     branches = []
     for stored in run.branches:
-        branch = stored.branch
-        known = _Branch(branch.identity, branch.name, branch.renamed, branch.first, branch.scales)
-        plain = to_plain(known) | {"parent": branch.parent}
+        plain = {entry: to_plain(getattr(stored.branch, name)) for entry, name in _ENTRIES.items()}
         # the actions by their numbers, and how often they follow
         numbered = ([numbers.setdefault(action, len(numbers)) for action in step] for step in stored.steps)
         plain["steps"] = [[alike, len(list(group))] for alike, group in itertools.groupby(numbered)]
@@ -170,19 +162,13 @@ def _run_to_plain(run: StoredRun) -> dict[str, Any]:
             plain["figures"] = array_to_plain(stored.figures)
         branches.append(plain)
     document = run.document
-    acting = document.objects.barriers or document.outlined.objects
-    objects = document.objects if acting else SegmentedObjects()  # a run depends on them or not
-    bare = Document(
-        None, run.document.shapes, run.document.parameters, mode=run.document.mode, objects=objects,
-        outlined=run.document.outlined,
-    )  # fmt: skip
-    image = run.document.image
-    size = None if image is None else {"spacing": list(image.spacing), "unit": image.unit}
+    acting = document.objects.barriers or document.outlined.objects  # a run depends on objects or not
+    bare = replace(to_file(document, {}), image=None, marks=(), hand_edits=(), comparison=SessionFile().comparison)
     return {
-        "size": size,
-        "document": json.loads(encode(to_file(bare, {}), Path())),
-        "drawn": [shape_to_plain(start) for start in starts],
-        "actions": [_action_to_plain(action, run.document.parameters) for action in numbers],
+        "size": document.image and {"spacing": list(document.image.spacing), "unit": document.image.unit},
+        "document": json.loads(encode(bare if acting else replace(bare, objects=SegmentedObjects()), Path())),
+        "drawn": [shape_to_plain(start) for start in starts_of(run.drawn)],
+        "actions": [_action_to_plain(action, document.parameters) for action in numbers],
         "branches": branches,
     }
 
@@ -211,34 +197,25 @@ def _run(plain: Plain, image: ImageReference) -> StoredRun:
         image = replace(image, spacing=size.spacing, unit=size.unit)
     file = decode(json.dumps(plain.get("document")).encode(), "its beginning")
     document = restored(file, image, file.parameters)
-    shapes = [shape_from_plain(one, "a start of a run") for one in items(plain.get("drawn", []))]
-    drawn: Counter[Hashable] = Counter()
-    for shape in shapes:
-        drawn.update(shape.positions if isinstance(shape, Points) else (shape,))
+    drawn = tuple(shape_from_plain(one, "a start of a run") for one in items(plain.get("drawn", [])))
     listed = items(plain.get("actions"), "actions")
     actions = [_action(mapping(one, "action"), document.parameters) for one in listed]
     branches: dict[int, StoredBranch] = {}
     for entry in items(plain.get("branches")):
         stored = _branch(mapping(entry, "branch"), actions)
-        branch = stored.branch
-        if branches and (branch.parent not in branches or branch.first > branches[branch.parent].branch.last):
+        branch, left = stored.branch, branches.get(stored.branch.parent or 0)
+        begins = not (branches or branch.parent or branch.first) and branch.scales and branch.scales[0][0] == 0
+        if not (begins if left is None else branch.first <= left.branch.last):
             raise ValueError(f"branch {branch.identity} leaves no step of its run.")
-        if not branches and (
-            branch.parent is not None or branch.first or [mark[0] for mark in branch.scales[:1]] != [0]
-        ):
-            raise ValueError("a run does not begin with its first step.")
         branches[branch.identity] = stored
     if not branches:
         raise ValueError("a run has no branch.")
-    return StoredRun(document, drawn, tuple(branches.values()))
+    return StoredRun(document, Document(shapes=drawn).sources, tuple(branches.values()))
 
 
 def _branch(plain: Plain, actions: Sequence[RunAction]) -> StoredBranch:
-    apart = ("parent", "steps", "figures")
-    known = from_plain(_Branch, {name: value for name, value in plain.items() if name not in apart}, "branch")
-    parent = None if plain.get("parent") is None else int(number(plain["parent"], "parent of a branch"))
-    if known.number < 1 or known.first < 0 or any(min(mark) < 0 for mark in known.scales):
-        raise ValueError(f"branch {known.number} is not one that a run can have.")
+    given = {name: plain.get(entry) for entry, name in _ENTRIES.items()}
+    branch = from_plain(Branch, {**given, "last": 0}, "branch")
     figures = None
     if "figures" in plain:
         figures = array_from_plain(plain["figures"], float, (len(FIGURES), None), "figures of a branch")
@@ -250,15 +227,13 @@ def _branch(plain: Plain, actions: Sequence[RunAction]) -> StoredBranch:
         if any(type(one) is not int or not 0 <= one < len(actions) for one in items(numbers, "steps")):
             raise ValueError(f"steps name the action {shown(numbers)}, which does not exist.")
         steps += [tuple(actions[one] for one in numbers)] * count
-    for index, step in enumerate(steps):  # each but the first is one step and what was changed after it
-        stepped = [isinstance(action, Stepped) for action in step]
-        if sum(stepped) != bool(index) or any(stepped[1:]):
-            raise ValueError(f"step {index} is not one step and what was changed after it.")
-    if not steps:
-        raise ValueError("there are no steps.")
-    last = known.first + len(steps) - 1
-    branch = Branch(known.number, known.name[:40], parent, known.first, last, known.scales, renamed=known.named)
-    return StoredBranch(branch, tuple(steps), figures)
+    # each but the first is one step and what was changed after it
+    stepped = [[index for index, action in enumerate(step) if isinstance(action, Stepped)] for step in steps]
+    whole = stepped[:1] == [[]] and all(places == [0] for places in stepped[1:])
+    if not whole or branch.identity < 1 or branch.first < 0 or any(min(mark) < 0 for mark in branch.scales):
+        raise ValueError(f"branch {branch.identity} is not one that a run can have.")
+    last = branch.first + len(steps) - 1
+    return StoredBranch(replace(branch, name=branch.name[:40], last=last), tuple(steps), figures)
 
 
 def _action(plain: Plain, usual: Parameters) -> RunAction:
