@@ -43,11 +43,15 @@ class Moment:
     action: RunAction | None = None
 
     @property
+    def of_step(self) -> tuple[Moment, ...]:
+        """The moments of its step up to itself: the one that the step led to, and those after each change of it."""
+        before = self.before
+        return (*(() if before is None or before.step != self.step else before.of_step), self)
+
+    @property
     def actions(self) -> tuple[RunAction, ...]:
         """The action that the step was taken with, and those that changed its state afterwards."""
-        if self.before is None or self.action is None:
-            return ()
-        return (*(self.before.actions if self.before.step == self.step else ()), self.action)
+        return tuple(moment.action for moment in self.of_step if moment.action is not None)
 
 
 class KeptStates:
@@ -183,25 +187,14 @@ class Stepped:
 
 @dataclass(frozen=True, slots=True)
 class Joined:
-    """Particles added at seeds, shape (N, `axes`), whose bytes are stored so that actions can be compared."""
+    """Particles added at seeds."""
 
-    seeds: bytes
+    seeds: tuple[tuple[float, ...], ...]
     regions: AnyRegions | None = None
-    axes: int = 2
-
-    @classmethod
-    def at(cls, seeds: Array, regions: AnyRegions | None) -> Joined:
-        """Particles added at seeds, shape (N, D)."""
-        return cls(seeds.tobytes(), regions, seeds.shape[1])
-
-    @property
-    def places(self) -> Array:
-        """The seeds."""
-        return np.frombuffer(self.seeds).reshape(-1, self.axes)
 
     def apply(self, method: Method[Any], state: Any) -> Any:
         """Add the particles; a method without moving particles leaves its state as it is."""
-        return method.joined(state, self.places) if isinstance(method, Steerable) else state
+        return method.joined(state, np.array(self.seeds)) if isinstance(method, Steerable) else state
 
 
 @dataclass(frozen=True, slots=True)

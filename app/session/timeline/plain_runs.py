@@ -181,7 +181,7 @@ def _action_to_plain(action: RunAction, usual: Parameters) -> dict[str, Any]:
         plain["step"] = {name: value for name, value in taken.items() if value != known[name]}
         plain["charges"] = [to_plain(charge) for charge in action.charges]
     elif isinstance(action, Joined):
-        plain["join"] = array_to_plain(action.places)
+        plain["join"] = array_to_plain(np.array(action.seeds))
     elif isinstance(action, Erased):
         plain |= {"erase": to_plain(action.path), "radius": action.radius}
     return plain | regions_to_plain(action.regions)
@@ -247,7 +247,7 @@ def _action(plain: Plain, usual: Parameters) -> RunAction:
         seeds = array_from_plain(plain["join"], float, (None, axes), "particles that were added")
         if not np.isfinite(seeds).all():
             raise ValueError("particles that were added hold a value that is not a number.")
-        return Joined.at(seeds, regions)
+        return Joined(tuple(map(tuple, seeds.tolist())), regions)
     erased = from_plain(Erased, {"path": plain.get("erase"), "radius": plain.get("radius")}, "eraser")
     return replace(erased, regions=regions)
 

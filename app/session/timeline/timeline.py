@@ -11,6 +11,7 @@ from bisect import bisect_left
 from collections import Counter
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from itertools import takewhile
 from typing import Any
 
@@ -120,7 +121,8 @@ class Timeline:
         self._branches: tuple[Branch, ...] | None = None
         self._fallen: tuple[str, ...] = ()
         self._begun: dict[int, tuple[Document, int]] = {}
-        self._methods: dict[tuple[int, AnyRegions | None], Method[Any]] = {}
+        self.method = lru_cache(_METHODS)(self._method)
+        """Gives the method of a run, by the number of that, in some regions."""
 
     # State
 
@@ -187,18 +189,13 @@ class Timeline:
         """The figures of a branch up to a step."""
         return self._known(branch).record.metrics(step)
 
-    def method(self, run: int, regions: AnyRegions | None) -> Method[Any]:
-        """The method of a run, in these regions."""
-        method = self._methods.pop((run, regions), None)
-        if method is None:
-            method = next((known for (of, _), known in self._methods.items() if of == run), None)
-            method = (method or self._make(self._begun[run][0])).with_regions(regions)
-        self._keep_method(run, method)
-        return method
+    def _method(self, run: int, regions: AnyRegions | None) -> Method[Any]:
+        method = self._make(self._begun[run][0])
+        return method if method.regions == regions else method.with_regions(regions)
 
     # Recording
 
-    def begin(self, method: Method[Any], state: MethodState, document: Document, generation: int = 0) -> None:
+    def begin(self, state: MethodState, document: Document, generation: int = 0) -> None:
         """Begin a run with its first state, or go back to the beginning of the one that began in the same way.
 
         Its number is `generation` for the window. Runs without a step are removed.
@@ -217,18 +214,15 @@ class Timeline:
             self._begun[run] = document, generation
             self.edition += 1
             self._arrive(self._open([Moment(run, 0)], [(0, state.scale)], run, tr("Run {number}")), state)
-        self._keep_method(run, method)
 
     def record(self, action: RunAction, state: MethodState, measures: Mapping[str, float]) -> None:
         """Add the step after the current one, with its figures.
 
         A new branch begins where the action differs from the recorded one; otherwise the run follows the branch.
-        ValueError when the state is not that of the next step.
         """
-        line, moment = self._here()
-        at = state.step
-        if at != self._step + 1:
-            raise ValueError(f"step {at} does not follow step {self._step}.")
+        line, moment, at = self._line, self._kept.here, state.step
+        assert line is not None
+        assert moment is not None
         following = (other for other in (line, *self._lines.values()) if len(other.path) > at)
         same = (one for one in following if one.path[at].before is moment and one.path[at].action == action)
         known = next(same, None)
@@ -251,7 +245,9 @@ class Timeline:
         If other steps have followed from it, the change begins a new branch; so it does if it is to be kept `apart`,
         so that the state before it can be gone back to.
         """
-        line, moment = self._here()
+        line, moment = self._line, self._kept.here
+        assert line is not None
+        assert moment is not None
         others = (other.at(self._step) for other in self._lines.values() if other is not line)
         if apart or self._step < line.last or moment in others:
             line = self._fork(line)
@@ -308,7 +304,7 @@ class Timeline:
             if was_here:
                 self.go(before.identity, before.last)
         else:
-            if any(not other.common(rest[0]) and rest[0].path[0] not in _changed(other.path[0]) for other in rest):
+            if any(not other.common(rest[0]) and rest[0].path[0] not in other.path[0].of_step for other in rest):
                 message = tr("{name} cannot be deleted: several branches begin with its step {step}.")
                 raise ValueError(message.format(name=line.name, step=0))
             del self._lines[branch]
@@ -323,7 +319,8 @@ class Timeline:
         """Remove everything."""
         self.leave()
         self._numbered, self._named, self._fallen = 0, [0, 0], ()
-        self._lines, self._begun, self._methods = {}, {}, {}
+        self._lines, self._begun = {}, {}
+        self.method.cache_clear()
         self._kept.clear()
         self.edition += 1
 
@@ -336,9 +333,8 @@ class Timeline:
             branches = tuple(self._stored(line) for line in self._lines.values() if line.run == run)
             runs.append(StoredRun(document, drawn.get(generation, document.sources), branches))
         places = {(line.identity, line.last) for line in self._lines.values()} | ({self.here} if self.here else set())
-        known = {(branch, step): self._kept.get(self._lines[branch].at(step)) for branch, step in places}
-        states = {place: state for place, state in known.items() if state is not None}
-        return StoredRuns(tuple(runs), self.here, states)
+        kept = ((place, self._kept.get(self._lines[place[0]].at(place[1]))) for place in places)
+        return StoredRuns(tuple(runs), self.here, {place: state for place, state in kept if state is not None})
 
     def _stored(self, line: _Line) -> StoredBranch:
         """A branch with the actions of each step from that on which it leaves its parent, there only its own ones."""
@@ -357,15 +353,13 @@ class Timeline:
         fault = ""
         for generation, run in enumerate(stored.runs, 1):
             root = Moment(run.branches[0].branch.identity, 0)
+            self._begun[root.run] = run.document, -generation
             try:
-                method = self._make(run.document)
-                state = first(method, run.document)
+                self._kept.put(root, first(self.method(root.run, run.document.regions), run.document))
             except ValueError as error:
                 fault = fault or reason(error)
+                del self._begun[root.run]
                 continue
-            self._begun[root.run] = run.document, -generation
-            self._keep_method(root.run, method)
-            self._kept.put(root, state)
             for branch in run.branches:
                 self._adopt(branch, root)
         for (number, step), state in stored.states.items():
@@ -404,11 +398,6 @@ class Timeline:
         """The oldest branch of a run."""
         return next(line for line in self._lines.values() if line.run == run)
 
-    def _here(self) -> tuple[_Line, Moment]:
-        if self._line is None or self._kept.here is None:
-            raise ValueError("the timeline has not begun.")
-        return self._line, self._kept.here
-
     def _branch(self, line: _Line) -> Branch:
         """A branch as the window shows it.
 
@@ -420,7 +409,7 @@ class Timeline:
         if parent is not None:
             at = line.common(parent)
             both = at < min(len(line.path), len(parent.path))
-            first = at if both and parent.path[at] in _changed(line.path[at]) else at - 1
+            first = at if both and parent.path[at] in line.path[at].of_step else at - 1
             scales = [mark for mark in scales if mark[0] > first]
         leaves = None if parent is None else parent.identity
         return Branch(line.identity, line.name, leaves, first, line.last, tuple(scales), line.run, line.renamed)
@@ -465,13 +454,6 @@ class Timeline:
             self._kept.put(moment, state)
         return state
 
-    def _keep_method(self, run: int, method: Method[Any]) -> None:
-        """Keep a method as the one that is used last, and therefore removed last; its fields take up memory."""
-        self._methods.pop((run, method.regions), None)
-        self._methods[run, method.regions] = method
-        while len(self._methods) > _METHODS:
-            self._methods.pop(next(iter(self._methods)))
-
     def _change(self) -> None:
         """The branches are others than before."""
         self.edition += 1
@@ -508,12 +490,3 @@ def _beginning(document: Document) -> tuple[object, ...]:
         document.objects.barriers,
         (document.outlines, document.outlined_surfaces) if document.mode == "skeleton" else (),
     )
-
-
-def _changed(moment: Moment) -> list[Moment]:
-    """The moments of the same step that a moment has been made of."""
-    found = []
-    while moment.before is not None and moment.before.step == moment.step:
-        moment = moment.before
-        found.append(moment)
-    return found

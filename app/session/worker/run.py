@@ -99,7 +99,7 @@ class Run:
         self.method = self._prepared.method(document)
         self._refresh_overlays()
         self.state = self.method.start(seeds)
-        self.timeline.begin(self.method, self.state, document, generation)
+        self.timeline.begin(self.state, document, generation)
         self._send()
 
     def restore(self, stored: StoredRuns) -> str:
@@ -144,7 +144,7 @@ class Run:
         if not isinstance(self.method, Steerable) or self.state is None:
             return False
         ended = bool(self.state.stop_reason)
-        self._do(Joined.at(self._prepared.seeds(document), self.method.regions))
+        self._do(Joined(tuple(map(tuple, self._prepared.seeds(document).tolist())), self.method.regions))
         return ended and self._keep_going()
 
     def erase(self, path: tuple[Place, ...], radius: float, erasure: int) -> None:

@@ -76,7 +76,7 @@ def same(one: State, other: State) -> bool:
 def begin(timeline: Timeline, beta: float = 0.0) -> State:
     """Begin a run of its own."""
     document = Document(parameters=Parameters(beta=beta))
-    timeline.begin(ToyMethod(document), toy(), document)  # type: ignore[arg-type]
+    timeline.begin(toy(), document)
     return toy()
 
 
@@ -284,7 +284,7 @@ def test_steps_under_placed_charges_and_moved_barriers_are_recovered_bit_for_bit
     )
     engines = {None: ENGINE, barrier: ENGINE.with_regions(barrier)}
     timeline, states = Timeline(lambda _: ENGINE, 1), [ENGINE.start(circle((32.0, 32.0), 10.0))]
-    timeline.begin(ENGINE, states[0], Document())
+    timeline.begin(states[0], Document())
     for step in range(50):
         action = features[step // 10]
         engine = engines[action.regions]
