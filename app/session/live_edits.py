@@ -28,6 +28,8 @@ from cpm_core.shapes import Interest, Shape
 _LAG = 2.0
 """Distance by which particles may have moved since they were shown [px]."""
 
+_NONE: Counter[Hashable] = Counter()
+
 
 class Live:
     """Compares documents and sends changes to the worker."""
@@ -36,7 +38,9 @@ class Live:
         self._board = board
         self._post = post
         self._run = 0
-        self._runs: dict[int, tuple[tuple[object, ...], Counter[Hashable]]] = {}
+        self._late: dict[int, tuple[object, ...]] = {}
+        self.executed: dict[int, Counter[Hashable]] = {}
+        """The sources of the particles of each run, by its generation."""
         self._erasures = 0
         self._drawn: Counter[Hashable] = Counter()
         self._last_shapes: tuple[Shape, ...] | None = None
@@ -45,50 +49,46 @@ class Live:
     def begin(self, run: int, document: Document) -> None:
         """The run of this generation starts from a document."""
         self._run = run
-        self._runs[run] = document.late, document.sources
+        self._late[run], self.executed[run] = document.late, document.sources
         self._drawn, self._last_shapes = document.sources, document.shapes
 
     def use(self, run: int) -> None:
         """Another run of the timeline is shown, the one that began as this generation."""
-        if run in self._runs:
+        if run in self.executed:
             self._run = run
-
-    @property
-    def executed(self) -> dict[int, Counter[Hashable]]:
-        """The sources of the particles of each run, by its generation."""
-        return {run: executed for run, (_, executed) in self._runs.items()}
 
     def restore(self, begun: Mapping[int, tuple[Document, Counter[Hashable]]]) -> None:
         """The runs of a session are there: their first documents and the sources of their particles."""
         document = self._board.scene.document
         self._drawn, self._last_shapes = document.sources, document.shapes
         for run, (first, executed) in begun.items():
-            self._runs[run] = (replace(first, image=document.image).late, executed)
+            self._late[run], self.executed[run] = replace(first, image=document.image).late, executed
 
     def forget(self) -> None:
         """Forget all runs: another image has been opened."""
-        self._runs.clear()
+        self._late.clear()
+        self.executed.clear()
         self._run = 0
 
     @property
     def _executed(self) -> Counter[Hashable]:
         """The sources of the particles of the run that is shown."""
-        return self._runs[self._run][1] if self._run in self._runs else Counter()
+        return self.executed.get(self._run, _NONE)
 
     def _execute(self, executed: Counter[Hashable]) -> None:
-        if self._run in self._runs:
-            self._runs[self._run] = self._runs[self._run][0], executed
+        if self._run in self.executed:
+            self.executed[self._run] = executed
 
     def outdated(self, document: Document) -> bool:
         """Whether a run from the current document would begin otherwise than the existing one did.
 
         Starts that have only been added join the run.
         """
-        late, executed = self._runs.get(self._run, ((), Counter()))
+        executed = self._executed
         # The window asks many times a second, and many thousand points take a while to compare.
         if document.shapes is not self._outdated[0] or executed is not self._outdated[1]:
             self._outdated = document.shapes, executed, bool(executed - document.sources)
-        return self._outdated[2] or document.late != late
+        return self._outdated[2] or document.late != self._late.get(self._run, ())
 
     def follow(self, before: Document, after: Document, complete: bool) -> None:
         """The document has changed; unless `complete`, the gesture that changes it continues."""

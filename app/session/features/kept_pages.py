@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from app.model.document.document import Document, ImageReference
 from app.model.document.saving import restored, to_file
@@ -16,6 +16,7 @@ from app.model.volume.parts import Parts
 from app.session.exchange.core_functions import Core
 from app.session.exchange.messages import sentence
 from app.session.tasks.tasks import Cancelled, Task
+from app.session.timeline.plain_runs import sound
 from app.session.undo_history import History
 from cpm_core import Page, Result, load_pages
 from cpm_core.contours import apply, middle, with_kept
@@ -33,8 +34,6 @@ class StackSource:
     ----------
     path : str
         The file.
-    name : str
-        Its name.
     count : int
         Number of its pages; 0 where nothing is open, or a volume.
     by_channel : bool
@@ -46,20 +45,19 @@ class StackSource:
     """
 
     path: str = ""
-    name: str = ""
     count: int = 0
     by_channel: bool = False
     reading: Reading = field(default_factory=Reading)
     usual: int = 1
 
     @classmethod
-    def of(cls, path: str, name: str, parts: Parts | None, reading: Reading) -> StackSource:
+    def of(cls, path: str, parts: Parts | None, reading: Reading) -> StackSource:
         """The stack that a file holds."""
         if parts is None:
-            return cls(path, name)
+            return cls(path)
         by_channel = parts.pages == 1 and parts.times == 1 and parts.channels > 1
         count = parts.channels if by_channel else parts.pages
-        return cls(path, name, count if count > 1 else 0, by_channel, reading, parts.usual)
+        return cls(path, count if count > 1 else 0, by_channel, reading, parts.usual)
 
     def number_of(self, reading: Reading) -> int:
         """The page that is read so."""
@@ -139,13 +137,11 @@ def linked(source: StackSource, found: Mapping[int, Page], drawn: tuple[Mapping[
     follower = Follower()
     pages = [found[number] for number in sorted(found)]
     pages = [follower.take(page.number, page.result) if page.result else page for page in pages]
-    return StackResult(source.name, source.count, tuple(pages), source.pages.axis, source.pages.alone, drawn)
+    return StackResult(Path(source.path).name, source.count, tuple(pages), source.pages.axis, source.pages.alone, drawn)
 
 
 _MOST = 24 * 2**20
 """Largest size of the recorded runs of other pages in a session file [characters]; contours and drawings all stay."""
-
-T = TypeVar("T")
 
 
 def pages_to_plain(
@@ -224,12 +220,12 @@ class StoredPages:
             page = page_from_plain(entry)
             return _checked(page.number, source), page
 
-        kept, first = _read(plain, "sessions", session)
-        pages, second = _read(plain, "found", found)
-        drawn = tuple(shape for shape in _listed(plain, "drawn") if isinstance(shape, dict))
+        faults: list[Exception] = []
+        kept, pages = dict(sound(plain, "sessions", session, faults)), dict(sound(plain, "found", found, faults))
+        drawn = tuple(sound(plain, "drawn", dict, []))
         given = here.starts if plain.get("given") is True else ()
         trouble = tr("Some pages of the stack are damaged in the session and were skipped.")
-        return cls(kept, pages, plain.get("following") is not False, drawn, given, trouble if first or second else "")
+        return cls(kept, pages, plain.get("following") is not False, drawn, given, trouble if faults else "")
 
 
 class PlainPages(Mapping[str, Any]):
@@ -252,30 +248,10 @@ class PlainPages(Mapping[str, Any]):
         return len(self._plain)
 
 
-def _read(
-    plain: Mapping[str, Any], name: str, read: Callable[[Mapping[str, Any]], tuple[int, T]]
-) -> tuple[dict[int, T], bool]:
-    """The entries of a list by page, and whether any is damaged."""
-    entries: dict[int, T] = {}
-    damaged = False
-    for entry in _listed(plain, name):
-        try:
-            number, value = read(entry)
-            entries[number] = value
-        except (KeyError, TypeError, ValueError, IndexError, AttributeError):
-            damaged = True
-    return entries, damaged
-
-
 def _checked(given: object, source: StackSource) -> int:
     if type(given) is not int or not 1 <= given <= source.count:
         raise ValueError("there is no such page")
     return given
-
-
-def _listed(plain: Mapping[str, Any], name: str) -> list[Any]:
-    given = plain.get(name)
-    return given if isinstance(given, list) else []
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -342,7 +342,7 @@ class StackPages(QObject):
         """Another file has been opened, perhaps with a session that knows its pages."""
         self.cancel()
         parts = opened.parts if opened.image.ndim == 2 else None
-        source = self._source = StackSource.of(str(opened.path), opened.path.name, parts, opened.reading)
+        source = self._source = StackSource.of(str(opened.path), parts, opened.reading)
         self.number = self.ahead = source.number_of(opened.reading)
         self._kept, self._found, self._given = {}, {}, ()
         self.result, self.rows, self._seen, self._drawn = None, (), None, ()

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import itertools
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -50,6 +51,7 @@ MOST_STEPS = 200_000
 """Most steps of a branch that are read."""
 
 Plain = Mapping[str, Any]
+T = TypeVar("T")
 
 
 _ENTRIES = {
@@ -71,75 +73,59 @@ class _Numbered:
     place: Position
 
 
-class RunsWriter:
-    """Writes runs as plain JSON; a state that has been written before is not packed again."""
+def runs_to_plain(stored: StoredRuns) -> Plain:
+    """All runs with as many states and figures as `MOST` characters hold: the state shown, then the newest ones."""
+    if not stored.runs:
+        return {}
+    left, states = MOST, []
+    for place in sorted(stored.states, key=lambda place: (place != stored.here, -place[0], -place[1])):
+        state = stored.states[place]
+        plain, size = _packed(state) if isinstance(state, State) else ({}, MOST + 1)
+        if size <= left:
+            left -= size
+            states.append({"branch": place[0], "step": place[1], "state": plain})
+    runs = [_run_to_plain(run) for run in stored.runs]
+    for branch in (branch for run in reversed(runs) for branch in run["branches"]):
+        size = len(branch["figures"]["data"]) if "figures" in branch else 0
+        if size > left:
+            del branch["figures"]
+        else:
+            left -= size
+    here = None if stored.here is None else list(stored.here)
+    numbers = [to_plain(_Numbered(number, place)) for number, place in stored.numbers.items()]
+    return {"here": here, "runs": runs, "states": states, "numbers": numbers}
 
-    def __init__(self) -> None:
-        self._packed: dict[int, tuple[State, dict[str, Any], int]] = {}
 
-    def to_plain(self, stored: StoredRuns, most: int = MOST) -> Plain:
-        """All runs with as many states and figures as `most` characters hold: the state shown, then the newest ones."""
-        if not stored.runs:
-            return {}
-        left, states, packed = most, [], {}
-        for place in sorted(stored.states, key=lambda place: (place != stored.here, -place[0], -place[1])):
-            state = stored.states[place]
-            if not isinstance(state, State):
-                continue
-            known = self._packed.get(id(state))
-            if known is None:
-                plain = state_to_plain(state)
-                known = (state, plain, len(json.dumps(plain)))
-            packed[id(state)] = known
-            if known[2] <= left:
-                left -= known[2]
-                states.append({"branch": place[0], "step": place[1], "state": known[1]})
-        self._packed = packed
-        runs = [_run_to_plain(run) for run in stored.runs]
-        for branch in (branch for run in reversed(runs) for branch in run["branches"]):
-            size = len(branch["figures"]["data"]) if "figures" in branch else 0
-            if size > left:
-                del branch["figures"]
-            else:
-                left -= size
-        here = None if stored.here is None else list(stored.here)
-        numbers = [to_plain(_Numbered(number, place)) for number, place in stored.numbers.items()]
-        return {"here": here, "runs": runs, "states": states, "numbers": numbers}
+@lru_cache(2 * MOST_RUNS)
+def _packed(state: State) -> tuple[dict[str, Any], int]:
+    """A state as plain JSON, and its size [characters]; runs are collected many times, most with the same states."""
+    plain = state_to_plain(state)
+    return plain, len(json.dumps(plain))
 
 
 def runs_from_plain(plain: Plain, image: ImageReference) -> tuple[StoredRuns, str]:
     """The runs of a session file on its image, and a sentence on what had to be left out, empty if nothing had."""
     faults: list[Exception] = []
     runs: list[StoredRun] = []
-    states: dict[BranchStep, State] = {}
     branches: dict[int, tuple[StoredRun, StoredBranch]] = {}
-    numbers: dict[int, Position] = {}
-
-    def add_run(entry: Plain) -> None:
-        run = _run(entry, image)
+    for run in sound(plain, "runs", lambda entry: _run(entry, image), faults)[-MOST_RUNS:]:
         found = {stored.branch.identity: (run, stored) for stored in run.branches}
         if branches.keys() & found:
-            raise ValueError("two branches have the same number.")
-        branches.update(found)
-        runs.append(run)
+            faults.append(ValueError("two branches have the same number."))
+        else:
+            branches.update(found)
+            runs.append(run)
 
-    def add_state(entry: Plain) -> None:
-        if entry.get("branch") in branches:  # of which the oldest may be left out
-            at, state = _state(entry, branches, image)
-            states[at] = state
+    def state_of(entry: Plain) -> tuple[BranchStep, State] | None:
+        return _state(entry, branches, image) if entry.get("branch") in branches else None  # the oldest may be left out
 
-    def add_number(entry: Plain) -> None:
+    def number_of(entry: Plain) -> tuple[int, Position]:
         contour = from_plain(_Numbered, entry, "number of a contour")
-        numbers[contour.number] = contour.place
+        return contour.number, contour.place
 
+    states = dict(filter(None, sound(plain, "states", state_of, faults)))
+    numbers = dict(sound(plain, "numbers", number_of, faults))
     here = None
-    for name, most, add in (("runs", MOST_RUNS, add_run), ("states", 0, add_state), ("numbers", 0, add_number)):
-        entries = plain.get(name, [])
-        for entry in entries[-most:] if isinstance(entries, list) else [entries]:
-            try:
-                add(mapping(entry, name))
-            except (ValueError, TypeError, KeyError, OverflowError) as error:
-                faults.append(error)
     try:
         branch, step = (int(number(one, "here")) for one in plain.get("here") or (0, 0))
         here = (branch, step) if branch in branches else None
@@ -148,6 +134,17 @@ def runs_from_plain(plain: Plain, image: ImageReference) -> tuple[StoredRuns, st
     message = tr("Part of the recorded runs is damaged and was skipped ({fault}); everything else was opened.")
     fault = message.format(fault=reason(faults[0]).rstrip(".")) if faults else ""
     return StoredRuns(tuple(runs), here, states, numbers), fault
+
+
+def sound(plain: Plain, name: str, read: Callable[[Plain], T], faults: list[Exception]) -> list[T]:
+    """The entries of a list that can be read; what the others fail with is added to `faults`."""
+    found, entries = [], plain.get(name, [])
+    for entry in entries if isinstance(entries, list) else [entries]:
+        try:
+            found.append(read(mapping(entry, name)))
+        except (ValueError, TypeError, KeyError, OverflowError, IndexError, AttributeError) as error:
+            faults.append(error)
+    return found
 
 
 def _run_to_plain(run: StoredRun) -> dict[str, Any]:

@@ -296,23 +296,21 @@ class Timeline:
         line = self._known(branch)
         if len(self._lines) == 1:
             raise ValueError(tr("The only run cannot be deleted."))
-        was_here, step = self._line is line, self._step
         rest = [other for other in self._lines.values() if other.run == line.run and other is not line]
-        if not rest:
+        if any(not other.common(rest[0]) and rest[0].path[0] not in other.path[0].of_step for other in rest):
+            message = tr("{name} cannot be deleted: several branches begin with its step {step}.")
+            raise ValueError(message.format(name=line.name, step=0))
+        del self._lines[branch]
+        if self._line is line and rest:
+            other = max(rest, key=line.common)
+            self.go(other.identity, min(self._step, max(line.common(other) - 1, 0)))
+        elif self._line is line:
             before = self._root(self.runs[self.runs.index(line.run) - 1])
-            self._remove_run(line.run)
-            if was_here:
-                self.go(before.identity, before.last)
-        else:
-            if any(not other.common(rest[0]) and rest[0].path[0] not in other.path[0].of_step for other in rest):
-                message = tr("{name} cannot be deleted: several branches begin with its step {step}.")
-                raise ValueError(message.format(name=line.name, step=0))
-            del self._lines[branch]
-            self._change()
-            if was_here:
-                other = max(rest, key=line.common)
-                self.go(other.identity, min(step, max(line.common(other) - 1, 0)))
-            self._kept.keep_only(line.run, {moment for other in rest for moment in other.path})
+            self.go(before.identity, before.last)
+        self._kept.keep_only(line.run, {moment for other in rest for moment in other.path})
+        if not rest:
+            del self._begun[line.run]
+        self._change()
         return None if self.here is None else self.state(*self.here)
 
     def clear(self) -> None:
@@ -342,7 +340,7 @@ class Timeline:
         steps = [moment.actions for moment in line.path[branch.first :]]
         if branch.parent is not None:
             steps[0] = steps[0][len(self._lines[branch.parent].at(branch.first).actions) :]
-        return StoredBranch(branch, tuple(steps), line.record.rows.copy())
+        return StoredBranch(branch, tuple(steps), line.record.rows)
 
     def restore(self, stored: StoredRuns, first: Callable[[Method[Any], Document], MethodState]) -> str:
         """Take over the runs of a session; `first` gives the first state of one. Returns what one failed at, if any.
@@ -380,7 +378,10 @@ class Timeline:
                 moment = Moment(root.run, step, moment, action)
             path.append(moment)
         alike = all(moment.actions == path[1].actions for moment in path[1:])
-        steered, record = branch.parent is not None or bool(path[0].actions) or not alike, RunRecord(stored.figures)
+        steered, record = (
+            branch.parent is not None or bool(path[0].actions) or not alike,
+            RunRecord(stored.figures),
+        )
         line = _Line(branch.identity, branch.name, root.run, path, scales, steered, branch.renamed, record)
         self._lines[branch.identity] = line
         self._numbered = max(self._numbered, branch.identity)

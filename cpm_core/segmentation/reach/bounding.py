@@ -151,10 +151,7 @@ def _bounds(values: Array, area: Mask, hollow: Mask, closed: Mask, beta: float) 
     own = np.zeros(labels.max() + 1, bool)
     own[touched[1]] = True
     beside = _beside(np.where(own[labels], labels, 0)) & ~_rim(shut)
-    if stride > 1:
-        beside, inside = (_enlarged(mask, stride, values.shape) for mask in (beside, own[labels]))
-    else:
-        inside = own[labels]
+    beside, inside = (_enlarged(mask, stride, values.shape) for mask in (beside, own[labels]))
     whole = touched.shape[1] == len(np.unique(touched[0])) > 0
     return Bounds(area, beside, inside, sigma, whole, bool(things.any()))
 

@@ -243,7 +243,7 @@ def test_setting_the_parameters_of_a_step_again_repeats_its_branch(rested, hand,
 
 
 def timeline_of(window):
-    return window.session._worker_thread._run.timeline
+    return window.session._worker_thread.run.timeline
 
 
 def test_the_memory_set_in_the_preferences_acts_at_once(rested, hand, fresh) -> None:
