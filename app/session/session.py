@@ -123,15 +123,14 @@ class Session(QObject):
     @property
     def status(self) -> RunStatus:
         """State of the run."""
-        status = self._board.status
-        document, method = self.document, METHODS[status.method]
+        status, document = self._board.status, self.document
+        method = METHODS[status.method]
         other = status.method != MODES[document.mode].method
         stale = status.started and (other or (method.seeded and self.live.outdated(document)))
         steered = status.phase == "finished" and status.steering != method.steering(document.parameters)
         if status.phase == "empty" and self.opening:
             return replace(status, busy=self.opening)
-        same = (stale, steered) == (status.stale, status.steered)
-        return status if same else replace(status, stale=stale, steered=steered)
+        return replace(status, stale=stale, steered=steered)
 
     @property
     def situation(self) -> Situation:

@@ -103,6 +103,10 @@ class _Line:
         return [mark for mark in self.scales if mark[0] <= step]
 
 
+_NOWHERE = _Line(0, "", 0, [], [])
+"""The branch that a run is on before it has begun."""
+
+
 class Timeline:
     """The steps of all runs on an image and their branches, and the current one.
 
@@ -115,7 +119,7 @@ class Timeline:
         self._make = make
         self._kept = KeptStates(budget)
         self._lines: dict[int, _Line] = {}
-        self._line: _Line | None = None
+        self._line = _NOWHERE
         self._step = 0
         self._numbered, self._named = 0, [0, 0]
         self._branches: tuple[Branch, ...] | None = None
@@ -126,13 +130,8 @@ class Timeline:
 
     # State
 
-    @property
-    def budget(self) -> int:
-        """Maximum number of bytes of the states."""
-        return self._kept.budget
-
-    @budget.setter
-    def budget(self, budget: int) -> None:
+    def limit(self, budget: int) -> None:
+        """Let the states take at most so many bytes."""
         self._kept.budget = budget
         self._make_room()
 
@@ -144,7 +143,7 @@ class Timeline:
         actions = () if self._kept.here is None else self._kept.here.actions
         return Outline(
             self._branches,
-            0 if self._line is None else self._line.identity,
+            self._line.identity,
             next((action.parameters for action in actions if isinstance(action, Stepped)), None),
             self._fallen,
             self.edition,
@@ -160,17 +159,17 @@ class Timeline:
     @property
     def here(self) -> BranchStep | None:
         """Current branch and step; None before a run has begun."""
-        return None if self._line is None else (self._line.identity, self._step)
+        return (self._line.identity, self._step) if self.run else None
 
     @property
     def run(self) -> int:
         """Number of the current run, 0 before there is one."""
-        return 0 if self._line is None else self._line.run
+        return self._line.run
 
     @property
     def steered(self) -> bool:
         """Whether the current run was changed between its steps, or left another run."""
-        return self._line is not None and self._line.steered
+        return self._line.steered
 
     @property
     def drawn(self) -> tuple[Shape, ...]:
@@ -183,7 +182,18 @@ class Timeline:
 
     def state(self, branch: int, step: int, wanted: Callable[[], bool] = lambda: True) -> MethodState | None:
         """The state of a step, as `go` gives it, without going there."""
-        return self._recover(self._known(branch).at(step), wanted)
+        moment, missing = self._known(branch).at(step), []
+        while (state := self._kept.get(moment)) is None:
+            missing.append(moment)
+            assert moment.before is not None
+            moment = moment.before
+        for moment in reversed(missing):
+            if not wanted():
+                return None
+            assert moment.action is not None
+            state = moment.action.apply(self.method(moment.run, moment.action.regions), state)
+            self._kept.put(moment, state)
+        return state
 
     def metrics(self, branch: int, step: int) -> RunMetrics:
         """The figures of a branch up to a step."""
@@ -221,7 +231,6 @@ class Timeline:
         A new branch begins where the action differs from the recorded one; otherwise the run follows the branch.
         """
         line, moment, at = self._line, self._kept.here, state.step
-        assert line is not None
         assert moment is not None
         following = (other for other in (line, *self._lines.values()) if len(other.path) > at)
         same = (one for one in following if one.path[at].before is moment and one.path[at].action == action)
@@ -246,7 +255,6 @@ class Timeline:
         so that the state before it can be gone back to.
         """
         line, moment = self._line, self._kept.here
-        assert line is not None
         assert moment is not None
         others = (other.at(self._step) for other in self._lines.values() if other is not line)
         if apart or self._step < line.last or moment in others:
@@ -276,7 +284,7 @@ class Timeline:
 
     def leave(self) -> None:
         """Leave the current run, which is kept; the next one begins elsewhere."""
-        self._line, self._step, self._kept.here, self._branches = None, 0, None, None
+        self._line, self._step, self._kept.here, self._branches = _NOWHERE, 0, None, None
 
     # Branches
 
@@ -441,20 +449,6 @@ class Timeline:
         self._kept.put(moment, state)
         self._make_room()
 
-    def _recover(self, moment: Moment, wanted: Callable[[], bool]) -> MethodState | None:
-        missing = []
-        while (state := self._kept.get(moment)) is None:
-            missing.append(moment)
-            assert moment.before is not None
-            moment = moment.before
-        for moment in reversed(missing):
-            if not wanted():
-                return None
-            assert moment.action is not None
-            state = moment.action.apply(self.method(moment.run, moment.action.regions), state)
-            self._kept.put(moment, state)
-        return state
-
     def _change(self) -> None:
         """The branches are others than before."""
         self.edition += 1
@@ -471,7 +465,7 @@ class Timeline:
     def _make_room(self) -> None:
         """Remove the oldest runs, those that have been named last, until the others have room; never the newest one."""
         self._kept.make_room()
-        while self._kept.used > self.budget or len(self._begun) > MOST_RUNS:
+        while self._kept.used > self._kept.budget or len(self._begun) > MOST_RUNS:
             roots = [self._root(run) for run in self.runs[:-1]]
             oldest = min((one for one in roots if one.run != self.run), key=lambda one: one.renamed, default=None)
             if oldest is None:

@@ -291,7 +291,7 @@ class Run:
 
     def set_timeline_budget(self, budget: int) -> None:
         """Let the states of the timeline take at most so many bytes."""
-        self.timeline.budget = budget
+        self.timeline.limit(budget)
         self._send()
 
     def watch_energy(self, watched: bool) -> None:
