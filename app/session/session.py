@@ -48,8 +48,8 @@ class Session(QObject):
     Views follow its signals, and read its scene; work that takes long is done by the worker thread and by tasks.
     """
 
-    def __init__(self, core: Core | None = None, parent: QObject | None = None) -> None:
-        super().__init__(parent)
+    def __init__(self, core: Core | None = None) -> None:
+        super().__init__()
         core = core or Core()
         self._worker_thread = WorkerThread(core)
         self._board = board = Board(self._worker_thread, self)

@@ -65,7 +65,7 @@ class StackPages(QObject):
         self.following = True
         """Whether each page starts from the contours of the one before."""
         self._session = session
-        self._file: DocumentFile | None = None
+        self._file: DocumentFile
         self._source = StackSource()
         self.number = 1
         """The page that is open, from 1."""
@@ -129,7 +129,7 @@ class StackPages(QObject):
 
     def open(self, number: int) -> None:
         """Go to a page, once the runs of this one have been collected."""
-        if self._file is None or not 1 <= number <= self.count or number == self.ahead:
+        if not 1 <= number <= self.count or number == self.ahead:
             return
         self.ahead = number
         if not self._turning:
@@ -161,15 +161,15 @@ class StackPages(QObject):
     def _turn(self) -> None:
         """Keep the page that is open, and open the one that is wanted."""
         self._turning = False
-        if self._file is None or not self.count or self.ahead == self.number:
+        if not self.count or self.ahead == self.number:
             return
-        here = self._kept[self.number] = self._here(self._file)
+        here = self._kept[self.number] = self._here()
         self._begin(self.ahead, self._kept.get(self.ahead) or self._fresh(here))
 
     def _begin(self, number: int, page: KeptPage) -> None:
         """Open a page with what is kept of it; the image stays where it is on the canvas."""
         image = self._session.document.image
-        if image is None or self._file is None:
+        if image is None:
             return
         place = ImageFile(image.path, "", image.shape, reading=self._source.reading_of(number))
         now = self._file.file  # whose view lets the image stay in place
@@ -180,10 +180,10 @@ class StackPages(QObject):
         saved = Saved(self._file.path, content, turned=True, known=page.known)
         self._session.begin(Wanted(Path(image.path), page.document.parameters, saved=saved))
 
-    def _here(self, file: DocumentFile) -> KeptPage:
+    def _here(self) -> KeptPage:
         """The page that is open, as it is kept."""
-        session, runs = self._session, file.runs
-        return KeptPage(session.document, runs.plain, session.history, file.known, self._given, runs.unsaved)
+        session, runs = self._session, self._file.runs
+        return KeptPage(session.document, runs.plain, session.history, self._file.known, self._given, runs.unsaved)
 
     def _fresh(self, here: KeptPage) -> KeptPage:
         """A page on which nothing has been done yet: it takes over the drawing, or follows the page before."""
@@ -209,7 +209,7 @@ class StackPages(QObject):
         self.changed.emit()
 
     def _take_written(self, written: Written) -> None:
-        if self._file is not None and self._file.is_current(written):
+        if self._file.is_current(written):
             for number, page in self._kept.items():
                 self._kept[number] = replace(page, known=page.document, runs_unsaved=False)
 
@@ -219,12 +219,12 @@ class StackPages(QObject):
         """Run all pages from one on, in the background."""
         document = self._session.document
         self._session.attempt(RUNNING)
-        if not self.count or self._file is None or self.running:
+        if not self.count or self.running:
             return
         if not document.starts:
             self._session.say(document.nothing_to_start_from, True, RUNNING)
             return
-        kept, following = {**self._kept, self.number: self._here(self._file)}, self.following
+        kept, following = {**self._kept, self.number: self._here()}, self.following
         self._drawn = plain_shapes(document.shapes)
         before = () if self.result is None else tuple(page for page in self.result.pages if page.number < first)
         source, numbers = self._source, range(first, self.count + 1)
@@ -255,9 +255,9 @@ class StackPages(QObject):
     def _take_page(self, path: str, known: KeptPage | None, done: PageDone) -> None:
         """Keep a page that has been run, unless the user has changed it since; that which is open is shown anew."""
         number, here = done.page.number, done.page.number == self.number
-        if self._file is None or path != self._source.path:
+        if path != self._source.path:
             return
-        before = self._here(self._file) if here else self._kept.get(number)
+        before = self._here() if here else self._kept.get(number)
         if before is not None and (known is None or before.document != known.document) and before.own_start:
             return
         self._found[number] = done.page

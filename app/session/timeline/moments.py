@@ -156,7 +156,7 @@ class RunAction(Protocol):
     def regions(self) -> AnyRegions | None:
         """Regions of the method that did it."""
 
-    def apply(self, method: Method[Any], state: Any) -> Any:
+    def apply(self, method: Any, state: Any) -> Any:
         """Apply it to a state of a method with these regions."""
 
 
@@ -181,9 +181,9 @@ class Joined:
     seeds: tuple[tuple[float, ...], ...]
     regions: AnyRegions | None = None
 
-    def apply(self, method: Method[Any], state: Any) -> Any:
-        """Add the particles; a method without moving particles leaves its state as it is."""
-        return method.joined(state, np.array(self.seeds)) if isinstance(method, Steerable) else state
+    def apply(self, method: Steerable[Any], state: Any) -> Any:
+        """Add the particles."""
+        return method.joined(state, np.array(self.seeds))
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,10 +194,9 @@ class Erased:
     radius: float
     regions: AnyRegions | None = None
 
-    def apply(self, method: Method[Any], state: Any) -> Any:
-        """Remove the particles; a method without moving particles leaves its state as it is."""
-        spacing = method.image.spacing
-        return method.erased(state, lambda at: self.reaches(at, spacing)) if isinstance(method, Steerable) else state
+    def apply(self, method: Steerable[Any], state: Any) -> Any:
+        """Remove the particles."""
+        return method.erased(state, lambda at: self.reaches(at, method.image.spacing))
 
     def reaches(self, places: Array, spacing: tuple[float, ...]) -> ArrayLike:
         """Which places, shape (N, D), are no farther from the path than the radius."""
