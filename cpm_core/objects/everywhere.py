@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
@@ -69,11 +69,12 @@ def similar(partition: Partition, chosen: Selection) -> Iterator[Selection]:
                 yield other
 
 
-def everywhere(partition: Partition) -> Iterator[Selection]:
+def everywhere(partition: Partition, check: Callable[[], object] = lambda: None) -> Iterator[Selection]:
     """The objects of an image: what is certain, and parts between contours that are likely objects.
 
     Parts meet where the gaps between contours are narrowest. Of two with a stretch of boundary in common, the one that
-    is more likely an object owns it; one that owns little of its boundary is what lies behind the others.
+    is more likely an object owns it; one that owns little of its boundary is what lies behind the others. `check` is
+    called between the parts, and may raise to end it.
     """
     known: list[Mask] = []
     taken = np.zeros(partition.shape, np.bool_)
@@ -84,7 +85,7 @@ def everywhere(partition: Partition) -> Iterator[Selection]:
     if not partition.prior or not partition.contours:
         return
     parts = _Parts.of(partition)
-    judged = parts.judged(partition, taken)
+    judged = parts.judged(partition, taken, check)
     owned = parts.owned(judged)
     for number, likely in sorted(judged.items(), key=lambda item: -item[1].overlap):
         mask = likely.mask & partition.interest
@@ -144,11 +145,12 @@ class _Parts(NamedTuple):
         bounded = np.bincount(one[on], minlength=len(pixels)) / np.maximum(around, 1)
         return cls(labels, pixels, bounded, one, other)
 
-    def judged(self, partition: Partition, taken: Mask) -> dict[int, Likely]:
+    def judged(self, partition: Partition, taken: Mask, check: Callable[[], object]) -> dict[int, Likely]:
         """What the prior makes of those that may be objects, by their numbers."""
         boxes = scipy.ndimage.find_objects(self.labels)
 
         def judge(number: int) -> Likely | None:
+            check()
             box = boxes[number - 1]
             within = self.labels[box] == number
             if np.count_nonzero(within & taken[box]) > _OVER * self.pixels[number]:
