@@ -218,7 +218,8 @@ def summary_text(result: Result | Skeleton, what: What, suffix: str) -> str:
     """What a file with a suffix holds of a result, and what not."""
     surface = result.surface if isinstance(result, Result) else None
     if what == "objects":
-        count = len({one.group for one in result.contours} if surface is None else np.unique(surface.numbers))
+        groups = {one.group for one in result.contours}
+        count = len(groups if surface is None or surface.numbers is None else set(surface.numbers.tolist()))
         text = tr("1 object") if count == 1 else tr("{count} objects").format(count=count)
     elif surface is not None:
         return tr("a surface of {count} triangles").format(count=written(f"{len(surface.faces):,}"))

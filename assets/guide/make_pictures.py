@@ -109,6 +109,8 @@ def main() -> None:
     show(window, "nuclei.png")
     take(window, "nuclei_start")
     run(window)
+    selection = window.workspace.object_selection
+    wait(lambda: selection.idle and bool(selection.proposals))
     take(window, "nuclei_end")
     show(window, "hand.png")
     take(window, "hand_start")

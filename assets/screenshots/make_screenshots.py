@@ -23,7 +23,6 @@ from app.model.document import edits
 from app.model.document.samples import sample_called
 from app.views.application import make_application
 from app.views.features.files import OpenSaveFeature
-from app.views.features.objects import ObjectsFeature
 from app.views.features.volumes import SpaceFeature
 from app.views.main_window import open_window
 from app.views.theme import theme
@@ -112,38 +111,26 @@ def rest(stand: Stand) -> None:
     stand.take("rest")
 
 
+LARGE = ((167.0, 33.0), (264.0, 39.0), (284.0, 193.0), (76.0, 280.0))
+"""Places in large nuclei."""
+
+
 def objects(stand: Stand) -> None:
-    """Nuclei accepted as objects of two classes, and one of two that touch selected by a click in each."""
-    window = stand.window
-    selection, taken = window.workspace.object_selection, window.workspace.object_list
+    """All nuclei found and accepted as objects of two classes, one of them selected."""
+    selection, listed = stand.window.workspace.object_selection, stand.window.workspace.object_list
     stand.open("nuclei.png")
     stand.run()
     wait(lambda: selection.idle and bool(selection.proposals))
-    selection.drop()
     stand.do("objects")
-    wait(lambda: selection.ready)
-    for place, category in (
-        ((69.0, 223.0), 1),
-        ((76.0, 280.0), 1),
-        ((167.0, 33.0), 2),
-        ((264.0, 39.0), 2),
-        ((284.0, 193.0), 2),
-    ):
-        selection.click((place,))
-        stand.settle()
-        wait(lambda: selection.idle and bool(selection.proposals))
-        taken.accept()
-        taken.classify(category)
-        stand.settle()
-    for category, name in ((1, "small"), (2, "large")):
-        taken.name_class(category, name)
-    for field in (window.feature(ObjectsFeature).name_field, window.feature(ObjectsFeature).class_field):
-        field.hide()
-    selection.click(((214.0, 206.0),))
-    selection.click(((238.0, 231.0),), inside=False)
-    window.docks.reveal("objects")
+    listed.accept()
     stand.settle()
-    wait(lambda: selection.idle and bool(selection.proposals))
+    for category, name in ((1, "small"), (2, "large")):
+        listed.name_class(category, name)
+    listed.choose({listed.under(place) for place in LARGE})
+    listed.classify(2)
+    listed.choose({listed.under(LARGE[0])})
+    stand.window.docks.reveal("objects")
+    stand.settle()
     stand.do("fit")
     stand.take("objects")
 

@@ -391,8 +391,8 @@ def _on_contours(result: Result, chosen: Selection | None, seconds: float) -> tu
         counts = {"holes": sum(contour.hole for contour in chosen.contours), "gaps": len(chosen.gaps)}
         facts["objects"] = [{name: round(value, 4) for name, value in on_object.items()} | counts]
         lines.append(
-            "Object: area {area:.1f} px², perimeter {perimeter:.1f} px, {bridged:.1f} px of it across gaps, confidence "
-            "{confidence:.2f}".format(**on_object)
+            "Object: area {area:.1f} px², perimeter {perimeter:.1f} px, {bridged:.1f} px of it across gaps, "
+            "confidence {share:.0f} %".format(share=100.0 * chosen.confidence, **on_object)
         )
     if result.bridges:
         farthest = max(bridge.length for bridge in result.bridges)

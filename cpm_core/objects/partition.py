@@ -72,10 +72,11 @@ _NOTHING = "No object was found around these places: only their own pixels are c
 
 
 class _Found(NamedTuple):
-    """Pixels of an object, shape (H, W), and what speaks for it, where that is known already."""
+    """Pixels of an object, shape (H, W), what the prior says of it, where that is known, and whether it is certain."""
 
     mask: Mask
     signs: Signs | None
+    certain: bool = False
 
 
 def partition(values: ArrayLike | Image | Result, params: Parameters | None = None) -> Any:
@@ -102,7 +103,7 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
     --------
     >>> partition = cpm.partition(cpm.example("disks"))
     >>> partition.select([(32, 18)])
-    <Selection 301 px, 1 contour, 0 gaps, 97 % sure>
+    <Selection 301 px, 1 contour, 0 gaps, 98 % sure>
     """
     if not isinstance(values, Result):
         image = as_image(values)
@@ -245,21 +246,21 @@ class Partition(drawing.Pictured):
         prompt = afresh if former is None else replace(self._with_drawn(places, NOWHERE, line, corners), former=former)
         answers = self._answers(afresh, areas)
         if at_once and former is not None and former.any() and not len(beyond):
-            first = self.selection_of(former, within, signs=Signs(certain=True) if certain else None)
+            first = self.selection_of(former, within, certain=certain)
         elif len(prompt.inside) or prompt.drawn is not None or prompt.box is not None:
-            mask, signs = self._object(prompt, answers, areas)
-            first = self.selection_of(mask, within, beyond, remark, signs)
+            found = self._object(prompt, answers, areas)
+            first = self.selection_of(found.mask, within, beyond, remark, found.signs, found.certain)
         else:
             remark = remark or "No place has been said to be inside."
             yield self.selection_of(np.zeros(self.shape, np.bool_), within, beyond, remark)
             return
         yield replace(first, remark=_NOTHING) if first.only_places and not first.remark else first
         known = [first.mask]
-        for mask, signs in itertools.chain(answers, self._otherwise(first.mask, afresh)):
-            tied = self._tied(mask, afresh)
+        for found in itertools.chain(answers, self._otherwise(first.mask, afresh)):
+            tied = self._tied(found.mask, afresh)
             if tied.any() and all(_overlap(tied, other) < _SAME for other in known):
                 known.append(tied)
-                yield self.selection_of(tied, within, beyond, remark, signs)
+                yield self.selection_of(tied, within, beyond, remark, found.signs)
 
     def _with_drawn(self, places: Prompt, start: Array, line: Array, corners: Array) -> Prompt:
         """A prompt of places, and of a start in place of those inside, a stroke and the corners of a box."""
@@ -299,19 +300,19 @@ class Partition(drawing.Pictured):
 
     def _object(self, prompt: Prompt, answers: Iterator[_Found], areas: Sequence[float]) -> _Found:
         """The object that a prompt means; the answers are those of the prior when there is no former object."""
-        mask, signs = prompt.former, None
+        mask, certain = prompt.former, False
         while mask is not None:  # what is certain about places that contradict the object so far
             wrong = [(place, True) for place in prompt.inside if not mask[tuple(place)]]
             wrong += [(place, False) for place in prompt.outside if mask[tuple(place)]]
             if not wrong:
-                return _Found(self._tied(mask, prompt), signs)
+                return _Found(self._tied(mask, prompt), None, certain)
             kept = prompt.outside, prompt.inside
-            certain = (self._closed.changed(mask, place, adds, kept[not adds]) for place, adds in wrong)
-            better = next((found for found in certain if found is not None), None)
+            changed = (self._closed.changed(mask, place, adds, kept[not adds]) for place, adds in wrong)
+            better = next((found for found in changed if found is not None), None)
             if better is None:
                 answers = self._answers(replace(prompt, former=mask), areas)
                 break
-            mask, signs = better, Signs(certain=True)
+            mask, certain = better, True
         found = next(answers, None) or _Found(np.zeros(self.shape, np.bool_) if mask is None else mask.copy(), None)
         if mask is not None:  # places inside only add, and those outside only take away
             adds, takes = not mask[tuple(prompt.inside.T)].all(), mask[tuple(prompt.outside.T)].any()
@@ -385,10 +386,11 @@ class Partition(drawing.Pictured):
         outside: Array = NOWHERE,
         remark: str = "",
         signs: Signs | None = None,
+        certain: bool = False,
     ) -> Selection:
         """Make an object of a set of pixels, shape (H, W); its boundary follows the contours that pass next to it.
 
-        Without `signs`, the prior is asked how sure it is.
+        Without `signs`, the prior is asked how sure it is; `certain` is whether a certain contour encloses it.
         """
         if not mask.any():
             return Selection(mask, (), (), 0.0, inside, outside, remark)
@@ -396,8 +398,10 @@ class Partition(drawing.Pictured):
         there = self._ground(box, corner)
         found = outlines(mask[box], there)
         if signs is None:
-            signs = Signs(*self.judged(mask, inside)[2:] if self.prior else (), places=len(inside) + len(outside))
-        signs = signs._replace(support=support_of(found, there), pixels=int(np.count_nonzero(mask)))
+            places = len(inside) + len(outside)
+            signs = Signs(*self.judged(mask, inside)[2:], places=places) if self.prior else Signs(places=places)
+        pixels = int(np.count_nonzero(mask))
+        signs = signs._replace(support=support_of(found, there), pixels=pixels, certain=certain)
         found = tuple(replace(one, contour=replace(one.contour, points=one.contour.points + corner)) for one in found)
         contours = tuple(outline.contour for outline in found)
         gaps = tuple(gap for outline in found for gap in outline.gaps)

@@ -122,6 +122,7 @@ def select_and_name_an_object(window: MainWindow, keys: Keys) -> None:
     keys.press(KEY.Key_Return)
     keys.wait(lambda: workspace.object_selection.idle and bool(workspace.object_selection.proposals))
     keys.press(KEY.Key_Return, held=CONTROL)
+    keys.press(KEY.Key_F2)
     keys.type("cup")
     keys.press(KEY.Key_Return)
     assert [item.name for item in session.document.objects.items] == ["cup"]

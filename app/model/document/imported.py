@@ -4,20 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import zip_longest
 from typing import Literal
 
 import numpy as np
 import scipy
 
 from app.model.document.document import Document
-from app.model.document.objects import line_of, name_class
+from app.model.document.objects import name_class
 from app.model.text.language import tr
 from cpm_core import Centerlines, Contour, Image, Surface, VolumePartition
 from cpm_core.contours import PackedSurface, inside_of
 from cpm_core.formats import ContourFile
 from cpm_core.numerics import Place
-from cpm_core.objects.segmented import Click, SegmentedObject
+from cpm_core.objects.segmented import Click, SegmentedObject, line_of
 from cpm_core.shapes import Points, Polygon, Stroke, start_on_surface, starts_along, starts_in
 
 MOST = 1000
@@ -152,8 +151,8 @@ def add_starts(document: Document, imported: Imported) -> Document:
 def add_objects(document: Document, made: Sequence[SegmentedObject], classes: Sequence[str] = ()) -> Document:
     """The document with objects, each of the class of its name, else of the class that is chosen."""
     first = document.objects.next_number - 1
-    for item, name in zip_longest(made, classes, fillvalue=""):
-        document, category = _class_called(document, name)
+    for index, item in enumerate(made):
+        document, category = _class_called(document, classes[index] if classes else "")
         objects, added = document.objects, replace(item, number=first + item.number, category=category)
         document = replace(document, objects=replace(objects, items=(*objects.items, added)))
     return document

@@ -285,7 +285,9 @@ class ObjectList(QObject):
         for item in lines:
             if ("contour", item.key) in listed:
                 return "contour", item.key
-        around = [row for row in self.rows if (areas or row.item is not None) and _holds(row, place)]
+        close = {("object", item.number) for item in self.near(np.array([place]), 0.0)} if len(place) == 2 else listed
+        rows = [row for row in self.rows if row.key in close or (row.kind != "object" and (areas or row.item))]
+        around = [row for row in rows if _holds(row, place)]
         if around:
             return min(around, key=_size).key
         away = [

@@ -21,6 +21,7 @@ from app.session.features.object_list import ObjectList
 from app.session.features.selector import (
     MOST_OFFERED,
     AnyPartition,
+    Drawn,
     Offer,
     Partitions,
     Selector,
@@ -33,7 +34,7 @@ from app.session.tasks.tasks import Task
 from cpm_core import Partition, Result, Selection, select_all
 from cpm_core.numerics import Place
 from cpm_core.objects.segmented import Click, selection_of
-from cpm_core.shapes import Everywhere, ImageStart, Start
+from cpm_core.shapes import Everywhere, Start
 
 _COVERED = 0.5
 """Share of an object that others cover from which it counts as one of them."""
@@ -110,13 +111,14 @@ class ObjectSelection(QObject):
         self._in_use, self._over = False, False
         self._pointed: Click | None = None
         self._steps = 0
+        self._next: Callable[[], object] | None = None
         self._searched: AnyPartition | None = None
         self._found: tuple[Proposal, ...] = ()
         self._selectors: dict[int, Selector] = {}
         self._asked: Question | None = None
         self._remark, self._was_ready = "", False
         self._latest = LatestOnlyWorker(session, "cpm-objects", tr("selecting objects"))
-        self._finder = LatestOnlyWorker(session, "cpm-all-objects", tr("finding objects"))
+        self._finding: Task | None = None
         self.partitions = Partitions(session, lambda: self._in_use or self.selecting or bool(self._offering))
         self.partitions.changed.connect(self._follow)
         self.partitions.changed.connect(self.changed)
@@ -146,7 +148,8 @@ class ObjectSelection(QObject):
     @property
     def idle(self) -> bool:
         """Whether the proposals are up to date."""
-        return self._latest.idle and self._finder.idle and not self.partitions.preparing
+        finding = self._finding is not None and not self._finding.over
+        return self._latest.idle and not finding and not self.partitions.preparing
 
     @property
     def advice(self) -> str:
@@ -157,10 +160,10 @@ class ObjectSelection(QObject):
             said = tr(
                 "Click to add, Shift-click to remove, [ ] for smaller and larger. Enter accepts, {key:escape} cancels."
             )
+        elif len(meant) > 1 and self._in_use:
+            said = tr("{count} objects found. Enter: accept all · click one: accept or correct · {key:reject}: reject")
         elif len(meant) > 1:
-            said = tr(
-                "{count} objects found. Enter: accept all · click one: accept or correct it · {key:reject}: reject"
-            )
+            said = tr("{count} objects found. Enter: accept all · {key:objects}: choose · {key:reject}: reject")
         elif len(offered) > 1:
             said = tr("1 of {count} objects{likely}. Enter: accept · click again: correct · {key:reject}: reject")
         elif offered:
@@ -207,6 +210,13 @@ class ObjectSelection(QObject):
         """Take a larger candidate for what is being selected or chosen, or a smaller one for `by` below 0."""
         self._steps += by
         self._follow()
+
+    def when_answered(self, do: Callable[[], object]) -> None:
+        """Do something with the object of the clicks, as soon as it is known."""
+        if self.selecting and not any(each.clicks == self._session.document.objects.clicks for each in self.proposals):
+            self._next = do
+        else:
+            do()
 
     def take_back(self) -> None:
         """Take back the last click."""
@@ -274,7 +284,6 @@ class ObjectSelection(QObject):
         """End the threads."""
         self.partitions.close()
         self._latest.close()
-        self._finder.close()
 
     # Internal
 
@@ -327,11 +336,22 @@ class ObjectSelection(QObject):
         """What the run offers: all objects that have been found when it has started everywhere."""
         starts, source, rejected = self._offering, self.partitions.source, self._session.document.objects.rejected
         if not isinstance(partition, Partition) or not any(isinstance(start, Everywhere) for start in starts):
-            return Offer(tuple(start for start in starts if not isinstance(start, ImageStart)), (), rejected)
+            return Offer(tuple(start for start in starts if isinstance(start, Drawn)), (), rejected)
         if self._searched is not partition and isinstance(source, Result) and source.stop_reason:
             self._searched, self._found = partition, ()
-            self._finder.ask(partial(all_objects, partition), partial(self._use_found, partition))
+            self._end_finding()
+            self._finding = self._session.tasks.start(
+                tr("Finding objects between the contours…"),
+                partial(all_objects, partition),
+                tr("finding objects"),
+                then=partial(self._use_found, partition),
+            )
         return Offer((), self._found if self._searched is partition else (), rejected)
+
+    def _end_finding(self) -> None:
+        if self._finding is not None:
+            self._finding.cancel()
+            self._finding = None
 
     def _use_found(self, partition: AnyPartition, found: tuple[Proposal, ...]) -> None:
         if self._searched is partition:
@@ -393,6 +413,9 @@ class ObjectSelection(QObject):
         self._remark = remark
         if candidate is not None and question.stepped is not None:
             self._use_step(question.stepped, *candidate)
+        do, self._next = self._next, None
+        if do is not None and clicks:
+            do()
 
     def _use_step(self, step: Stepped, clicks: tuple[Click, ...], number: int, count: int) -> None:
         """Select a candidate, and report which one it is."""
@@ -428,7 +451,7 @@ class ObjectSelection(QObject):
 
     def _forget(self) -> None:
         self._latest.forget()
-        self._finder.forget()
+        self._end_finding()
         self._selectors, self._found = {}, ()
         self._asked = self._pointed = self._searched = None
         self._steps, self._over = 0, False

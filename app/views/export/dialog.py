@@ -61,7 +61,6 @@ _PICTURES = frozenset({"pages", "space", "turntable", "run"})
 
 _WIDTH = 430
 _SPACES = {"LPS": tr("Left, back, head (LPS), as in DICOM"), "RAS": tr("Right, front, head (RAS), as in NIfTI")}
-_ROLE = Qt.ItemDataRole.UserRole
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,13 +110,14 @@ class ExportDialog(QDialog):
         self.tolerance.setSingleStep(0.1)
         self.tolerance.setDecimals(1)
         self.tolerance.setSuffix(" px")
-        self.first, self.last, self.stride = (
-            _number(0, there.last, 0),
-            _number(0, there.last, there.last),
-            _number(1, 1),
-        )
-        self.width_field, self.speed = _number(NARROWEST, WIDEST, 640, " px"), _number(1, 50, 15, tr(" per second"))
-        self.stride.setMaximum(max(there.last, 1))
+        self.tolerance.setAccessibleName(tr("Simplify"))
+        self.first = _number(tr("First step"), 0, there.last, 0)
+        self.last = _number(tr("Last step"), 0, there.last, there.last)
+        self.stride = _number(tr("Steps per frame"), 1, max(there.last, 1), 1)
+        self.width_field = _number(tr("Width"), NARROWEST, WIDEST, 640, " px")
+        self.speed = _number(tr("Speed"), 1, 50, 15, tr(" per second"))
+        self.rows: dict[tuple[What, str], QTreeWidgetItem] = {}
+        """The rows of the list by what is written, and the suffix of its format."""
         stem = image.source.partition(".")[0] if self._volume else Path(image.source).stem
         self.base, self._place = QLineEdit(stem), QPushButton()
         self.summary = wrapped()
@@ -133,9 +133,9 @@ class ExportDialog(QDialog):
     def files(self) -> tuple[ExportFile, ...]:
         """The files that are checked."""
         return tuple(
-            ExportFile(self.folder / item.text(1), *item.data(0, _ROLE))
-            for item in self._items()
-            if item.checkState(0) == Qt.CheckState.Checked
+            ExportFile(self.folder / row.text(1), what, suffix)
+            for (what, suffix), row in self.rows.items()
+            if row.checkState(0) == Qt.CheckState.Checked
         )
 
     @property
@@ -165,12 +165,13 @@ class ExportDialog(QDialog):
         """Name the classes, keep the choice for the next time, and order the files."""
         order, written_before = self.order, self._there.written
         asked = [file.path.name for file in order.files if file.path.exists() and file.path not in written_before]
-        if not order.files or (asked and not ask_to_replace(self, ", ".join(asked))):
+        more = tr("{name} and {count} more").format(name=asked[0], count=len(asked) - 1) if len(asked) > 1 else ""
+        if not order.files or (asked and not ask_to_replace(self, more or asked[0])):
             return
         named = {number: field.text() for number, field in self.classes.items() if field.text()}
         self._session.edit(tr("name classes"), partial(_named, names=named))
         put = self._preferences.put
-        shown = {_key(item) for item in self._items()}
+        shown = set(map(":".join, self.rows))
         before = self._preferences.get(FORMATS, _FIRST)
         checked = [f"{file.what}:{file.suffix}" for file in order.files]
         put(FORMATS, [*(key for key in before if key not in shown), *checked])
@@ -189,15 +190,16 @@ class ExportDialog(QDialog):
         self.export_button = buttons.accept_button
         self._place.clicked.connect(self._choose_folder)
         self._form = form = QFormLayout()
-        for number in sorted({item.category for item in self._session.document.objects.items if not item.hidden}):
-            field = self.classes[number] = QLineEdit(self._session.document.objects.classes[number - 1].name)
+        found = self._session.document.objects
+        for category in sorted({item.category for item in found.items if not item.hidden}):
+            field = self.classes[category] = QLineEdit(found.classes[category - 1].name)
             field.setPlaceholderText(tr("Name of the class"))
-            field.setAccessibleName(tr("Class {number}").format(number=number))
+            field.setAccessibleName(tr("Class {number}").format(number=category))
             form.addRow(field.accessibleName(), field)
         self._thin = _row(self.tolerance, self.everywhere, self._vertices)
         self._steps = _row(self.first, QLabel(tr("to")), self.last, QLabel(tr("every")), self.stride)
         self._frames = _row(self.width_field, self.speed)
-        for title, field in (
+        for title, part in (
             ("", self.only),
             (tr("Simplify"), self._thin),
             ("", self.units),
@@ -205,21 +207,17 @@ class ExportDialog(QDialog):
             (tr("Steps"), self._steps),
             (tr("Frames"), self._frames),
             ("", self._size),
-            (tr("Name"), _row(self.base)),
+            (tr("Name"), self.base),
             (tr("Folder"), self._place),
             ("", self.summary),
         ):
-            form.addRow(title, field)
-        for field, title in (
-            (self.tolerance, tr("Simplify")), (self.base, tr("Name")), (self._place, tr("Folder")),
-            (self.space, tr("Coordinates")), (self.first, tr("First step")), (self.last, tr("Last step")),
-            (self.stride, tr("Steps per frame")), (self.width_field, tr("Width")), (self.speed, tr("Speed")),
-        ):  # fmt: skip
-            field.setAccessibleName(title)
+            form.addRow(title, part)
+            part.setAccessibleName(title)
         for box in (self.only, self.everywhere, self.units):
             box.toggled.connect(self._follow)
-        for field in (self.tolerance, self.first, self.last, self.stride, self.width_field, self.speed):
-            field.valueChanged.connect(self._follow)
+        self.tolerance.valueChanged.connect(self._follow)
+        for number in (self.first, self.last, self.stride, self.width_field, self.speed):
+            number.valueChanged.connect(self._follow)
         self.base.textChanged.connect(self._follow)
         self.list.itemChanged.connect(self._follow)
         layout = QHBoxLayout(self)
@@ -248,11 +246,13 @@ class ExportDialog(QDialog):
         for what, count in self._counts().items():
             group = QTreeWidgetItem([f"{KINDS[what][0]} ({count})" if count > 1 else KINDS[what][0]])
             self.list.addTopLevelItem(group)
+            group.setExpanded(self.list.topLevelItemCount() == 1)
             for suffix, name in formats(what, self._volume).items():
-                item = QTreeWidgetItem(group, [name])
-                item.setData(0, _ROLE, (what, suffix))
-                item.setCheckState(0, Qt.CheckState.Checked if _key(item) in checked else Qt.CheckState.Unchecked)
-                group.setExpanded(group.isExpanded() or _key(item) in checked or self.list.topLevelItemCount() == 1)
+                row = self.rows[what, suffix] = QTreeWidgetItem(group, [name])
+                row.setCheckState(0, Qt.CheckState.Unchecked)
+                if f"{what}:{suffix}" in checked:
+                    row.setCheckState(0, Qt.CheckState.Checked)
+                    group.setExpanded(True)
         self.list.resizeColumnToContents(0)
 
     def _counts(self) -> dict[What, int]:
@@ -268,10 +268,6 @@ class ExportDialog(QDialog):
         counts |= {"pages": there.pages, "space": there.in_space, "turntable": there.in_space, "run": there.last > 0}
         return {what: count for what, count in counts.items() if count}
 
-    def _items(self) -> list[QTreeWidgetItem]:
-        groups = map(self.list.topLevelItem, range(self.list.topLevelItemCount()))
-        return [group.child(row) for group in groups if group is not None for row in range(group.childCount())]
-
     def _choose_folder(self) -> None:
         chosen_folder = self._files.ask_for_folder(tr("Folder of the files"), "export", self)
         if chosen_folder:
@@ -280,11 +276,10 @@ class ExportDialog(QDialog):
 
     def _follow(self, *_: object) -> None:
         """Show how the files are called, what concerns the present choice, and what is written."""
-        with_objects = any(item.data(0, _ROLE)[0] == "objects" for item in self._items())
+        base, first = self.base.text().strip(), next(iter(self.rows), ("", ""))[0]
         self.list.blockSignals(True)
-        for item in self._items():
-            what, suffix = item.data(0, _ROLE)
-            item.setText(1, file_name(self.base.text().strip(), what, suffix, what == "objects" or not with_objects))
+        for (what, suffix), row in self.rows.items():
+            row.setText(1, file_name(base, what, suffix, what == first))
         self.list.blockSignals(False)
         folder = str(self.folder)
         self._place.setText(self.fontMetrics().elidedText(folder, Qt.TextElideMode.ElideMiddle, _WIDTH - 60))
@@ -348,19 +343,15 @@ def _named(document: Document, names: dict[int, str]) -> Document:
     return document
 
 
-def _key(item: QTreeWidgetItem) -> str:
-    """How the preferences call a format of something."""
-    return ":".join(item.data(0, _ROLE))
-
-
 def _row(*parts: QWidget) -> QWidget:
     row = QWidget()
     arrange(QHBoxLayout(row), *parts)
     return row
 
 
-def _number(least: int, most: int, value: int = 1, suffix: str = "") -> QSpinBox:
+def _number(title: str, least: int, most: int, value: int, suffix: str = "") -> QSpinBox:
     field = QSpinBox()
+    field.setAccessibleName(title)
     field.setRange(least, most)
     field.setSuffix(suffix)
     field.setValue(value)

@@ -40,7 +40,7 @@ class ObjectsFeature(Feature):
         area, session = window.canvas_area, window.session
         self._list = objects = window.workspace.object_list
         self._selection = selection = window.workspace.object_selection
-        editing = window.workspace.hand_editing
+        self._editing = editing = window.workspace.hand_editing
         layer = area.canvas.layers.contours
         self.panel = ObjectPanel(session, objects, lambda name: window.actions_by_name.get(name))  # noqa: PLW0108  # made later
         self.panels = (Panel("objects", "Objects", self.panel, "Ctrl+Shift+O"),)
@@ -57,7 +57,6 @@ class ObjectsFeature(Feature):
         area.canvas.pointed.connect(lambda at: objects.hover(None) if at is None else None)
         objects.selection_changed.connect(window.refresh)
         selection.changed.connect(window.refresh)
-        objects.class_begun.connect(self._ask_class)
 
         def selects(*kinds: Kind, least: int = 1) -> bool:
             return sum(row.kind in kinds for row in objects.selected_rows) >= least
@@ -71,12 +70,23 @@ class ObjectsFeature(Feature):
         def all_are(state: str) -> bool:
             return bool(objects.items) and all(getattr(item, state) for item in objects.items)
 
+        def ask_class(category: int) -> None:
+            for row in objects.selected_rows[:1]:
+                self.class_field.ask(self._place(row), "", partial(objects.name_class, category), above=True)
+
+        def ask_color() -> None:
+            menu = QMenu(window)
+            fill_colors(menu, window, objects.paint, True)
+            menu.aboutToHide.connect(menu.deleteLater)
+            menu.popup(QCursor.pos())
+
         def merge() -> None:
             if selects("object", "proposal", "closed", least=2):
                 objects.merge()
             else:
                 editing.join_selected(closing=False)
 
+        objects.class_begun.connect(ask_class)
         self.actions = (
             ActionSpec("accept", "Objects", "&Accept",
                        "Accept proposals and closed contours as objects, and keep open contours; Enter "
@@ -91,7 +101,7 @@ class ObjectsFeature(Feature):
                        self.ask_name, "F2", gap=True, when=some),
             Submenu("object_class", "Objects", "C&lass", self._fill_classes),
             ActionSpec("object_color", "Objects", "C&olor…", "Give objects and contours a color of their own.",
-                       self._ask_color, when=lambda _: selects("object", "closed", "open")),
+                       ask_color, when=lambda _: selects("object", "closed", "open")),
             ActionSpec("merge_objects", "Objects", "&Merge",
                        "Merge the selected objects into one; open contours are joined along the edges.", merge, "M",
                        gap=True, when=lambda _: len(objects.selected) > 1),
@@ -167,6 +177,8 @@ class ObjectsFeature(Feature):
         key, selecting = event.key(), tool.name in _SELECTING
         if selecting and 1 <= key - Qt.Key.Key_0 <= len(self._list.objects.classes):
             self._list.classify(key - Qt.Key.Key_0)
+        elif key in _DELETE and len(self._editing.marked) == 2:
+            self._editing.delete_stretch()
         elif selecting and key in _DELETE and self._list.selected and not tool.drafting:
             self._list.delete()
         else:
@@ -199,19 +211,6 @@ class ObjectsFeature(Feature):
     def _change(self) -> None:
         self.window.canvas_area.use_tool("objects")
         self._selection.correct(self._list.items[0].number)
-
-    def _ask_class(self, category: int) -> None:
-        """Ask for the name of a class that is used for the first time."""
-        rows = self._list.selected_rows
-        if rows:
-            accept = partial(self._list.name_class, category)
-            self.class_field.ask(self._place(rows[0]), "", accept, above=True)
-
-    def _ask_color(self) -> None:
-        menu = QMenu(self.window)
-        fill_colors(menu, self.window, self._list.paint, True)
-        menu.aboutToHide.connect(menu.deleteLater)
-        menu.popup(QCursor.pos())
 
     def _fill_classes(self, menu: QMenu) -> None:
         objects = self._list.objects

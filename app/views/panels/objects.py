@@ -281,7 +281,7 @@ class ClassRow(QWidget):
         self.color.setAutoRaise(True)
         self.color.setToolTip(tr("Color of the class"))
         menu = QMenu(self.color)
-        fill_colors(menu, self, self._paint, True)
+        fill_colors(menu, self, lambda color: object_list.name_class(number, self.name.text(), color), True)
         self.color.setMenu(menu)
         self.color.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         self.digit.setText(str(number))
@@ -304,11 +304,6 @@ class ClassRow(QWidget):
         self.name.setPlaceholderText(class_title(objects, self._number))
         if not self.name.isModified():
             self.name.setText(known.name)
-
-    def _paint(self, color: str) -> None:
-        known = self._list.objects.classes[self._number - 1]
-        if color:
-            self._list.name_class(self._number, known.name, color)
 
     def _rename(self) -> None:
         if self.name.isModified():

@@ -180,27 +180,27 @@ class GeodesicSettings(Settings):
 
     balloon: float = number(
         0.3, "c", "Balloon", "Constant pressure that drives it on: outwards, or inwards from around the object.",
-        "More of it drives the contour on faster, and over edges.",
+        "Larger values drive the contour on faster, and over edges.",
         (-20.0, 20.0), (-2.0, 2.0), 0.1, equation="w₀ of eq. (2)",
     )  # fmt: skip
     curvature: float = number(
         0.2, "w₁", "Smoothness", "Weight of the curvature, which shortens the contour.",
-        "More of it keeps the contour out of gaps, bays and noise.",
+        "Larger values keep the contour out of gaps, bays and noise.",
         (0.0, 20.0), (0.0, 2.0), 0.05, equation="w₁ of eq. (2)",
     )  # fmt: skip
     pull: float = number(
         1.0, "w₂", "Pull to edges", "Weight of the pull back to edges that the contour has begun to cross.",
-        "More of it holds the contour on edges against the balloon; at 0 they only slow it down.",
+        "Larger values hold the contour on edges against the balloon; at 0 they only slow it down.",
         (0.0, 100.0), (0.0, 20.0), 0.5,
     )  # fmt: skip
     exponent: float = number(
         1.0, "m", "Exponent", "Exponent of the factor by which edges slow the contour down.",
-        "More of it also stops the contour at weak edges and at noise; less lets it cross them.",
+        "Larger values also stop the contour at weak edges and at noise; smaller ones let it cross them.",
         (0.1, 20.0), (0.5, 8.0), 0.5, equation="m of eq. (2)",
     )  # fmt: skip
     contrast: float = number(
         0.05, "k", "Edge contrast", "Edge strength that counts as an edge, as a fraction of the largest.",
-        "More of it lets the contour cross weak edges.",
+        "Larger values let the contour cross weak edges.",
         (1e-4, 10.0), (0.01, 1.0), 0.01,
     )  # fmt: skip
     smoothing: float = smoothing_before_edges(1.5)
@@ -237,18 +237,18 @@ class GeometricGvfSettings(Settings):
     mu: float = smoothness_of_the_field()
     curvature: float = number(
         0.02, "w", "Smoothness", "Weight of the curvature, which shortens the contour.",
-        "More of it keeps the contour out of gaps, bays and noise.",
+        "Larger values keep the contour out of gaps, bays and noise.",
         (0.0, 20.0), (0.0, 2.0), 0.05, equation="w of eq. (3)",
     )  # fmt: skip
     pressure: float = number(
         0.5, "w₀", "Pressure", "Constant pressure that drives it on: outwards, or inwards from around the object.",
-        "More of it drives the contour over places where the field does not, and into gaps.",
+        "Larger values drive the contour over places where the field does not, and into gaps.",
         (-20.0, 20.0), (-1.0, 1.0), 0.05,
     )  # fmt: skip
     evenness: float = number(
         0.5, "e", "Evenness", "How far the vectors of the field are made equally long: from 0, as the equation gives "
         "them, to 1, all of the length 1.",
-        "More of it moves the contour also far from edges, and holds it better against the pressure in gaps.",
+        "Larger values move the contour also far from edges, and hold it better against the pressure in gaps.",
         (0.0, 1.0), (0.0, 1.0), 0.1,
     )  # fmt: skip
     smoothing: float = smoothing_before_edges(2.0)

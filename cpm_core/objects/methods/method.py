@@ -198,7 +198,7 @@ def smoothing_before_edges(default: float) -> Any:
     """The setting that most methods share."""
     return number(
         default, "σ", "Smoothing", "Width of the Gaussian that smooths the image before its edges are found.",
-        "More of it removes noise and rounds corners.", (0.0, 50.0), (0.5, 10.0), 0.5, "px",
+        "Larger values remove noise and round corners.", (0.0, 50.0), (0.5, 10.0), 0.5, "px",
     )  # fmt: skip
 
 

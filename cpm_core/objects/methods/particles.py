@@ -39,7 +39,7 @@ def _states(
 
 def _evolve_to_object(image: Image, start: Start, parameters: Parameters) -> Iterator[ContourState]:
     def boundaries(moment: Evolved) -> Found:
-        """The closed boundaries of what is offered for each outline of the start, joined where these overlap."""
+        """The closed boundaries of what is proposed for each outline of the start, joined where these overlap."""
         cut = partition(moment.result)
         chosen = [cut.select(outline) for outline in start.curves(SPACING)]
         whole = chosen[0] if len(chosen) == 1 else cut.selection_of(np.any([one.mask for one in chosen], axis=0))
@@ -62,8 +62,8 @@ PARTICLES = ContourMethod(
 PROPOSED_OBJECT = ContourMethod(
     "object",
     "Object of the particles",
-    "The object that is offered for the start after a run of the charged particles: what their contours enclose beyond "
-    "doubt, elsewhere what a learned prior expects.",
+    "The object that is proposed for the start after a run of the charged particles: what their contours enclose "
+    "beyond doubt, elsewhere what a learned prior expects.",
     "Objects of this program, on the particles of Jalba, Wilkinson and Roerdink (2004)",
     Parameters,
     _evolve_to_object,

@@ -37,7 +37,7 @@ def _likeness(default: float, symbol: str, where: str) -> Any:
     """A weight of Chan-Vese, whatever it acts on."""
     return number(
         default, symbol, f"Likeness {where}", f"Weight of the differences of gray levels from their mean {where}.",
-        f"More of it makes the {where} more uniform.", (0.0, 100.0), (0.1, 5.0), 0.1,
+        f"Larger values make the {where} more uniform.", (0.0, 100.0), (0.1, 5.0), 0.1,
     )  # fmt: skip
 
 
@@ -47,7 +47,7 @@ class ChanVeseSettings(Settings):
 
     mu: float = number(
         0.25, "μ", "Smoothness", "Weight of the length of the boundary.",
-        "More of it gives a shorter and rounder boundary and leaves out small regions.",
+        "Larger values give a shorter and rounder boundary and leave out small regions.",
         (0.0, 100.0), (0.0, 1.0), 0.01,
     )  # fmt: skip
     lambda1: float = _likeness(1.0, "λ₁", "inside")
@@ -105,7 +105,7 @@ Calls of an even number of steps, one at a time, begin with the same operator ea
 def _smoothness(default: int) -> Any:
     return number(
         default, "μ", "Smoothness", "How often the contour is smoothed in a step.",
-        "More of it gives a rounder contour.", (0, 20), (0, 4), 1,
+        "Larger values give a rounder contour.", (0, 20), (0, 4), 1,
     )  # fmt: skip
 
 
@@ -115,16 +115,16 @@ class MorphologicalGacSettings(Settings):
 
     balloon: float = number(
         1.0, "c", "Balloon", "Constant pressure that drives it on: outwards, or inwards from around the object.",
-        "More of it lets the contour cross stronger edges.", (-20.0, 20.0), (-2.0, 2.0), 0.1,
+        "Larger values let the contour cross stronger edges.", (-20.0, 20.0), (-2.0, 2.0), 0.1,
     )  # fmt: skip
     smoothing: int = _smoothness(0)
     threshold: float = number(
         0.6, "θ", "Threshold", "Value of the stopping factor under which the balloon stops.",
-        "More of it stops the contour at weaker edges.", (0.0, 1.0), (0.1, 1.0), 0.02,
+        "Larger values stop the contour at weaker edges.", (0.0, 1.0), (0.1, 1.0), 0.02,
     )  # fmt: skip
     steepness: float = number(
         100.0, "α", "Steepness", "How steeply the stopping factor falls with the edge strength.",
-        "More of it makes weak edges count.", (0.0, 1e5), (10.0, 2000.0), 10.0,
+        "Larger values make weak edges count.", (0.0, 1e5), (10.0, 2000.0), 10.0,
     )  # fmt: skip
     sigma: float = smoothing_before_edges(3.0)
 
@@ -222,17 +222,17 @@ class RandomWalkerSettings(Settings):
 
     beta: float = number(
         2000.0, "β", "Edges", "How hard it is for a walk to cross a difference of gray levels.",
-        "More of it follows weaker edges, and noise.", (0.0, 1e6), (10.0, 5000.0), 10.0,
+        "Larger values follow weaker edges, and noise.", (0.0, 1e6), (10.0, 5000.0), 10.0,
     )  # fmt: skip
     depth: float = number(
         0.8, "d", "Depth of the seeds",
         "From a start around the object: the depth from which pixels are its seeds, as a fraction of the greatest.",
-        "More of it leaves seeds only in the middle.", (0.0, 0.99), (0.0, 0.95), 0.05,
+        "Larger values leave seeds only in the middle.", (0.0, 0.99), (0.0, 0.95), 0.05,
     )  # fmt: skip
     margin: float = number(
         0.0, "b", "Background",
         "Distance from a start inside the object from which pixels are seeds of the background; at 0 at the border.",
-        "More of it leaves more room around the start.", (0.0, 1e5), (0.0, 200.0), 1.0, "px",
+        "Larger values leave more room around the start.", (0.0, 1e5), (0.0, 200.0), 1.0, "px",
     )  # fmt: skip
 
 

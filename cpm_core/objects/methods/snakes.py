@@ -194,17 +194,17 @@ class SnakeSettings(Settings):
 
     alpha: float = number(
         0.015, "α", "Tension", "Weight of the tension, which shortens the curve.",
-        "More of it shrinks the curve faster, and also where there is no edge.",
+        "Larger values shrink the curve faster, and also where there is no edge.",
         (0.0, 10.0), (0.0, 0.2), 0.005, equation="eq. (1)",
     )  # fmt: skip
     beta: float = number(
         0.1, "β", "Rigidity", "Weight of the rigidity, which keeps the curve from bending.",
-        "More of it rounds corners and keeps the curve out of narrow bays.",
+        "Larger values round corners and keep the curve out of narrow bays.",
         (0.0, 1000.0), (0.0, 10.0), 0.05, equation="eq. (1)",
     )  # fmt: skip
     attraction: float = number(
         1.0, "w", "Attraction", "Weight of the force of the image, which pulls the curve to edges.",
-        "More of it pulls harder, so that tension and rigidity count for less.",
+        "Larger values pull harder, so that tension and rigidity count for less.",
         (0.0, 100.0), (0.0, 5.0), 0.1, equation="eq. (1)",
     )  # fmt: skip
     smoothing: float = smoothing_before_edges(2.0)
@@ -254,7 +254,7 @@ def smoothness_of_the_field() -> Any:
     """The setting of both methods that move in the field of gradient vector flow."""
     return number(
         0.02, "μ", "Smoothness of the field", "How much the field is smoothed, against how closely it follows edges.",
-        "More of it carries the edges farther and evens out noise.",
+        "Larger values carry the edges farther and even out noise.",
         (1e-4, 100.0), (0.01, 1.0), 0.01, equation="gradient vector flow",
     )  # fmt: skip
 
@@ -266,15 +266,15 @@ class GvfSnakeSettings(Settings):
     mu: float = smoothness_of_the_field()
     alpha: float = number(
         0.0, "α", "Tension", "Weight of the tension, which shortens the curve.",
-        "More of it keeps the curve out of bays.", (0.0, 10.0), (0.0, 1.0), 0.01, equation="eq. (1)",
+        "Larger values keep the curve out of bays.", (0.0, 10.0), (0.0, 1.0), 0.01, equation="eq. (1)",
     )  # fmt: skip
     beta: float = number(
         0.0, "β", "Rigidity", "Weight of the rigidity, which keeps the curve from bending.",
-        "More of it rounds corners.", (0.0, 1000.0), (0.0, 5.0), 0.05, equation="eq. (1)",
+        "Larger values round corners.", (0.0, 1000.0), (0.0, 5.0), 0.05, equation="eq. (1)",
     )  # fmt: skip
     attraction: float = number(
         0.6, "κ", "Attraction", "Weight of the field, whose vectors all have the length 1.",
-        "More of it moves the curve faster, and overcomes tension and rigidity.",
+        "Larger values move the curve faster, and overcome tension and rigidity.",
         (0.0, 100.0), (0.0, 3.0), 0.05,
     )  # fmt: skip
     smoothing: float = smoothing_before_edges(1.0)

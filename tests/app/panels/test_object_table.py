@@ -329,7 +329,7 @@ def test_a_color_is_that_of_objects_and_contours_alike(window, hand, drawn) -> N
     window.session.edit("draw", lambda document: replace(document, objects=SegmentedObjects((DOT,))))
     choose(hand, drawn, 0)
     choose(hand, drawn, 1, SHIFT)
-    window.feature(ObjectsFeature)._ask_color()
+    window.actions_by_name["object_color"].trigger()
     popup = window.findChildren(QMenu)[-1]
     next(action for action in popup.actions() if action.text() == "Orange").trigger()
     popup.close()

@@ -9,8 +9,10 @@ import pytest
 from PySide6.QtCore import Qt
 
 from app.model.document.objects import delete
+from app.session.features.object_selection import percent
 from app.session.storage.session_file import DocumentFile
 from app.views.widgets.fields import DecimalField
+from cpm_core import Partition
 from cpm_core.shapes import Barrier, Circle, Polygon, Region
 
 pytestmark = pytest.mark.shared_window
@@ -124,6 +126,14 @@ def test_enter_accepts_the_object_without_a_word_and_the_next_click_begins_the_n
     assert overlap(offered(objects), disk(*LARGE)) > 0.9
     hand.key(KEY.Key_Return)
     assert [item.number for item in taken(window)] == [1, 2]
+
+
+def test_enter_right_after_a_click_accepts_what_it_means(window, hand, objects) -> None:
+    hand.click(18, 18)
+    hand.key(KEY.Key_Return)
+    hand.wait(lambda: bool(taken(window)))
+    assert overlap(taken(window)[0].mask((64, 64)), disk(*SMALL)) > 0.9
+    assert not objects.selecting
 
 
 def test_one_enter_too_many_after_a_typed_value_accepts_nothing(window, hand, objects) -> None:
@@ -264,6 +274,37 @@ def test_a_second_click_in_a_chosen_proposal_corrects_it_and_the_others_stay(win
     hand.wait(lambda: objects.idle and len(objects.proposals) == 1)
 
 
+def test_brackets_take_the_next_candidate_and_undo_takes_the_step_back(window, hand, objects, monkeypatch) -> None:
+    def candidates(partition, inside, *rest, **more):
+        return [partition.selection_of(disk(SMALL[0], radius), np.array(inside)) for radius in (5.0, 9.0, 13.0)]
+
+    monkeypatch.setattr(Partition, "candidates", candidates)
+    click(hand, 18, 18)
+    first = offered(objects)
+    for key, step, said in (
+        (KEY.Key_BracketRight, 1, "Candidate 3 of 3."),
+        (KEY.Key_BracketRight, 1, "There is no larger candidate."),
+        (KEY.Key_BracketLeft, 0, "Candidate 2 of 3."),
+        (KEY.Key_BracketLeft, -1, "Candidate 1 of 3."),
+    ):
+        hand.key(key)
+        hand.wait(lambda said=said: window.canvas_area.messages.text == said and objects.idle)
+        assert window.session.document.objects.clicks[-1].step == step
+    hand.wait(lambda: objects.idle and offered(objects).sum() == disk(SMALL[0], 5.0).sum())
+    take(hand)
+    (item,) = taken(window)
+    assert item.clicks[-1].step == -1
+    objects.fit(frozenset({1}))
+    hand.wait(lambda: window.session.tasks.idle)
+    assert taken(window)[0].area == pytest.approx(item.area)
+    for _ in range(2):
+        hand.key(KEY.Key_Z, CONTROL)
+    hand.wait(lambda: objects.idle and bool(objects.proposals))
+    for _ in range(2):
+        hand.key(KEY.Key_Z, CONTROL)
+    hand.wait(lambda: objects.idle and np.array_equal(offered(objects), first))
+
+
 @pytest.mark.parametrize("where", [SMALL, LARGE])
 def test_a_click_a_circle_and_a_run_from_everywhere_give_the_same_object(window, hand, objects, where) -> None:
     (row, col), radius = where
@@ -291,7 +332,8 @@ def test_who_draws_a_circle_in_an_object_and_runs_gets_it_offered_and_enter_take
     hand.wait_for_phase("finished")
     hand.wait(lambda: bool(selection.proposals))
     assert overlap(offered(selection), disk(*SMALL)) > 0.9
-    assert "1 object found, 97 %. Enter: accept" in window.canvas_area.hint.text()
+    likely = percent(selection.proposals[0].selection)
+    assert f"1 object found, {likely}. Enter: accept" in window.canvas_area.hint.text()
     hand.key(KEY.Key_Return)
     (item,) = taken(window)
     assert overlap(item.mask((64, 64)), disk(*SMALL)) > 0.9

@@ -24,7 +24,7 @@ NAMED = re.compile(r"\{key:(\w+)\}")
 
 FIXED = (
     # In fields, dialogs and on the divider, these keys are not those of an action.
-    r"Enter or Esc (in a field )?gives it back", r"Esc ends the comparison",
+    r"Enter or Esc (in a field )?(gives it back|returns it)", r"Esc ends the comparison",
     r"press Space to enlarge", r"Enlarge \(Space\)",
     # While corners, marks or objects are there, the canvas itself takes these.
     r"Backspace (removes|takes back|takes the last)", r"Delete(:| removes the stretch)",
@@ -45,7 +45,7 @@ ALIKE = r"Ctrl\+\w|\(F\d+\)"
 ALIKE_FIXED = (
     r"Enter oder Esc gibt", r"Enter oder Esc in einem Feld", r"oder Esc schließt diese", r"Esc beendet den Vergleich",
     r"Leertaste vergrößert", r"Vergrößern \(Leertaste\)", r"Entf löscht den Abschnitt", r"Umschalt\+Enter",
-    r"Strg\+Enter", r"Welche Seite an jedem Rand.*",
+    r"Strg\+Enter", r"die Entf-Taste", r"vom Bild ab", r"Welche Seite an jedem Rand.*",
 )  # fmt: skip
 
 

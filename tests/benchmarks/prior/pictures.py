@@ -98,11 +98,7 @@ def outlined(folders: Sequence[Path], chance: random.Random) -> dict[str, list[E
 
 def objects_of(path: Path, chance: random.Random) -> Iterator[Example]:
     """A few objects of the image that belongs to a file of labels, with what lies around them."""
-    stem = path.name.removesuffix(_LABELS)
-    image_path = next(there for ending in (".png", ".jpg") if (there := path.with_name(stem + ending)).exists())
-    image, labels = in_color(skimage.io.imread(image_path)), skimage.io.imread(path)
-    if labels.ndim == 3:
-        labels = labels[..., 0]
+    image, labels = labeled(path)
     areas = np.bincount(labels.ravel())
     least = _LEAST_AREAS.get(path.parent.name, _LEAST_AREA)
     fitting = [label for label in range(1, len(areas)) if least <= areas[label] < _MOST_SHARE * labels.size]
@@ -110,6 +106,14 @@ def objects_of(path: Path, chance: random.Random) -> Iterator[Example]:
         middle = (int(pixels.mean()) for pixels in np.nonzero(labels == label))
         part = tuple(slice(max(at - _AROUND, 0), at + _AROUND) for at in middle)
         yield Example(image[part], labels[part] == label)
+
+
+def labeled(path: Path) -> tuple[Pixels, NDArray[np.uint8]]:
+    """The image that belongs to a file of labels, and these."""
+    stem = path.name.removesuffix(_LABELS)
+    image_path = next(there for ending in (".png", ".jpg") if (there := path.with_name(stem + ending)).exists())
+    image, labels = in_color(skimage.io.imread(image_path)), skimage.io.imread(path)
+    return image, labels[..., 0] if labels.ndim == 3 else labels
 
 
 def photographs(folders: Sequence[Path]) -> list[Pixels]:

@@ -115,12 +115,13 @@ _NAME_RIM = 300.0
 
 
 class Names(OverImage):
-    """Texts at positions of the image, of the same size at any zoom."""
+    """Texts at positions of the image, or `above` them, of the same size at any zoom."""
 
     count = 0
 
-    def __init__(self, z: float) -> None:
+    def __init__(self, z: float, *, above: bool = False) -> None:
         super().__init__(z, _NAME_RIM)
+        self._above = above
         self.texts: Sequence[tuple[Position, str, str]] = ()
 
     def show(self, texts: Sequence[tuple[Position, str, str]]) -> None:
@@ -130,7 +131,7 @@ class Names(OverImage):
             self.renew(len(texts))
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
-        """Draw each text on a dark background, centered on its position."""
+        """Draw each text on a dark background."""
         transform = painter.worldTransform()
         font = QFont(painter.font())
         font.setWeight(QFont.Weight.DemiBold)
@@ -142,7 +143,8 @@ class Names(OverImage):
         for (row, col), text, color in self.texts:
             at = transform.map(QPointF(col, row))
             width, height = metrics.horizontalAdvance(text) + 2 * _NAME_PAD, metrics.height() + _NAME_PAD
-            room = QRectF(at.x() - width / 2, at.y() - height / 2, width, height)
+            top = at.y() - (height + _NAME_PAD if self._above else height / 2)
+            room = QRectF(at.x() - width / 2, top, width, height)
             background = QColor(theme.HALO)
             background.setAlpha(205)
             painter.setPen(Qt.PenStyle.NoPen)

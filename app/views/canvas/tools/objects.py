@@ -103,8 +103,8 @@ class ObjectTool(Tool):
         self._selection.step(1 if by > 0 else -1)
 
     def finish(self) -> None:
-        """Accept the object."""
-        self._list.accept()
+        """Accept the object; an Enter right after the click waits for the answer."""
+        self._selection.when_answered(self._list.accept)
 
     def take_back(self) -> None:
         """Take back the last click."""

@@ -1,0 +1,191 @@
+"""How sure an answer is: the numbers by which `cpm_core/objects/confidence.py` estimates it are learned here.
+
+``python tests/benchmarks/prior/sure.py --outlined FOLDER... --drawn FOLDER [--objects 60] [--seed 101]`` selects
+objects whose outline is known, by one to four clicks of a robot user, by a circle and by a box, and everywhere in whole
+images, and learns from what speaks for each answer how often it is right. The images of the folders are those that were
+held out when the weights of the prior were grown; the scenes have another seed, and every twentieth drawing is enough.
+It writes the numbers with their origin to `confidence.json`, and prints how well those hold on each kind that have been
+learned from the others.
+
+It needs ``opencv-python-headless`` besides what `cpm_core` needs.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import random
+import sys
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+import scipy
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[3]))
+
+import cpm_core as cpm
+from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.objects import confidence
+from tests.benchmarks.prior import pictures
+from tests.benchmarks.prior.drawn import clean, drawn
+from tests.benchmarks.prior.nested import nested
+from tests.benchmarks.prior.scenes import made_up
+
+CLICKS = 4
+TIGHT = 1e-3
+"""How much large numbers are held back."""
+
+EVERYWHERE = {"nuclei": 2, "strawberries": 2, "cats": 6}
+"""Of so many images that are held out, one is looked at everywhere."""
+
+Row = tuple[str, str, confidence.Signs, bool]
+"""Kind of image, what has been done, what speaks for the answer, and whether it is right."""
+
+
+def held_out(folder: Path, chance: random.Random, most: int) -> list[pictures.Example]:
+    """Objects of images of a folder that the prior has not learned from."""
+    labeled = sorted(folder.glob("*_labels.png"))[:: pictures.HELD_OUT]
+    found = [example for path in labeled for example in pictures.objects_of(path, chance)]
+    return chance.sample(found, min(most, len(found)))
+
+
+def scenes(folder: Path, outlined: Sequence[Path], most: int, seed: int) -> dict[str, list[pictures.Example]]:
+    """Scenes that are made up, by their kind."""
+    rng = np.random.default_rng(seed)
+    grounds = pictures.photographs(outlined)
+    grounds = [grounds[k] for k in rng.choice(len(grounds), min(len(grounds), most), replace=False)]
+    clips = pictures.drawings(folder, random.Random(seed))
+    return {
+        "clean": [clean(clips, rng) for _ in range(most)],
+        "drawn": [drawn(clips, grounds, rng) for _ in range(most)],
+        "nested": [nested(clips, grounds, rng) for _ in range(most)],
+        "made_up": [made_up(rng) for _ in range(most)],
+    }
+
+
+def deepest(mask: Mask) -> tuple[tuple[float, float], float]:
+    """The place in a mask that is farthest from its border, and how far."""
+    depth = scipy.ndimage.distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]
+    row, col = np.unravel_index(depth.argmax(), depth.shape)
+    return (float(row), float(col)), float(depth.max())
+
+
+def overlap(one: Mask, other: Mask) -> float:
+    return float(np.count_nonzero(one & other)) / max(np.count_nonzero(one | other), 1)
+
+
+def answers(example: pictures.Example, rng: np.random.Generator) -> Iterator[tuple[str, cpm.Selection]]:
+    """What is selected by clicks of a robot user, the first one in the middle or anywhere, by a circle and by a box."""
+    image, truth, hit = example
+    values = image[..., 0] if not np.ptp(image, axis=-1).any() else image
+    cut = cpm.partition(cpm.Image(values))
+    where = truth if hit is None else hit
+    middle, depth = deepest(where)
+    rows, cols = np.nonzero(where)
+    at = int(rng.integers(len(rows)))
+    for first in (middle, (float(rows[at]), float(cols[at]))):
+        inside, outside, chosen = [first], [], None
+        for number in range(1, CLICKS + 1):
+            chosen = cut.select(inside, outside, previous=chosen)
+            yield f"click {number}", chosen
+            missing, surplus = (deepest(part) for part in (truth & ~chosen.mask, chosen.mask & ~truth))
+            if max(missing[1], surplus[1]) <= 1.0:
+                break
+            (inside if missing[1] > surplus[1] else outside).append(max(missing, surplus, key=lambda one: one[1])[0])
+    yield "circle", cut.select(cpm.circle(middle, max(0.5 * depth, 2.0)))
+    low, high = (np.argwhere(truth).min(axis=0), np.argwhere(truth).max(axis=0))
+    yield "box", cut.select(box=[low + rng.integers(-3, 4, 2), high + rng.integers(-3, 4, 2)])
+
+
+def rows_of(kinds: dict[str, list[pictures.Example]], seed: int) -> Iterator[Row]:
+    """What speaks for each answer, and whether it is right."""
+    rng = np.random.default_rng(seed)
+    for kind, examples in kinds.items():
+        for example in examples:
+            for way, chosen in answers(example, rng):
+                if chosen.signs is not None:
+                    yield kind, way, chosen.signs, overlap(chosen.mask, example.mask) >= confidence.RIGHT
+
+
+def rows_everywhere(folder: Path) -> Iterator[Row]:
+    """What speaks for each of the objects of whole images, and whether it is one."""
+    for path in sorted(folder.glob("*_labels.png"))[:: pictures.HELD_OUT][:: EVERYWHERE.get(folder.name, 1)]:
+        image, labels = pictures.labeled(path)
+        for found in cpm.select_all(cpm.Image(image)):
+            yield folder.name, "everywhere", found.signs, best_overlap(found.mask, labels) >= confidence.RIGHT
+
+
+def best_overlap(mask: Mask, labels: Index) -> float:
+    """The largest overlap of an object with one of those that are labeled."""
+    areas = np.bincount(labels.ravel())
+    common = np.bincount(labels[mask], minlength=len(areas))
+    return float((common / (np.count_nonzero(mask) + areas - common))[1:].max(initial=0.0))
+
+
+def learned(features: Array, right: Array, weights: Array) -> Array:
+    """Numbers of a logistic regression, the offset last, by Newton's method."""
+    wide = np.column_stack([features, np.ones(len(features))])
+    numbers, tight = np.zeros(wide.shape[1]), TIGHT * weights.sum() * np.eye(wide.shape[1])
+    tight[-1, -1] = 0.0
+    for _ in range(50):
+        likely = scipy.special.expit(wide @ numbers)
+        slope = wide.T @ (weights * (right - likely)) - tight @ numbers
+        bend = wide.T @ (wide * (weights * likely * (1.0 - likely))[:, None]) + tight
+        numbers += np.linalg.solve(bend, slope)
+    return numbers
+
+
+def curve(shown: Array, right: Array) -> str:
+    """Share of right answers among those shown as so and so sure, and how many there are."""
+    cells = []
+    for low, high in zip((0.0, 0.2, 0.4, 0.6, 0.8), (0.2, 0.4, 0.6, 0.8, 1.01), strict=True):
+        on = (shown >= low) & (shown < high)
+        cells.append(f"{shown[on].mean():.2f}/{right[on].mean():.2f}/{on.sum()}" if on.any() else "-")
+    return "  ".join(cells)
+
+
+def main() -> None:
+    """Select, learn, write and print."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--outlined", nargs="+", type=Path, required=True)
+    parser.add_argument("--drawn", type=Path, required=True)
+    parser.add_argument("--objects", type=int, default=60, help="of each kind, at most")
+    parser.add_argument("--seed", type=int, default=101)
+    given = parser.parse_args()
+    chance = random.Random(given.seed)
+    kinds = {folder.name: held_out(folder, chance, given.objects) for folder in given.outlined}
+    rows = list(rows_of(kinds | scenes(given.drawn, given.outlined, given.objects, given.seed), given.seed))
+    for folder in given.outlined:
+        rows += rows_everywhere(folder)
+    write(rows, given.seed)
+
+
+def write(rows: Sequence[Row], seed: int) -> None:
+    """Learn from rows, print how well that holds on each kind if it is left out, and write the numbers."""
+    signs = np.array([confidence.features(row[2]) for row in rows])
+    right, kind = np.array([float(row[3]) for row in rows]), np.array([row[0] for row in rows])
+    counts = Counter(kind.tolist())
+    weights = np.array([len(rows) / (len(counts) * counts[name]) for name in kind.tolist()])
+    for name in counts:
+        out = kind == name
+        numbers = learned(signs[~out], right[~out], weights[~out])
+        shown = scipy.special.expit(signs[out] @ numbers[:-1] + numbers[-1])
+        print(f"{name:14s} shown/right/answers  {curve(shown, right[out])}")
+    origin = {
+        "numbers": learned(signs, right, weights).round(3).tolist(),
+        "features": "overlap, clarity, steadiness, agreement, log of places, found everywhere, certain; offset",
+        "answers": dict(counts),
+        "right": {name: round(float(right[kind == name].mean()), 3) for name in counts},
+        "seed": seed,
+        "script": "tests/benchmarks/prior/sure.py",
+        "data": "images held out as in prior/weights.md (nuclei CC0, cats public domain, strawberries MIT); scenes of "
+        "Open Clip Art (public domain) and made-up shapes",
+    }
+    path = Path(confidence.__file__).with_suffix(".json")
+    path.write_text(json.dumps(origin, indent=2) + "\n", "utf-8")
+
+
+if __name__ == "__main__":
+    main()
