@@ -299,7 +299,16 @@ class TimelinePanel(QWidget):
         self.branch = _button("branch")
         self.branch.setToolTip(tr("Rename or delete the branch."))
         self.branch.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
-        self._lay_out()
+        scroll = self._scroll = QScrollArea()
+        scroll.setWidget(self.view)
+        scroll.setWidgetResizable(True)
+        scroll.setFrameShape(QFrame.Shape.NoFrame)
+        scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        scroll.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        scroll.setMinimumWidth(_TRACK)
+        scroll.verticalScrollBar().valueChanged.connect(self.view.update)  # the axis does not scroll
+        fields = self.branch, self.step, self._of, self.parameters, scroll
+        arrange(QHBoxLayout(self), *self.buttons.values(), *fields, margins=(8, 1, 8, 1), spacing=2, wide=scroll)
         self._later = QTimer(self, singleShot=True, interval=_SLOWLY)
         self._later.timeout.connect(self._show)
         navigation.changed.connect(self._follow)
@@ -334,18 +343,6 @@ class TimelinePanel(QWidget):
         return QSize(min(hint.width(), _NARROW), hint.height())
 
     # Internal
-
-    def _lay_out(self) -> None:
-        scroll = self._scroll = QScrollArea()
-        scroll.setWidget(self.view)
-        scroll.setWidgetResizable(True)
-        scroll.setFrameShape(QFrame.Shape.NoFrame)
-        scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        scroll.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        scroll.setMinimumWidth(_TRACK)
-        scroll.verticalScrollBar().valueChanged.connect(self.view.update)  # the axis does not scroll
-        fields = self.branch, self.step, self._of, self.parameters, scroll
-        arrange(QHBoxLayout(self), *self.buttons.values(), *fields, margins=(8, 1, 8, 1), spacing=2, wide=scroll)
 
     def _follow(self) -> None:
         if not self._running:

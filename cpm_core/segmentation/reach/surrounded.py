@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 
 from cpm_core.numerics.types import Array, Index, Mask
 
+Labels = NDArray[np.int32]
+
 _BAND = 0.3
 """Width of the band along the drawn line that is taken for the surroundings at first, in radii."""
 
@@ -79,8 +81,13 @@ def _on_edges(strength: Array, area: Mask, thing: Mask, width: float) -> Mask:
     if not core.any():
         return thing & area
     outside = (scipy.ndimage.distance_transform_edt(~thing) > width) | ~area
-    flood: Callable[..., NDArray[np.int32]] = skimage.segmentation.watershed
-    return np.asarray(flood(strength, core + 2 * outside.astype(np.int32)) == 1)
+    return np.asarray(flooded(strength, core + 2 * outside.astype(np.int32)) == 1)
+
+
+def flooded(strength: Array, markers: Labels, basin: Mask | None = None) -> Labels:
+    """Labels of the markers that reach each pixel of a basin, or of the image, over the lowest edges."""
+    flood: Callable[..., Labels] = skimage.segmentation.watershed
+    return np.asarray(flood(strength, markers, mask=basin), np.int32)
 
 
 def _parted(bins: Index, depth: Array, extent: float) -> Mask:
