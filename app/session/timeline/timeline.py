@@ -365,6 +365,7 @@ class Timeline:
             except ValueError as error:
                 fault = fault or reason(error)
                 del self._begun[root.run]
+                self.method.cache_clear()  # another run may get its number
                 continue
             for branch in run.branches:
                 self._adopt(branch, root)
@@ -385,15 +386,12 @@ class Timeline:
             for action in actions:
                 moment = Moment(root.run, step, moment, action)
             path.append(moment)
-        alike = all(moment.actions == path[1].actions for moment in path[1:])
-        steered, record = (
-            branch.parent is not None or bool(path[0].actions) or not alike,
-            RunRecord(stored.figures),
-        )
-        line = _Line(branch.identity, branch.name, root.run, path, scales, steered, branch.renamed, record)
-        self._lines[branch.identity] = line
-        self._numbered = max(self._numbered, branch.identity)
         kind, number = branch.parent is not None, branch.name.rpartition(" ")[2]
+        steered = kind or bool(path[0].actions) or any(at.actions != path[1].actions for at in path[1:])
+        self._lines[branch.identity] = _Line(
+            branch.identity, branch.name, root.run, path, scales, steered, branch.renamed, RunRecord(stored.figures)
+        )
+        self._numbered = max(self._numbered, branch.identity)
         self._named[kind] = max(self._named[kind] + 1, int(number) if number.isdecimal() else 0)
 
     # Internal
