@@ -48,8 +48,8 @@ class Session(QObject):
     Views follow its signals, and read its scene; work that takes long is done by the worker thread and by tasks.
     """
 
-    def __init__(self, core: Core | None = None, parent: QObject | None = None) -> None:
-        super().__init__(parent)
+    def __init__(self, core: Core | None = None) -> None:
+        super().__init__()
         core = core or Core()
         self._worker_thread = WorkerThread(core)
         self._board = board = Board(self._worker_thread, self)
@@ -123,15 +123,14 @@ class Session(QObject):
     @property
     def status(self) -> RunStatus:
         """State of the run."""
-        status = self._board.status
-        document, method = self.document, METHODS[status.method]
+        status, document = self._board.status, self.document
+        method = METHODS[status.method]
         other = status.method != MODES[document.mode].method
         stale = status.started and (other or (method.seeded and self.live.outdated(document)))
         steered = status.phase == "finished" and status.steering != method.steering(document.parameters)
         if status.phase == "empty" and self.opening:
             return replace(status, busy=self.opening)
-        same = (stale, steered) == (status.stale, status.steered)
-        return status if same else replace(status, stale=stale, steered=steered)
+        return replace(status, stale=stale, steered=steered)
 
     @property
     def situation(self) -> Situation:
