@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
@@ -16,7 +16,7 @@ from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.objects.boundaries.alike import alike
 from cpm_core.objects.boundaries.crossings import crossings
 from cpm_core.objects.boundaries.necks import bodies
-from cpm_core.objects.confidence import Signs
+from cpm_core.objects.confidence import Signs, probability
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.prior.prior import Likely
 from cpm_core.objects.selection import Selection
@@ -34,9 +34,9 @@ _GAP, _DEEP, _LEAST, _MOST = 0.75, 1.5, 30, 0.4
 """How much deeper than the gap between them parts are, and least depth [px]; least area [px²], and largest share of the
 image."""
 
-_BOUNDED, _OWN, _LIKELY = 0.6, 0.5, 0.8
+_BOUNDED, _OWN, _LIKELY = 0.6, 0.5, 0.1
 """Least share of the boundary of a part at contours, and that it owns: its neighbor there is less likely an object; and
-least overlap that the prior expects."""
+least probability that it is right."""
 
 _OVER, _WITHIN, _MOST_WITHIN, _AT_RIM = 0.3, 0.95, 0.6, 0.3
 """Share of an object from which it is another one again, unless it is an object in it, or around it: least share of the
@@ -56,9 +56,8 @@ def similar(partition: Partition, chosen: Selection) -> Iterator[Selection]:
     parts = bodies(alike(partition.values, chosen.mask, partition.interest), float(np.sqrt(area / np.pi)))
     parts[chosen.mask] = 0
     limit, strength = np.array(partition.shape) - 1, _boundary_strength(chosen)
-    for number, box in enumerate(scipy.ndimage.find_objects(parts), start=1):
-        if box is None:
-            continue
+    boxes = enumerate(scipy.ndimage.find_objects(parts), start=1)
+    for number, box in ((number, box) for number, box in boxes if box):
         body = parts[box] == number
         cut = any(part.start == 0 or part.stop > last for part, last in zip(box, limit.tolist(), strict=True))
         if (_CUT if cut else _SIZE[0]) * area <= np.count_nonzero(body) <= _SIZE[1] * area:
@@ -69,11 +68,12 @@ def similar(partition: Partition, chosen: Selection) -> Iterator[Selection]:
                 yield other
 
 
-def everywhere(partition: Partition) -> Iterator[Selection]:
+def everywhere(partition: Partition, check: Callable[[], object] = lambda: None) -> Iterator[Selection]:
     """The objects of an image: what is certain, and parts between contours that are likely objects.
 
     Parts meet where the gaps between contours are narrowest. Of two with a stretch of boundary in common, the one that
-    is more likely an object owns it; one that owns little of its boundary is what lies behind the others.
+    is more likely an object owns it; one that owns little of its boundary is what lies behind the others. `check` is
+    called between the parts, and may raise to end it.
     """
     known: list[Mask] = []
     taken = np.zeros(partition.shape, np.bool_)
@@ -84,12 +84,13 @@ def everywhere(partition: Partition) -> Iterator[Selection]:
     if not partition.prior or not partition.contours:
         return
     parts = _Parts.of(partition)
-    judged = parts.judged(partition, taken)
+    judged = parts.judged(partition, taken, check)
     owned = parts.owned(judged)
     for number, likely in sorted(judged.items(), key=lambda item: -item[1].overlap):
         mask = likely.mask & partition.interest
         pixels = np.count_nonzero(mask)
-        if likely.overlap < _LIKELY or owned[number] < _OWN or pixels < _LEAST:
+        signs = Signs(*likely[2:], places=0)
+        if probability(signs) < _LIKELY or owned[number] < _OWN or pixels < _LEAST:
             continue
         over = np.count_nonzero(mask & taken) / pixels
         if over <= _OVER:
@@ -98,7 +99,7 @@ def everywhere(partition: Partition) -> Iterator[Selection]:
             continue
         known.append(mask)
         taken |= mask
-        yield _proposed(partition, mask, Signs(*likely[2:], places=0))
+        yield _proposed(partition, mask, signs)
 
 
 class _Parts(NamedTuple):
@@ -143,11 +144,12 @@ class _Parts(NamedTuple):
         bounded = np.bincount(one[on], minlength=len(pixels)) / np.maximum(around, 1)
         return cls(labels, pixels, bounded, one, other)
 
-    def judged(self, partition: Partition, taken: Mask) -> dict[int, Likely]:
+    def judged(self, partition: Partition, taken: Mask, check: Callable[[], object]) -> dict[int, Likely]:
         """What the prior makes of those that may be objects, by their numbers."""
         boxes = scipy.ndimage.find_objects(self.labels)
 
         def judge(number: int) -> Likely | None:
+            check()
             box = boxes[number - 1]
             within = self.labels[box] == number
             if np.count_nonzero(within & taken[box]) > _OVER * self.pixels[number]:
@@ -189,7 +191,7 @@ def _proposed(partition: Partition, mask: Mask, signs: Signs | None = None, *, c
     depth = scipy.ndimage.distance_transform_edt(np.pad(mask[box], 1))
     place = np.argwhere(depth == depth.max())[:1] - 1.0 + [side.start for side in box]
     if signs is None:
-        signs = Signs(*partition.judged(mask, place)[2:] if partition.prior else (), places=0)
+        signs = Signs(*partition.judged(mask, place)[2:], places=0) if partition.prior else Signs(places=0)
     return partition.selection_of(mask, place, signs=signs, certain=certain)
 
 

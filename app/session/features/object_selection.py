@@ -21,6 +21,7 @@ from app.session.features.object_list import ObjectList
 from app.session.features.selector import (
     MOST_OFFERED,
     AnyPartition,
+    Drawn,
     Offer,
     Partitions,
     Selector,
@@ -33,7 +34,7 @@ from app.session.tasks.tasks import Task
 from cpm_core import Partition, Result, Selection, select_all
 from cpm_core.numerics import Place
 from cpm_core.objects.segmented import Click, selection_of
-from cpm_core.shapes import Everywhere, ImageStart, Start
+from cpm_core.shapes import Everywhere, Start
 
 _COVERED = 0.5
 """Share of an object that others cover from which it counts as one of them."""
@@ -335,13 +336,13 @@ class ObjectSelection(QObject):
         """What the run offers: all objects that have been found when it has started everywhere."""
         starts, source, rejected = self._offering, self.partitions.source, self._session.document.objects.rejected
         if not isinstance(partition, Partition) or not any(isinstance(start, Everywhere) for start in starts):
-            return Offer(tuple(start for start in starts if not isinstance(start, ImageStart)), (), rejected)
+            return Offer(tuple(start for start in starts if isinstance(start, Drawn)), (), rejected)
         if self._searched is not partition and isinstance(source, Result) and source.stop_reason:
             self._searched, self._found = partition, ()
             self._end_finding()
             self._finding = self._session.tasks.start(
                 tr("Finding objects between the contours…"),
-                lambda _: all_objects(partition),
+                partial(all_objects, partition),
                 tr("finding objects"),
                 then=partial(self._use_found, partition),
             )

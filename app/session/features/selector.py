@@ -31,14 +31,14 @@ from cpm_core import (
     VolumeSelection,
     partition,
     segment,
-    select_all,
     uniform_grid,
 )
 from cpm_core.image import AnyRegions, of_plane
 from cpm_core.numerics import Array, Mask, Place
 from cpm_core.objects import EVERYWHERE
+from cpm_core.objects.everywhere import everywhere
 from cpm_core.objects.segmented import Click, SegmentedObject, places_of, selection_of
-from cpm_core.shapes import Start
+from cpm_core.shapes import Box, BoxGrid, Circle, Ellipse, Grid, Points, Polygon, Sphere, Stroke
 
 _QUIET = 250
 """Time without a change to parameters or limits after which a run from everywhere begins again [ms]."""
@@ -231,11 +231,15 @@ _MOST_SELECTIONS = 50
 """Number of selections that are kept; in a volume, each has a surface."""
 
 
+Drawn = Circle | Ellipse | Polygon | Stroke | Points | Grid | Sphere | Box | BoxGrid
+"""Starts whose seeds are known without the image."""
+
+
 @dataclass(frozen=True, slots=True)
 class Offer:
     """What a run offers: the objects of its starts, or all that it has found, without those that were rejected."""
 
-    starts: tuple[Start, ...] = ()
+    starts: tuple[Drawn, ...] = ()
     found: tuple[Proposal, ...] = ()
     rejected: tuple[SegmentedObject, ...] = ()
 
@@ -333,7 +337,7 @@ class Selector:
         found = _uncovered(self._of_starts(partition, offer.starts), offer.rejected)
         return (*found, *_uncovered(offer.found, (*self.items, *offer.rejected)))
 
-    def _of_starts(self, partition: Partition, starts: Sequence[Start]) -> list[Proposal]:
+    def _of_starts(self, partition: Partition, starts: Sequence[Drawn]) -> list[Proposal]:
         """The objects in which runs were started."""
         found: list[Proposal] = []
         for key, start in enumerate(starts, start=1):
@@ -352,7 +356,7 @@ class Selector:
                 found.append(Proposal(selection, clicks, known.number, -key))
         return found
 
-    def _bodies(self, partition: VolumePartition, starts: Sequence[Start]) -> list[Proposal]:
+    def _bodies(self, partition: VolumePartition, starts: Sequence[Drawn]) -> list[Proposal]:
         """The bodies in which most seeds of a start lie."""
         found: list[Proposal] = []
         known = (*self.items, *self.offer.rejected)
@@ -370,9 +374,9 @@ class Selector:
         return found
 
 
-def all_objects(partition: AnyPartition) -> tuple[Proposal, ...]:
-    """All objects of an image, each as what a click where it is widest means; none in a volume."""
-    found = select_all(partition) if isinstance(partition, Partition) else ()
+def all_objects(partition: Partition, task: Task) -> tuple[Proposal, ...]:
+    """All objects of an image, each as what a click where it is widest means."""
+    found = everywhere(partition, task.check_cancelled)
     return tuple(Proposal(each, (Click((_widest(each),)),), key=~index) for index, each in enumerate(found))
 
 
@@ -398,7 +402,7 @@ def _places_in(selection: Selection) -> Array:
     """Some of the pixels of an object, all over it, shape (N, 2)."""
     box = _box_of(selection)
     pixels = np.argwhere(selection.mask[box]) + [part.start for part in box]
-    return pixels[:: max(len(pixels) // _PLACES, 1)].astype(float)
+    return np.asarray(pixels[:: max(len(pixels) // _PLACES, 1)], float)
 
 
 def _widest(selection: Selection) -> Place:

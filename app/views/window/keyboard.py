@@ -165,8 +165,12 @@ class Keyboard(QObject):
         if event.key() in _ENTER:
             widget.removeEventFilter(self)
             QCoreApplication.sendEvent(widget, event)
+            if event.isAccepted() or isinstance(widget, _FIELDS):
+                self.give_back()
+            else:  # a view takes no value: Enter means what it means on the canvas
+                self._canvas.setFocus()
+                QCoreApplication.sendEvent(self._canvas, event)
             event.accept()
-            self.give_back()
             return True
         if leaves(widget, event):
             event.ignore()  # its action cannot be done now; the field must not take it instead

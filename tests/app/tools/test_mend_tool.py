@@ -64,7 +64,7 @@ def test_words_and_pointer_say_before_a_press_what_it_will_do(mended, hand) -> N
         (at(0.0, DRAWN), "pull the boundary of bone", "bend the boundary of bone", Qt.CursorShape.OpenHandCursor),
         ((3, 9), "pull the contour", "cut the contour", Qt.CursorShape.OpenHandCursor),
         ((3, 4), "to another end", "to another end", Qt.CursorShape.BitmapCursor),
-        ((32, 32), "add to bone", "take away from bone", Qt.CursorShape.CrossCursor),
+        ((32, 32), "add to bone", "erase from bone", Qt.CursorShape.CrossCursor),
         ((60, 3), "paint a new object", "over an object", Qt.CursorShape.CrossCursor),
     ):
         hand.move(*place)

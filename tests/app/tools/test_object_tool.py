@@ -9,6 +9,7 @@ import pytest
 from PySide6.QtCore import Qt
 
 from app.model.document.objects import delete
+from app.session.features.object_selection import percent
 from app.session.storage.session_file import DocumentFile
 from app.views.widgets.fields import DecimalField
 from cpm_core import Partition
@@ -331,7 +332,8 @@ def test_who_draws_a_circle_in_an_object_and_runs_gets_it_offered_and_enter_take
     hand.wait_for_phase("finished")
     hand.wait(lambda: bool(selection.proposals))
     assert overlap(offered(selection), disk(*SMALL)) > 0.9
-    assert "1 object found, 97 %. Enter: accept" in window.canvas_area.hint.text()
+    likely = percent(selection.proposals[0].selection)
+    assert f"1 object found, {likely}. Enter: accept" in window.canvas_area.hint.text()
     hand.key(KEY.Key_Return)
     (item,) = taken(window)
     assert overlap(item.mask((64, 64)), disk(*SMALL)) > 0.9

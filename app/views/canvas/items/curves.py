@@ -66,7 +66,8 @@ class Curves(OverImage):
         kind: Kind = "contours",
     ) -> None:
         super().__init__(z, _RIM)
-        self._color, self._width, self._dashed, self._kind = color, width, dashed, kind
+        self._color, self._width, self._kind = color, width, kind
+        self._dashes = _DASHES if dashed is True else dashed or ()
         self._rim_of_halo = halo - width if halo else 0.0
         self._paths: Sequence[Array] = ()
         self.colors: Sequence[str] = ()
@@ -97,8 +98,8 @@ class Curves(OverImage):
                 painter.drawPath(path)
         painter.setRenderHint(QPainter.RenderHint.Antialiasing)
         pens = {color: line_pen(color, self._width, self._kind) for color in set(self.colors)}
-        for pen in pens.values() if self._dashed else ():
-            pen.setDashPattern(_DASHES if self._dashed is True else self._dashed)
+        for pen in pens.values() if self._dashes else ():
+            pen.setDashPattern(self._dashes)
             pen.setCapStyle(Qt.PenCapStyle.FlatCap)
         for color, alike in groupby(seen, itemgetter(1)):
             painter.setPen(pens[color])

@@ -10,7 +10,7 @@ from PySide6.QtCore import Qt
 
 from app.model.text.language import tr
 from app.session.features.object_selection import DOUBTFUL, percent
-from app.session.scene import Proposal, Scene
+from app.session.scene import Scene
 from app.views.canvas.items.curves import Area, Curves, Fills
 from app.views.canvas.items.item import Markers, Names
 from app.views.canvas.layers.layer import Amount, Layer, LegendEntry, Switch
@@ -120,18 +120,19 @@ class ObjectLayer(Layer):
         self._names.show([(item.center, item.name, objects.color(item)) for item in seen if item.name])
 
     @property
-    def _proposals(self) -> list[Proposal]:
-        """What is offered and can be drawn."""
-        return [each for each in self.scene.objects.proposals if isinstance(each.selection, Selection)]
+    def _proposals(self) -> list[tuple[int, Selection]]:
+        """What is offered and can be drawn, with its keys."""
+        offered = ((each.key, each.selection) for each in self.scene.objects.proposals)
+        return [(key, found) for key, found in offered if isinstance(found, Selection) and found.found]
 
     def _paths_of(self, numbers: Iterable[int]) -> list[Array]:
         """The boundaries of the objects of some numbers, and of proposals of some keys."""
         wanted = set(numbers)
-        chosen = [each.selection for each in self._proposals if each.key and each.key in wanted]
+        chosen = [found for key, found in self._proposals if key and key in wanted]
         return [*_paths(item for item in self._seen() if item.number in wanted), *_outlines(chosen)]
 
     def _show_proposals(self) -> None:
-        found = [each.selection for each in self._proposals]
+        found = [selection for _, selection in self._proposals]
         sure = [each for each in found if each.confidence >= DOUBTFUL]
         doubtful = [each for each in found if each.confidence < DOUBTFUL]
         areas = [(_curves_of(each), theme.PROPOSAL, _OFFERED) for each in sure]
@@ -145,21 +146,11 @@ class ObjectLayer(Layer):
         few = len(offered) <= _FEW
         offered = offered if self.scene.volume is None else []  # how probable bodies are is not known
         marked = [
-            each for each in offered
-            if each.key in {*shown.chosen, shown.hovered, 0} or len(offered) == 1
-            or (few and each.selection.confidence < DOUBTFUL)
+            found for key, found in offered
+            if key in {*shown.chosen, shown.hovered, 0} or len(offered) == 1 or (few and found.confidence < DOUBTFUL)
         ]  # fmt: skip
-        self._likely.show(
-            [
-                (
-                    _top(each.selection),
-                    f"{'? ' * (each.selection.confidence < DOUBTFUL)}{percent(each.selection)}",
-                    "#ffffff",
-                )
-                for each in marked
-                if each.selection.found
-            ]
-        )
+        texts = (f"{'? ' * (found.confidence < DOUBTFUL)}{percent(found)}" for found in marked)
+        self._likely.show([(_top(found), text, "#ffffff") for found, text in zip(marked, texts, strict=True)])
 
     def _show_preview(self) -> None:
         """Show what a click would add, or take away: where the boundaries before and after it enclose an odd number."""
