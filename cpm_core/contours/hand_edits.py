@@ -241,7 +241,7 @@ def _up_to(lines: list[PolygonalLine], tie: _Tie) -> PolygonalLine:
 
 def _tie(lines: list[PolygonalLine], piece: Array, behind: Path) -> _Tie | None:
     """The line that a piece continues from its first vertex, if there is one."""
-    place = (float(piece[0, 0]), float(piece[0, 1]))
+    place = tuple(piece[0].tolist())
     found: list[tuple[float, _Tie]] = []
     for index, line in enumerate(lines):
         if line.closed or not behind or not line.passes(behind[0], REACH):
@@ -274,4 +274,4 @@ def _holds(line: PolygonalLine, piece: PolygonalLine, edit: HandEdit) -> bool:
 
 
 def _meets_side(lines: list[PolygonalLine], place: Array) -> bool:
-    return any(line.passes((float(place[0]), float(place[1])), _CLOSEST[0]) for line in lines)
+    return any(line.passes(tuple(place.tolist()), _CLOSEST[0]) for line in lines)
