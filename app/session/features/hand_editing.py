@@ -171,7 +171,8 @@ class HandEditing(QObject):
 
     def outline(self, path: Array) -> int:
         """Make an object of a closed line that has been drawn, shape (K, 2) [px]; returns its number."""
-        item = outlined(bounded(self._session.document.objects, [Contour(path, True)]), self._edges)
+        objects = self._session.document.objects
+        item = outlined(bounded(objects.next_number, objects.category, [Contour(path, True)]), self._edges)
         self._session.edit(NAMES["outline"], lambda document: accept(document, (item,)))
         return item.number
 

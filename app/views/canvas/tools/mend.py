@@ -210,7 +210,7 @@ class MendTool(RingTool):
         on = self._editing.boundary(at, self._reach)
         self._item, self._held = on if on is not None else (None, self._editing.contact(at, self._reach))
         if self._held is None:
-            self._item = self._brush.target(at, self.radius)
+            self._item = self._brush.target((at,), self.radius)
 
     def _click(self, held: Contact, item: SegmentedObject | None) -> None:
         """Choose the object that was clicked, select the contour and mark the place on it, or cut it there."""
