@@ -13,7 +13,7 @@ from PySide6.QtCore import QObject, Signal
 
 from app.model.document import contours, objects
 from app.model.document.contours import Target
-from app.model.document.document import Document
+from app.model.document.document import Document, ImageReference
 from app.model.document.objects import brushed
 from app.model.text.language import tr
 from app.model.volume.surface_section import holds, size_of
@@ -130,11 +130,6 @@ def _as_objects(offered: tuple[Proposal, ...], known: SegmentedObjects) -> tuple
     return tuple(replace(each.item, number=each.number or fresh, category=known.category) for fresh, each in found)
 
 
-def _box(boundary: tuple[Line, ...]) -> list[list[float]]:
-    corners = np.concatenate(boundary)
-    return [corners.min(axis=0).tolist(), corners.max(axis=0).tolist()]
-
-
 def _boundaries(items: Iterable[SegmentedObject]) -> list[Line]:
     return [line for item in items for line in item.boundary]
 
@@ -154,8 +149,10 @@ def _size(row: Row) -> float:
 BRUSH = 1.0, 500.0
 """Limits of the radius of the brush [px]."""
 
-_BRUSH, _LEAST_BRUSH = 0.03, 4.0
-"""Radius of the brush at first, in the longest side of the image, and at least [px]."""
+
+def first_radius(image: ImageReference | None) -> float:
+    """Radius of a brush at first, which depends on the size of the image [px]."""
+    return max(0.03 * max(image.shape), 4.0) if image is not None else 4.0
 
 
 class ObjectList(QObject):
@@ -269,7 +266,9 @@ class ObjectList(QObject):
     def near(self, places: Array, reach: float) -> list[SegmentedObject]:
         """The shown objects whose boxes come within reach of one of some places, shape (N, 2) [px]."""
         shown = [item for item in self.objects.items if not item.hidden and item.boundary]
-        boxes = [self._parts.named(("box", item.number), partial(_box, item.boundary), item.boundary) for item in shown]
+        boxes = [
+            self._parts.named(("box", item.number), partial(getattr, item, "box"), item.boundary) for item in shown
+        ]
         low, high = np.array(boxes).reshape(-1, 2, 2).swapaxes(0, 1)
         meets = ((low <= places.max(axis=0) + reach) & (high >= places.min(axis=0) - reach)).all(axis=1)
         return [item for item, near in zip(shown, meets.tolist(), strict=True) if near]
@@ -312,12 +311,11 @@ class ObjectList(QObject):
     @property
     def brush(self) -> float:
         """Radius of the brush that paints objects [px of the image]."""
-        image = self._session.document.image
-        return self._brush or max(_BRUSH * max(image.shape if image is not None else (0,)), _LEAST_BRUSH)
+        return self._brush or first_radius(self._session.document.image)
 
     def set_brush(self, radius: float | None) -> None:
-        """Set the radius of the brush within its limits [px]; for None it depends on the size of the image again."""
-        self._brush = None if radius is None else min(max(radius, BRUSH[0]), BRUSH[1])
+        """Set the radius of the brush [px]; for None it depends on the size of the image again."""
+        self._brush = radius
         self.brush_changed.emit(self.brush)
 
     # Selecting

@@ -31,12 +31,10 @@ def comment_on(session: Session) -> str:
     return provenance_comment(session.document, steered=session.status.steered)
 
 
-def begin_writing(
-    session: Session, path: Path, work: Callable[[Task], Report | None], cancellable: bool = True
-) -> Task:
+def begin_writing(session: Session, path: Path, work: Callable[[Task], Report | None]) -> Task:
     """Write a file on another thread."""
     doing, done = tr("Writing {name}…").format(name=path.name), tr("writing {name}").format(name=path.name)
-    return session.tasks.start(doing, work, done, cancellable=cancellable)
+    return session.tasks.start(doing, work, done)
 
 
 class AnimationFeature(Feature):
