@@ -11,10 +11,9 @@ from typing import Literal
 import numpy as np
 
 from app.model.document.document import Document
-from app.model.document.modes import MODES
 from app.model.document.objects import objects_result
 from app.model.text.language import from_core, tr, written
-from cpm_core import METHODS, Contour, Image, Result, Skeleton
+from cpm_core import Contour, Image, Result, Skeleton
 from cpm_core.contours import apply, with_kept
 from cpm_core.formats import (
     ANIMATED,
@@ -24,15 +23,11 @@ from cpm_core.formats import (
     FOR_STACKS,
     FOR_VOLUMES,
     WRITABLE,
-    facts_on,
     left_out,
-    plain_shapes,
     suffix_of,
-    text_of,
 )
 from cpm_core.image import Convention, has_matplotlib
 from cpm_core.numerics import polyline
-from cpm_core.parameters import Provenance, taken
 
 What = Literal["objects", "contours", "skeleton", "surface", "lines", "pages", "space", "turntable", "run"]
 
@@ -228,14 +223,3 @@ def summary_text(result: Result | Skeleton, what: What, suffix: str) -> str:
         text = tr("1 contour") if count == 1 else tr("{count} contours").format(count=count)
     missing = left_out(result, suffix)
     return f"{text}, {tr('{count} open ones left out').format(count=missing)}" if missing else text
-
-
-def provenance_comment(document: Document, *, steered: bool) -> str:
-    """How the pictures of a run came about, for the file of an animation; empty without an image."""
-    if document.image is None:
-        return ""
-    method = METHODS[MODES[document.mode].method]
-    parameters = taken(document.parameters, method.parameters)
-    shapes = plain_shapes(document.shapes)
-    made = Provenance(method.name, parameters, shapes=shapes, steered=steered, sha256=document.image.sha256)
-    return text_of(facts_on(document.image.name, made))

@@ -18,14 +18,17 @@ from app.model.document.document import Document
 from app.model.text.language import tr
 from app.session.signals import Board
 from app.session.timeline.moments import Erased
+from app.session.timeline.stored_runs import starts_of
 from app.session.undo_history import Erasure
 from app.session.worker.commands import Command, find_seeds, run_call
 from app.session.worker.run import Run
 from cpm_core.numerics import Place
-from cpm_core.shapes import Interest, Points, Shape, Start
+from cpm_core.shapes import Interest, Shape
 
 _LAG = 2.0
 """Distance by which particles may have moved since they were shown [px]."""
+
+_NONE: Counter[Hashable] = Counter()
 
 
 class Live:
@@ -35,7 +38,9 @@ class Live:
         self._board = board
         self._post = post
         self._run = 0
-        self._runs: dict[int, tuple[tuple[object, ...], Counter[Hashable]]] = {}
+        self._late: dict[int, tuple[object, ...]] = {}
+        self.executed: dict[int, Counter[Hashable]] = {}
+        """The sources of the particles of each run, by its generation."""
         self._erasures = 0
         self._drawn: Counter[Hashable] = Counter()
         self._last_shapes: tuple[Shape, ...] | None = None
@@ -44,50 +49,46 @@ class Live:
     def begin(self, run: int, document: Document) -> None:
         """The run of this generation starts from a document."""
         self._run = run
-        self._runs[run] = document.late, document.sources
+        self._late[run], self.executed[run] = document.late, document.sources
         self._drawn, self._last_shapes = document.sources, document.shapes
 
     def use(self, run: int) -> None:
         """Another run of the timeline is shown, the one that began as this generation."""
-        if run in self._runs:
+        if run in self.executed:
             self._run = run
-
-    @property
-    def executed(self) -> dict[int, Counter[Hashable]]:
-        """The sources of the particles of each run, by its generation."""
-        return {run: executed for run, (_, executed) in self._runs.items()}
 
     def restore(self, begun: Mapping[int, tuple[Document, Counter[Hashable]]]) -> None:
         """The runs of a session are there: their first documents and the sources of their particles."""
         document = self._board.scene.document
         self._drawn, self._last_shapes = document.sources, document.shapes
         for run, (first, executed) in begun.items():
-            self._runs[run] = (replace(first, image=document.image).late, executed)
+            self._late[run], self.executed[run] = replace(first, image=document.image).late, executed
 
     def forget(self) -> None:
         """Forget all runs: another image has been opened."""
-        self._runs.clear()
+        self._late.clear()
+        self.executed.clear()
         self._run = 0
 
     @property
     def _executed(self) -> Counter[Hashable]:
         """The sources of the particles of the run that is shown."""
-        return self._runs[self._run][1] if self._run in self._runs else Counter()
+        return self.executed.get(self._run, _NONE)
 
     def _execute(self, executed: Counter[Hashable]) -> None:
-        if self._run in self._runs:
-            self._runs[self._run] = self._runs[self._run][0], executed
+        if self._run in self.executed:
+            self.executed[self._run] = executed
 
     def outdated(self, document: Document) -> bool:
         """Whether a run from the current document would begin otherwise than the existing one did.
 
         Starts that have only been added join the run.
         """
-        late, executed = self._runs.get(self._run, ((), Counter()))
+        executed = self._executed
         # The window asks many times a second, and many thousand points take a while to compare.
         if document.shapes is not self._outdated[0] or executed is not self._outdated[1]:
             self._outdated = document.shapes, executed, bool(executed - document.sources)
-        return self._outdated[2] or document.late != late
+        return self._outdated[2] or document.late != self._late.get(self._run, ())
 
     def follow(self, before: Document, after: Document, complete: bool) -> None:
         """The document has changed; unless `complete`, the gesture that changes it continues."""
@@ -122,7 +123,9 @@ class Live:
         new = (drawn - self._executed) & gained
         if new:
             self._execute(self._executed + new)
-            self._post(run_call(self._board.generation, Run.join, _only(document, new)))
+            regions = (shape for shape in document.shapes if isinstance(shape, Interest))
+            only = replace(document, shapes=(*starts_of(new), *regions))
+            self._post(run_call(self._board.generation, Run.join, only))
 
     def begin_erasure(self) -> Erasure:
         """An erasure that has not removed anything yet."""
@@ -156,11 +159,3 @@ class Live:
         moving = self._board.status.phase == "running"
         erased = Erased(path, radius + _LAG * moving)
         return bool(np.any(erased.reaches(scene.snapshot.position, scene.image.spacing)))
-
-
-def _only(document: Document, sources: Counter[Hashable]) -> Document:
-    """The document with only these sources, in its regions of interest."""
-    points = tuple(source for source in sources.elements() if isinstance(source, tuple))
-    starts = [source for source in sources.elements() if isinstance(source, Start)]
-    regions = [shape for shape in document.shapes if isinstance(shape, Interest)]
-    return replace(document, shapes=(*starts, *([Points(points)] if points else []), *regions))

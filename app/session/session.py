@@ -32,7 +32,7 @@ from app.session.worker.commands import Command, RunsRestored, restore_runs, run
 from app.session.worker.run import Run
 from app.session.worker.worker_thread import WorkerThread
 from cpm_core import METHODS, Image, Parameters
-from cpm_core.formats import Reading, differ
+from cpm_core.formats import Reading
 from cpm_core.formats.images.reading import DEFAULT
 from cpm_core.shapes import Sphere
 
@@ -48,8 +48,8 @@ class Session(QObject):
     Views follow its signals, and read its scene; work that takes long is done by the worker thread and by tasks.
     """
 
-    def __init__(self, core: Core | None = None, parent: QObject | None = None) -> None:
-        super().__init__(parent)
+    def __init__(self, core: Core | None = None) -> None:
+        super().__init__()
         core = core or Core()
         self._worker_thread = WorkerThread(core)
         self._board = board = Board(self._worker_thread, self)
@@ -123,15 +123,14 @@ class Session(QObject):
     @property
     def status(self) -> RunStatus:
         """State of the run."""
-        status = self._board.status
-        document, method = self.document, METHODS[status.method]
+        status, document = self._board.status, self.document
+        method = METHODS[status.method]
         other = status.method != MODES[document.mode].method
         stale = status.started and (other or (method.seeded and self.live.outdated(document)))
         steered = status.phase == "finished" and status.steering != method.steering(document.parameters)
         if status.phase == "empty" and self.opening:
             return replace(status, busy=self.opening)
-        same = (stale, steered) == (status.stale, status.steered)
-        return status if same else replace(status, stale=stale, steered=steered)
+        return replace(status, stale=stale, steered=steered)
 
     @property
     def situation(self) -> Situation:
@@ -473,7 +472,7 @@ class Session(QObject):
         if opened.saved is None or not opened.saved.file.runs or image is None:
             return
         known = opened.saved.file.image
-        if known is not None and known.sha256 and differ(known.sha256, opened.sha256):
+        if known is not None and known.sha256 not in ("", opened.sha256):
             return  # the notes report that the image has changed
         self._board.busy("restoring", tr("Restoring the runs…"))
         self.post(run_call(None, Run.place, self._board.image_generation, self.document.charges))

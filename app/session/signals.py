@@ -178,13 +178,13 @@ class Board(QObject):
         """Take what has arrived; drop what belongs to another run or image."""
         for report in self._worker_thread.reports():
             self._take_report(report)
-        snapshot = self._worker_thread.snapshots.take()
+        snapshot = self._worker_thread.run.snapshots.take()
         if snapshot is not None and snapshot.generation == self.generation:
             self._take_snapshot(snapshot)
-        contours = self._worker_thread.reconstructor.results.take()
+        contours = self._worker_thread.run.reconstructor.results.take()
         if contours is not None and contours.generation == self.generation:
             self._take_contours(contours)
-        overlays = self._worker_thread.overlays.take()
+        overlays = self._worker_thread.run.overlays.take()
         if overlays is not None and overlays.generation == self.image_generation:
             self.trouble(overlays.trouble, "overlays")
             self._show(overlays=overlays.arrays)

@@ -254,9 +254,8 @@ def _tie(lines: list[PolygonalLine], piece: Array, behind: Path) -> _Tie | None:
             at_last = min(near, key=lambda last: abs((line.length if last else 0.0) - back))
             room = min(2.0 * REACH, 0.5 * line.length)
             begin = line.length - room if at_last else 0.0
-            overlap = line.part(begin, begin + room).nearest((row, col))[
-                0
-            ]  # it may reach beyond the end of the contour
+            # it may reach beyond the end of the contour
+            overlap = line.part(begin, begin + room).nearest((row, col))[0]
             found.append((off + aside, _Tie(index, at_last, begin + overlap)))
         elif aside <= REACH and line.part(*sorted((along, line.length if along > back else 0.0))).follows(piece, REACH):
             found.append((off + aside, _Tie(index, along > back, along)))

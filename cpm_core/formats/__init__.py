@@ -7,7 +7,6 @@ from cpm_core.formats.animation import write_picture as write_picture
 from cpm_core.formats.common.atomic import remove_abandoned as remove_abandoned
 from cpm_core.formats.common.atomic import write_together as write_together
 from cpm_core.formats.common.content import UnreadableError as UnreadableError
-from cpm_core.formats.common.content import differ as differ
 from cpm_core.formats.common.content import fingerprint as fingerprint
 from cpm_core.formats.common.plain import NAMES as NAMES
 from cpm_core.formats.common.plain import array_from_plain as array_from_plain

@@ -56,9 +56,8 @@ def similar(partition: Partition, chosen: Selection) -> Iterator[Selection]:
     parts = bodies(alike(partition.values, chosen.mask, partition.interest), float(np.sqrt(area / np.pi)))
     parts[chosen.mask] = 0
     limit, strength = np.array(partition.shape) - 1, _boundary_strength(chosen)
-    for number, box in enumerate(scipy.ndimage.find_objects(parts), start=1):
-        if box is None:
-            continue
+    boxes = enumerate(scipy.ndimage.find_objects(parts), start=1)
+    for number, box in ((number, box) for number, box in boxes if box):
         body = parts[box] == number
         cut = any(part.start == 0 or part.stop > last for part, last in zip(box, limit.tolist(), strict=True))
         if (_CUT if cut else _SIZE[0]) * area <= np.count_nonzero(body) <= _SIZE[1] * area:
@@ -192,7 +191,7 @@ def _proposed(partition: Partition, mask: Mask, signs: Signs | None = None, *, c
     depth = scipy.ndimage.distance_transform_edt(np.pad(mask[box], 1))
     place = np.argwhere(depth == depth.max())[:1] - 1.0 + [side.start for side in box]
     if signs is None:
-        signs = Signs(*partition.judged(mask, place)[2:] if partition.prior else (), places=0)
+        signs = Signs(*partition.judged(mask, place)[2:], places=0) if partition.prior else Signs(places=0)
     return partition.selection_of(mask, place, signs=signs, certain=certain)
 
 

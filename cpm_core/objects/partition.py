@@ -103,7 +103,7 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
     --------
     >>> partition = cpm.partition(cpm.example("disks"))
     >>> partition.select([(32, 18)])
-    <Selection 301 px, 1 contour, 0 gaps, 97 % sure>
+    <Selection 301 px, 1 contour, 0 gaps, 98 % sure>
     """
     if not isinstance(values, Result):
         image = as_image(values)
@@ -398,7 +398,8 @@ class Partition(drawing.Pictured):
         there = self._ground(box, corner)
         found = outlines(mask[box], there)
         if signs is None:
-            signs = Signs(*self.judged(mask, inside)[2:] if self.prior else (), places=len(inside) + len(outside))
+            places = len(inside) + len(outside)
+            signs = Signs(*self.judged(mask, inside)[2:], places=places) if self.prior else Signs(places=places)
         pixels = int(np.count_nonzero(mask))
         signs = signs._replace(support=support_of(found, there), pixels=pixels, certain=certain)
         found = tuple(replace(one, contour=replace(one.contour, points=one.contour.points + corner)) for one in found)

@@ -20,8 +20,8 @@ FEWEST, MOST = 2, 6
 FIRST_AXES = ("smoothing", "min_strength")
 """Parameters that are proposed: they decide which edges count."""
 
-_SPREAD = 0.5
-"""Fraction of the slider's range that the proposed values span."""
+_COUNT, _SPREAD = 3, 0.5
+"""Number of values that are proposed, and the fraction of the slider's range that they span."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,20 +73,20 @@ def method_trials(compared: Compared, parameters: Parameters) -> tuple[Trial, ..
     )
 
 
-def sensible_values(control: Control, parameters: Parameters, contrast: float, count: int) -> tuple[float, ...]:
+def sensible_values(control: Control, parameters: Parameters, contrast: float) -> tuple[float, ...]:
     """Evenly spaced values around the current one, which is among them, over part of the slider's range.
 
-    There are `count` values, fewer if there are not as many whole numbers; parameters in gray levels are scaled by the
-    contrast of the image.
+    There are three, fewer if there are not as many whole numbers; parameters in gray levels are scaled by the contrast
+    of the image.
     """
     low, high = slider_range(control, contrast)
     step = 1.0 if control.whole else control.step
     present = value_of(parameters, control.name)
     middle = min(max(float(present), low), high) if isinstance(present, int | float) else 0.5 * (low + high)
-    apart = max(1, round(_SPREAD * (high - low) / (count - 1) / step)) * step
-    around = (middle, *(round((middle + index * apart) / step) * step for index in range(-count, count + 1) if index))
+    apart = max(1, round(_SPREAD * (high - low) / (_COUNT - 1) / step)) * step
+    around = (middle, *(round((middle + index * apart) / step) * step for index in range(-_COUNT, _COUNT + 1) if index))
     within = {round(value, 9) for value in around if low <= value <= high}
-    return tuple(sorted(sorted(within, key=lambda value: abs(value - middle))[:count]))
+    return tuple(sorted(sorted(within, key=lambda value: abs(value - middle))[:_COUNT]))
 
 
 def read_values(control: Control, text: str) -> tuple[float, ...]:
@@ -109,11 +109,6 @@ def read_values(control: Control, text: str) -> tuple[float, ...]:
         message = tr("{title} has {count} different values but must have from {fewest} to {most}.")
         raise ValueError(message.format(title=control.title, count=len(values), fewest=FEWEST, most=MOST))
     return tuple(sorted(values))
-
-
-def in_text(values: tuple[float, ...]) -> str:
-    """Values as text that `read_values` reads, with three digits."""
-    return ", ".join(map(short_text, values))
 
 
 def with_values(parameters: Parameters, values: Sequence[tuple[str, float]]) -> Parameters:

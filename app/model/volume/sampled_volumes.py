@@ -37,7 +37,7 @@ class SampledForce:
         places = np.insert(np.indices(shape) / self.step, here.axis, here.index / self.step, axis=0)
         along = [
             scipy.ndimage.map_coordinates(force, places, float, order=1, mode="nearest") / side
-            for force, side in zip(here.sides(tuple(self.force)), here.sides(self.sides), strict=True)
+            for force, side in zip(here.within(tuple(self.force)), here.within(self.sides), strict=True)
         ]
         return np.stack(along)
 

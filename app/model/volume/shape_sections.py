@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -16,7 +16,6 @@ from cpm_core.shapes import (
     Barrier,
     Box,
     BoxGrid,
-    BoxRegion,
     BoxThreshold,
     Charge,
     Cuboid,
@@ -35,7 +34,6 @@ from cpm_core.shapes import (
     Sphere,
     Stroke,
     Threshold,
-    Wall,
     WithoutOutline,
 )
 from cpm_core.shapes.path import SMALLEST
@@ -150,83 +148,79 @@ class ChargeSection(WithoutOutline):
 Section = Shape | StartSection | ChargeSection
 
 
-def sections(shape: Shape, axis: int, index: float, sides: Sequence[float] = (1.0, 1.0, 1.0)) -> tuple[Section, ...]:
+def sections(shape: Shape, here: Slice, sides: tuple[float, ...] = (1.0, 1.0, 1.0)) -> tuple[Section, ...]:
     """The sections of a shape by a slice; empty where the slice does not show it.
 
-    `index` is the place of the slice along `axis` [voxels], `sides` are those of a voxel in the smallest of them.
-    Shapes in the plane belong to no volume and are not shown.
+    `sides` are those of a voxel in the smallest of them. Shapes in the plane belong to no volume and are not shown.
     """
-    found = tuple(_sections(shape, axis, index, sides))
+    found = tuple(_sections(shape, here, sides))
     return (RegionElsewhere(),) if not found and isinstance(shape, Interest) else found
 
 
-def _sections(shape: Shape, axis: int, index: float, sides: Sequence[float]) -> Iterator[Section]:
+def _sections(shape: Shape, here: Slice, sides: tuple[float, ...]) -> Iterator[Section]:
     if isinstance(shape, Sphere):
-        yield from _of_sphere(shape, axis, index)
+        yield from _of_sphere(shape, here)
     elif isinstance(shape, Everywhere):
         yield shape
-    elif isinstance(shape, Box | BoxRegion | BoxGrid | BoxThreshold):
-        yield from _of_box(shape, axis, index)
-    elif isinstance(shape, PrismRegion | Wall):
-        yield from _of_extruded(shape, axis, index)
+    elif isinstance(shape, Cuboid):
+        yield from _of_box(shape, here)
+    elif isinstance(shape, Extruded):
+        yield from _of_extruded(shape, here)
     elif isinstance(shape, EnclosedRegion | EnclosingWall):
-        for line in section(shape.surface.surface, Slice(axis, round(index))):
+        for line in section(shape.surface.surface, here):
             corners = tuple((row, col) for row, col in line.points.tolist())
             if line.closed and len(set(corners)) > 2:
                 yield RegionSection(corners) if isinstance(shape, EnclosedRegion) else Barrier((*corners, corners[0]))
     elif isinstance(shape, Charge) and len(shape.position) == 3:
-        away = abs(shape.position[axis] - index) * sides[axis]
+        away = abs(shape.position[here.axis] - here.index) * sides[here.axis]
         if away <= RADIUS:
-            down, right = _flat(sides, axis)
-            yield ChargeSection(_flat(shape.position, axis), shape.strength, away, (down, right))
+            down, right = here.within(sides)
+            yield ChargeSection(here.within(shape.position), shape.strength, away, (down, right))
     elif isinstance(shape, Stroke | Polygon) and len(shape.points[0]) == 3:
-        if all(abs(place[axis] - index) <= _IN for place in shape.points):
-            yield replace(shape, points=tuple(_flat(place, axis) for place in shape.points))
-        else:  # its particles near the slice
-            yield from _of_points(shape.seeds().tolist(), axis, index)
+        if all(abs(place[here.axis] - here.index) <= _IN for place in shape.points):
+            yield replace(shape, points=tuple(map(here.within, shape.points)))
+        else:
+            yield from _of_particles(shape.seeds(), here)
     elif isinstance(shape, Points) and len(shape.positions[0]) == 3:
-        yield from _of_points(shape.positions, axis, index)
+        yield from _of_particles(shape.seeds(), here)
 
 
-def _flat(place: Sequence[float], axis: int) -> Position:
-    return tuple(place[:axis]) + tuple(place[axis + 1 :])
+def _of_particles(seeds: Array, here: Slice) -> Iterator[Points]:
+    near = _near(seeds, here, NEAR)
+    if len(near):
+        yield Points(tuple(map(tuple, near.tolist())))
 
 
-def _of_points(places: Sequence[Sequence[float]], axis: int, index: float) -> Iterator[Points]:
-    near = tuple(_flat(place, axis) for place in places if abs(place[axis] - index) <= NEAR)
-    if near:
-        yield Points(near)
+def _near(seeds: Array, here: Slice, reach: float) -> Array:
+    """Particles so many voxels from a slice, as places in it."""
+    return here.flattened(seeds[np.abs(seeds[:, here.axis] - here.index) <= reach])
 
 
-def _of_sphere(sphere: Sphere, axis: int, index: float) -> Iterator[StartSection]:
-    off = (index - sphere.center[axis]) * sphere.sides[axis]
-    if abs(off) >= sphere.radius:
+def _of_sphere(sphere: Sphere, here: Slice) -> Iterator[StartSection]:
+    side = sphere.sides[here.axis]
+    square = sphere.radius**2 - ((here.index - sphere.center[here.axis]) * side) ** 2
+    if square > 0.0:
+        line = _circle(sphere, here, math.sqrt(square))
+        yield StartSection(line, line.handles()[:4], _spread(_near(sphere.seeds(), here, NEAR / side)))
+
+
+def _circle(sphere: Sphere, here: Slice, radius: float) -> Ellipse:
+    down, right = here.within(sphere.sides)
+    return Ellipse(here.within(sphere.center), (max(radius / right, SMALLEST), max(radius / down, SMALLEST)))
+
+
+def _of_box(box: Cuboid, here: Slice) -> Iterator[Section]:
+    if not box.first[here.axis] - _IN <= here.index <= box.last[here.axis] + _IN:
         return
-    radius = math.sqrt(sphere.radius**2 - off**2)
-    center, (down, right) = (_flat(values, axis) for values in (sphere.center, sphere.sides))
-    line = Ellipse(center, (max(radius / right, SMALLEST), max(radius / down, SMALLEST)))
-    near = _seeds_near(sphere, axis, index, NEAR / sphere.sides[axis])
-    yield StartSection(line, line.handles()[:4], _spread(near))
-
-
-def _seeds_near(start: Sphere | Box | BoxGrid, axis: int, index: float, reach: float) -> Array:
-    """The particles of a start so many voxels from a slice, as places in it."""
-    seeds = start.seeds()
-    return np.delete(seeds[np.abs(seeds[:, axis] - index) <= reach], axis, axis=1)
-
-
-def _of_box(box: Cuboid, axis: int, index: float) -> Iterator[Section]:
-    if not box.first[axis] - _IN <= index <= box.last[axis] + _IN:
-        return
-    (top, left), (bottom, right) = _flat(box.first, axis), _flat(box.last, axis)
+    (top, left), (bottom, right) = here.within(box.first), here.within(box.last)
     corners = ((top, left), (top, right), (bottom, right), (bottom, left))
     row, col = 0.5 * (top + bottom), 0.5 * (left + right)
     held = (*corners, (top, col), (row, right), (bottom, col), (row, left))
     if isinstance(box, Box):
-        yield StartSection(Polygon(corners), held, _spread(_seeds_near(box, axis, index, max(NEAR, 0.6 * box.apart))))
+        yield StartSection(Polygon(corners), held, _spread(_near(box.seeds(), here, max(NEAR, 0.6 * box.apart))))
     elif isinstance(box, BoxGrid):
-        reach = max(NEAR, 0.5 * box.spacing) / box.sides[axis]
-        yield StartSection(Grid(corners, box.spacing), held, _seeds_near(box, axis, index, reach))
+        reach = max(NEAR, 0.5 * box.spacing) / box.sides[here.axis]
+        yield StartSection(Grid(corners, box.spacing), held, _near(box.seeds(), here, reach))
     elif isinstance(box, BoxThreshold):
         yield Threshold(corners, box.fraction)
     else:
@@ -239,20 +233,20 @@ def _spread(places: Array) -> Array:
     return places[np.sort(first)]
 
 
-def _of_extruded(shape: Extruded, axis: int, index: float) -> Iterator[Shape]:
+def _of_extruded(shape: Extruded, here: Slice) -> Iterator[Shape]:
     """The line itself in the slices that it was drawn in.
 
     In others a strip for each stretch inside what is closed, a line for each place where a line is cut.
     """
-    if axis == shape.axis:
-        if shape.first - _IN <= index <= shape.last + _IN:
+    if here.axis == shape.axis:
+        if shape.first - _IN <= here.index <= shape.last + _IN:
             flat = shape.flat(shape.points)
             yield RegionSection(flat.points, held=flat.handles()) if isinstance(flat, Region) else flat
         return
     if shape.last <= shape.first:
         return
-    other = next(one for one in range(3) if one not in (axis, shape.axis))
-    cuts = _crossings(shape, axis, index, other)
+    other = 3 - here.axis - shape.axis
+    cuts = _crossings(shape, here, other)
 
     def turned(*places: Position) -> tuple[Position, ...]:
         """Places along the range and the other axis, of which the first one runs down."""
@@ -269,16 +263,14 @@ def _of_extruded(shape: Extruded, axis: int, index: float) -> Iterator[Shape]:
             yield Barrier(turned((shape.first, at), (shape.last, at)))
 
 
-def _crossings(shape: Extruded, axis: int, index: float, other: int) -> list[float]:
+def _crossings(shape: Extruded, here: Slice, other: int) -> list[float]:
     """Places along the other axis where the line lies in a slice, in order."""
-    corners = shape.flat(shape.points).outline
-    here, there = (sorted((axis, other)).index(one) for one in (axis, other))
+    corners = shape.flat(shape.points).outline[:, :: 1 if here.axis < other else -1]
     # a corner in the slice lies on one side of it, so that each side of the line is cut once or not at all
-    above = corners[:, here] >= index
+    above = corners[:, 0] >= here.index
     cut = above[1:] != above[:-1]
-    begin, end = corners[:-1][cut], corners[1:][cut]
-    share = (index - begin[:, here]) / (end[:, here] - begin[:, here])
-    found: list[float] = sorted((begin[:, there] + share * (end - begin)[:, there]).tolist())
+    begin, way = corners[:-1][cut], np.diff(corners, axis=0)[cut]
+    found: list[float] = sorted((begin[:, 1] + (here.index - begin[:, 0]) / way[:, 0] * way[:, 1]).tolist())
     return found
 
 
@@ -296,9 +288,9 @@ def wires(shape: Shape, sides: tuple[float, ...]) -> Array:
     """
     if isinstance(shape, Sphere | EnclosedRegion | EnclosingWall):
         return _through_middle(shape)
-    if isinstance(shape, Box | BoxRegion | BoxGrid | BoxThreshold):
+    if isinstance(shape, Cuboid):
         return _drawn_through(shape.outline[[0, 1, 3, 2, 0], 1:], 0, shape.first[0], shape.last[0])
-    if isinstance(shape, PrismRegion | Wall):
+    if isinstance(shape, Extruded):
         return _drawn_through(shape.flat(shape.points).outline, shape.axis, shape.first, shape.last)
     if isinstance(shape, Charge) and len(shape.position) == 3:
         ball = _through_middle(Sphere(shape.position, RADIUS, sides))
@@ -312,12 +304,12 @@ def wires(shape: Shape, sides: tuple[float, ...]) -> Array:
 
 def _through_middle(shape: Sphere | EnclosedRegion | EnclosingWall) -> Array:
     """The lines in which slices through its middle, one across each axis, cut a shape."""
-    paths = (
-        np.insert(cut.outline, axis, at, axis=1)
-        for axis, at in enumerate(shape.center if isinstance(shape, Sphere) else map(round, shape.center))
-        for cut in _sections(shape, axis, at, ())
-    )
-    return np.concatenate([np.empty((0, 2, 3)), *map(_pieces_of, paths)])
+    pieces = [np.empty((0, 2, 3))]
+    for axis, at in enumerate(shape.center):
+        here, place = Slice(axis, round(at)), at if isinstance(shape, Sphere) else round(at)
+        cuts = [_circle(shape, here, shape.radius)] if isinstance(shape, Sphere) else _sections(shape, here, ())
+        pieces += [_pieces_of(np.insert(cut.outline, axis, place, axis=1)) for cut in cuts]
+    return np.concatenate(pieces)
 
 
 def _pieces_of(path: Array) -> Array:

@@ -12,7 +12,7 @@ from app.model.text.language import tr
 from cpm_core import Image
 from cpm_core.numerics import Array, Place, Position
 
-T = TypeVar("T", int, float)
+T = TypeVar("T")
 V = TypeVar("V", bound=np.generic)
 
 AXES = (tr("plane"), tr("row"), tr("column"))
@@ -31,17 +31,14 @@ class Slice:
 
     def lifted(self, position: Position) -> Place:
         """The position in the volume of one in the slice."""
-        first, second = position
-        place = [first, second]
-        place.insert(self.axis, float(self.index))
-        return tuple(place)
+        return (*position[: self.axis], float(self.index), *position[self.axis :])
 
     def along(self, by: Position) -> Place:
         """A displacement in the slice as one in the volume."""
         return replace(self, index=0).lifted(by)
 
-    def within(self, place: Place) -> Position:
-        """The position in the slice that is nearest to one in the volume."""
+    def within(self, place: tuple[T, ...]) -> tuple[T, ...]:
+        """The position in the slice nearest to one in the volume; of three numbers those of the axes of the slice."""
         return place[: self.axis] + place[self.axis + 1 :]
 
     def flattened(self, places: Array) -> Array:
@@ -52,10 +49,6 @@ class Slice:
         """The slice of an array, without a copy."""
         found: NDArray[V] = values[(slice(None),) * self.axis + (self.index,)]
         return found
-
-    def sides(self, lengths: tuple[T, ...]) -> tuple[T, ...]:
-        """Those of three numbers that belong to the axes of the slice."""
-        return lengths[: self.axis] + lengths[self.axis + 1 :]
 
 
 @dataclass(frozen=True, slots=True)

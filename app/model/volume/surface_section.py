@@ -133,7 +133,7 @@ def skeleton_in(found: Skeleton, here: Slice) -> Skeleton:
         for piece in _pieces(contour.path, np.append(radii, radii[0]) if contour.closed else radii, here)
     ]
     return replace(
-        Skeleton((), (), here.sides(found.shape), here.sides(found.spacing), found.unit, found.source),
+        Skeleton((), (), here.within(found.shape), here.within(found.spacing), found.unit, found.source),
         contours=tuple(Contour(points, False) for points, _ in pieces),
         radii=tuple(radii for _, radii in pieces),
     )

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import scipy
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from app.model.display.comparison import Trial, with_values
@@ -40,9 +39,10 @@ from cpm_core import (
     load_truth,
     load_volume_truth,
 )
-from cpm_core.contours import TOLERANCE, numbered, truth_of_contours, truth_of_mask
+from cpm_core.contours import TOLERANCE, numbered, truth_of_contours
 from cpm_core.formats import TruthFile, write_together
 from cpm_core.formats.common.printable import cell
+from cpm_core.formats.contours import mask
 from cpm_core.formats.contours.contour_csv import table
 from cpm_core.objects.segmented import SegmentedObject
 
@@ -517,21 +517,16 @@ def _objects(row: Row, found: Result, image: Image) -> tuple[SegmentedObject, ..
     closed = [contour for contour in found.contours if contour.closed]
     if found.surface is not None:
         made = bodies_of(found.surface, image) if found.surface.closed else ()
-    elif isinstance(row.truth, Truth):
-        made = objects_of(_boundaries(row.truth))
+    elif isinstance(row.truth, Truth):  # where objects touch, both have a boundary of their own
+        made = objects_of(
+            [
+                Contour(points, True, group=number, hole=hole)
+                for number, curves in mask.objects(row.truth.objects)
+                for points, hole in curves
+            ]
+        )
     else:
         made = objects_of(closed if row.trial is None else [replace(one, name=row.title, group=1) for one in closed])
     if not made:
         raise ValueError(tr("There is no closed contour, so there is no object to add."))
     return made
-
-
-def _boundaries(truth: Truth) -> list[Contour]:
-    """The boundaries of true objects, each with its number; where objects touch, both have that of their own."""
-    found = []
-    for number, box in enumerate(scipy.ndimage.find_objects(truth.objects), start=1):
-        if box is not None:
-            alone = truth_of_mask(np.pad(truth.objects[box] == number, 1))
-            low = [side.start - 1 for side in box]
-            found += [replace(one, points=one.points + low, group=number) for one in alone.contours if one.closed]
-    return found

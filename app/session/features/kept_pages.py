@@ -7,25 +7,23 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 from app.model.document.document import Document, ImageReference
-from app.model.document.saving import restored
+from app.model.document.saving import restored, to_file
 from app.model.text.language import tr
 from app.model.volume.parts import Parts
 from app.session.exchange.core_functions import Core
 from app.session.exchange.messages import sentence
 from app.session.tasks.tasks import Cancelled, Task
-from app.session.timeline.moments import Stepped
-from app.session.timeline.plain_runs import RunsWriter
-from app.session.timeline.stored_runs import Branch, StoredBranch, StoredRun, StoredRuns
+from app.session.timeline.plain_runs import sound
 from app.session.undo_history import History
-from cpm_core import Image, Method, Page, Result, load_pages
+from cpm_core import Page, Result, load_pages
 from cpm_core.contours import apply, middle, with_kept
-from cpm_core.formats import Pages, Reading, SessionFile, decode, encode, page_from_plain, page_to_plain
+from cpm_core.formats import Pages, Reading, decode, encode, page_from_plain, page_to_plain
+from cpm_core.formats.sessions.recorded_run import Recorder, with_run
 from cpm_core.pages import Follower, StackResult, StartingLine, fitting, trouble_of
-from cpm_core.segmentation import MethodState
-from cpm_core.shapes import Polygon, SeedCache, Shape, Start, Stroke, check_axes, starts_of
+from cpm_core.shapes import Polygon, SeedCache, Start, Stroke, check_axes, starts_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,8 +34,6 @@ class StackSource:
     ----------
     path : str
         The file.
-    name : str
-        Its name.
     count : int
         Number of its pages; 0 where nothing is open, or a volume.
     by_channel : bool
@@ -49,20 +45,19 @@ class StackSource:
     """
 
     path: str = ""
-    name: str = ""
     count: int = 0
     by_channel: bool = False
     reading: Reading = field(default_factory=Reading)
     usual: int = 1
 
     @classmethod
-    def of(cls, path: str, name: str, parts: Parts | None, reading: Reading) -> StackSource:
+    def of(cls, path: str, parts: Parts | None, reading: Reading) -> StackSource:
         """The stack that a file holds."""
         if parts is None:
-            return cls(path, name)
+            return cls(path)
         by_channel = parts.pages == 1 and parts.times == 1 and parts.channels > 1
         count = parts.channels if by_channel else parts.pages
-        return cls(path, name, count if count > 1 else 0, by_channel, reading, parts.usual)
+        return cls(path, count if count > 1 else 0, by_channel, reading, parts.usual)
 
     def number_of(self, reading: Reading) -> int:
         """The page that is read so."""
@@ -89,10 +84,10 @@ class KeptPage:
 
     Attributes
     ----------
-    file : SessionFile
-        All that a session file would hold of it: document, runs, view.
     document : Document
         Its document.
+    runs : mapping
+        Its runs, as plain JSON.
     history : History
         What can be undone in it.
     known : Document or None
@@ -103,8 +98,8 @@ class KeptPage:
         Whether there are runs that are in no file.
     """
 
-    file: SessionFile
     document: Document
+    runs: Mapping[str, Any] = field(default_factory=dict)
     history: History = field(default_factory=History)
     known: Document | None = None
     given: tuple[Start, ...] = ()
@@ -123,15 +118,13 @@ class KeptPage:
 
 def started_by(document: Document, starts: tuple[Start, ...]) -> Document:
     """A document with these starts in place of its own; limits and charges stay."""
-    others = tuple(shape for shape in document.shapes if not isinstance(shape, Start))
-    shapes: tuple[Shape, ...] = (*starts, *others)
-    return replace(document, shapes=shapes)
+    others = (shape for shape in document.shapes if not isinstance(shape, Start))
+    return replace(document, shapes=(*starts, *others))
 
 
 def starts_along(lines: tuple[StartingLine, ...]) -> tuple[Start, ...]:
     """Starts along the contours of the page before, as shapes that can be seen and changed."""
-    drawn = [(Polygon if line.closed else Stroke)(line.corners) for line in lines]
-    return starts_of(drawn)
+    return starts_of([(Polygon if line.closed else Stroke)(line.corners) for line in lines])
 
 
 def bare(document: Document) -> Document:
@@ -139,24 +132,46 @@ def bare(document: Document) -> Document:
     return Document(document.image, document.shapes, document.parameters, mode=document.mode)
 
 
-Found = Result | str
-"""What was found on a page, or why it could not be used."""
-
-
-def linked(source: StackSource, found: Mapping[int, Found], drawn: tuple[Mapping[str, Any], ...]) -> StackResult:
+def linked(source: StackSource, found: Mapping[int, Page], drawn: tuple[Mapping[str, Any], ...]) -> StackResult:
     """Number the contours of all pages by their tracks, page by page."""
-    follower, pages = Follower(), []
-    for number in sorted(found):
-        one = found[number]
-        pages.append(Page(number, None, trouble=one) if isinstance(one, str) else follower.take(number, one))
-    stack = source.pages
-    return StackResult(stack.name, source.count, tuple(pages), stack.axis, stack.alone, drawn)
+    follower = Follower()
+    pages = [found[number] for number in sorted(found)]
+    pages = [follower.take(page.number, page.result) if page.result else page for page in pages]
+    return StackResult(Path(source.path).name, source.count, tuple(pages), source.pages.axis, source.pages.alone, drawn)
 
 
 _MOST = 24 * 2**20
 """Largest size of the recorded runs of other pages in a session file [characters]; contours and drawings all stay."""
 
-T = TypeVar("T")
+
+def pages_to_plain(
+    others: Mapping[int, KeptPage],
+    following: bool,
+    drawn: tuple[Mapping[str, Any], ...],
+    given: bool,
+    result: StackResult | None,
+) -> dict[str, Any]:
+    """What a session file holds of a stack, as `StoredPages`; runs are left out beyond a size that can be read.
+
+    `others` are the pages that are not open, `given` is whether that which is open was given its starts.
+    """
+    if not others and result is None:
+        return {}
+    left, sessions = _MOST, []
+    for number, page in sorted(others.items()):
+        session = json.loads(encode(replace(to_file(page.document, {}), image=None), Path()))
+        size = len(json.dumps(page.runs))
+        if page.runs and size <= left:
+            left -= size
+            session["runs"] = dict(page.runs)
+        sessions.append({"page": number, "given": not page.own_start, "session": session})
+    return {
+        "following": following,
+        "drawn": list(drawn),
+        "given": given,
+        "sessions": sessions,
+        "found": [] if result is None else [page_to_plain(page) for page in result.pages],
+    }
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -165,10 +180,10 @@ class StoredPages:
 
     Attributes
     ----------
-    kept : mapping of int to KeptPage
+    kept : dict of int to KeptPage
         The pages that are not open, by number.
-    found : mapping of int to Result or str
-        What was found on each page, or why it could not be used.
+    found : dict of int to Page
+        What was found on each page.
     following : bool
         Whether each page starts from the contours of the one before.
     drawn : tuple of mapping
@@ -179,34 +194,12 @@ class StoredPages:
         What had to be left out, in a sentence.
     """
 
-    kept: Mapping[int, KeptPage] = field(default_factory=dict)
-    found: Mapping[int, Found] = field(default_factory=dict)
-    following: bool = True
-    drawn: tuple[Mapping[str, Any], ...] = ()
-    given: tuple[Start, ...] = ()
-    trouble: str = ""
-
-    def to_plain(self, here: int, result: StackResult | None) -> dict[str, Any]:
-        """The pages but that which is open `here` as plain JSON; runs are left out beyond a size that can be read."""
-        others = {number: page for number, page in sorted(self.kept.items()) if number != here}
-        if not others and result is None:
-            return {}
-        left, sessions = _MOST, []
-        for number, page in others.items():
-            file = replace(page.file, image=None, view={}, runs={}, pages={}, extra={})
-            session = json.loads(encode(file, Path()))
-            size = len(json.dumps(page.file.runs))
-            if page.file.runs and size <= left:
-                left -= size
-                session["runs"] = dict(page.file.runs)
-            sessions.append({"page": number, "given": not page.own_start, "session": session})
-        return {
-            "following": self.following,
-            "drawn": list(self.drawn),
-            "given": bool(self.given),
-            "sessions": sessions,
-            "found": [] if result is None else [page_to_plain(page) for page in result.pages],
-        }
+    kept: dict[int, KeptPage]
+    found: dict[int, Page]
+    following: bool
+    drawn: tuple[Mapping[str, Any], ...]
+    given: tuple[Start, ...]
+    trouble: str
 
     @classmethod
     def of(cls, plain: Mapping[str, Any], here: Document, source: StackSource) -> StoredPages:
@@ -221,18 +214,18 @@ class StoredPages:
             check_axes(file.shapes, image.shape)
             document = restored(file, image, file.parameters)
             given = document.starts if entry.get("given") is True else ()
-            return number, KeptPage(file, document, known=document, given=given)
+            return number, KeptPage(document, file.runs, known=document, given=given)
 
-        def found(entry: Mapping[str, Any]) -> tuple[int, Found]:
+        def found(entry: Mapping[str, Any]) -> tuple[int, Page]:
             page = page_from_plain(entry)
-            return _checked(page.number, source), page.result or page.trouble
+            return _checked(page.number, source), page
 
-        kept, first = _read(plain, "sessions", session)
-        pages, second = _read(plain, "found", found)
-        drawn = tuple(shape for shape in _listed(plain, "drawn") if isinstance(shape, dict))
+        faults: list[Exception] = []
+        kept, pages = dict(sound(plain, "sessions", session, faults)), dict(sound(plain, "found", found, faults))
+        drawn = tuple(sound(plain, "drawn", dict, []))
         given = here.starts if plain.get("given") is True else ()
         trouble = tr("Some pages of the stack are damaged in the session and were skipped.")
-        return cls(kept, pages, plain.get("following") is not False, drawn, given, trouble if first or second else "")
+        return cls(kept, pages, plain.get("following") is not False, drawn, given, trouble if faults else "")
 
 
 class PlainPages(Mapping[str, Any]):
@@ -255,33 +248,10 @@ class PlainPages(Mapping[str, Any]):
         return len(self._plain)
 
 
-def _read(
-    plain: Mapping[str, Any], name: str, read: Callable[[Mapping[str, Any]], tuple[int, T]]
-) -> tuple[dict[int, T], bool]:
-    """The entries of a list by page, and whether any is damaged."""
-    entries: dict[int, T] = {}
-    damaged = False
-    for entry in _listed(plain, name):
-        try:
-            number, value = read(entry)
-            entries[number] = value
-        except (KeyError, TypeError, ValueError, IndexError, AttributeError):
-            damaged = True
-    return entries, damaged
-
-
 def _checked(given: object, source: StackSource) -> int:
     if type(given) is not int or not 1 <= given <= source.count:
         raise ValueError("there is no such page")
     return given
-
-
-def _listed(plain: Mapping[str, Any], name: str) -> list[Any]:
-    given = plain.get(name)
-    return given if isinstance(given, list) else []
-
-
-_NAME = tr("Run {number}").format(number=1)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -291,7 +261,7 @@ class PageDone:
     page: Page
     document: Document
     given: tuple[Start, ...] = ()
-    runs: Mapping[str, Any] | None = None
+    runs: Mapping[str, Any] = field(default_factory=dict)
 
 
 def run_pages(
@@ -315,7 +285,15 @@ def run_pages(
             image = source.pages[number - 1]
             reference = ImageReference.of(Path(source.path), image, source.reading_of(number))
             document = replace(document, image=reference, parameters=fitting(document.parameters, image))
-            method, state, scales = _run(document, image, core, task)
+            method = core.methods["cpm"](image, document.parameters, document.regions)
+            seen = document.parameters
+            seeds = SeedCache(image).seeds_for(document.image_starts, seen.smoothing, document.regions, seen.channel)
+            state, recorder = method.start(document.seeds(seeds)), Recorder()
+            recorder(state)
+            while not state.stop_reason:
+                task.check_cancelled()
+                state = method.step(state, document.parameters, document.charges)
+                recorder(state)
             found = method.result(state, document.parameters)
             assert isinstance(found, Result)
             result = apply(with_kept(found, document.marks), document.marks)
@@ -327,28 +305,6 @@ def run_pages(
             yield PageDone(Page(number, None, trouble=trouble), document, given)
             continue
         page = follower.take(number, result)
-        # as a session keeps a run for the timeline, with its last state and the numbers of its contours
-        last, action = state.step, Stepped(document.parameters, document.charges, method.regions)
-        branch = StoredBranch(Branch(1, _NAME, None, 0, last, scales), ((), *(((action,),) * last)))
-        runs = (StoredRun(document, document.sources, (branch,)),)
-        numbered = {contour.number: middle(contour) for contour in page.contours}
-        stored = StoredRuns(runs, (1, last), {(1, last): state}, numbered)
-        yield PageDone(page, document, given, RunsWriter().to_plain(stored))
-
-
-def _run(
-    document: Document, image: Image, core: Core, task: Task
-) -> tuple[Method[Any], MethodState, tuple[tuple[int, int], ...]]:
-    """Run a document to its end: the method, its last state, and at which step which scale began."""
-    method = core.methods["cpm"](image, document.parameters, document.regions)
-    seeds = SeedCache(image).seeds_for(
-        document.image_starts, document.parameters.smoothing, document.regions, document.parameters.channel
-    )
-    state: MethodState = method.start(document.seeds(seeds))
-    scales = [(0, state.scale)]
-    while not state.stop_reason:
-        task.check_cancelled()
-        state = method.step(state, document.parameters, document.charges)
-        if state.scale != scales[-1][1]:
-            scales.append((state.step, state.scale))
-    return method, state, tuple(scales)
+        placed = [{"number": contour.number, "place": list(middle(contour))} for contour in page.contours]
+        session = with_run(to_file(document, {}), recorder, tr("Run {number}").format(number=1))
+        yield PageDone(page, document, given, {**session.runs, "numbers": placed})

@@ -122,7 +122,7 @@ def _seeds(seeds: ImageSeeds, here: Slice, volume: Image, reach: float) -> Image
     return {
         cut: here.flattened(at[_index(at, here, volume, reach)[0]])
         for start, at in seeds.items()
-        for cut in sections(start, here.axis, here.index, sides)
+        for cut in sections(start, here, sides)
         if isinstance(cut, ImageStart)
     }
 
@@ -137,7 +137,7 @@ def _probed(probed: Probed | None, here: Slice, volume: Image, reach: float) -> 
         return probed
     if not len(_index(np.array([probed.position]), here, volume, reach)[0]):
         return replace(probed, identity=-1)
-    sides = np.array(here.sides(volume.spacing)) / min(volume.spacing)
+    sides = np.array(here.within(volume.spacing)) / min(volume.spacing)
     along = {name: here.flattened(force[None])[0] / sides for name, force in probed.forces.items()}
     return replace(probed, position=here.within(probed.position), forces=along)
 
@@ -146,7 +146,7 @@ def sections_of(shapes: Iterable[Shape], here: Slice, volume: Image) -> Iterator
     """What a slice shows of shapes, each with the number of its shape."""
     sides = tuple(side / min(volume.spacing) for side in volume.spacing)
     for index, shape in enumerate(shapes):
-        for cut in sections(shape, here.axis, here.index, sides):
+        for cut in sections(shape, here, sides):
             yield index, cut
 
 

@@ -20,7 +20,6 @@ from app.session.exchange.messages import Exported, Opened, Report, Saved
 from app.session.features.background import LatestOnlyWorker
 from app.session.features.contour_review import ContourReview
 from app.session.features.kept_pages import (
-    Found,
     KeptPage,
     PageDone,
     PlainPages,
@@ -28,6 +27,7 @@ from app.session.features.kept_pages import (
     StoredPages,
     bare,
     linked,
+    pages_to_plain,
     run_pages,
     started_by,
     starts_along,
@@ -37,8 +37,8 @@ from app.session.signals import EXPORTING, OPENING, RUNNING
 from app.session.storage.session_file import DocumentFile, Written
 from app.session.tasks.opening import Wanted
 from app.session.tasks.tasks import Task
-from app.session.undo_history import Change, History
-from cpm_core import Result
+from app.session.undo_history import Change
+from cpm_core import Page, Result
 from cpm_core.contours import apply, centroid
 from cpm_core.formats import ImageFile, export_stack, plain_shapes
 from cpm_core.pages import StackResult, StartingLine, starts_after
@@ -65,7 +65,7 @@ class StackPages(QObject):
         self.following = True
         """Whether each page starts from the contours of the one before."""
         self._session = session
-        self._file: DocumentFile | None = None
+        self._file: DocumentFile
         self._source = StackSource()
         self.number = 1
         """The page that is open, from 1."""
@@ -73,7 +73,7 @@ class StackPages(QObject):
         """The page that is wanted, which is open or being opened."""
         self._turning = False
         self._kept: dict[int, KeptPage] = {}
-        self._found: dict[int, Found] = {}
+        self._found: dict[int, Page] = {}
         self._given: tuple[Start, ...] = ()
         self.result: StackResult | None = None
         """What has been found on all pages that are done, with tracks; None while there is nothing."""
@@ -129,7 +129,7 @@ class StackPages(QObject):
 
     def open(self, number: int) -> None:
         """Go to a page, once the runs of this one have been collected."""
-        if self._file is None or not 1 <= number <= self.count or number == self.ahead:
+        if not 1 <= number <= self.count or number == self.ahead:
             return
         self.ahead = number
         if not self._turning:
@@ -161,35 +161,38 @@ class StackPages(QObject):
     def _turn(self) -> None:
         """Keep the page that is open, and open the one that is wanted."""
         self._turning = False
-        if self._file is None or not self.count or self.ahead == self.number:
+        if not self.count or self.ahead == self.number:
             return
-        here = self._kept[self.number] = self._here(self._file)
+        here = self._kept[self.number] = self._here()
         self._begin(self.ahead, self._kept.get(self.ahead) or self._fresh(here))
 
     def _begin(self, number: int, page: KeptPage) -> None:
         """Open a page with what is kept of it; the image stays where it is on the canvas."""
         image = self._session.document.image
-        if image is None or self._file is None:
+        if image is None:
             return
         place = ImageFile(image.path, "", image.shape, reading=self._source.reading_of(number))
-        content = replace(page.file, view=dict(self._file.file.view), image=place)  # so that the image stays in place
+        now = self._file.file  # whose view lets the image stay in place
+        content = replace(
+            to_file(page.document, dict(now.view), now), image=place, runs=page.runs, truth=None, pages={}
+        )
         self._kept[number] = page
         saved = Saved(self._file.path, content, turned=True, known=page.known)
         self._session.begin(Wanted(Path(image.path), page.document.parameters, saved=saved))
 
-    def _here(self, file: DocumentFile) -> KeptPage:
+    def _here(self) -> KeptPage:
         """The page that is open, as it is kept."""
-        session, content = self._session, replace(file.file, pages={}, truth=None)
-        return KeptPage(content, session.document, session.history, file.known, self._given, file.runs.unsaved)
+        session, runs = self._session, self._file.runs
+        return KeptPage(session.document, runs.plain, session.history, self._file.known, self._given, runs.unsaved)
 
     def _fresh(self, here: KeptPage) -> KeptPage:
         """A page on which nothing has been done yet: it takes over the drawing, or follows the page before."""
         document, given = bare(here.document), here.given or here.document.starts
         before = self._found.get(self.ahead - 1)
-        if self.following and isinstance(before, Result) and before.contours:
+        if self.following and before is not None and before.contours:
             given = starts_along(starts_after(before.contours))
             document = started_by(document, given)
-        return KeptPage(to_file(document, {}), document, known=document, given=given)
+        return KeptPage(document, known=document, given=given)
 
     def _take_opened(self, opened: Opened) -> None:
         """Another page has been opened, or another file."""
@@ -206,10 +209,9 @@ class StackPages(QObject):
         self.changed.emit()
 
     def _take_written(self, written: Written) -> None:
-        if self._file is not None and self._file.is_current(written):
-            self._kept = {
-                number: replace(page, known=page.document, runs_unsaved=False) for number, page in self._kept.items()
-            }
+        if self._file.is_current(written):
+            for number, page in self._kept.items():
+                self._kept[number] = replace(page, known=page.document, runs_unsaved=False)
 
     # Running all
 
@@ -217,12 +219,12 @@ class StackPages(QObject):
         """Run all pages from one on, in the background."""
         document = self._session.document
         self._session.attempt(RUNNING)
-        if not self.count or self._file is None or self.running:
+        if not self.count or self.running:
             return
         if not document.starts:
             self._session.say(document.nothing_to_start_from, True, RUNNING)
             return
-        kept, following = {**self._kept, self.number: self._here(self._file)}, self.following
+        kept, following = {**self._kept, self.number: self._here()}, self.following
         self._drawn = plain_shapes(document.shapes)
         before = () if self.result is None else tuple(page for page in self.result.pages if page.number < first)
         source, numbers = self._source, range(first, self.count + 1)
@@ -253,16 +255,21 @@ class StackPages(QObject):
     def _take_page(self, path: str, known: KeptPage | None, done: PageDone) -> None:
         """Keep a page that has been run, unless the user has changed it since; that which is open is shown anew."""
         number, here = done.page.number, done.page.number == self.number
-        if self._file is None or path != self._source.path:
+        if path != self._source.path:
             return
-        before = self._here(self._file) if here else self._kept.get(number)
+        before = self._here() if here else self._kept.get(number)
         if before is not None and (known is None or before.document != known.document) and before.own_start:
             return
-        self._found[number] = done.page.result or done.page.trouble
+        self._found[number] = done.page
         self._link_soon()
-        if done.runs is None:
+        if not done.runs:
             return
-        self._kept[number] = page = _kept(done, before)
+        before, document = before or KeptPage(done.document), done.document
+        if before.document != document:  # undo leads back to what it was
+            before.history.push(Change(tr("run all pages"), before.document, document))
+        self._kept[number] = page = replace(
+            before, document=document, runs=done.runs, given=done.given, runs_unsaved=True
+        )
         if here and not self._turning and self._session.status.phase != "running":
             self._begin(number, page)
 
@@ -281,8 +288,7 @@ class StackPages(QObject):
             return
         if shown is not self._seen:
             self._seen = shown
-            document = scene.document
-            self._found[self.number] = apply(shown, document.marks)
+            self._found[self.number] = Page(self.number, apply(shown, scene.document.marks))
             self._link_soon()
 
     def _link_soon(self) -> None:
@@ -304,7 +310,7 @@ class StackPages(QObject):
         if source.path != self._source.path or not self.count:
             return
         self.result, self.rows = result, rows
-        self._found |= {page.number: page.result for page in result.pages if page.result and page.number != self.number}
+        self._found |= {page.number: page for page in result.pages if page.number != self.number}
         self.found.emit()
 
     # Files
@@ -328,34 +334,23 @@ class StackPages(QObject):
         """The other pages as a session keeps them."""
         if not self.count:
             return {}
-        given = not self._session.document.starts or self._session.document.starts != self._given
-        stored = StoredPages(dict(self._kept), {}, self.following, self._drawn, () if given else self._given)
-        return PlainPages(partial(stored.to_plain, self.number, self.result))
+        others = {number: page for number, page in self._kept.items() if number != self.number}
+        given = not self.is_drawn(self._session.document)
+        return PlainPages(partial(pages_to_plain, others, self.following, self._drawn, given, self.result))
 
     def _begin_stack(self, opened: Opened) -> None:
         """Another file has been opened, perhaps with a session that knows its pages."""
         self.cancel()
         parts = opened.parts if opened.image.ndim == 2 else None
-        source = self._source = StackSource.of(str(opened.path), opened.path.name, parts, opened.reading)
+        source = self._source = StackSource.of(str(opened.path), parts, opened.reading)
         self.number = self.ahead = source.number_of(opened.reading)
         self._kept, self._found, self._given = {}, {}, ()
         self.result, self.rows, self._seen, self._drawn = None, (), None, ()
         if opened.saved is not None and opened.saved.file.pages and self.count:
             stored = StoredPages.of(opened.saved.file.pages, self._session.document, source)
-            self._kept, self.following, self._drawn = dict(stored.kept), stored.following, stored.drawn
-            self._found, self._given = dict(stored.found), stored.given
+            self._kept, self.following, self._drawn = stored.kept, stored.following, stored.drawn
+            self._found, self._given = stored.found, stored.given
             if stored.trouble:
                 self._session.say(stored.trouble, True, OPENING)
             self._link_soon()
         self.found.emit()
-
-
-def _kept(done: PageDone, before: KeptPage | None) -> KeptPage:
-    """A page that has been run; undo leads back to what it was before."""
-    document = done.document
-    file = replace(to_file(document, {}), runs=done.runs or {})
-    if before is None:
-        return KeptPage(file, document, History(), None, done.given, runs_unsaved=True)
-    if before.document != document:
-        before.history.push(Change(tr("run all pages"), before.document, document))
-    return KeptPage(file, document, before.history, before.known, done.given, runs_unsaved=True)

@@ -41,7 +41,7 @@ class TimelineNavigation(QObject):
         session.scene_changed.connect(self._follow)
         session.status_changed.connect(self._follow_phase)
         session.image_changed.connect(lambda: self._use_outline(NOTHING))
-        session.listen(CommandFailed, self._give_up_going)
+        session.listen(CommandFailed, lambda _: setattr(self, "_target", None))  # which may have failed to go there
         session.listen(
             RunsKept,
             lambda kept: None if kept.generation != session.generation or session.status.started
@@ -202,10 +202,6 @@ class TimelineNavigation(QObject):
     def _reconstruct(self) -> None:
         if self._session.status.started and self._session.status.phase != "running":
             self._session.post(run_call(None, Run.stay))
-
-    def _give_up_going(self, _: CommandFailed) -> None:
-        """The failed command may have been the one that goes to another step."""
-        self._target = None
 
     def _take_outline(self, outline: Outline) -> None:
         fallen = outline.fallen[len(self.outline.fallen) :]

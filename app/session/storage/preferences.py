@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import shutil
 from collections.abc import Callable
 from contextlib import suppress
@@ -17,8 +16,6 @@ from app.model.text.language import tr
 Value = TypeVar("Value", bool, int, float, str, list[str], QByteArray)
 V = TypeVar("V")
 
-_log = logging.getLogger(__name__)
-
 
 def settings() -> QSettings:
     """The file of the preferences; other files of the user are in its folder."""
@@ -30,15 +27,12 @@ class Preferences(QObject):
 
     changed = Signal(str)
     """Key of a value that has changed."""
-    troubled = Signal(str)
-    """A sentence on what is stored and cannot be read."""
 
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._settings = settings()
-        self.troubles: list[str] = []
-        """What was said by `troubled` so far; what is stored stays in the file until another value is chosen."""
-        self._check_file()
+        self.trouble = self._check_file()
+        """A sentence on what is stored and cannot be read, empty where all can."""
 
     def value(self, preference: Preference[V]) -> V:
         """The value of a preference; its default when none is stored or the stored one cannot be used."""
@@ -80,23 +74,16 @@ class Preferences(QObject):
             self._settings.setValue(key, value)
             self.changed.emit(key)
 
-    def complain(self, trouble: str) -> None:
-        """Say once what is wrong with what is stored."""
-        if trouble not in self.troubles:
-            _log.warning("%s", trouble)
-            self.troubles.append(trouble)
-            self.troubled.emit(trouble)
-
-    def _check_file(self) -> None:
+    def _check_file(self) -> str:
         """Keep a copy of a file that cannot be read, because the next value that is stored replaces the file."""
-        path = Path(self._settings.fileName())
         if self._settings.status() == QSettings.Status.NoError:
-            return
+            return ""
+        path = Path(self._settings.fileName())
         copy = path.with_name(f"{path.name}.unread")
         with suppress(OSError):
             shutil.copy(path, copy)
         text = tr("The preferences in {path} cannot be read, so the defaults are used; the file is kept as {copy}.")
-        self.complain(text.format(path=path, copy=copy))
+        return text.format(path=path, copy=copy)
 
     def flush(self) -> None:
         """Write to the file now."""

@@ -65,7 +65,7 @@ class Journal(QObject):
         self._timer = QTimer(self, singleShot=True, interval=_EVERY)
         self._timer.timeout.connect(self.write)
         self._preferences = preferences
-        self._worked.connect(self._announce)
+        self._worked.connect(self.put)
         preferences.follow(AUTOSAVE, self._plan)
         document_file.edited.connect(self._plan)
         document_file.changed.connect(self._plan)
@@ -119,9 +119,6 @@ class Journal(QObject):
                 trouble = lost.format(reason=reason)
         self._worked.emit(trouble)
         return trouble
-
-    def _announce(self, trouble: str) -> None:
-        self.put.emit(trouble)
 
 
 @dataclass(frozen=True, eq=False, slots=True)

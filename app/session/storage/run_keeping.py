@@ -9,7 +9,7 @@ from PySide6.QtCore import QObject, QTimer, Signal
 
 from app.session.exchange.messages import Opened, RunsKept
 from app.session.session import Session
-from app.session.timeline.plain_runs import Plain, RunsWriter
+from app.session.timeline.plain_runs import Plain
 from app.session.timeline.timeline import Outline
 from app.session.worker.commands import RunsCollected, RunsRestored, collect_runs
 
@@ -27,7 +27,6 @@ class RunKeeping(QObject):
         super().__init__(session)
         self.plain: Plain = {}
         self._session = session
-        self._writer = RunsWriter()
         self._outline: Outline | None = None
         self._collected = self._saved = -1
         self._recovered = False
@@ -57,7 +56,7 @@ class RunKeeping(QObject):
             self._then.append(then)
         self._timer.stop()
         session, found = self._session, Future[RunsCollected]()
-        session.post(collect_runs(session.image_generation, self._writer, session.live.executed, found))
+        session.post(collect_runs(session.image_generation, dict(session.live.executed), found))
         return found
 
     def saved(self, edition: int) -> None:

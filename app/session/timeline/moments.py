@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from array import array
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
@@ -23,9 +24,6 @@ BranchStep = tuple[int, int]
 FIGURES = tuple(field.name for field in fields(RunMetrics))
 """Names of the figures of a step."""
 
-_FIRST_CAPACITY = 64
-"""Steps that a record has room for at first; each branch has one."""
-
 _RECENT_SHARE = 3
 """States on the grid for each one that is kept only because it was used recently."""
 
@@ -43,11 +41,15 @@ class Moment:
     action: RunAction | None = None
 
     @property
+    def of_step(self) -> tuple[Moment, ...]:
+        """The moments of its step up to itself: the one that the step led to, and those after each change of it."""
+        before = self.before
+        return (*(() if before is None or before.step != self.step else before.of_step), self)
+
+    @property
     def actions(self) -> tuple[RunAction, ...]:
         """The action that the step was taken with, and those that changed its state afterwards."""
-        if self.before is None or self.action is None:
-            return ()
-        return (*(self.before.actions if self.before.step == self.step else ()), self.action)
+        return tuple(moment.action for moment in self.of_step if moment.action is not None)
 
 
 class KeptStates:
@@ -78,20 +80,20 @@ class KeptStates:
         """Keep a state in place of the one kept before."""
         self.drop(moment)
         self._states[moment] = state
-        for array in state.arrays():
-            self.used += 0 if self._owners[id(array)] else array.nbytes
-            self._owners[id(array)] += 1
+        for values in state.arrays():
+            self.used += 0 if self._owners[id(values)] else values.nbytes
+            self._owners[id(values)] += 1
         self.make_room()
 
     def drop(self, *moments: Moment) -> None:
         """Remove states."""
         for moment in moments:
             state = self._states.pop(moment, None)
-            for array in () if state is None else state.arrays():
-                self._owners[id(array)] -= 1
-                if not self._owners[id(array)]:
-                    del self._owners[id(array)]
-                    self.used -= array.nbytes
+            for values in () if state is None else state.arrays():
+                self._owners[id(values)] -= 1
+                if not self._owners[id(values)]:
+                    del self._owners[id(values)]
+                    self.used -= values.nbytes
 
     def keep_only(self, run: int, moments: set[Moment]) -> None:
         """Remove the states of a run except for these and its first one; without any, that too."""
@@ -119,41 +121,32 @@ class KeptStates:
 
 
 class RunRecord:
-    """Figures of a branch for plots, shape (K, N), one column a step; arrays that it has returned stay as they are."""
+    """Figures of a branch for plots, one step after the other, each in the order of `FIGURES`."""
 
     def __init__(self, rows: Array | None = None) -> None:
-        self._length = 0 if rows is None else rows.shape[1]
-        self._rows = np.empty((len(FIGURES), max(2 * self._length, _FIRST_CAPACITY)))
-        if rows is not None:
-            self._rows[:, : self._length] = rows
+        self._values = array("d", () if rows is None else rows.T.ravel())
 
     @property
     def rows(self) -> Array:
-        """The figures so far, one row each, in the order of `FIGURES`."""
-        return self._rows[:, : self._length]
+        """The figures so far, shape (K, N), one row each."""
+        return np.array(self._values).reshape(-1, len(FIGURES)).T
 
     def record(self, step: int, measures: Mapping[str, float]) -> None:
         """Add one step unless it is known; where the potential energy is not measured, the last value is repeated."""
-        if self._length and step <= self.rows[0, -1]:
-            return
-        if self._length == self._rows.shape[1]:
-            self._rows = np.concatenate([self._rows, np.empty_like(self._rows)], axis=1)
-        row = {"step": float(step), **measures}
-        if self._length:
-            row.setdefault("potential", float(self.rows[FIGURES.index("potential"), -1]))
-        self._rows[:, self._length] = [row.get(name, math.nan) for name in FIGURES]
-        self._length += 1
+        last = dict(zip(FIGURES, self._values[-len(FIGURES) :], strict=False))
+        if step > last.get("step", -1):
+            row = {"potential": last.get("potential", math.nan), "step": step, **measures}
+            self._values.extend(row.get(name, math.nan) for name in FIGURES)
 
     def until(self, step: int) -> RunRecord:
         """A copy up to a step."""
-        return RunRecord(self.rows[:, : self._count(step)])
+        rows = self.rows
+        return RunRecord(rows[:, rows[0] <= step])
 
     def metrics(self, step: float = math.inf) -> RunMetrics:
-        """The metrics up to a step, without copying them."""
-        return RunMetrics(*self.rows[:, : self._count(step)])
-
-    def _count(self, step: float) -> int:
-        return int(np.searchsorted(self.rows[0], step, side="right"))
+        """The metrics up to a step."""
+        rows = self.rows
+        return RunMetrics(*rows[:, : np.searchsorted(rows[0], step, side="right")])
 
 
 class RunAction(Protocol):
@@ -163,7 +156,7 @@ class RunAction(Protocol):
     def regions(self) -> AnyRegions | None:
         """Regions of the method that did it."""
 
-    def apply(self, method: Method[Any], state: Any) -> Any:
+    def apply(self, method: Any, state: Any) -> Any:
         """Apply it to a state of a method with these regions."""
 
 
@@ -183,25 +176,14 @@ class Stepped:
 
 @dataclass(frozen=True, slots=True)
 class Joined:
-    """Particles added at seeds, shape (N, `axes`), whose bytes are stored so that actions can be compared."""
+    """Particles added at seeds."""
 
-    seeds: bytes
+    seeds: tuple[tuple[float, ...], ...]
     regions: AnyRegions | None = None
-    axes: int = 2
 
-    @classmethod
-    def at(cls, seeds: Array, regions: AnyRegions | None) -> Joined:
-        """Particles added at seeds, shape (N, D)."""
-        return cls(seeds.tobytes(), regions, seeds.shape[1])
-
-    @property
-    def places(self) -> Array:
-        """The seeds."""
-        return np.frombuffer(self.seeds).reshape(-1, self.axes)
-
-    def apply(self, method: Method[Any], state: Any) -> Any:
-        """Add the particles; a method without moving particles leaves its state as it is."""
-        return method.joined(state, self.places) if isinstance(method, Steerable) else state
+    def apply(self, method: Steerable[Any], state: Any) -> Any:
+        """Add the particles."""
+        return method.joined(state, np.array(self.seeds))
 
 
 @dataclass(frozen=True, slots=True)
@@ -212,10 +194,9 @@ class Erased:
     radius: float
     regions: AnyRegions | None = None
 
-    def apply(self, method: Method[Any], state: Any) -> Any:
-        """Remove the particles; a method without moving particles leaves its state as it is."""
-        spacing = method.image.spacing
-        return method.erased(state, lambda at: self.reaches(at, spacing)) if isinstance(method, Steerable) else state
+    def apply(self, method: Steerable[Any], state: Any) -> Any:
+        """Remove the particles."""
+        return method.erased(state, lambda at: self.reaches(at, method.image.spacing))
 
     def reaches(self, places: Array, spacing: tuple[float, ...]) -> ArrayLike:
         """Which places, shape (N, D), are no farther from the path than the radius."""

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import itertools
 import json
-from collections import Counter
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -16,12 +16,13 @@ from app.model.document.document import Document, ImageReference
 from app.model.document.saving import restored, to_file
 from app.model.text.language import reason, tr
 from app.session.timeline.moments import FIGURES, BranchStep, Erased, Joined, RunAction, Stepped
-from app.session.timeline.stored_runs import Branch, StoredBranch, StoredRun, StoredRuns
+from app.session.timeline.stored_runs import Branch, StoredBranch, StoredRun, StoredRuns, starts_of
 from app.session.timeline.timeline import MOST_RUNS
 from cpm_core import Parameters, PlacedCharge, State
 from cpm_core.field import in_order
 from cpm_core.formats import (
     Reading,
+    SessionFile,
     array_from_plain,
     array_to_plain,
     decode,
@@ -42,7 +43,6 @@ from cpm_core.formats import (
 from cpm_core.numerics import Position
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.parameters import shown
-from cpm_core.shapes import Points, Start
 
 MOST = 24 * 2**20
 """Largest size of states and figures in a session file [characters]; actions, which repeat all, come in any case."""
@@ -51,17 +51,18 @@ MOST_STEPS = 200_000
 """Most steps of a branch that are read."""
 
 Plain = Mapping[str, Any]
+T = TypeVar("T")
 
 
-@dataclass(frozen=True, slots=True)
-class _Branch:
-    """What a branch is, next to its actions and figures."""
-
-    number: int
-    name: str
-    named: bool
-    first: int
-    scales: tuple[tuple[int, int], ...] = ()
+_ENTRIES = {
+    "number": "identity",
+    "name": "name",
+    "named": "renamed",
+    "parent": "parent",
+    "first": "first",
+    "scales": "scales",
+}
+"""Entries of a branch in a file, and the attributes of a branch that they hold."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,75 +73,59 @@ class _Numbered:
     place: Position
 
 
-class RunsWriter:
-    """Writes runs as plain JSON; a state that has been written before is not packed again."""
+def runs_to_plain(stored: StoredRuns) -> Plain:
+    """All runs with as many states and figures as `MOST` characters hold: the state shown, then the newest ones."""
+    if not stored.runs:
+        return {}
+    left, states = MOST, []
+    for place in sorted(stored.states, key=lambda place: (place != stored.here, -place[0], -place[1])):
+        state = stored.states[place]
+        plain, size = _packed(state) if isinstance(state, State) else ({}, MOST + 1)
+        if size <= left:
+            left -= size
+            states.append({"branch": place[0], "step": place[1], "state": plain})
+    runs = [_run_to_plain(run) for run in stored.runs]
+    for branch in (branch for run in reversed(runs) for branch in run["branches"]):
+        size = len(branch["figures"]["data"]) if "figures" in branch else 0
+        if size > left:
+            del branch["figures"]
+        else:
+            left -= size
+    here = None if stored.here is None else list(stored.here)
+    numbers = [to_plain(_Numbered(number, place)) for number, place in stored.numbers.items()]
+    return {"here": here, "runs": runs, "states": states, "numbers": numbers}
 
-    def __init__(self) -> None:
-        self._packed: dict[int, tuple[State, dict[str, Any], int]] = {}
 
-    def to_plain(self, stored: StoredRuns, most: int = MOST) -> Plain:
-        """All runs with as many states and figures as `most` characters hold: the state shown, then the newest ones."""
-        if not stored.runs:
-            return {}
-        left, states, packed = most, [], {}
-        for place in sorted(stored.states, key=lambda place: (place != stored.here, -place[0], -place[1])):
-            state = stored.states[place]
-            if not isinstance(state, State):
-                continue
-            known = self._packed.get(id(state))
-            if known is None:
-                plain = state_to_plain(state)
-                known = (state, plain, len(json.dumps(plain)))
-            packed[id(state)] = known
-            if known[2] <= left:
-                left -= known[2]
-                states.append({"branch": place[0], "step": place[1], "state": known[1]})
-        self._packed = packed
-        runs = [_run_to_plain(run) for run in stored.runs]
-        for branch in (branch for run in reversed(runs) for branch in run["branches"]):
-            size = len(branch["figures"]["data"]) if "figures" in branch else 0
-            if size > left:
-                del branch["figures"]
-            else:
-                left -= size
-        here = None if stored.here is None else list(stored.here)
-        numbers = [to_plain(_Numbered(number, place)) for number, place in stored.numbers.items()]
-        return {"here": here, "runs": runs, "states": states, "numbers": numbers}
+@lru_cache(2 * MOST_RUNS)
+def _packed(state: State) -> tuple[dict[str, Any], int]:
+    """A state as plain JSON, and its size [characters]; runs are collected many times, most with the same states."""
+    plain = state_to_plain(state)
+    return plain, len(json.dumps(plain))
 
 
 def runs_from_plain(plain: Plain, image: ImageReference) -> tuple[StoredRuns, str]:
     """The runs of a session file on its image, and a sentence on what had to be left out, empty if nothing had."""
     faults: list[Exception] = []
     runs: list[StoredRun] = []
-    states: dict[BranchStep, State] = {}
     branches: dict[int, tuple[StoredRun, StoredBranch]] = {}
-    numbers: dict[int, Position] = {}
-
-    def add_run(entry: Plain) -> None:
-        run = _run(entry, image)
+    for run in sound(plain, "runs", lambda entry: _run(entry, image), faults)[-MOST_RUNS:]:
         found = {stored.branch.identity: (run, stored) for stored in run.branches}
-        if branches.keys() & found or len(found) < len(run.branches):
-            raise ValueError("two branches have the same number.")
-        branches.update(found)
-        runs.append(run)
+        if branches.keys() & found:
+            faults.append(ValueError("two branches have the same number."))
+        else:
+            branches.update(found)
+            runs.append(run)
 
-    def add_state(entry: Plain) -> None:
-        if entry.get("branch") in branches:  # of which the oldest may be left out
-            at, state = _state(entry, branches, image)
-            states[at] = state
+    def state_of(entry: Plain) -> tuple[BranchStep, State] | None:
+        return _state(entry, branches, image) if entry.get("branch") in branches else None  # the oldest may be left out
 
-    def add_number(entry: Plain) -> None:
+    def number_of(entry: Plain) -> tuple[int, Position]:
         contour = from_plain(_Numbered, entry, "number of a contour")
-        numbers[contour.number] = contour.place
+        return contour.number, contour.place
 
+    states = dict(filter(None, sound(plain, "states", state_of, faults)))
+    numbers = dict(sound(plain, "numbers", number_of, faults))
     here = None
-    for name, most, add in (("runs", MOST_RUNS, add_run), ("states", 0, add_state), ("numbers", 0, add_number)):
-        entries = plain.get(name, [])
-        for entry in entries[-most:] if isinstance(entries, list) else [entries]:
-            try:
-                add(mapping(entry, name))
-            except (ValueError, TypeError, KeyError, OverflowError) as error:
-                faults.append(error)
     try:
         branch, step = (int(number(one, "here")) for one in plain.get("here") or (0, 0))
         here = (branch, step) if branch in branches else None
@@ -151,18 +136,22 @@ def runs_from_plain(plain: Plain, image: ImageReference) -> tuple[StoredRuns, st
     return StoredRuns(tuple(runs), here, states, numbers), fault
 
 
+def sound(plain: Plain, name: str, read: Callable[[Plain], T], faults: list[Exception]) -> list[T]:
+    """The entries of a list that can be read; what the others fail with is added to `faults`."""
+    found, entries = [], plain.get(name, [])
+    for entry in entries if isinstance(entries, list) else [entries]:
+        try:
+            found.append(read(mapping(entry, name)))
+        except (ValueError, TypeError, KeyError, OverflowError, IndexError, AttributeError) as error:
+            faults.append(error)
+    return found
+
+
 def _run_to_plain(run: StoredRun) -> dict[str, Any]:
     numbers: dict[RunAction, int] = {}
-    sources = list(run.drawn.elements())
-    points = tuple(source for source in sources if isinstance(source, tuple))
-    starts: list[Start] = [source for source in sources if isinstance(source, Start)]
-    if points:
-        starts.append(Points(points))
     branches = []
     for stored in run.branches:
-        branch = stored.branch
-        known = _Branch(branch.identity, branch.name, branch.renamed, branch.first, branch.scales)
-        plain = to_plain(known) | {"parent": branch.parent}
+        plain = {entry: to_plain(getattr(stored.branch, name)) for entry, name in _ENTRIES.items()}
         # the actions by their numbers, and how often they follow
         numbered = ([numbers.setdefault(action, len(numbers)) for action in step] for step in stored.steps)
         plain["steps"] = [[alike, len(list(group))] for alike, group in itertools.groupby(numbered)]
@@ -170,19 +159,13 @@ def _run_to_plain(run: StoredRun) -> dict[str, Any]:
             plain["figures"] = array_to_plain(stored.figures)
         branches.append(plain)
     document = run.document
-    acting = document.objects.barriers or document.outlined.objects
-    objects = document.objects if acting else SegmentedObjects()  # a run depends on them or not
-    bare = Document(
-        None, run.document.shapes, run.document.parameters, mode=run.document.mode, objects=objects,
-        outlined=run.document.outlined,
-    )  # fmt: skip
-    image = run.document.image
-    size = None if image is None else {"spacing": list(image.spacing), "unit": image.unit}
+    acting = document.objects.barriers or document.outlined.objects  # a run depends on objects or not
+    bare = replace(to_file(document, {}), image=None, marks=(), hand_edits=(), comparison=SessionFile().comparison)
     return {
-        "size": size,
-        "document": json.loads(encode(to_file(bare, {}), Path())),
-        "drawn": [shape_to_plain(start) for start in starts],
-        "actions": [_action_to_plain(action, run.document.parameters) for action in numbers],
+        "size": document.image and {"spacing": list(document.image.spacing), "unit": document.image.unit},
+        "document": json.loads(encode(bare if acting else replace(bare, objects=SegmentedObjects()), Path())),
+        "drawn": [shape_to_plain(start) for start in starts_of(run.drawn)],
+        "actions": [_action_to_plain(action, document.parameters) for action in numbers],
         "branches": branches,
     }
 
@@ -195,7 +178,7 @@ def _action_to_plain(action: RunAction, usual: Parameters) -> dict[str, Any]:
         plain["step"] = {name: value for name, value in taken.items() if value != known[name]}
         plain["charges"] = [to_plain(charge) for charge in action.charges]
     elif isinstance(action, Joined):
-        plain["join"] = array_to_plain(action.places)
+        plain["join"] = array_to_plain(np.array(action.seeds))
     elif isinstance(action, Erased):
         plain |= {"erase": to_plain(action.path), "radius": action.radius}
     return plain | regions_to_plain(action.regions)
@@ -211,34 +194,25 @@ def _run(plain: Plain, image: ImageReference) -> StoredRun:
         image = replace(image, spacing=size.spacing, unit=size.unit)
     file = decode(json.dumps(plain.get("document")).encode(), "its beginning")
     document = restored(file, image, file.parameters)
-    shapes = [shape_from_plain(one, "a start of a run") for one in items(plain.get("drawn", []))]
-    drawn: Counter[Hashable] = Counter()
-    for shape in shapes:
-        drawn.update(shape.positions if isinstance(shape, Points) else (shape,))
+    drawn = tuple(shape_from_plain(one, "a start of a run") for one in items(plain.get("drawn", [])))
     listed = items(plain.get("actions"), "actions")
     actions = [_action(mapping(one, "action"), document.parameters) for one in listed]
     branches: dict[int, StoredBranch] = {}
     for entry in items(plain.get("branches")):
         stored = _branch(mapping(entry, "branch"), actions)
-        branch = stored.branch
-        if branches and (branch.parent not in branches or branch.first > branches[branch.parent].branch.last):
+        branch, left = stored.branch, branches.get(stored.branch.parent or 0)
+        begins = not (branches or branch.parent or branch.first) and branch.scales and branch.scales[0][0] == 0
+        if not (begins if left is None else branch.first <= left.branch.last):
             raise ValueError(f"branch {branch.identity} leaves no step of its run.")
-        if not branches and (
-            branch.parent is not None or branch.first or [mark[0] for mark in branch.scales[:1]] != [0]
-        ):
-            raise ValueError("a run does not begin with its first step.")
         branches[branch.identity] = stored
     if not branches:
         raise ValueError("a run has no branch.")
-    return StoredRun(document, drawn, tuple(branches.values()))
+    return StoredRun(document, Document(shapes=drawn).sources, tuple(branches.values()))
 
 
 def _branch(plain: Plain, actions: Sequence[RunAction]) -> StoredBranch:
-    apart = ("parent", "steps", "figures")
-    known = from_plain(_Branch, {name: value for name, value in plain.items() if name not in apart}, "branch")
-    parent = None if plain.get("parent") is None else int(number(plain["parent"], "parent of a branch"))
-    if known.number < 1 or known.first < 0 or any(min(mark) < 0 for mark in known.scales):
-        raise ValueError(f"branch {known.number} is not one that a run can have.")
+    given = {name: plain.get(entry) for entry, name in _ENTRIES.items()}
+    branch = from_plain(Branch, {**given, "last": 0}, "branch")
     figures = None
     if "figures" in plain:
         figures = array_from_plain(plain["figures"], float, (len(FIGURES), None), "figures of a branch")
@@ -250,15 +224,13 @@ def _branch(plain: Plain, actions: Sequence[RunAction]) -> StoredBranch:
         if any(type(one) is not int or not 0 <= one < len(actions) for one in items(numbers, "steps")):
             raise ValueError(f"steps name the action {shown(numbers)}, which does not exist.")
         steps += [tuple(actions[one] for one in numbers)] * count
-    for index, step in enumerate(steps):  # each but the first is one step and what was changed after it
-        stepped = [isinstance(action, Stepped) for action in step]
-        if sum(stepped) != bool(index) or any(stepped[1:]):
-            raise ValueError(f"step {index} is not one step and what was changed after it.")
-    if not steps:
-        raise ValueError("there are no steps.")
-    last = known.first + len(steps) - 1
-    branch = Branch(known.number, known.name[:40], parent, known.first, last, known.scales, renamed=known.named)
-    return StoredBranch(branch, tuple(steps), figures)
+    # each but the first is one step and what was changed after it
+    stepped = [[index for index, action in enumerate(step) if isinstance(action, Stepped)] for step in steps]
+    whole = stepped[:1] == [[]] and all(places == [0] for places in stepped[1:])
+    if not whole or branch.identity < 1 or branch.first < 0 or any(min(mark) < 0 for mark in branch.scales):
+        raise ValueError(f"branch {branch.identity} is not one that a run can have.")
+    last = branch.first + len(steps) - 1
+    return StoredBranch(replace(branch, name=branch.name[:40], last=last), tuple(steps), figures)
 
 
 def _action(plain: Plain, usual: Parameters) -> RunAction:
@@ -272,7 +244,7 @@ def _action(plain: Plain, usual: Parameters) -> RunAction:
         seeds = array_from_plain(plain["join"], float, (None, axes), "particles that were added")
         if not np.isfinite(seeds).all():
             raise ValueError("particles that were added hold a value that is not a number.")
-        return Joined.at(seeds, regions)
+        return Joined(tuple(map(tuple, seeds.tolist())), regions)
     erased = from_plain(Erased, {"path": plain.get("erase"), "radius": plain.get("radius")}, "eraser")
     return replace(erased, regions=regions)
 

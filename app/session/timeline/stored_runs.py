@@ -10,6 +10,7 @@ from app.model.document.document import Document
 from app.session.timeline.moments import BranchStep, RunAction
 from cpm_core.numerics import Array, Position
 from cpm_core.segmentation import MethodState
+from cpm_core.shapes import Points, Start
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,3 +77,10 @@ class StoredRuns:
     here: BranchStep | None = None
     states: Mapping[BranchStep, MethodState] = field(default_factory=dict)
     numbers: Mapping[int, Position] = field(default_factory=dict)
+
+
+def starts_of(sources: Counter[Hashable]) -> tuple[Start, ...]:
+    """The starts that sources of particles belong to, all points as one; see `Document.sources`."""
+    points = tuple(source for source in sources.elements() if isinstance(source, tuple))
+    starts = tuple(source for source in sources.elements() if isinstance(source, Start))
+    return (*starts, Points(points)) if points else starts

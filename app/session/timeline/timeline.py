@@ -11,6 +11,7 @@ from bisect import bisect_left
 from collections import Counter
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from itertools import takewhile
 from typing import Any
 
@@ -102,6 +103,10 @@ class _Line:
         return [mark for mark in self.scales if mark[0] <= step]
 
 
+_NOWHERE = _Line(0, "", 0, [], [])
+"""The branch that a run is on before it has begun."""
+
+
 class Timeline:
     """The steps of all runs on an image and their branches, and the current one.
 
@@ -114,23 +119,19 @@ class Timeline:
         self._make = make
         self._kept = KeptStates(budget)
         self._lines: dict[int, _Line] = {}
-        self._line: _Line | None = None
+        self._line = _NOWHERE
         self._step = 0
         self._numbered, self._named = 0, [0, 0]
         self._branches: tuple[Branch, ...] | None = None
         self._fallen: tuple[str, ...] = ()
         self._begun: dict[int, tuple[Document, int]] = {}
-        self._methods: dict[tuple[int, AnyRegions | None], Method[Any]] = {}
+        self.method = lru_cache(_METHODS)(self._method)
+        """Gives the method of a run, by the number of that, in some regions."""
 
     # State
 
-    @property
-    def budget(self) -> int:
-        """Maximum number of bytes of the states."""
-        return self._kept.budget
-
-    @budget.setter
-    def budget(self, budget: int) -> None:
+    def limit(self, budget: int) -> None:
+        """Let the states take at most so many bytes."""
         self._kept.budget = budget
         self._make_room()
 
@@ -142,7 +143,7 @@ class Timeline:
         actions = () if self._kept.here is None else self._kept.here.actions
         return Outline(
             self._branches,
-            0 if self._line is None else self._line.identity,
+            self._line.identity,
             next((action.parameters for action in actions if isinstance(action, Stepped)), None),
             self._fallen,
             self.edition,
@@ -158,17 +159,17 @@ class Timeline:
     @property
     def here(self) -> BranchStep | None:
         """Current branch and step; None before a run has begun."""
-        return None if self._line is None else (self._line.identity, self._step)
+        return (self._line.identity, self._step) if self.run else None
 
     @property
     def run(self) -> int:
         """Number of the current run, 0 before there is one."""
-        return 0 if self._line is None else self._line.run
+        return self._line.run
 
     @property
     def steered(self) -> bool:
         """Whether the current run was changed between its steps, or left another run."""
-        return self._line is not None and self._line.steered
+        return self._line.steered
 
     @property
     def drawn(self) -> tuple[Shape, ...]:
@@ -181,24 +182,30 @@ class Timeline:
 
     def state(self, branch: int, step: int, wanted: Callable[[], bool] = lambda: True) -> MethodState | None:
         """The state of a step, as `go` gives it, without going there."""
-        return self._recover(self._known(branch).at(step), wanted)
+        moment, missing = self._known(branch).at(step), []
+        while (state := self._kept.get(moment)) is None:
+            missing.append(moment)
+            assert moment.before is not None
+            moment = moment.before
+        for moment in reversed(missing):
+            if not wanted():
+                return None
+            assert moment.action is not None
+            state = moment.action.apply(self.method(moment.run, moment.action.regions), state)
+            self._kept.put(moment, state)
+        return state
 
     def metrics(self, branch: int, step: int) -> RunMetrics:
         """The figures of a branch up to a step."""
         return self._known(branch).record.metrics(step)
 
-    def method(self, run: int, regions: AnyRegions | None) -> Method[Any]:
-        """The method of a run, in these regions."""
-        method = self._methods.pop((run, regions), None)
-        if method is None:
-            method = next((known for (of, _), known in self._methods.items() if of == run), None)
-            method = (method or self._make(self._begun[run][0])).with_regions(regions)
-        self._keep_method(run, method)
-        return method
+    def _method(self, run: int, regions: AnyRegions | None) -> Method[Any]:
+        method = self._make(self._begun[run][0])
+        return method if method.regions == regions else method.with_regions(regions)
 
     # Recording
 
-    def begin(self, method: Method[Any], state: MethodState, document: Document, generation: int = 0) -> None:
+    def begin(self, state: MethodState, document: Document, generation: int = 0) -> None:
         """Begin a run with its first state, or go back to the beginning of the one that began in the same way.
 
         Its number is `generation` for the window. Runs without a step are removed.
@@ -217,18 +224,14 @@ class Timeline:
             self._begun[run] = document, generation
             self.edition += 1
             self._arrive(self._open([Moment(run, 0)], [(0, state.scale)], run, tr("Run {number}")), state)
-        self._keep_method(run, method)
 
     def record(self, action: RunAction, state: MethodState, measures: Mapping[str, float]) -> None:
         """Add the step after the current one, with its figures.
 
         A new branch begins where the action differs from the recorded one; otherwise the run follows the branch.
-        ValueError when the state is not that of the next step.
         """
-        line, moment = self._here()
-        at = state.step
-        if at != self._step + 1:
-            raise ValueError(f"step {at} does not follow step {self._step}.")
+        line, moment, at = self._line, self._kept.here, state.step
+        assert moment is not None
         following = (other for other in (line, *self._lines.values()) if len(other.path) > at)
         same = (one for one in following if one.path[at].before is moment and one.path[at].action == action)
         known = next(same, None)
@@ -251,7 +254,8 @@ class Timeline:
         If other steps have followed from it, the change begins a new branch; so it does if it is to be kept `apart`,
         so that the state before it can be gone back to.
         """
-        line, moment = self._here()
+        line, moment = self._line, self._kept.here
+        assert moment is not None
         others = (other.at(self._step) for other in self._lines.values() if other is not line)
         if apart or self._step < line.last or moment in others:
             line = self._fork(line)
@@ -280,7 +284,7 @@ class Timeline:
 
     def leave(self) -> None:
         """Leave the current run, which is kept; the next one begins elsewhere."""
-        self._line, self._step, self._kept.here, self._branches = None, 0, None, None
+        self._line, self._step, self._kept.here, self._branches = _NOWHERE, 0, None, None
 
     # Branches
 
@@ -300,30 +304,29 @@ class Timeline:
         line = self._known(branch)
         if len(self._lines) == 1:
             raise ValueError(tr("The only run cannot be deleted."))
-        was_here, step = self._line is line, self._step
         rest = [other for other in self._lines.values() if other.run == line.run and other is not line]
-        if not rest:
+        if any(not other.common(rest[0]) and rest[0].path[0] not in other.path[0].of_step for other in rest):
+            message = tr("{name} cannot be deleted: several branches begin with its step {step}.")
+            raise ValueError(message.format(name=line.name, step=0))
+        del self._lines[branch]
+        if self._line is line and rest:
+            other = max(rest, key=line.common)
+            self.go(other.identity, min(self._step, max(line.common(other) - 1, 0)))
+        elif self._line is line:
             before = self._root(self.runs[self.runs.index(line.run) - 1])
-            self._remove_run(line.run)
-            if was_here:
-                self.go(before.identity, before.last)
-        else:
-            if any(not other.common(rest[0]) and rest[0].path[0] not in _changed(other.path[0]) for other in rest):
-                message = tr("{name} cannot be deleted: several branches begin with its step {step}.")
-                raise ValueError(message.format(name=line.name, step=0))
-            del self._lines[branch]
-            self._change()
-            if was_here:
-                other = max(rest, key=line.common)
-                self.go(other.identity, min(step, max(line.common(other) - 1, 0)))
-            self._kept.keep_only(line.run, {moment for other in rest for moment in other.path})
+            self.go(before.identity, before.last)
+        self._kept.keep_only(line.run, {moment for other in rest for moment in other.path})
+        if not rest:
+            del self._begun[line.run]
+        self._change()
         return None if self.here is None else self.state(*self.here)
 
     def clear(self) -> None:
         """Remove everything."""
         self.leave()
         self._numbered, self._named, self._fallen = 0, [0, 0], ()
-        self._lines, self._begun, self._methods = {}, {}, {}
+        self._lines, self._begun = {}, {}
+        self.method.cache_clear()
         self._kept.clear()
         self.edition += 1
 
@@ -336,9 +339,8 @@ class Timeline:
             branches = tuple(self._stored(line) for line in self._lines.values() if line.run == run)
             runs.append(StoredRun(document, drawn.get(generation, document.sources), branches))
         places = {(line.identity, line.last) for line in self._lines.values()} | ({self.here} if self.here else set())
-        known = {(branch, step): self._kept.get(self._lines[branch].at(step)) for branch, step in places}
-        states = {place: state for place, state in known.items() if state is not None}
-        return StoredRuns(tuple(runs), self.here, states)
+        kept = ((place, self._kept.get(self._lines[place[0]].at(place[1]))) for place in places)
+        return StoredRuns(tuple(runs), self.here, {place: state for place, state in kept if state is not None})
 
     def _stored(self, line: _Line) -> StoredBranch:
         """A branch with the actions of each step from that on which it leaves its parent, there only its own ones."""
@@ -346,7 +348,7 @@ class Timeline:
         steps = [moment.actions for moment in line.path[branch.first :]]
         if branch.parent is not None:
             steps[0] = steps[0][len(self._lines[branch.parent].at(branch.first).actions) :]
-        return StoredBranch(branch, tuple(steps), line.record.rows.copy())
+        return StoredBranch(branch, tuple(steps), line.record.rows)
 
     def restore(self, stored: StoredRuns, first: Callable[[Method[Any], Document], MethodState]) -> str:
         """Take over the runs of a session; `first` gives the first state of one. Returns what one failed at, if any.
@@ -357,15 +359,14 @@ class Timeline:
         fault = ""
         for generation, run in enumerate(stored.runs, 1):
             root = Moment(run.branches[0].branch.identity, 0)
+            self._begun[root.run] = run.document, -generation
             try:
-                method = self._make(run.document)
-                state = first(method, run.document)
+                self._kept.put(root, first(self.method(root.run, run.document.regions), run.document))
             except ValueError as error:
                 fault = fault or reason(error)
+                del self._begun[root.run]
+                self.method.cache_clear()  # another run may get its number
                 continue
-            self._begun[root.run] = run.document, -generation
-            self._keep_method(root.run, method)
-            self._kept.put(root, state)
             for branch in run.branches:
                 self._adopt(branch, root)
         for (number, step), state in stored.states.items():
@@ -385,12 +386,12 @@ class Timeline:
             for action in actions:
                 moment = Moment(root.run, step, moment, action)
             path.append(moment)
-        alike = all(moment.actions == path[1].actions for moment in path[1:])
-        steered, record = branch.parent is not None or bool(path[0].actions) or not alike, RunRecord(stored.figures)
-        line = _Line(branch.identity, branch.name, root.run, path, scales, steered, branch.renamed, record)
-        self._lines[branch.identity] = line
-        self._numbered = max(self._numbered, branch.identity)
         kind, number = branch.parent is not None, branch.name.rpartition(" ")[2]
+        steered = kind or bool(path[0].actions) or any(at.actions != path[1].actions for at in path[1:])
+        self._lines[branch.identity] = _Line(
+            branch.identity, branch.name, root.run, path, scales, steered, branch.renamed, RunRecord(stored.figures)
+        )
+        self._numbered = max(self._numbered, branch.identity)
         self._named[kind] = max(self._named[kind] + 1, int(number) if number.isdecimal() else 0)
 
     # Internal
@@ -404,11 +405,6 @@ class Timeline:
         """The oldest branch of a run."""
         return next(line for line in self._lines.values() if line.run == run)
 
-    def _here(self) -> tuple[_Line, Moment]:
-        if self._line is None or self._kept.here is None:
-            raise ValueError("the timeline has not begun.")
-        return self._line, self._kept.here
-
     def _branch(self, line: _Line) -> Branch:
         """A branch as the window shows it.
 
@@ -420,7 +416,7 @@ class Timeline:
         if parent is not None:
             at = line.common(parent)
             both = at < min(len(line.path), len(parent.path))
-            first = at if both and parent.path[at] in _changed(line.path[at]) else at - 1
+            first = at if both and parent.path[at] in line.path[at].of_step else at - 1
             scales = [mark for mark in scales if mark[0] > first]
         leaves = None if parent is None else parent.identity
         return Branch(line.identity, line.name, leaves, first, line.last, tuple(scales), line.run, line.renamed)
@@ -451,27 +447,6 @@ class Timeline:
         self._kept.put(moment, state)
         self._make_room()
 
-    def _recover(self, moment: Moment, wanted: Callable[[], bool]) -> MethodState | None:
-        missing = []
-        while (state := self._kept.get(moment)) is None:
-            missing.append(moment)
-            assert moment.before is not None
-            moment = moment.before
-        for moment in reversed(missing):
-            if not wanted():
-                return None
-            assert moment.action is not None
-            state = moment.action.apply(self.method(moment.run, moment.action.regions), state)
-            self._kept.put(moment, state)
-        return state
-
-    def _keep_method(self, run: int, method: Method[Any]) -> None:
-        """Keep a method as the one that is used last, and therefore removed last; its fields take up memory."""
-        self._methods.pop((run, method.regions), None)
-        self._methods[run, method.regions] = method
-        while len(self._methods) > _METHODS:
-            self._methods.pop(next(iter(self._methods)))
-
     def _change(self) -> None:
         """The branches are others than before."""
         self.edition += 1
@@ -488,7 +463,7 @@ class Timeline:
     def _make_room(self) -> None:
         """Remove the oldest runs, those that have been named last, until the others have room; never the newest one."""
         self._kept.make_room()
-        while self._kept.used > self.budget or len(self._begun) > MOST_RUNS:
+        while self._kept.used > self._kept.budget or len(self._begun) > MOST_RUNS:
             roots = [self._root(run) for run in self.runs[:-1]]
             oldest = min((one for one in roots if one.run != self.run), key=lambda one: one.renamed, default=None)
             if oldest is None:
@@ -508,12 +483,3 @@ def _beginning(document: Document) -> tuple[object, ...]:
         document.objects.barriers,
         (document.outlines, document.outlined_surfaces) if document.mode == "skeleton" else (),
     )
-
-
-def _changed(moment: Moment) -> list[Moment]:
-    """The moments of the same step that a moment has been made of."""
-    found = []
-    while moment.before is not None and moment.before.step == moment.step:
-        moment = moment.before
-        found.append(moment)
-    return found

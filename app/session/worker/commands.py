@@ -33,7 +33,7 @@ from app.session.exchange.messages import (
     WentOn,
 )
 from app.session.tasks.tasks import Task
-from app.session.timeline.plain_runs import Plain, RunsWriter, runs_from_plain
+from app.session.timeline.plain_runs import Plain, runs_from_plain, runs_to_plain
 from app.session.worker.run import Run
 from cpm_core import Image, Result, Skeleton
 from cpm_core.formats import DRAWN, located, write_together
@@ -237,9 +237,7 @@ class RunsCollected(Report):
     fault: str = ""
 
 
-def collect_runs(
-    generation: int, writer: RunsWriter, drawn: Mapping[int, Counter[Hashable]], found: Future[RunsCollected]
-) -> Command:
+def collect_runs(generation: int, drawn: Mapping[int, Counter[Hashable]], found: Future[RunsCollected]) -> Command:
     """Write the runs on the image opened as `generation` as plain JSON; `found` is the report, for other threads.
 
     `drawn` are the sources of their particles, by generation. Without them a file can be written as well.
@@ -250,7 +248,7 @@ def collect_runs(
         return collected
 
     def work(context: CommandContext) -> None:
-        plain = writer.to_plain(context.run.stored(drawn))
+        plain = runs_to_plain(context.run.stored(drawn))
         context.report(report(RunsCollected(generation, context.run.timeline.edition, plain)))
 
     return Command(

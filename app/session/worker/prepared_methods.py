@@ -38,9 +38,8 @@ class PreparedMethods:
 
     def use(self, method: Method[Any]) -> None:
         """Change to another image and the one method that is prepared for it."""
-        self._ready = {method.name: method}
-        self._image = method.image
-        self._seed_cache = SeedCache(method.image)
+        self.rescale(method.image)
+        self.keep(method)
 
     def rescale(self, image: Image) -> None:
         """Make methods from now on for the same image with another size of a pixel."""

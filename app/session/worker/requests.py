@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
@@ -52,7 +51,7 @@ class Probed(Report):
         By name, (row, col) [px of the image / unit of time^2]; in a volume, (plane, row, col) in smallest sides of a
         voxel.
     sizes : mapping
-        Size of each, in a volume.
+        Size of each, also where a slice shows a part of it.
     trouble : str
         What working them out failed with.
     """
@@ -64,10 +63,6 @@ class Probed(Report):
     forces: Mapping[str, Array] = field(default_factory=dict)
     trouble: str = ""
     sizes: Mapping[str, float] = field(default_factory=dict)
-
-    def size(self, name: str) -> float:
-        """Size of a force, also of one of which a slice shows a part."""
-        return self.sizes[name] if name in self.sizes else math.hypot(*self.forces[name])
 
 
 def probe(generation: int, place: Place, reach: float) -> Command:

@@ -42,13 +42,10 @@ _SMALL_IMAGE = 1 << 20
 class Run:
     """The run that the worker thread steps: a method, its state and its parameters; no other thread touches it."""
 
-    def __init__(
-        self,
-        prepared: PreparedMethods,
-        snapshots: Mailbox[Snapshot],
-        overlays: Mailbox[Overlays],
-        reconstructor: Reconstructor,
-    ) -> None:
+    def __init__(self, prepared: PreparedMethods) -> None:
+        self.snapshots: Mailbox[Snapshot] = Mailbox()
+        self.overlays: Mailbox[Overlays] = Mailbox()
+        self.reconstructor = Reconstructor()
         self.pacer = Pacer()
         self.timeline = Timeline(prepared.method)
         self.generation = 0
@@ -60,9 +57,6 @@ class Run:
         self.hand_edits: tuple[HandEdit, ...] = ()
         self._energy_watched = False
         self._prepared = prepared
-        self._snapshots = snapshots
-        self._reconstructor = reconstructor
-        self._overlays = overlays
         self._overlaid: frozenset[str] = frozenset()
         self._overlays_of: tuple[object, ...] = ()
         self._erasures: dict[int, tuple[tuple[int, int], tuple[int, int]]] = {}
@@ -99,7 +93,7 @@ class Run:
         self.method = self._prepared.method(document)
         self._refresh_overlays()
         self.state = self.method.start(seeds)
-        self.timeline.begin(self.method, self.state, document, generation)
+        self.timeline.begin(self.state, document, generation)
         self._send()
 
     def restore(self, stored: StoredRuns) -> str:
@@ -119,8 +113,7 @@ class Run:
         """Use these from the next step on."""
         self.parameters = parameters
         self._refresh_overlays()
-        if not self.stepping:
-            self._reconstruct()
+        self.stay()
 
     def place(self, image_generation: int, charges: tuple[PlacedCharge, ...]) -> bool:
         """Use these placed charges on this image from the next step on; whether a run that had ended continues."""
@@ -144,7 +137,7 @@ class Run:
         if not isinstance(self.method, Steerable) or self.state is None:
             return False
         ended = bool(self.state.stop_reason)
-        self._do(Joined.at(self._prepared.seeds(document), self.method.regions))
+        self._do(Joined(tuple(map(tuple, self._prepared.seeds(document).tolist())), self.method.regions))
         return ended and self._keep_going()
 
     def erase(self, path: tuple[Place, ...], radius: float, erasure: int) -> None:
@@ -203,7 +196,7 @@ class Run:
                 arrays[name] = overlay(name, self.method, self.parameters, self.charges)
             except Exception as error:  # the run does not depend on what is shown over the image
                 trouble = sentence(error, tr("preparing the overlays"))
-        self._overlays.put(Overlays(self.image_generation, arrays, trouble))
+        self.overlays.put(Overlays(self.image_generation, arrays, trouble))
         self._overlays_of = key
 
     # Steps
@@ -239,7 +232,7 @@ class Run:
         self._remaining = 0.0
         self.state = None
         self.timeline.leave()
-        self._reconstructor.forget()
+        self.reconstructor.forget()
         if self.hand_edits:
             self._reconstruct(by_hand=True)
 
@@ -298,7 +291,7 @@ class Run:
 
     def set_timeline_budget(self, budget: int) -> None:
         """Let the states of the timeline take at most so many bytes."""
-        self.timeline.budget = budget
+        self.timeline.limit(budget)
         self._send()
 
     def watch_energy(self, watched: bool) -> None:
@@ -316,7 +309,7 @@ class Run:
         """
         if self.stepping and shown is not None and shown.generation == self.generation:
             return shown
-        found = self._reconstructor.latest(self.generation, wanted)
+        found = self.reconstructor.latest(self.generation, wanted)
         if found is None and wanted():
             raise ValueError("There is nothing to export yet: start a run first.")
         return found
@@ -349,7 +342,7 @@ class Run:
 
     def _send(self, looking_back: bool = False) -> None:
         if self.state is not None and self.timeline.here is not None:
-            self._snapshots.put(self._snapshot(self.state, self.timeline.here[0]))
+            self.snapshots.put(self._snapshot(self.state, self.timeline.here[0]))
             self._reconstruct(looking_back)
 
     def _snapshot(self, state: MethodState, branch: int) -> Snapshot:
@@ -376,6 +369,6 @@ class Run:
             return
         # While the user scrubs, only the step at which that ends needs its contours at once.
         last = not self.stepping and not looking_back
-        self._reconstructor.ask(
+        self.reconstructor.ask(
             Request(self.generation, self.method, self.state, self.parameters, last, self.hand_edits, self._tracker)
         )

@@ -11,11 +11,9 @@ from contextlib import suppress
 
 from app.model.text.language import tr
 from app.session.exchange.core_functions import Core
-from app.session.exchange.mailbox import Mailbox
-from app.session.exchange.messages import Overlays, Report, RunFailed, Snapshot, sentence
+from app.session.exchange.messages import Report, RunFailed, sentence
 from app.session.worker.commands import QUIT, Command, CommandContext
 from app.session.worker.prepared_methods import PreparedMethods
-from app.session.worker.reconstruction import Reconstructor
 from app.session.worker.run import Run
 
 QUIET = 1.0
@@ -25,15 +23,12 @@ QUIET = 1.0
 class WorkerThread:
     """One thread that owns the run.
 
-    Commands are sent by `post`, in order and never lost. Snapshots, contours and overlays are left in mailboxes in
-    which the newest wins; what must not be missed is in `reports`. The thread never calls the window, which takes these
-    messages itself.
+    Commands are sent by `post`, in order and never lost. Snapshots, contours and overlays are left in mailboxes of the
+    run, in which the newest wins; what must not be missed is in `reports`. The thread never calls the window, which
+    takes these messages itself.
     """
 
     def __init__(self, core: Core | None = None) -> None:
-        self.snapshots: Mailbox[Snapshot] = Mailbox()
-        self.overlays: Mailbox[Overlays] = Mailbox()
-        self.reconstructor = Reconstructor()
         self._reports: deque[Report] = deque()
         self._commands: queue.SimpleQueue[Command] = queue.SimpleQueue()
         self._posted = 0
@@ -42,8 +37,8 @@ class WorkerThread:
         self._closing = False
         self._newest: dict[object, Command] = {}
         core = core or Core()
-        self._run = Run(PreparedMethods(core.methods), self.snapshots, self.overlays, self.reconstructor)
-        self._context = CommandContext(core, self._run, self.report, lambda: self._closing)
+        self.run = Run(PreparedMethods(core.methods))
+        self._context = CommandContext(core, self.run, self.report, lambda: self._closing)
         self._thread = threading.Thread(target=self._work, name="cpm-engine", daemon=True)
         self._thread.start()
 
@@ -69,8 +64,8 @@ class WorkerThread:
         return (
             self._executed == self._posted
             and self._waiting
-            and self.reconstructor.idle
-            and not (self._reports or self.snapshots or self.overlays or self.reconstructor.results)
+            and self.run.reconstructor.idle
+            and not (self._reports or self.run.snapshots or self.run.overlays or self.run.reconstructor.results)
         )
 
     def close(self) -> None:
@@ -79,28 +74,28 @@ class WorkerThread:
             self._closing = True
             self.post(QUIT)
             self._thread.join()
-            self.reconstructor.close()
+            self.run.reconstructor.close()
 
     def _work(self) -> None:
         while (command := self._next()) is not QUIT:
             try:
                 if command is None:
-                    self._run.step()
+                    self.run.step()
                 elif command.kind is None or command is self._newest[command.kind]:
                     command.work(self._context)
             except Exception as error:  # no error may end the thread
                 if command is None:
-                    self._run.halt()
-                    self._reports.append(RunFailed(self._run.generation, sentence(error, tr("computing a step"))))
+                    self.run.halt()
+                    self._reports.append(RunFailed(self.run.generation, sentence(error, tr("computing a step"))))
                 else:
                     self._reports.append(command.failed(sentence(error, command.activity)))
             self._executed += command is not None
 
     def _next(self) -> Command | None:
         """The next command; None when a step is due before one arrives."""
-        if self._run.stepping:
+        if self.run.stepping:
             try:
-                wait = self._run.pacer.wait()
+                wait = self.run.pacer.wait()
                 return self._commands.get(timeout=wait) if wait > 0 else self._commands.get_nowait()
             except queue.Empty:
                 return None

@@ -26,12 +26,12 @@ from app.model.display.comparison import (
     FIRST_AXES,
     Axis,
     Trial,
-    in_text,
     method_trials,
     parameter_trials,
     read_values,
     sensible_values,
 )
+from app.model.display.lengths import short_text
 from app.model.document.modes import acting_in
 from app.model.parameters.controls import Control, controls
 from app.model.text.language import from_core, tr
@@ -40,9 +40,6 @@ from app.views.widgets.containers import arrange, wrapped
 from app.views.widgets.fields import DecimalField
 from cpm_core import CONTOUR_METHODS
 from cpm_core.objects.methods import Compared, Settings
-
-_VALUES = 3
-"""Number of values of a parameter that are suggested."""
 
 
 class ParameterChoice(QWidget):
@@ -70,8 +67,8 @@ class ParameterChoice(QWidget):
         """Suggest values around the present one."""
         document, control = self._session.document, row.control
         contrast = document.image.contrast if document.image else 255.0
-        values = () if control is None else sensible_values(control, document.parameters, contrast, _VALUES)
-        row.values.setText(in_text(values))
+        values = () if control is None else sensible_values(control, document.parameters, contrast)
+        row.values.setText(", ".join(map(short_text, values)))
         row.values.setEnabled(control is not None)
 
 

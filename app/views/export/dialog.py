@@ -6,6 +6,7 @@ from collections.abc import Callable, Container
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from PySide6.QtCore import QRectF, Qt, Signal
 from PySide6.QtWidgets import (
@@ -104,18 +105,24 @@ class ExportDialog(QDialog):
         self.list.setAccessibleName(tr("What to export"))
         self.list.setMinimumSize(_WIDTH, parent.height() // 3)
         self.only, self.everywhere = QCheckBox(tr("Selection only")), QCheckBox(tr("in all formats"))
-        self.units, self.space = QCheckBox(), QComboBox()
+        self.units, self.space = QCheckBox(tr("Physical units ({unit})").format(unit=image.unit)), QComboBox()
+        self.units.setChecked(True)
         self.tolerance, self._vertices, self._size = DecimalField(), QLabel(), QLabel()
         self.tolerance.setRange(0.0, 10.0)
         self.tolerance.setSingleStep(0.1)
         self.tolerance.setDecimals(1)
         self.tolerance.setSuffix(" px")
+        self.tolerance.setValue(0.5)
         self.tolerance.setAccessibleName(tr("Simplify"))
         self.first = _number(tr("First step"), 0, there.last, 0)
         self.last = _number(tr("Last step"), 0, there.last, there.last)
         self.stride = _number(tr("Steps per frame"), 1, max(there.last, 1), 1)
         self.width_field = _number(tr("Width"), NARROWEST, WIDEST, 640, " px")
         self.speed = _number(tr("Speed"), 1, 50, 15, tr(" per second"))
+        self._boxes = {"everywhere": self.everywhere, "units": self.units}
+        self._numbers: dict[str, Any] = {
+            "tolerance": self.tolerance, "every": self.stride, "width": self.width_field, "speed": self.speed
+        }  # fmt: skip
         self.rows: dict[tuple[What, str], QTreeWidgetItem] = {}
         """The rows of the list by what is written, and the suffix of its format."""
         stem = image.source.partition(".")[0] if self._volume else Path(image.source).stem
@@ -175,11 +182,10 @@ class ExportDialog(QDialog):
         before = self._preferences.get(FORMATS, _FIRST)
         checked = [f"{file.what}:{file.suffix}" for file in order.files]
         put(FORMATS, [*(key for key in before if key not in shown), *checked])
-        put(_KEY + "tolerance", order.tolerance)
-        put(_KEY + "everywhere", order.everywhere)
-        put(_KEY + "units", order.in_units)
-        for name, field in self._kept.items():
-            put(_KEY + name, field.value())
+        for name, box in self._boxes.items():
+            put(_KEY + name, box.isChecked())
+        for name, number in self._numbers.items():
+            put(_KEY + name, number.value())
         self.ordered.emit(order, self.animation)
         super().accept()
 
@@ -213,13 +219,13 @@ class ExportDialog(QDialog):
         ):
             form.addRow(title, part)
             part.setAccessibleName(title)
-        for box in (self.only, self.everywhere, self.units):
-            box.toggled.connect(self._follow)
-        self.tolerance.valueChanged.connect(self._follow)
-        for number in (self.first, self.last, self.stride, self.width_field, self.speed):
-            number.valueChanged.connect(self._follow)
-        self.base.textChanged.connect(self._follow)
-        self.list.itemChanged.connect(self._follow)
+        for changed in (
+            *(box.toggled for box in (self.only, *self._boxes.values())),
+            *(number.valueChanged for number in (self.first, self.last, *self._numbers.values())),
+            self.base.textChanged,
+            self.list.itemChanged,
+        ):
+            changed.connect(self._follow)
         layout = QHBoxLayout(self)
         layout.addLayout(arrange(QVBoxLayout(), self.list, form, buttons, wide=self.list))
         if self.preview is not None:
@@ -228,14 +234,11 @@ class ExportDialog(QDialog):
 
     def _restore(self) -> None:
         """Show what the user has chosen last."""
-        get, unit = self._preferences.get, self._image.unit
-        self._kept = {"every": self.stride, "width": self.width_field, "speed": self.speed}
-        for name, field in self._kept.items():
-            field.setValue(get(_KEY + name, field.value()))
-        self.tolerance.setValue(get(_KEY + "tolerance", 0.5))
-        self.everywhere.setChecked(get(_KEY + "everywhere", False))
-        self.units.setText(tr("Physical units ({unit})").format(unit=unit))
-        self.units.setChecked(get(_KEY + "units", True))
+        get = self._preferences.get
+        for name, number in self._numbers.items():
+            number.setValue(get(_KEY + name, number.value()))
+        for name, box in self._boxes.items():
+            box.setChecked(get(_KEY + name, box.isChecked()))
         for space in CONVENTIONS:
             self.space.addItem(_SPACES[space], space)
 
@@ -295,9 +298,8 @@ class ExportDialog(QDialog):
         show(self._thin, drawn)
         show(self.units, bool(self._image.unit))
         show(self.space, self._image.geometry is not None and bool(suffixes & IN_SPACE) and self._volume)
-        show(self._steps, "run" in whats)
-        show(self._frames, "run" in whats)
-        show(self._size, "run" in whats)
+        for part in (self._steps, self._frames, self._size):
+            show(part, "run" in whats)
         self.setWindowTitle(KINDS[next(iter(whats))][1] if len(whats) == 1 else tr("Export"))
         self._show(order)
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QRectF
 
-from app.model.export import provenance_comment
+from app.model.document.modes import MODES
 from app.model.text.language import reason, tr
 from app.session.exchange.messages import Exported, Report
 from app.session.session import Session
@@ -18,23 +18,45 @@ from app.session.tasks.tasks import Task
 from app.views.canvas.items.item import image_rectangle
 from app.views.export.frames import AnimationPlan, FrameRecorder, FrameRenderer
 from app.views.window.window import Feature, MainWindow
-from cpm_core import write_animation
-from cpm_core.formats import check_animation
+from cpm_core import METHODS, write_animation
+from cpm_core.formats import check_animation, facts_on, plain_shapes, text_of
 from cpm_core.numerics import Pixels
+from cpm_core.parameters import Provenance, taken
 
 _TIMEOUT = 0.05
 """Time between two checks for cancellation [s]."""
 
 
 def comment_on(session: Session) -> str:
-    """How pictures of a session came about, for their file."""
-    return provenance_comment(session.document, steered=session.status.steered)
+    """How pictures of a session came about, for their file; empty without an image."""
+    document, image = session.document, session.document.image
+    if image is None:
+        return ""
+    method, shapes = METHODS[MODES[document.mode].method], plain_shapes(document.shapes)
+    parameters = taken(document.parameters, method.parameters)
+    steered = session.status.steered
+    made = Provenance(method.name, parameters, shapes=shapes, steered=steered, sha256=image.sha256)
+    return text_of(facts_on(image.name, made))
 
 
-def begin_writing(session: Session, path: Path, work: Callable[[Task], Report | None]) -> Task:
+def begin_writing(session: Session, path: Path, work: Callable[[Task], Report]) -> Task:
     """Write a file on another thread."""
     doing, done = tr("Writing {name}…").format(name=path.name), tr("writing {name}").format(name=path.name)
     return session.tasks.start(doing, work, done)
+
+
+def begin_animation(
+    session: Session, path: Path, frames: Callable[[Task], Iterator[Pixels]], count: int, frames_per_second: float
+) -> Task:
+    """Write an animation of so many frames, which are made on another thread."""
+    comment = comment_on(session)
+
+    def work(task: Task) -> Report:
+        advance: Callable[[int], None] = lambda written: task.advance(written / count)  # noqa: E731
+        write_animation(frames(task), path, frames_per_second, advance, comment=comment)
+        return Exported(path)
+
+    return begin_writing(session, path, work)
 
 
 class AnimationFeature(Feature):
@@ -60,8 +82,7 @@ class AnimationFeature(Feature):
             session.say(reason(error), True, FILMING)
             return None
         frames: queue.Queue[Pixels | None] = queue.Queue()
-        encode = partial(_encode, frames, len(plan.steps), path, plan.frames_per_second, comment_on(session))
-        task = begin_writing(session, path, encode)
+        task = begin_animation(session, path, partial(_taken, frames), len(plan.steps), plan.frames_per_second)
         renderer = FrameRenderer(session.scene, canvas, self.part(), plan.size)
         filming = FrameRecorder(session, renderer, task, [(branch, step) for step in plan.steps], frames)
         self._filming = [*(other for other in self._filming if not other.over), filming]
@@ -86,18 +107,3 @@ def _taken(frames: queue.Queue[Pixels | None], task: Task) -> Iterator[Pixels]:
         if frame is None:
             return
         yield frame
-
-
-def _encode(
-    frames: queue.Queue[Pixels | None], count: int, path: Path, frames_per_second: float, comment: str, task: Task
-) -> Report | None:
-    """Write frames as they arrive; runs on a worker thread."""
-    done = write_animation(
-        _taken(frames, task),
-        path,
-        frames_per_second,
-        progress=lambda written: task.advance(written / count),
-        cancelled=lambda: task.cancelled,
-        comment=comment,
-    )
-    return Exported(path) if done else None

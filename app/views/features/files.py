@@ -349,9 +349,7 @@ class RecoveryFeature(Feature):
         self.box: Question | None = None
         self._waiting: list[Leftover] = []
         self._restoring: Leftover | None = None
-        self._restored = False
         window.session.listen(Opened, self._use_opened)
-        window.session.listen(Written, self._use_written)
 
     def offer(self) -> None:
         """Offer to restore the unsaved work of earlier windows, and say what of it cannot be read."""
@@ -400,21 +398,11 @@ class RecoveryFeature(Feature):
     def _use_opened(self, opened: Opened) -> None:
         """Write a restored document to the new journal, and delete the old one only when that is on the disk."""
         saved, restoring = opened.saved, self._restoring
-        self._restored = saved is not None and restoring is not None and saved.file is restoring.file
-        if self._restored:
+        if saved is not None and restoring is not None and saved.file is restoring.file:
             self.journal.write()
             if self.journal.flush() and self.journal.path.exists():
-                self._end_restoring()
-
-    def _use_written(self, written: Written) -> None:
-        """A restored document that no journal could take is in a session file now."""
-        if self._restored and self.window.document_file.is_current(written):
-            self._end_restoring()
-
-    def _end_restoring(self) -> None:
-        if self._restoring is not None:
-            self._restoring.discard()
-        self._restoring, self._restored = None, False
+                restoring.discard()
+                self._restoring = None
 
 
 def _details(leftover: Leftover) -> Sequence[str]:

@@ -102,9 +102,8 @@ class PreferencesFeature(Feature):
 
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
-        window.preferences.troubled.connect(self._say)
-        if window.preferences.troubles:
-            self._say()
+        if window.preferences.trouble:
+            window.session.say(window.preferences.trouble, True, PREFERENCES)
         self.actions = (
             ActionSpec("preferences", "Edit", "&Preferences…", "Change the settings of the program.", self.show,
                        "Ctrl+,", gap=True),
@@ -117,6 +116,3 @@ class PreferencesFeature(Feature):
         dialog.finished.connect(dialog.deleteLater)
         dialog.open()
         return dialog
-
-    def _say(self, _: str = "") -> None:
-        self.window.session.say(" ".join(self.window.preferences.troubles), True, PREFERENCES)

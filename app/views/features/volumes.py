@@ -20,7 +20,7 @@ from app.session.tasks.tasks import Task
 from app.views.canvas.image_view import ImageView
 from app.views.canvas.side_view import Cross, SideView
 from app.views.canvas.slice_bar import SliceBar
-from app.views.features.animation import begin_writing, comment_on
+from app.views.features.animation import begin_animation, begin_writing, comment_on
 from app.views.panels.pages import PageBar, PagePanel
 from app.views.volume.seen_in_space import SeenInSpace
 from app.views.volume.space_clicks import draw_at, select_at
@@ -29,7 +29,7 @@ from app.views.volume.space_panel import SpacePanel, specs
 from app.views.widgets.actions import ActionSpec
 from app.views.window.docks import Panel
 from app.views.window.window import Feature, MainWindow
-from cpm_core import Image, write_animation
+from cpm_core import Image
 from cpm_core.formats import write_picture
 from cpm_core.numerics import Place
 
@@ -264,18 +264,18 @@ class SpaceFeature(Feature):
         room, seen, camera = self.panel.view.room, self.panel.contents, self.panel.view.camera
         if seen is None or camera is None:
             return
-        size, comment = animation_size(room), comment_on(self.window.session)
+        session, size = self.window.session, animation_size(room)
+        comment = comment_on(session)
 
-        def work(task: Task) -> Report | None:
-            if not turning:
-                write_picture(picture_of(seen, camera, room), path, comment)
-                return Exported(path)
+        def work(_: Task) -> Report:
+            write_picture(picture_of(seen, camera, room), path, comment)
+            return Exported(path)
+
+        if turning:
             frames = turn(seen, camera.enlarged(size[0] / room[0]), size)
-            advance: Callable[[int], None] = lambda count: task.advance(count / FRAMES)  # noqa: E731
-            written = write_animation(frames, path, FRAMES_PER_SECOND, advance, lambda: task.cancelled, comment)
-            return Exported(path) if written else None
-
-        begin_writing(self.window.session, path, work)
+            begin_animation(session, path, lambda _: frames, FRAMES, FRAMES_PER_SECOND)
+        else:
+            begin_writing(session, path, work)
 
     # Internal
 

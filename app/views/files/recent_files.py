@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
-from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -26,7 +25,7 @@ _LONGEST_PATH = 4096
 """Letters that a path may have."""
 
 _PARTS = "files/parts"
-"""For each file of which a part was chosen the path, whether it is a volume, and the reading, as JSON."""
+"""For each file of which a part was chosen whether it is a volume, and the reading, as JSON."""
 
 
 class RecentFiles:
@@ -53,19 +52,15 @@ class RecentFiles:
         """Keep which part of a file has been opened, where it holds several."""
         if opened.saved is not None or opened.parts is None or not opened.parts.several:
             return
-        path = str(opened.path.absolute())
-        others = [entry for entry in self._kept if entry["path"] != path and Path(entry["path"]) in self.paths]
-        plain = {"path": path, "volume": opened.image.ndim == 3, "reading": opened.reading.arguments}
-        self._preferences.put(_PARTS, [json.dumps(entry) for entry in (plain, *others)][:MOST])
+        parts = self._kept | {str(opened.path.absolute()): (opened.image.ndim == 3, opened.reading.arguments)}
+        self._preferences.put(_PARTS, json.dumps({path: parts[path] for path in map(str, self.paths) if path in parts}))
 
     def part_of(self, path: Path) -> tuple[bool | None, Reading]:
         """Whether a file was opened as a volume last, None where that is not known, and its reading."""
-        entry = next((entry for entry in self._kept if entry["path"] == str(path.absolute())), None)
-        if entry is None:
-            return None, DEFAULT
         try:
-            return bool(entry.get("volume")), from_plain(Reading, entry.get("reading", {}), "reading")
-        except (ValueError, AttributeError, TypeError):
+            as_volume, reading = self._kept[str(path.absolute())]
+            return bool(as_volume), from_plain(Reading, reading, "reading")
+        except (KeyError, TypeError, ValueError):
             return None, DEFAULT
 
     def fill(self, menu: QMenu) -> None:
@@ -81,19 +76,16 @@ class RecentFiles:
         add_choice(menu, tr("&Clear this list"), self.clear).setEnabled(bool(paths))
 
     @property
-    def _kept(self) -> list[dict[str, Any]]:
-        """What is kept of parts; what cannot be read is left out."""
-        found = []
-        for text in self._preferences.get(_PARTS, [""]):
-            with suppress(ValueError):
-                entry = json.loads(text)
-                if isinstance(entry, dict) and isinstance(entry.get("path"), str):
-                    found.append(entry)
-        return found
+    def _kept(self) -> dict[str, Any]:
+        """What is kept of parts; nothing where that cannot be read."""
+        try:
+            return dict(json.loads(self._preferences.get(_PARTS, "{}")))
+        except (TypeError, ValueError):
+            return {}
 
     def clear(self) -> None:
         """Forget all files."""
         self._preferences.put(_KEY, [""])
-        self._preferences.put(_PARTS, [""])
+        self._preferences.put(_PARTS, "{}")
         for follow in self.cleared:
             follow()

@@ -57,8 +57,17 @@ _SLOWLY = 100
 _NARROW = 316
 """Least width of the panel [px]."""
 
-_KEYS = {Qt.Key.Key_Left: -1, Qt.Key.Key_Right: 1, Qt.Key.Key_PageUp: -10, Qt.Key.Key_PageDown: 10}
-_ALL_KEYS = (*_KEYS, Qt.Key.Key_Home, Qt.Key.Key_End, Qt.Key.Key_Up, Qt.Key.Key_Down)
+_STEPS = {
+    Qt.Key.Key_Left: -1,
+    Qt.Key.Key_Right: 1,
+    Qt.Key.Key_PageUp: -10,
+    Qt.Key.Key_PageDown: 10,
+    Qt.Key.Key_Home: -(10**9),
+    Qt.Key.Key_End: 10**9,
+}
+_BRANCHES = {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1}
+_KEYS = _STEPS.keys() | _BRANCHES
+"""Keys that move by steps, by branches, and all of them."""
 
 
 class TimelineView(QWidget):
@@ -179,25 +188,22 @@ class TimelineView(QWidget):
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Move along a branch or to the next one by arrow keys."""
         navigation = self._navigation
-        branch, step = navigation.place
+        branch, _ = navigation.place
         key, branches = Qt.Key(event.key()), [known.identity for known in navigation.branches]
-        if not branches or key not in _ALL_KEYS:
+        if not branches or key not in _KEYS:
             event.ignore()
         elif branch not in branches:  # no run is shown, as after a reset
             self._navigation.go(branches[-1], navigation.last(branches[-1]))
-        elif key in _KEYS:
-            fast = 10 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1
-            self._navigation.go(branch, step + fast * _KEYS[key])
-        elif key in (Qt.Key.Key_Home, Qt.Key.Key_End):
-            self._navigation.go(branch, 0 if key == Qt.Key.Key_Home else navigation.last(branch))
+        elif key in _STEPS:
+            navigation.by(_STEPS[key] * (10 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1))
         else:
-            row = branches.index(branch) + (1 if key == Qt.Key.Key_Down else -1)
+            row = branches.index(branch) + _BRANCHES[key]
             other = branches[min(max(row, 0), len(branches) - 1)]
-            self._navigation.go(other, navigation.beside(other))
+            navigation.go(other, navigation.beside(other))
 
     def event(self, event: QEvent) -> bool:
         """Show the step under the pointer as a tooltip, and keep the keys that move along a branch."""
-        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and event.key() in _ALL_KEYS:
+        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and event.key() in _KEYS:
             event.accept()
             return True
         if event.type() == QEvent.Type.ToolTip and isinstance(event, QHelpEvent):
@@ -293,7 +299,16 @@ class TimelinePanel(QWidget):
         self.branch = _button("branch")
         self.branch.setToolTip(tr("Rename or delete the branch."))
         self.branch.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
-        self._lay_out()
+        scroll = self._scroll = QScrollArea()
+        scroll.setWidget(self.view)
+        scroll.setWidgetResizable(True)
+        scroll.setFrameShape(QFrame.Shape.NoFrame)
+        scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        scroll.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        scroll.setMinimumWidth(_TRACK)
+        scroll.verticalScrollBar().valueChanged.connect(self.view.update)  # the axis does not scroll
+        fields = self.branch, self.step, self._of, self.parameters, scroll
+        arrange(QHBoxLayout(self), *self.buttons.values(), *fields, margins=(8, 1, 8, 1), spacing=2, wide=scroll)
         self._later = QTimer(self, singleShot=True, interval=_SLOWLY)
         self._later.timeout.connect(self._show)
         navigation.changed.connect(self._follow)
@@ -328,18 +343,6 @@ class TimelinePanel(QWidget):
         return QSize(min(hint.width(), _NARROW), hint.height())
 
     # Internal
-
-    def _lay_out(self) -> None:
-        scroll = self._scroll = QScrollArea()
-        scroll.setWidget(self.view)
-        scroll.setWidgetResizable(True)
-        scroll.setFrameShape(QFrame.Shape.NoFrame)
-        scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
-        scroll.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        scroll.setMinimumWidth(_TRACK)
-        scroll.verticalScrollBar().valueChanged.connect(self.view.update)  # the axis does not scroll
-        fields = self.branch, self.step, self._of, self.parameters, scroll
-        arrange(QHBoxLayout(self), *self.buttons.values(), *fields, margins=(8, 1, 8, 1), spacing=2, wide=scroll)
 
     def _follow(self) -> None:
         if not self._running:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import pi
 
 import numpy as np
 from PySide6.QtCore import QPointF, QRectF, QSize, QSizeF, Qt
 from PySide6.QtGui import QColor, QImage, QPainter, QPen
 
 from app.model.display.lengths import bar
-from app.model.display.space.camera import Camera, turntable
+from app.model.display.space.camera import Camera
 from app.model.display.space.picture import Colors
 from app.model.display.space.view_in_space import AXIS_COLORS, Look, ViewInSpace
 from app.model.volume.slices import ends_of
@@ -85,5 +86,5 @@ def animation_size(size: tuple[int, int]) -> tuple[int, int]:
 
 def turn(view: ViewInSpace, camera: Camera, size: tuple[int, int]) -> Iterator[Colors]:
     """The frames of a full turn, drawn one by one."""
-    for one in turntable(camera, FRAMES):
-        yield picture_of(view, one, size)
+    for frame in range(FRAMES):
+        yield picture_of(view, camera.turned(2.0 * pi * frame / FRAMES, 0.0), size)

@@ -130,11 +130,3 @@ def fingerprint_if_read(path: Path, go_on: Callable[[], object] | None = None) -
         return fingerprint(path, go_on)
     except ValueError:
         return ""
-
-
-def differ(known: str, found: str) -> bool:
-    """Whether a fingerprint that is known shows that a file with another one is not the same.
-
-    That of a whole large file, which earlier versions made, cannot be compared with that of its parts.
-    """
-    return known != found and found.startswith(_SAMPLED) <= known.startswith(_SAMPLED)

@@ -140,13 +140,11 @@ def _finite(value: Any) -> float:
 
 def color_of(value: object) -> str:
     """A color as contours have it: of red, green and blue, of a whole number 0xRRGGBB, or of a name; empty for none."""
-    if isinstance(value, (list, tuple)) and len(value) >= 3:
-        return "#{:02x}{:02x}{:02x}".format(*(min(255, max(0, int(part))) for part in value[:3]))
-    if isinstance(value, int) and not isinstance(value, bool):
-        return f"#{value & 0xFFFFFF:06x}"
-    if isinstance(value, str) and value:
+    if isinstance(value, str):
         try:
-            return "#{:02x}{:02x}{:02x}".format(*ImageColor.getrgb(value)[:3])
+            value = ImageColor.getrgb(value)
         except ValueError:
             return ""
-    return ""
+    if isinstance(value, (list, tuple)) and len(value) >= 3:
+        return "#{:02x}{:02x}{:02x}".format(*(min(255, max(0, int(part))) for part in value[:3]))
+    return f"#{value & 0xFFFFFF:06x}" if isinstance(value, int) and not isinstance(value, bool) else ""

@@ -133,7 +133,7 @@ def read(content: bytes, plane: Plane) -> Contents:
     return found
 
 
-def _color(entity: DXFGraphic, drawing: Drawing, own: bool) -> str:
+def _color(entity: DXFGraphic, drawing: Drawing, own: bool) -> tuple[int, int, int] | None:
     """Color of an entity, by its own or that of its layer; that of the layers of CPM, and the usual one, is none."""
     import ezdxf.colors
 
@@ -141,6 +141,4 @@ def _color(entity: DXFGraphic, drawing: Drawing, own: bool) -> str:
     if rgb is None and number in _BY_LAYER and not own and drawing.layers.has_entry(entity.dxf.layer):
         layer = drawing.layers.get(entity.dxf.layer)
         rgb, number = layer.rgb, layer.color
-    if rgb is None and number not in (_PLAIN, *_BY_LAYER):
-        rgb = ezdxf.colors.aci2rgb(number)
-    return "" if rgb is None else "#{:02x}{:02x}{:02x}".format(*rgb)
+    return ezdxf.colors.aci2rgb(number) if rgb is None and number not in (_PLAIN, *_BY_LAYER) else rgb

@@ -34,8 +34,6 @@ _LEFT_OUT = {"text": "text", "image": "picture", "use": "copy of another element
 _SAME_ASPECT = 0.01
 """Largest relative difference between the sides of a drawing and those of the image, up to which it is scaled to it."""
 
-_DEEPEST = 100
-
 _SMALLEST_PAGE = 10.0  # [mm]; a page of the true size of a cell would be invisible
 
 
@@ -140,13 +138,11 @@ def _frame(root: ET.Element, plane: Plane, own: bool) -> tuple[Any, tuple[float,
 
 
 def _elements(
-    parent: ET.Element, matrix: Any, look: dict[str, str], found: Contents, depth: int = 0
+    parent: ET.Element, matrix: Any, look: dict[str, str], found: Contents
 ) -> Iterator[tuple[ET.Element, Any, dict[str, str]]]:
     """Elements that are drawn, with the matrix from their coordinates to px and what they inherit."""
     from svgelements import Matrix
 
-    if depth > _DEEPEST:
-        raise ValueError("groups are nested too deeply")
     for element in parent:
         tag = _tag(element)
         parts = (part.partition(":") for part in element.get("style", "").split(";"))
@@ -159,7 +155,7 @@ def _elements(
         placed = Matrix(element.get("transform", "")) * matrix
         inherited = look | {name: value for name, value in style.items() if name in ("stroke", "fill")}
         if tag in ("g", "a", "svg", "switch"):
-            yield from _elements(element, placed, inherited, found, depth + 1)
+            yield from _elements(element, placed, inherited, found)
         else:
             yield element, placed, inherited
 

@@ -16,7 +16,7 @@ from cpm_core.field.volume_field import pitch_of
 from cpm_core.formats.common.plain import array_from_plain, array_to_plain, mapping, number, text
 from cpm_core.image.pyramid import shape_of_scale
 from cpm_core.model.coverage import NEVER, Coverage, SurfaceCoverage, no_coverage
-from cpm_core.model.plane.repulsion import NO_MESH, PITCH, mesh_shape, softening
+from cpm_core.model.plane.repulsion import NO_MESH, PITCH, mesh_corner, mesh_shape, softening
 from cpm_core.model.starts import inside_image
 from cpm_core.model.state import MEMORY, MeshForce, Particles, SpaceState, State, SurfaceContact
 
@@ -116,10 +116,7 @@ def _mesh(plain: object, size: tuple[int, ...]) -> MeshForce:
     reach = number(given.get("reach"), "reach of state")
     if reach < 1.0:
         raise ValueError(f"reach of state is {reach} but must be one pixel or more.")
-    nodes = mesh_shape(size, reach)
-    force = array_from_plain(given.get("force"), np.float32, (*nodes, 2), "mesh of state")
+    force = array_from_plain(given.get("force"), np.float32, (*mesh_shape(size, reach), 2), "mesh of state")
     if not np.isfinite(force).all():
         raise ValueError("mesh of state holds a value that is not a number.")
-    pitch = PITCH * reach
-    first = tuple(0.5 * (n - 1) - 0.5 * pitch * (m - 1) for n, m in zip(size, nodes, strict=True))
-    return MeshForce(force, first, pitch, reach, softening(reach))
+    return MeshForce(force, mesh_corner(size, reach), PITCH * reach, reach, softening(reach))

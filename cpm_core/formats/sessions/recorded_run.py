@@ -44,7 +44,7 @@ class Recorder:
         self.state = state
 
 
-def with_run(session: SessionFile, recorder: Recorder) -> SessionFile:
+def with_run(session: SessionFile, recorder: Recorder, name: str = "Run 1") -> SessionFile:
     """The session with the run that its own shapes and parameters have made, at its end."""
     state = recorder.state
     if state is None:
@@ -55,7 +55,7 @@ def with_run(session: SessionFile, recorder: Recorder) -> SessionFile:
     bare = replace(session, image=None, marks=(), view={}, extra={}, hand_edits=(), runs={}, truth=None)
     branch = {
         "number": _BRANCH,
-        "name": "Run 1",
+        "name": name,
         "named": False,
         "parent": None,
         "first": 0,

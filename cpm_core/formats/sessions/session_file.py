@@ -19,7 +19,7 @@ from typing import Annotated, Any, NoReturn, TypeVar
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark
 from cpm_core.formats.common.atomic import check_place, write_together
-from cpm_core.formats.common.content import content_of, differ, fingerprint_if_read
+from cpm_core.formats.common.content import content_of, fingerprint_if_read
 from cpm_core.formats.common.plain import (
     encoded_json,
     from_plain,
@@ -53,7 +53,6 @@ SUFFIX = ".cpm"
 """Ending of the name of a session file."""
 
 _LARGEST = 64 * 2**20
-_DEEPEST = 64
 
 
 @dataclass(frozen=True, slots=True)
@@ -343,7 +342,7 @@ def find_image(
     for candidate in candidates:
         if os.path.isfile(candidate):  # noqa: PTH113 - raises nothing
             found = candidate.resolve()
-            if image.sha256 and differ(image.sha256, fingerprint_if_read(found, go_on)):
+            if image.sha256 not in ("", fingerprint_if_read(found, go_on)):
                 return found, (f"{found.name} has changed since the session was saved: shapes may be misplaced.",)
             return found, ()
     looked = " or ".join(str(candidate) for candidate in candidates)
@@ -370,8 +369,6 @@ def _parsed(content: bytes, name: str) -> Plain:
 
     try:
         plain = json.loads(content.decode("utf-8-sig"), parse_constant=refuse, parse_float=finite)
-        if _depth(plain) > _DEEPEST:
-            raise ValueError("its values are nested too deeply")
     except (ValueError, RecursionError) as error:
         place = f" (line {error.lineno})" if isinstance(error, json.JSONDecodeError) else ""
         raise ValueError(f"{name} is not a session file, or a damaged one{place}: get a sound copy of it.") from error
@@ -384,12 +381,6 @@ def _parsed(content: bytes, name: str) -> Plain:
             "get a newer CPM for it."
         )
     return plain
-
-
-def _depth(value: object) -> int:
-    """Depth of nested values; RecursionError for far too many."""
-    inner = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
-    return 1 + max(map(_depth, inner), default=0)
 
 
 def part_for(path: Path, reading: Reading) -> dict[str, Any]:

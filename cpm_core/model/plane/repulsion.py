@@ -214,6 +214,12 @@ def mesh_shape(shape: tuple[int, ...], reach: float) -> tuple[int, ...]:
     return tuple(int(np.ceil(n / (PITCH * reach))) + _MARGIN for n in shape)
 
 
+def mesh_corner(shape: tuple[int, ...], reach: float) -> tuple[float, ...]:
+    """Place of its first node [px]; it is centered, so that a mirrored image has a mirrored mesh."""
+    sides = zip(shape, mesh_shape(shape, reach), strict=True)
+    return tuple(0.5 * (n - 1) - 0.5 * (PITCH * reach) * (m - 1) for n, m in sides)
+
+
 def nodes(shape: tuple[int, ...], reach: float) -> int:
     """Nodes of the padded mesh for an image of this shape: its cost is proportional to them."""
     return int(2 ** len(shape) * np.prod(mesh_shape(shape, reach)))
@@ -270,11 +276,8 @@ def mesh_force(position: Array, shape: tuple[int, ...], reach: float) -> MeshFor
 
     `reach` is the distance R up to which pairs add what the mesh leaves out [px].
     """
-    rows, cols = mesh_shape(shape, reach)
-    pitch = PITCH * reach
-    # centered, so that a mirrored image has a mirrored mesh
-    top, left = (0.5 * (n - 1) - 0.5 * pitch * (m - 1) for n, m in zip(shape, (rows, cols), strict=True))
-    charge = np.zeros((rows, cols), np.float32)
+    pitch, (top, left) = PITCH * reach, mesh_corner(shape, reach)
+    charge = np.zeros(mesh_shape(shape, reach), np.float32)
     _spread_charges(position, top, left, 1.0 / pitch, charge)
     return MeshForce(convolved(charge, reach), (top, left), pitch, reach, softening(reach))
 

@@ -123,7 +123,8 @@ class ClosedRegions:
                 yield mask
         for index in sorted(unsure, key=lambda index: -self._contours[index].strength):
             mask = np.zeros(self._values.shape, np.bool_)
-            mask[skimage.draw.polygon(*self._contours[index].points.T, mask.shape)] = True  # type: ignore[no-untyped-call]
+            rows, cols = self._contours[index].points.T
+            mask[skimage.draw.polygon(rows, cols, mask.shape)] = True  # type: ignore[no-untyped-call]
             if mask[tuple(pixels.T)].mean() > _MOST:
                 yield mask
 

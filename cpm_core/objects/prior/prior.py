@@ -278,7 +278,7 @@ def _around(found: Array | Index, prompt: Prompt) -> Window:
 def _overlap(seen: Single, other: Single) -> float:
     """Overlap (intersection over union) of what is likely by two maps of one window."""
     one, two = seen > _LIKELY, other > _LIKELY
-    return float(np.count_nonzero(one & two)) / max(np.count_nonzero(one | two), 1)
+    return float(np.count_nonzero(one & two)) / max(int(np.count_nonzero(one | two)), 1)
 
 
 def _nearness(on: Mask) -> Single:

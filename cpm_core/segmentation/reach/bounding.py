@@ -19,15 +19,12 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 import skimage
-from numpy.typing import NDArray
 
 from cpm_core.field.edge_map import background_strength, gradient, magnitude
 from cpm_core.field.scale_field import WEAKEST_EDGE
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.segmentation.reach.drawn_area import LEAST_PLACES, drawn_area, hollow_part, radius_of
-from cpm_core.segmentation.reach.surrounded import surrounded
-
-Labels = NDArray[np.int32]
+from cpm_core.segmentation.reach.surrounded import Labels, flooded, surrounded
 
 _SIGMA_OF_RADIUS, _LEAST_SIGMA, _MOST_SIGMA = 0.1, 1.0, 4.0
 """Smoothing of the edge map in radii of the start, and its limits [px]: details much smaller than what has been drawn
@@ -151,10 +148,7 @@ def _bounds(values: Array, area: Mask, hollow: Mask, closed: Mask, beta: float) 
     own = np.zeros(labels.max() + 1, bool)
     own[touched[1]] = True
     beside = _beside(np.where(own[labels], labels, 0)) & ~_rim(shut)
-    if stride > 1:
-        beside, inside = (_enlarged(mask, stride, values.shape) for mask in (beside, own[labels]))
-    else:
-        inside = own[labels]
+    beside, inside = (_enlarged(mask, stride, values.shape) for mask in (beside, own[labels]))
     whole = touched.shape[1] == len(np.unique(touched[0])) > 0
     return Bounds(area, beside, inside, sigma, whole, bool(things.any()))
 
@@ -228,7 +222,7 @@ def _basins(strength: Array, pieces: Labels, shut: Mask) -> tuple[Labels, Labels
     markers[bounded] = pieces[bounded]
     basins = np.where(shut, background, 1).astype(np.int32)
     if bounded.any():
-        basins = _flooded(strength, markers)
+        basins = flooded(strength, markers)
     number = _joined(strength, basins, background)
     number[0], number[background] = 0, 0
     in_open = opened & ~enclosed
@@ -282,13 +276,7 @@ def _parts(strength: Array, pieces: Labels, basins: Labels, beta: float) -> Labe
     held[basins[(pieces > 0) & (pieces == basins) & (parts > 0)]] = True
     whole = ~held[basins] & (basins > 0)
     parts[whole] = parts.max() + basins[whole]
-    return _flooded(strength, parts.astype(np.int32), basins > 0)
-
-
-def _flooded(strength: Array, markers: Labels, basin: Mask | None = None) -> Labels:
-    """Labels of the markers that reach each pixel of a basin, or of the image, over the lowest edges."""
-    flood: Callable[..., Labels] = skimage.segmentation.watershed
-    return np.asarray(flood(strength, markers, mask=basin), np.int32)
+    return flooded(strength, parts.astype(np.int32), basins > 0)
 
 
 def _frame(shape: tuple[int, ...], sigma: float) -> Mask:

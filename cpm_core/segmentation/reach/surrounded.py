@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 
 from cpm_core.numerics.types import Array, Index, Mask
 
+Labels = NDArray[np.int32]
+
 _BAND = 0.3
 """Width of the band along the drawn line that is taken for the surroundings at first, in radii."""
 
@@ -66,7 +68,8 @@ def surrounded(values: Array, strength: Array, area: Mask) -> Mask:
     depth = scipy.ndimage.distance_transform_edt(np.pad(area[box], 1))[1:-1, 1:-1]
     radius = float(depth.max())
     sigma = float(np.clip(_DENOISING * radius, _LEAST_DENOISING, _MOST_DENOISING))
-    bins = _binned(scipy.ndimage.gaussian_filter(values[box].astype(float), sigma, mode="nearest"), area[box])
+    smooth = scipy.ndimage.gaussian_filter(values[box].astype(float), sigma, mode="nearest")
+    bins = np.searchsorted(np.quantile(smooth[area[box]], np.arange(1, _BINS) / _BINS), smooth)
     thing = _parted(bins, depth / radius, max(_SMOOTHING * radius, _LEAST_SMOOTHING))
     found[box] = _on_edges(strength[box], area[box], thing, max(_UNSURE * radius, 1.0))
     return found
@@ -78,13 +81,13 @@ def _on_edges(strength: Array, area: Mask, thing: Mask, width: float) -> Mask:
     if not core.any():
         return thing & area
     outside = (scipy.ndimage.distance_transform_edt(~thing) > width) | ~area
-    flood: Callable[..., NDArray[np.int32]] = skimage.segmentation.watershed
-    return np.asarray(flood(strength, core + 2 * outside.astype(np.int32)) == 1)
+    return np.asarray(flooded(strength, core + 2 * outside.astype(np.int32)) == 1)
 
 
-def _binned(values: Array, area: Mask) -> Index:
-    """Bin of each pixel; each holds about as many pixels of the area."""
-    return np.searchsorted(np.quantile(values[area], np.arange(1, _BINS) / _BINS), values)
+def flooded(strength: Array, markers: Labels, basin: Mask | None = None) -> Labels:
+    """Labels of the markers that reach each pixel of a basin, or of the image, over the lowest edges."""
+    flood: Callable[..., Labels] = skimage.segmentation.watershed
+    return np.asarray(flood(strength, markers, mask=basin), np.int32)
 
 
 def _parted(bins: Index, depth: Array, extent: float) -> Mask:

@@ -23,7 +23,7 @@ def held(ready, hand):
 
 def moment(window):
     """Engine, state and parameters of the run; nothing steps."""
-    run = window.session._worker_thread._run
+    run = window.session._worker_thread.run
     return run.method, run.state, run.parameters
 
 

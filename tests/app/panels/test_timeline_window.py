@@ -243,7 +243,7 @@ def test_setting_the_parameters_of_a_step_again_repeats_its_branch(rested, hand,
 
 
 def timeline_of(window):
-    return window.session._worker_thread._run.timeline
+    return window.session._worker_thread.run.timeline
 
 
 def test_the_memory_set_in_the_preferences_acts_at_once(rested, hand, fresh) -> None:
@@ -256,7 +256,7 @@ def test_the_memory_set_in_the_preferences_acts_at_once(rested, hand, fresh) -> 
     hand.qtbot.keyClicks(field, "16")
     hand.qtbot.keyClick(field, KEY.Key_Return)
     assert rested.preferences.value(TIMELINE_MEMORY) == 16
-    hand.wait(lambda: timeline_of(rested).budget == 16 * MEGABYTE)
+    hand.wait(lambda: timeline_of(rested)._kept.budget == 16 * MEGABYTE)
     hand.qtbot.keyClick(dialog, KEY.Key_Escape)
     hand.wait(lambda: not rested.findChildren(PreferencesDialog))
     navigation(rested).by(-1)
@@ -264,7 +264,7 @@ def test_the_memory_set_in_the_preferences_acts_at_once(rested, hand, fresh) -> 
 
 
 def test_with_very_little_memory_every_step_is_still_exact(rested, hand, fresh) -> None:
-    timeline_of(rested).budget = 1
+    timeline_of(rested).limit(1)
     for step in (40, 3, 57, 56):
         navigation(rested).go(1, step)
         wait_for_step(rested, hand, step)

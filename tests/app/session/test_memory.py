@@ -25,11 +25,10 @@ def test_runs_in_many_regions_hold_the_fields_of_a_few() -> None:
     timeline, made = Timeline(lambda _: plain), []
     for run in range(9):
         corner = 40.0 + 0.5 * run
-        engine = plain.with_regions(Regions(interest=[[(2, 2), (2, corner), (corner, corner), (corner, 2)]]))
+        regions = Regions(interest=[[(2, 2), (2, corner), (corner, corner), (corner, 2)]])
         document = Document(parameters=Parameters(scales=1, beta=0.5 + 0.01 * run))
-        timeline.begin(engine, engine.start(circle((24.0, 24.0), 8.0)), document)
-        made.append(weakref.ref(engine))
-        del engine
+        timeline.begin(plain.start(circle((24.0, 24.0), 8.0)), document)
+        made.append(weakref.ref(timeline.method(timeline.run, regions)))
         gc.collect()
     assert len(timeline.runs) == 1  # runs without a step are not kept
     assert sum(engine() is not None for engine in made) <= 3

@@ -76,7 +76,7 @@ def same(one: State, other: State) -> bool:
 def begin(timeline: Timeline, beta: float = 0.0) -> State:
     """Begin a run of its own."""
     document = Document(parameters=Parameters(beta=beta))
-    timeline.begin(ToyMethod(document), toy(), document)  # type: ignore[arg-type]
+    timeline.begin(toy(), document)
     return toy()
 
 
@@ -139,7 +139,7 @@ class TimelineMachine(RuleBasedStateMachine):
 
     @rule(budget=st.sampled_from([1, 3_000, 12_000, AMPLE]))
     def change_budget(self, budget: int) -> None:
-        self.timeline.budget = budget
+        self.timeline.limit(budget)
         self._forget_removed()
 
     def _forget_removed(self) -> None:
@@ -193,7 +193,7 @@ class TimelineMachine(RuleBasedStateMachine):
     @invariant()
     def memory_stays_within_its_bounds(self) -> None:
         timeline = self.timeline
-        assert timeline._kept.used <= timeline.budget or len(timeline._kept) <= 3
+        assert timeline._kept.used <= timeline._kept.budget or len(timeline._kept) <= 3
         kept = timeline._kept._states.values()
         arrays = {
             id(array): array.nbytes
@@ -242,7 +242,7 @@ def test_the_oldest_runs_fall_first_and_those_with_a_name_of_their_own_last() ->
         one_step(timeline, begin(timeline, 0.01 * number + 0.01))
     assert timeline.outline.fallen == ("Run 2", "Run 3", "Run 4")
     assert timeline.outline.branches[0].name == "the good one"
-    timeline.budget = 1
+    timeline.limit(1)
     assert [branch.run for branch in timeline.outline.branches] == [timeline.run]
 
 
@@ -284,7 +284,7 @@ def test_steps_under_placed_charges_and_moved_barriers_are_recovered_bit_for_bit
     )
     engines = {None: ENGINE, barrier: ENGINE.with_regions(barrier)}
     timeline, states = Timeline(lambda _: ENGINE, 1), [ENGINE.start(circle((32.0, 32.0), 10.0))]
-    timeline.begin(ENGINE, states[0], Document())
+    timeline.begin(states[0], Document())
     for step in range(50):
         action = features[step // 10]
         engine = engines[action.regions]

@@ -182,7 +182,7 @@ class Bench:
 
     def take_contours(self) -> Reconstruction | None:
         """Show the newest contours, as a window does."""
-        newest = self.worker_thread.reconstructor.results.take()
+        newest = self.worker_thread.run.reconstructor.results.take()
         self.shown = newest or self.shown
         return newest
 
@@ -207,7 +207,7 @@ class Bench:
         newest: list[Snapshot] = []
 
         def idle() -> bool:
-            snapshot = self.worker_thread.snapshots.take()
+            snapshot = self.worker_thread.run.snapshots.take()
             if snapshot is not None:
                 newest.append(snapshot)
             self.take_contours()
@@ -381,8 +381,8 @@ def test_the_last_state_is_always_reconstructed(bench: Bench) -> None:
     bench.worker_thread.post(run_call(2, Run.go))
 
     def done() -> bool:
-        bench.worker_thread.snapshots.take()
-        reconstruction = bench.worker_thread.reconstructor.results.take()
+        bench.worker_thread.run.snapshots.take()
+        reconstruction = bench.worker_thread.run.reconstructor.results.take()
         if reconstruction is not None:
             results.append(reconstruction.result.steps)
         return bench.worker_thread.idle
@@ -397,7 +397,7 @@ def test_closing_waits_for_the_step_that_is_being_taken_and_no_more(bench: Bench
     engine.gate.clear()
     bench.worker_thread.post(start(2, 1, DOCUMENT))
     bench.worker_thread.post(run_call(2, Run.go))
-    bench.wait(lambda: bench.worker_thread.snapshots.take() is not None)
+    bench.wait(lambda: bench.worker_thread.run.snapshots.take() is not None)
     closing = threading.Thread(target=bench.worker_thread.close)
     closing.start()
     engine.gate.set()

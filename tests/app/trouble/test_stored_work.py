@@ -124,9 +124,8 @@ def test_preferences_that_cannot_be_read_are_kept_and_said(tmp_path) -> None:
     path.parent.mkdir(parents=True)
     path.write_bytes(b"[window\nthis is no setting\n\xff\xfe" * 3)
     preferences = Preferences()
-    (trouble,) = preferences.troubles
     copy = path.with_name("cpm.ini.unread")
-    assert str(copy) in trouble
+    assert str(copy) in preferences.trouble
     preferences.put("a", 1)
     preferences.flush()
     assert copy.read_bytes() == b"[window\nthis is no setting\n\xff\xfe" * 3

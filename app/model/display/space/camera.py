@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import pi
 from typing import Any
 
 import numpy as np
@@ -66,12 +65,8 @@ class Camera:
     def _turned(self, *about: float) -> Camera:
         """Turned about the axes of the picture, without the errors of rounding that many small turns add up."""
         turn = scipy.spatial.transform.Rotation.from_rotvec(about).as_matrix()
-        right, down, away = turn @ self.axes
-        right /= np.linalg.norm(right)
-        down -= right * (down @ right)
-        down /= np.linalg.norm(down)
-        across = np.cross(right, down)
-        return replace(self, axes=np.array([right, down, across * np.sign(across @ away)]))
+        left, _, right = np.linalg.svd(turn @ self.axes)
+        return replace(self, axes=left @ right)
 
     def moved(self, right: float, down: float) -> Camera:
         """Move the volume in the picture [px]."""
@@ -98,11 +93,6 @@ class Camera:
         """Position in the picture's plane that its first pixel shows, in units of length."""
         right, down = 0.5 * (size[1] - 1), 0.5 * (size[0] - 1)
         return np.asarray(self.center - (right * self.axes[0] + down * self.axes[1]) / self.scale)
-
-
-def turntable(camera: Camera, frames: int) -> list[Camera]:
-    """Cameras on one full turn about the picture's vertical axis; after the last one comes the first again."""
-    return [camera.turned(2.0 * pi * frame / frames, 0.0) for frame in range(frames)]
 
 
 def _limited(scale: float) -> float:

@@ -222,7 +222,7 @@ class DrawingLayer(Layer):
         slices, volume = self.scene.slices, self.scene.volume
         if slices is None or volume is None or len(center) == 2:
             return Circle(center, radius).outline
-        cuts = sections(Sphere.round(center, radius, volume.spacing), slices.axis, slices.current.index)
+        cuts = sections(Sphere.round(center, radius, volume.spacing), slices.current)
         return _joined([cut.outline for cut in cuts])
 
     def _show_starts(self) -> None:

@@ -115,7 +115,7 @@ class ForceLayer(Layer):
     def _use(self, probed: Probed | None) -> None:
         self.probed = probed
         if probed is not None:
-            sizes = {name: probed.size(name) for name in KINDS}
+            sizes = probed.sizes
             listed = [name for name in KINDS if name in _ALWAYS or sizes[name] >= _NOTHING]
             self.lines = [(*KINDS[name], written(f"{sizes[name]:.3f}")) for name in listed]
             title = tr("Particle {number}").format(number=written(f"{probed.identity:,}"))
@@ -132,9 +132,9 @@ class ForceLayer(Layer):
             item.setVisible(probed is not None)
         if probed is None:
             return
-        longest = max(_WEAK, *map(probed.size, KINDS))
+        longest = max(_WEAK, *(probed.sizes[name] for name in KINDS))
         at, pixel = np.array([probed.position]), np.array(self.view.viewPixelSize()[::-1])
         for name, item in self._arrows.items():
-            way = probed.forces[name] * (probed.size(name) >= _NOTHING)
+            way = probed.forces[name] * (probed.sizes[name] >= _NOTHING)
             item.setData(*to_xy(arrow_lines(at, at + self.number("length") / longest * way * pixel)))
         self._ring.show(at)

@@ -22,7 +22,7 @@ def box_between(one: Position, other: Position, here: Slice, volume: ImageRefere
     """Two corners of a box: as deep as the shorter side of its rectangle, half on each side, within the volume."""
     axis, low, high = here.axis, *np.sort([one, other], axis=0)
     high = np.maximum(high, low + SMALLEST)
-    depth = ((high - low) * here.sides(volume.spacing)).min()
+    depth = ((high - low) * here.within(volume.spacing)).min()
     half = max(0.5 * float(depth) / volume.spacing[axis], SMALLEST)
     begin = max(here.index - half, 0.0)
     # at least so deep, even in a volume of a single slice

@@ -101,7 +101,7 @@ class Tool:
         """Height and width of a pixel in the view that the pointer is in, in the smallest side of a voxel."""
         if self.here is None or self.volume is None:
             return 1.0, 1.0
-        down, right = self.here.sides(self.volume.spacing)
+        down, right = self.here.within(self.volume.spacing)
         return down / min(self.volume.spacing), right / min(self.volume.spacing)
 
     @property

@@ -49,7 +49,7 @@ def test_forces_on_the_particle_under_the_pointer_are_shown_along_the_slice(volu
     whole = volume.session.scene.probed
     for name, force in layer.probed.forces.items():
         np.testing.assert_allclose(force, whole.forces[name][1:])
-        assert layer.probed.size(name) == pytest.approx(float(np.linalg.norm(whole.forces[name])))
+        assert layer.probed.sizes[name] == pytest.approx(float(np.linalg.norm(whole.forces[name])))
     assert layer.probed.position == pytest.approx(hand.canvas.drawn.snapshot.position[nearest])
     volume.workspace.slices.at(0)
     assert hand.canvas.drawn.probed.identity == -1

@@ -56,7 +56,7 @@ def test_a_position_in_a_slice_is_found_again_in_the_volume(axis, index, row, co
 @given(triples, st.floats(1, 40), st.tuples(*[st.floats(1, 4)] * 3), axes, st.integers(-60, 60))
 def test_the_section_of_a_sphere_lies_on_the_sphere(center, radius, sides, axis, index) -> None:
     sphere = Sphere(center, radius, sides)
-    found = next(iter(sections(sphere, axis, index)), None)
+    found = next(iter(sections(sphere, Slice(axis, index))), None)
     if found is None:
         assert abs(index - center[axis]) * sides[axis] >= radius
         return
@@ -103,7 +103,7 @@ def test_a_slice_shows_of_a_box_the_rectangle_between_its_faces(axis, one, other
     low, high = np.sort([one, other], axis=0)
     high = np.maximum(high, low + 1.0)
     for kind in (Box, BoxRegion):
-        found = sections(kind(tuple(low), tuple(high)), axis, index)
+        found = sections(kind(tuple(low), tuple(high)), Slice(axis, index))
         if low[axis] <= index <= high[axis]:
             (cut,) = found
             expected = np.delete([low, high], axis, axis=1)
@@ -118,7 +118,7 @@ def test_a_slice_shows_of_a_box_the_rectangle_between_its_faces(axis, one, other
 def test_the_handles_of_a_box_move_the_faces_that_they_lie_on(kind, axis) -> None:
     box = kind((10.0, 20.0, 30.0), (16.0, 28.0, 40.0))
     here = Slice(axis, (12, 25, 36)[axis])
-    (cut,) = sections(box, here.axis, here.index)
+    (cut,) = sections(box, here)
     for handle in cut.handles():
         for by in ((3.0, 0.0), (-2.0, 5.0), (50.0, -50.0)):
             place, to = here.lifted(handle), here.lifted(tuple(np.add(handle, by).tolist()))
@@ -138,14 +138,14 @@ def test_the_handles_of_a_box_move_the_faces_that_they_lie_on(kind, axis) -> Non
 def test_what_is_drawn_through_slices_is_a_line_in_its_own_and_strips_in_the_others(axis) -> None:
     others = [other for other in range(3) if other != axis]
     region, wall = PrismRegion(SQUARE, axis, 2.0, 11.0), Wall(SQUARE[:3], axis, 2.0, 11.0)
-    (cut,), (line,) = sections(region, axis, 5), sections(wall, axis, 5)
+    (cut,), (line,) = sections(region, Slice(axis, 5)), sections(wall, Slice(axis, 5))
     assert cut.points == SQUARE
     assert line == Barrier(SQUARE[:3])
-    assert sections(wall, axis, 14) == ()
-    assert isinstance(sections(region, axis, 14)[0], RegionElsewhere)
+    assert sections(wall, Slice(axis, 14)) == ()
+    assert isinstance(sections(region, Slice(axis, 14))[0], RegionElsewhere)
     for along, across in (others, others[::-1]):
         at = 5.0  # where both are cut
-        (strip,) = sections(region, along, at)
+        (strip,) = sections(region, Slice(along, at))
         assert isinstance(strip, Region)
         low, high = np.min(strip.points, axis=0), np.max(strip.points, axis=0)
         expected = {axis: (2.0, 11.0), across: (3.0, 9.0) if across == others[1] else (2.0, 8.0)}
@@ -159,12 +159,12 @@ def test_what_is_drawn_through_slices_is_a_line_in_its_own_and_strips_in_the_oth
 
 def test_a_charge_is_seen_where_it_acts_and_held_where_it_lies() -> None:
     charge = Charge((20.0, 30.0, 40.0), 2.0)
-    (here,), (near,) = sections(charge, 0, 20), sections(charge, 0, 26)
+    (here,), (near,) = sections(charge, Slice(0, 20)), sections(charge, Slice(0, 26))
     assert here.in_slice
     assert not near.in_slice
     assert here.distance((30.0, 40.0)) == 0.0
     assert near.distance((30.0, 40.0)) == np.inf
     assert np.hypot(*(near.ring(16.0) - (30, 40)).T) == pytest.approx(np.sqrt(16.0**2 - 6.0**2))
-    assert sections(charge, 0, 40) == ()
-    (flat,) = sections(charge, 1, 30, (2.0, 1.0, 1.0))
+    assert sections(charge, Slice(0, 40)) == ()
+    (flat,) = sections(charge, Slice(1, 30), (2.0, 1.0, 1.0))
     assert np.ptp(flat.ring(16.0), axis=0) == pytest.approx([16.0, 32.0], rel=1e-3)
