@@ -25,9 +25,6 @@ from cpm_core.parameters.quotation import described
 TOLERANCE = 2.0
 """Default distance up to which two boundaries count as the same [px]."""
 
-_WHOLE = 0.95
-"""Fraction of each other's length that a closed contour and a true one must cover to be the same."""
-
 
 @dataclass(frozen=True, slots=True)
 class ObjectCounts:
@@ -217,22 +214,6 @@ def compare(
 def distance_to(points: Array, contours: Sequence[Contour]) -> Array:
     """Distance, shape (N,), of points, shape (N, 2), to the nearest line of some contours [px]; infinite if none."""
     return _Boundary(contours).tree.distances(np.asarray(points, dtype=float))
-
-
-def recovered(contours: Sequence[Contour], truth: Sequence[Contour], tolerance: float = TOLERANCE) -> int:
-    """Number of closed true contours that a closed contour matches: each covers 95 % of the other's length.
-
-    Open contours do not count; boundaries within the tolerance [px] count as the same.
-    """
-    closed = [one for one in contours if one.closed]
-    return sum(
-        any(
-            min(seen.recall, seen.precision) >= _WHOLE
-            for seen in (agreement([one], [true], tolerance) for one in closed)
-        )
-        for true in truth
-        if true.closed
-    )
 
 
 class _Boundary:

@@ -251,13 +251,3 @@ class VolumeTruth:
     def __repr__(self) -> str:
         objects = len(np.unique(self.objects[self.objects > 0]))
         return described("VolumeTruth", self.source, sized(self.shape, "voxels"), counted(objects, "object"))
-
-
-def truth_of_volume(
-    values: NDArray[np.generic], spacing: tuple[float, ...], unit: str | None, source: str = "ground truth"
-) -> VolumeTruth:
-    """Ground truth from a label volume: its lowest gray level is the background, each other an object.
-
-    ValueError when all voxels are equal, or so many neighbors differ that it is no label volume.
-    """
-    return VolumeTruth(labels_of(values, source), spacing, unit, source)

@@ -8,14 +8,13 @@ anchor keeps the mark. A mark without a contour at its anchor is kept for later.
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour, check_name, neighborhood
+from cpm_core.contours.contour import Contour, check_color, check_name, neighborhood
 from cpm_core.contours.result import Result, remaining
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Position
@@ -86,11 +85,7 @@ class Mark:
         if self.verdict not in get_args(Verdict):
             raise ValueError(f'The verdict of a mark is {shown(self.verdict)} but must be "kept", "rejected" or empty.')
         check_name("a contour", self.name)
-        if self.color and not re.fullmatch("#[0-9A-Fa-f]{6}", self.color):
-            raise ValueError(
-                f'The color of a mark is {shown(self.color)} but must be "#rrggbb", two hexadecimal digits each for '
-                "red, green and blue, or empty."
-            )
+        check_color("a mark", self.color)
 
     @property
     def says_nothing(self) -> bool:

@@ -290,7 +290,7 @@ def _force_of_lines(field: Array, grad: Array, strength: Array, strongest: float
     across *= near
     force *= 1.0 - near
     force += np.multiply(normal, across, out=normal)
-    return np.asarray(force)
+    return force
 
 
 def _dot(one: Array, other: Array) -> Array:
@@ -304,7 +304,7 @@ def unit_vectors(vectors: Array) -> Array:
     length = magnitude(vectors)
     tiny = 1e-12 * float(length.max(initial=0.0))
     scale = np.where(length > tiny, 1.0 / np.maximum(length, max(tiny, 1e-300)), 0.0)
-    return np.asarray(vectors * scale)
+    return vectors * scale
 
 
 _FULL, _GONE = 1.5, 3.0

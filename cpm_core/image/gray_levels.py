@@ -144,4 +144,4 @@ def toned(values: Array, gamma: float | Literal["auto"]) -> Array:
     low, high = float(values.min()), float(values.max())
     if exponent == 1.0 or high <= low:
         return values
-    return np.asarray(low + (high - low) * ((values - low) / (high - low)) ** exponent)
+    return low + (high - low) * ((values - low) / (high - low)) ** exponent

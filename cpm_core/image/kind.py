@@ -75,7 +75,7 @@ def _reduced(values: Array) -> Array:
         return np.asarray(values, np.float64)
     rows, cols = (side // step for side in values.shape)
     squares = values[: rows * step, : cols * step].reshape(rows, step, cols, step)
-    return np.asarray(squares.mean(axis=(1, 3)))
+    return squares.mean(axis=(1, 3))
 
 
 def _blocks(levels: Array) -> Array:
