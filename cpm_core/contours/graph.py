@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from cpm_core.contours.contour import Contour
 from cpm_core.numerics.grids import parts_joined
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.polyline import lengths_along
+from cpm_core.numerics.polyline import length, lengths_along
 from cpm_core.numerics.types import Array, Index, Mask
 
 
@@ -219,7 +219,7 @@ class Graph:
 
     def length(self, path: Index) -> float:
         """Length of a path [px]."""
-        return float(np.linalg.norm(np.diff(self.points[path], axis=0), axis=1).sum())
+        return length(self.points[path])
 
     def contours(self, shortest: float = 0.0) -> tuple[Contour, ...]:
         """Contours of a length of at least `shortest` [px], longest first; a cycle through one junction is closed."""

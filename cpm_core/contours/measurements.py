@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cpm_core.contours.contour import Contour, numbers_of
-from cpm_core.numerics.polyline import inside, middles
+from cpm_core.numerics.polyline import inside, length, middles
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Position
 from cpm_core.parameters.quotation import described, shown
@@ -157,7 +157,7 @@ def measure(
             strength=contour.strength,
             contrast=contour.contrast if contrast and contour.sides else None,
             inside=0 if outer is None else numbers[outer],
-            length_in_units=float(np.linalg.norm(np.diff(contour.path, axis=0) * spacing, axis=1).sum()),
+            length_in_units=length(contour.path * spacing),
             area_in_units=contour.area * spacing[0] * spacing[1],
             by_hand=contour.length_by_hand,
             net_area=own,

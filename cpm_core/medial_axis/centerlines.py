@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
 from cpm_core.image.geometry import Geometry
+from cpm_core.numerics import polyline
 from cpm_core.numerics.real_numbers import checked_number, real_numbers, voxel_sides
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.numerics.voxel_graph import Chain, chains_of, thinned
@@ -199,7 +200,7 @@ def _pruned(lines: Mask, depth: Array, size: Array, pruning: float) -> list[Chai
         points = chain.points if chain.free_end else chain.points[::-1]  # from the junction
         tip = chain.own[-1 if chain.free_end else 0]
         reach = pruning * float(depth[tuple(np.rint(points[0]).astype(int))])
-        length = float(np.linalg.norm(np.diff(points * size, axis=0), axis=1).sum())
+        length = polyline.length(points * size)
         away = float(np.linalg.norm((points[-1] - points[0]) * size))
         salient = away + depth[tuple(tip)] > reach + _SALIENT * size.min()
         return bool(length <= reach or (pruning > 0.0 and not salient))
