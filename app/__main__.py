@@ -67,8 +67,6 @@ def _open_window(path: str | None) -> int:
         # Before any module whose sentences are translated while it is imported.
         of_the_system = QLocale.system().uiLanguages()
         language.use_language(Preferences().get(language.KEY, language.OF_THE_DESKTOP), of_the_system)
-        from app.views.window.display import why_no_window
-
         reason = why_no_window()
         if reason:
             return _refuse(reason)
@@ -78,6 +76,29 @@ def _open_window(path: str | None) -> int:
             return _refuse(_NO_QT)
         return _refuse(f"The window cannot be opened because a library cannot be loaded ({error}); see the README.")
     return run(path)
+
+
+def why_no_window() -> str:
+    """One sentence on why no window can be opened here, or empty."""
+    chosen = os.environ.get("QT_QPA_PLATFORM", "")
+    if not sys.platform.startswith("linux") or chosen.partition(":")[0] not in ("", "xcb"):
+        return ""
+    if not chosen and os.environ.get("WAYLAND_DISPLAY"):
+        return ""
+    if not os.environ.get("DISPLAY"):
+        return "There is no display to open a window on; use “cpm run IMAGE …” to work without one."
+    # The plugin of Qt is loaded here, because only the loader reports which library is missing.
+    import ctypes
+
+    from PySide6.QtCore import QLibraryInfo
+
+    plugins = QLibraryInfo.path(QLibraryInfo.LibraryPath.PluginsPath)
+    try:
+        ctypes.CDLL(f"{plugins}/platforms/libqxcb.so")
+    except OSError as error:
+        library = str(error).partition(":")[0]
+        return f"Qt cannot open a window because {library} is missing; the README names what Qt needs."
+    return ""
 
 
 def _refuse(sentence: str) -> int:

@@ -58,7 +58,7 @@ def _scene(side: int) -> Array:
     """Gray levels of side x side bright disks on a noisy background."""
     row, col = np.indices((side * _PITCH, side * _PITCH)) % _PITCH - _PITCH / 2
     disks = np.clip(20.5 - np.hypot(row, col), 0.0, 1.0)
-    return np.asarray(50.0 + 150.0 * disks + np.random.default_rng(0).normal(0.0, 2.0, disks.shape))
+    return 50.0 + 150.0 * disks + np.random.default_rng(0).normal(0.0, 2.0, disks.shape)
 
 
 def _tasks(values: Array) -> Iterator[tuple[str, Callable[[], object]]]:

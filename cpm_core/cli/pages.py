@@ -139,7 +139,7 @@ def numbers_of_pages(given: str, count: int, name: str) -> list[int]:
 def _report(found: StackResult, files: Files, seconds: float, *, as_json: bool) -> None:
     plain: list[dict[str, Any]] = []
     lines: list[str] = []
-    events = [event.sentence for page in found.pages for event in page.events]
+    said: list[str] = []
     for page in found.pages:
         facts: dict[str, Any] = {}
         if page.result is not None:
@@ -147,9 +147,10 @@ def _report(found: StackResult, files: Files, seconds: float, *, as_json: bool) 
             del facts["seconds"]  # that of one page is not known
             lines.append(f"page {page.number}: {contours_of(page.result)}")
         events = [event.sentence for event in page.events]
+        said += events
         plain.append({"page": page.number, **facts, "events": events, "trouble": page.trouble})
     tracks, failed = len(found.tracks), len(found.pages) - len(found.results)
     counts = f"{counted(len(found.pages), 'page')}, {counted(tracks, 'track')} in {seconds:.2f} s"
     last = f"{found.source}: {counts}" + (f", {failed} failed" if failed else "")
     whole = {"tracks": tracks, "done": len(found.results), "failed": failed, "seconds": round(seconds, 3)}
-    report("run", {"pages": plain, **whole}, [*lines, *events, last], files, as_json=as_json)
+    report("run", {"pages": plain, **whole}, [*lines, *said, last], files, as_json=as_json)

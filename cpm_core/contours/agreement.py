@@ -25,9 +25,6 @@ from cpm_core.parameters.quotation import described
 TOLERANCE = 2.0
 """Default distance up to which two boundaries count as the same [px]."""
 
-_WHOLE = 0.95
-"""Fraction of each other's length that a closed contour and a true one must cover to be the same."""
-
 
 @dataclass(frozen=True, slots=True)
 class ObjectCounts:
@@ -219,22 +216,6 @@ def distance_to(points: Array, contours: Sequence[Contour]) -> Array:
     return _Boundary(contours).tree.distances(np.asarray(points, dtype=float))
 
 
-def recovered(contours: Sequence[Contour], truth: Sequence[Contour], tolerance: float = TOLERANCE) -> int:
-    """Number of closed true contours that a closed contour matches: each covers 95 % of the other's length.
-
-    Open contours do not count; boundaries within the tolerance [px] count as the same.
-    """
-    closed = [one for one in contours if one.closed]
-    return sum(
-        any(
-            min(seen.recall, seen.precision) >= _WHOLE
-            for seen in (agreement([one], [true], tolerance) for one in closed)
-        )
-        for true in truth
-        if true.closed
-    )
-
-
 class _Boundary:
     """Samples and segments of contours; of a truth without the samples where its objects reach the image border."""
 
@@ -259,8 +240,7 @@ def _cut(points: Array, truth: Truth, tolerance: float) -> Mask:
     last = np.array(truth.shape) - 1
     before, beyond = points + 0.5 <= tolerance, last + 0.5 - points <= tolerance
     pixels = np.where(before, 0, np.where(beyond, last, np.clip(np.rint(points), 0, last))).astype(int)
-    cut: Mask = np.any(before | beyond, axis=1) & (truth.labels[tuple(pixels.T)] > 0)
-    return cut
+    return np.any(before | beyond, axis=1) & (truth.labels[tuple(pixels.T)] > 0)
 
 
 def _boundaries(a: _Boundary, b: _Boundary, tolerance: float) -> dict[str, float]:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal, Protocol
+from typing import Literal
 
 import numpy as np
 
@@ -33,12 +33,13 @@ def check_name(what: str, name: str) -> None:
         raise ValueError(f"The name of {what} has {len(name)} letters but may have {MOST_LETTERS} at most: shorten it.")
 
 
-class HasContrast(Protocol):
-    """Object that measures the contrast of a contour at the first access."""
-
-    @property
-    def contrast(self) -> float:
-        """Mean contrast of the regions on both sides, 0 to 1."""
+def check_color(what: str, color: str) -> None:
+    """Raise a `ValueError` for a color of another form than "#rrggbb"; `what` is what has it."""
+    if color and not re.fullmatch("#[0-9A-Fa-f]{6}", color):
+        raise ValueError(
+            f'The color of {what} is {shown(color)} but must be "#rrggbb", two hexadecimal digits each for red, green '
+            "and blue, or empty."
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,8 +56,8 @@ class Contour:
         Mean of the edge map along the curve [gray levels / px].
     junctions : tuple of two bool
         Whether the first and the last vertex lie on a junction that further contours share.
-    sides : HasContrast or None
-        Measures `contrast` (`field.region_contrast.Sides`); None for a curve that was not found in an image.
+    sides : callable or None
+        Measures `contrast` (`field.region_contrast.mean_contrast`); None for a curve that was not found in an image.
     name : str
         Name given by the user, or empty.
     color : str
@@ -98,7 +99,7 @@ class Contour:
     closed: bool
     strength: float = 0.0
     junctions: tuple[bool, bool] = (False, False)
-    sides: HasContrast | None = field(default=None, repr=False)
+    sides: Callable[[], float] | None = field(default=None, repr=False)
     name: str = ""
     color: str = ""
     number: int = 0
@@ -110,11 +111,7 @@ class Contour:
     category: str = ""
 
     def __post_init__(self) -> None:
-        if self.color and not re.fullmatch("#[0-9A-Fa-f]{6}", self.color):
-            raise ValueError(
-                f'The color of a contour is {shown(self.color)} but must be "#rrggbb", two hexadecimal digits each for '
-                "red, green and blue, or empty."
-            )
+        check_color("a contour", self.color)
 
     @cached_property
     def contrast(self) -> float:
@@ -122,7 +119,7 @@ class Contour:
 
         It takes longer to measure than a contour takes to find, and is measured at the first access.
         """
-        return self.sides.contrast if self.sides else 0.0
+        return self.sides() if self.sides else 0.0
 
     @property
     def path(self) -> Array:

@@ -7,13 +7,13 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
-import scipy
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
+from cpm_core.numerics.grids import parts_joined
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.polyline import lengths_along
-from cpm_core.numerics.types import Array, Index
+from cpm_core.numerics.types import Array, Index, Mask
 
 
 class Graph:
@@ -120,9 +120,8 @@ class Graph:
 
     def parts(self) -> Index:
         """Number of the connected part that each path belongs to, shape (W,)."""
-        ways, size = self.ways(), len(self.points)
-        joined = scipy.sparse.coo_array((np.ones(len(ways)), (ways.first, ways.last)), shape=(size, size))
-        return scipy.sparse.csgraph.connected_components(joined, directed=False)[1][ways.first].astype(np.int64)
+        ways = self.ways()
+        return parts_joined((ways.first, ways.last), len(self.points))[ways.first]
 
     def branch(self, end: int) -> Index:
         """Vertices from a loose end to the next end or junction, both included."""
@@ -168,7 +167,7 @@ class Graph:
         alone = (self.degrees[ways.first] == 1) & (self.degrees[ways.last] == 1)
         self.drop_ways(alone & (ways.lengths <= longest))
 
-    def drop_ways(self, gone: NDArray[np.bool_]) -> None:
+    def drop_ways(self, gone: Mask) -> None:
         """Remove the paths chosen by a mask of shape (W,)."""
         if gone.any():
             edges, way = self.ways().edges()
@@ -252,7 +251,7 @@ class Ways:
     points: Array
     vertices: Index
     start: Index
-    closed: NDArray[np.bool_]
+    closed: Mask
 
     def __len__(self) -> int:
         return len(self.closed)
@@ -291,10 +290,10 @@ class Ways:
 def _walk_all(
     near: Index,
     degrees: Index,
-    walked: NDArray[np.bool_],
+    walked: Mask,
     vertices: Index,
     start: Index,
-    closed: NDArray[np.bool_],
+    closed: Mask,
 ) -> int:
     """Write all paths and return their number; `walked` marks the edges, shape (N, K), that a path has used."""
     count, filled = 0, 0
@@ -321,7 +320,7 @@ def _walk_all(
 
 
 @compiled
-def follow(near: Index, degrees: Index, walked: NDArray[np.bool_], first: int, towards: int, out: Index) -> int:
+def follow(near: Index, degrees: Index, walked: Mask, first: int, towards: int, out: Index) -> int:
     """Write the path from a vertex toward a neighbor, up to the next end or junction or itself; return its size."""
     out[0] = first
     before, vertex, count = first, towards, 1

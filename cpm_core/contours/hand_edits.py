@@ -241,20 +241,21 @@ def _up_to(lines: list[PolygonalLine], tie: _Tie) -> PolygonalLine:
 
 def _tie(lines: list[PolygonalLine], piece: Array, behind: Path) -> _Tie | None:
     """The line that a piece continues from its first vertex, if there is one."""
-    place = (float(piece[0, 0]), float(piece[0, 1]))
+    row, col = piece[0].tolist()
     found: list[tuple[float, _Tie]] = []
     for index, line in enumerate(lines):
         if line.closed or not behind or not line.passes(behind[0], REACH):
             continue
         back, off = line.nearest(behind[0])
         away = [float(np.linalg.norm(line.points[n] - piece[0])) for n in (0, -1)]
-        along, aside = line.nearest(place)
+        along, aside = line.nearest((row, col))
         near = [last for last in (False, True) if away[last] <= REACH]
         if near:
             at_last = min(near, key=lambda last: abs((line.length if last else 0.0) - back))
             room = min(2.0 * REACH, 0.5 * line.length)
             begin = line.length - room if at_last else 0.0
-            overlap = line.part(begin, begin + room).nearest(place)[0]  # it may reach beyond the end of the contour
+            # it may reach beyond the end of the contour
+            overlap = line.part(begin, begin + room).nearest((row, col))[0]
             found.append((off + aside, _Tie(index, at_last, begin + overlap)))
         elif aside <= REACH and line.part(*sorted((along, line.length if along > back else 0.0))).follows(piece, REACH):
             found.append((off + aside, _Tie(index, along > back, along)))
@@ -274,4 +275,5 @@ def _holds(line: PolygonalLine, piece: PolygonalLine, edit: HandEdit) -> bool:
 
 
 def _meets_side(lines: list[PolygonalLine], place: Array) -> bool:
-    return any(line.passes((float(place[0]), float(place[1])), _CLOSEST[0]) for line in lines)
+    row, col = place.tolist()
+    return any(line.passes((row, col), _CLOSEST[0]) for line in lines)

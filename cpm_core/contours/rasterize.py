@@ -94,4 +94,4 @@ def inside(contours: Sequence[Contour], shape: tuple[int, ...], *, holes: bool =
             while outer is not None:
                 depth, outer = depth + 1, around[outer]
             solid.append(depth % 2 == 0)
-    return np.asarray(np.array(solid)[labels])
+    return np.array(solid)[labels]

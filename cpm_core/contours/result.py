@@ -18,6 +18,7 @@ from cpm_core.image import drawing
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
+from cpm_core.numerics.types import Array
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.parameters.quotation import counted, described
 
@@ -77,7 +78,7 @@ class Result(drawing.Pictured):
     True
     """
 
-    particles: NDArray[np.float64]
+    particles: Array
     contours: tuple[Contour, ...]
     surface: Surface | None
     steps: int

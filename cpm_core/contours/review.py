@@ -8,14 +8,13 @@ anchor keeps the mark. A mark without a contour at its anchor is kept for later.
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour, check_name, neighborhood
+from cpm_core.contours.contour import Contour, check_color, check_name, neighborhood
 from cpm_core.contours.result import Result, remaining
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Position
@@ -86,11 +85,7 @@ class Mark:
         if self.verdict not in get_args(Verdict):
             raise ValueError(f'The verdict of a mark is {shown(self.verdict)} but must be "kept", "rejected" or empty.')
         check_name("a contour", self.name)
-        if self.color and not re.fullmatch("#[0-9A-Fa-f]{6}", self.color):
-            raise ValueError(
-                f'The color of a mark is {shown(self.color)} but must be "#rrggbb", two hexadecimal digits each for '
-                "red, green and blue, or empty."
-            )
+        check_color("a mark", self.color)
 
     @property
     def says_nothing(self) -> bool:
@@ -187,8 +182,7 @@ def attached(contours: Sequence[Contour], anchors: Sequence[Position], reach: fl
 
 def middle(contour: Contour) -> Position:
     """Position halfway along a contour."""
-    row, col = polyline.middles(contour.path, 1)[0].tolist()
-    return row, col
+    return tuple(polyline.middles(contour.path, 1)[0].tolist())
 
 
 def anchor(contours: Sequence[Contour], index: int) -> Position:
@@ -203,8 +197,7 @@ def anchor(contours: Sequence[Contour], index: int) -> Position:
         apart = np.maximum(neighbor.box[0] - high, low - neighbor.box[1]).max()
         if other != index and apart < _ALONE:
             clear = np.minimum(clear, polyline.distances(neighbor.path, places))
-    row, col = places[int(np.argmax(clear))].tolist()
-    return row, col
+    return tuple(places[int(np.argmax(clear))].tolist())
 
 
 _SAME = 2.0

@@ -11,7 +11,7 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from cpm_core.image import drawing
-from cpm_core.numerics.grids import parts_of, zero_surface
+from cpm_core.numerics.grids import parts_joined, parts_of, zero_surface
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.real_numbers import checked_number, real_numbers, voxel_sides
 from cpm_core.numerics.types import Array, Index, Mask
@@ -68,14 +68,14 @@ class Surface:
     >>> axes = surface.plot()
     """
 
-    vertices: NDArray[np.float64]
-    faces: NDArray[np.int64]
+    vertices: Array
+    faces: Index
     spacing: tuple[float, ...] = (1.0, 1.0, 1.0)
     unit: str | None = None
     unsupported: float = np.nan
     left_out: int = 0
     whole: Surface | None = field(default=None, repr=False)
-    numbers: NDArray[np.int64] | None = field(default=None, repr=False)
+    numbers: Index | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         vertices = rows_of_three("vertices", self.vertices).copy()
@@ -166,9 +166,7 @@ class Surface:
     def component_of_vertex(self) -> Index:
         """Number of the component of each vertex, from 0 up; vertices without a triangle have their own."""
         one, other = self.faces[:, [0, 1]].ravel(), self.faces[:, [1, 2]].ravel()
-        count = len(self.vertices)
-        joined = scipy.sparse.coo_array((np.ones(len(one), np.int8), (one, other)), shape=(count, count))
-        return scipy.sparse.csgraph.connected_components(joined, directed=False)[1].astype(np.int64)
+        return parts_joined((one, other), len(self.vertices))
 
     def decimated(self, faces: int) -> Surface:
         """The same surface with fewer triangles and the same topology.
@@ -225,13 +223,13 @@ class Surface:
 
     @cached_property
     def _physical(self) -> Array:
-        return np.asarray(self.vertices * np.array(self.spacing))
+        return self.vertices * np.array(self.spacing)
 
     @cached_property
     def _crosses(self) -> Array:
         """Outward normals of the triangles, in units of length, as long as twice their area."""
         a, b, c = (self._physical[self.faces[:, corner]] for corner in range(3))
-        return np.asarray(np.cross(b - a, c - a))
+        return np.cross(b - a, c - a)
 
     @cached_property
     def _edge_counts(self) -> Index:

@@ -57,13 +57,13 @@ class Triangles:
     @cached_property
     def centers(self) -> Array:
         """Their centers of mass, shape (N, 3)."""
-        return np.asarray(self.corners.mean(axis=1))
+        return self.corners.mean(axis=1)
 
     @cached_property
     def areas(self) -> Array:
         """Their areas, shape (N,)."""
         a, b, c = (self.corners[:, corner] for corner in range(3))
-        return np.asarray(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1))
+        return 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
 
     @cached_property
     def _tree(self) -> scipy.spatial.cKDTree:
@@ -117,7 +117,7 @@ def _from_triangles(points: Array, corners: Array) -> Array:
     above = (np.cross(side, offset) * normal[:, :, None]).sum(axis=-1)
     within = (above >= 0.0).all(axis=-1) & (size > 1e-300)
     height = np.abs((offset[:, :, 0] * normal).sum(axis=-1)) / size
-    return np.asarray(np.where(within, height, away))
+    return np.where(within, height, away)
 
 
 @dataclass(frozen=True, eq=False)

@@ -78,7 +78,7 @@ def _kernel_spectrum(
     for axis, size in enumerate(padded):
         if size % 2 == 0:  # farther than any two pixels; without it the kernel is odd
             np.moveaxis(kernel, axis, 0)[size // 2] = 0.0
-    return np.asarray(scipy.fft.rfftn(kernel, workers=cores()).imag.astype(precision))
+    return scipy.fft.rfftn(kernel, workers=cores()).imag.astype(precision)
 
 
 def convolved_potential(

@@ -21,7 +21,6 @@ from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.pyramid import to_scale
@@ -144,7 +143,7 @@ def radius_at(scale: int) -> float:
     return RADIUS * 0.5**scale
 
 
-def near_charges(charges: Array, radius: float, places: Array) -> NDArray[np.bool_]:
+def near_charges(charges: Array, radius: float, places: Array) -> Mask:
     """Which places, shape (N, D), lie within the reach of at least one charge; see `placed_force_at`."""
     near = np.zeros(len(places), np.bool_)
     for *place, _ in charges:
@@ -180,7 +179,7 @@ def placed_force_at(charges: Array, radius: float, places: Array) -> Array:
         away = (place - places) / radius
         force += (strength * _pull(np.einsum("...i,...i->...", away, away)))[..., None] * away
     size = np.linalg.norm(force, axis=-1, keepdims=True)
-    return np.asarray(force * np.minimum(1.0, MOST / np.maximum(size, 1e-30)))
+    return force * np.minimum(1.0, MOST / np.maximum(size, 1e-30))
 
 
 def placed_potential(charges: Array, radius: float, places: Array) -> Array:
@@ -237,7 +236,7 @@ def torn_off(placed: Placed, places: Array, normals: Array) -> Mask:
     if not len(placed.charges):
         return np.zeros(len(places), np.bool_)
     across = np.einsum("ni,ni->n", placed_force_at(*placed, places), normals)
-    return np.asarray(np.abs(across) > HELD)
+    return np.abs(across) > HELD
 
 
 @compiled

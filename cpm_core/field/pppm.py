@@ -159,7 +159,7 @@ def mesh_field(f: Array, cell: float, iterations: int | None) -> Array:
 
 def _hats(places: Array, count: int) -> Array:
     """Weight ``max(0, 1 - |x - i|)`` of each position x at each of `count` nodes i; shape (count, positions)."""
-    return np.asarray(np.maximum(0.0, 1.0 - np.abs(places[None, :] - np.arange(count)[:, None])))
+    return np.maximum(0.0, 1.0 - np.abs(places[None, :] - np.arange(count)[:, None]))
 
 
 def _carried(weights: Sequence[Array], values: Array) -> Array:

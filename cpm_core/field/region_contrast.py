@@ -6,8 +6,6 @@ both sides.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from cpm_core.field.interpolation import interpolate
@@ -20,29 +18,9 @@ _RINGS, _SPOKES = 4, 7
 """Sampling points in a half disk: distances, and directions at each."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Sides:
-    """The two sides of a contour, kept so that their contrast is computed only when it is needed.
-
-    Attributes
-    ----------
-    values : ndarray, shape (H, W)
-        Image.
-    points, normals : ndarray, shape (K, 2)
-        Vertices of the contour [px], and its normals there, of any length.
-    smoothing : float
-        Gaussian with which the contour was found [px].
-    """
-
-    values: Array
-    points: Array
-    normals: Array
-    smoothing: float
-
-    @property
-    def contrast(self) -> float:
-        """Mean contrast along the contour."""
-        return float(region_contrast(self.values, self.points, self.normals, self.smoothing).mean())
+def mean_contrast(values: Array, points: Array, normals: Array, smoothing: float) -> float:
+    """Mean of `region_contrast` along a contour."""
+    return float(region_contrast(values, points, normals, smoothing).mean())
 
 
 def region_contrast(values: Array, points: Array, normals: Array, smoothing: float) -> Array:
@@ -69,4 +47,4 @@ def region_contrast(values: Array, points: Array, normals: Array, smoothing: flo
         variances.append(seen.var(axis=1))
     step = np.abs(means[1] - means[0])
     spread = np.sqrt(0.5 * (variances[0] + variances[1]))
-    return np.asarray(step / np.maximum(step + spread, 1e-300))
+    return step / np.maximum(step + spread, 1e-300)

@@ -292,13 +292,10 @@ def _voxels(regions: VolumeRegions | None, shape: tuple[int, ...], scale: int) -
     voxels = None if regions is None else regions.voxels(shape)
     if voxels is None or scale == 0:
         return voxels
-    axes = []
-    for axis, (count, full) in enumerate(zip(shape_of_scale(shape, scale), shape, strict=True)):
-        centers = np.zeros((count, 3))
-        centers[:, axis] = np.arange(count)
-        centers = to_image(centers, scale, shape)[:, axis]
-        axes.append(np.clip(np.rint(centers), 0, full - 1).astype(int))
-    return np.asarray(voxels[np.ix_(*axes)])
+    count = shape_of_scale(shape, scale)
+    along = np.rint(to_image(np.arange(max(count))[:, None] * np.ones(3), scale, shape))
+    along = np.clip(along, 0, np.array(shape) - 1).astype(int)
+    return voxels[np.ix_(*(along[:n, axis] for axis, n in enumerate(count)))]
 
 
 def pitch_of(spacing: tuple[float, ...]) -> Vector:

@@ -13,10 +13,9 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-import scipy
-from numpy.typing import NDArray
 
 from cpm_core.field.interpolation import normal_at, sampled, value_at
+from cpm_core.numerics.grids import parts_joined
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Index, Mask, Single
@@ -170,7 +169,7 @@ def ridges_of(smoothed: Single, edges: Single, pitch: Vector, floor: float, turn
     return Ridges(place[ridge], normal[ridge], strength, component[ridge].astype(np.int64))
 
 
-def _connected(smoothed: Single, voxels: Index, pitch: Vector, turn: float) -> NDArray[np.int32]:
+def _connected(smoothed: Single, voxels: Index, pitch: Vector, turn: float) -> Index:
     """Number of the connected part of each of some voxels, shape (M, 3); see `ridges_of`."""
     number = np.full(np.array(smoothed.shape) + 2, -1, np.int32)
     number[tuple((voxels + 1).T)] = np.arange(len(voxels))
@@ -186,10 +185,7 @@ def _connected(smoothed: Single, voxels: Index, pitch: Vector, turn: float) -> N
         other = other[one]
         like = np.einsum("ni,ni->n", slope[one], slope[other]) >= turn * size[one] * size[other]
         pairs.append(np.stack([one, other])[:, like | (turn <= -1.0)])
-    joined, count = np.concatenate(pairs, axis=1), len(voxels)
-    graph = scipy.sparse.coo_array((np.ones(joined.shape[1], np.bool_), tuple(joined)), (count, count))
-    found: NDArray[np.int32] = scipy.sparse.csgraph.connected_components(graph, directed=False)[1]
-    return found
+    return parts_joined(np.concatenate(pairs, axis=1), len(voxels))
 
 
 @compiled

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.ground_truth import Truth, VolumeTruth, truth_of_contours, truth_of_mask, truth_of_volume
+from cpm_core.contours.ground_truth import Truth, VolumeTruth, labels_of, truth_of_contours, truth_of_mask
 from cpm_core.contours.surface import numbered
 from cpm_core.formats.common.content import AnyPath
 from cpm_core.formats.contour_file import CONTOURS_READABLE, read_contours
@@ -113,7 +113,7 @@ def load_volume_truth(path: AnyPath, volume: Image) -> VolumeTruth:
             raise ValueError(f"The surface of {file.name} is not closed, so nothing is inside: choose another one.")
         labels = numbered(surface, volume.shape).astype(np.int32)
         return VolumeTruth(labels, volume.spacing, volume.unit, file.name, boundary=surface)
-    return truth_of_volume(labels_like(file, volume), volume.spacing, volume.unit, file.name)
+    return VolumeTruth(labels_of(labels_like(file, volume), file.name), volume.spacing, volume.unit, file.name)
 
 
 def _contours(file: Path, plane: Plane, shape: tuple[int, int]) -> tuple[Contour, ...]:

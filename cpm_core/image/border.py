@@ -6,14 +6,11 @@ the image and along it, straight, and over more than half of its length.
 
 from __future__ import annotations
 
-from itertools import product
-from math import isqrt
-
 import numpy as np
-from numpy.typing import NDArray
+import scipy
 
 from cpm_core.numerics.grids import running_maximum
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Mask
 
 _FAINT = 0.1
 """Least strength of the edge of a border, as a fraction of the largest edge strength."""
@@ -32,7 +29,7 @@ _FLANK = 3.0
 """Width of an edge's flank, in sigma."""
 
 
-def inside_border(grad: Array, strength: Array, smoothing: float, widest: float) -> NDArray[np.bool_]:
+def inside_border(grad: Array, strength: Array, smoothing: float, widest: float) -> Mask:
     r"""Pixels that do not belong to the image border, shape (\*shape): False on the border and on its edge.
 
     `grad`, shape (D, \*shape), is the image gradient after a Gaussian of `smoothing` px, `strength` its magnitude. A
@@ -70,15 +67,6 @@ def _edge_of_border(edge: Array, stray: int) -> int:
     return farthest
 
 
-def within(inside: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
+def within(inside: Mask, reach: int) -> Mask:
     r"""Pixels whose centers are at most `reach` px from the center of a pixel of the mask `inside`, shape (\*shape)."""
-    out = inside.copy()
-    leading = inside.shape[:-1]
-    for offset in product(range(-reach, reach + 1), repeat=len(leading)):
-        left = reach**2 - sum(o**2 for o in offset)
-        if left < 0 or any(abs(o) >= n for o, n in zip(offset, leading, strict=True)):
-            continue
-        source = tuple(slice(max(-o, 0), n - max(o, 0)) for o, n in zip(offset, leading, strict=True))
-        target = tuple(slice(max(o, 0), n - max(-o, 0)) for o, n in zip(offset, leading, strict=True))
-        out[target] |= running_maximum(inside[source], isqrt(left), axes=(len(leading),))
-    return out
+    return scipy.ndimage.distance_transform_edt(~inside) <= reach if inside.any() else inside

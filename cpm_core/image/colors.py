@@ -147,7 +147,7 @@ def reduced(samples: NDArray[Any], alpha: NDArray[Any] | None = None, white: flo
     return Reduced(gray, colors, tuple(said))
 
 
-def luminance(channels: NDArray[Any]) -> NDArray[np.float64]:
+def luminance(channels: NDArray[Any]) -> Array:
     """Luminance of red, green and blue, which are the last axis, in their range."""
     gray = np.zeros(channels.shape[:-1])
     for channel, weight in enumerate(WEIGHTS):

@@ -16,10 +16,9 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Single
 
 _FIRST, _FURTHER = 1.5, 1.0
 """Weight of the total variation of the data, and of averages along edges, in standard deviations of the noise."""
@@ -138,14 +137,14 @@ def _halved(values: Array) -> Array:
     """Image of half the size, from means of 2 x 2 pixels; the last row and column are repeated where one is missing."""
     rows, cols = values.shape
     even = np.pad(values, ((0, rows % 2), (0, cols % 2)), mode="edge")
-    return np.asarray(even.reshape((rows + 1) // 2, 2, (cols + 1) // 2, 2).mean(axis=(1, 3)))
+    return even.reshape((rows + 1) // 2, 2, (cols + 1) // 2, 2).mean(axis=(1, 3))
 
 
 def _doubled(values: Array, shape: tuple[int, ...]) -> Array:
     """Image of a shape from the one of half the size."""
     row, col = (0.5 * (np.arange(size) - 0.5) for size in shape)
     grid = np.meshgrid(row, col, indexing="ij")
-    return np.asarray(scipy.ndimage.map_coordinates(values, np.stack(grid), order=1, mode="nearest"))
+    return scipy.ndimage.map_coordinates(values, np.stack(grid), order=1, mode="nearest")
 
 
 _ITERATIONS = 400
@@ -181,9 +180,7 @@ def total_variation(values: Array, weight: float) -> Array:
 
 
 @compiled
-def _primal_dual(
-    data: NDArray[np.float32], ahead: NDArray[np.float32], weight: float, iterations: int
-) -> NDArray[np.float32]:
+def _primal_dual(data: Single, ahead: Single, weight: float, iterations: int) -> Single:
     rows, cols = data.shape
     image = data.copy()
     # `ahead` has a margin that repeats the last row and column, `down` and `right` one without flow before the first:
@@ -332,4 +329,4 @@ def expected(values: Array, estimate: Array) -> Array:
     steps = float((fitted * estimate).sum())
     if steps <= 0.0:
         return values
-    return np.asarray(values.mean() + fitted * (float(((values - values.mean()) * estimate).sum()) / steps))
+    return values.mean() + fitted * (float(((values - values.mean()) * estimate).sum()) / steps)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 # The colors are those of the window, hues of Okabe and Ito that color-blind people can tell apart.
-PARTICLE, CLOSED, OPEN, JUNCTION, FIELD = "#f0e442", "#56b4e9", "#ff9d1e", "#ff7ac6", "#ff9ad5"
+PARTICLE, CLOSED, OPEN = "#f0e442", "#56b4e9", "#ff9d1e"
 HALO = "#101216"
 """What surrounds lines and dots, so that they can be seen on any gray."""
 
@@ -30,9 +30,6 @@ DARKEST, BRIGHTEST = 0.1, 0.86
 
 EXTREMES = (0.2, 99.8)
 """Percentiles of the gray levels that count as their extremes."""
-
-_ARROWS = 26
-"""Arrows along the longer side of an image."""
 
 _DOTS = ((700, 5.0), (2500, 2.5), (np.inf, 0.5))
 """Largest number of particles on a picture, and area of their dots [pt²]; the smallest dots have no halo."""
@@ -120,18 +117,13 @@ def frame(ax: Axes, shape: tuple[int, ...], spacing: Sequence[float] = (1.0, 1.0
         spine.set_visible(False)
 
 
-def show_curves(ax: Axes, curves: Sequence[Curve], width: float = 1.5) -> None:
+def show_curves(ax: Axes, curves: Sequence[Curve]) -> None:
     """Lines with a dark halo, closed ones in blue and open ones in orange, except those with a color of their own."""
     for halo in (True, False):
         for curve in curves:
             row, col = curve.path.T
-            color, thickness = (HALO, width + 1.1) if halo else (color_of(curve), width)
+            color, thickness = (HALO, 2.6) if halo else (color_of(curve), 1.5)
             ax.plot(col, row, color=color, linewidth=thickness, solid_joinstyle="round")
-
-
-def show_junctions(ax: Axes, places: Array) -> None:
-    """Junctions, shape (N, 2) [px]."""
-    ax.scatter(places[:, 1], places[:, 0], s=26.0, c=JUNCTION, edgecolors=HALO, linewidths=0.7, zorder=4)
 
 
 def show_particles(ax: Axes, places: Array) -> None:
@@ -141,18 +133,6 @@ def show_particles(ax: Axes, places: Array) -> None:
     if size > _DOTS[-1][1]:
         ax.scatter(col, row, s=2.4 * size, c=HALO, linewidths=0.0, zorder=5)
     ax.scatter(col, row, s=size, c=PARTICLE, linewidths=0.0, zorder=6)
-
-
-def show_field(ax: Axes, field: Array) -> None:
-    """A field, shape (2, H, W), as arrows."""
-    shape = field.shape[1:]
-    step = max(1, round(max(shape) / _ARROWS))
-    row, col = np.mgrid[step // 2 : shape[0] : step, step // 2 : shape[1] : step]
-    down, right = field[:, row, col]
-    ax.quiver(
-        col, row, right, down, angles="xy", scale_units="xy", scale=1.0 / (0.9 * step), units="dots", width=1.6,
-        color=FIELD, headwidth=4.0, headlength=4.5, headaxislength=4.0,
-    )  # fmt: skip
 
 
 def show_names(ax: Axes, names: Sequence[str], places: Sequence[Sequence[float]]) -> None:

@@ -74,7 +74,7 @@ def _absent(values: Array) -> Mask | None:
         return None
     if np.ptp(others) == 0.0 and kinds[0] != NO_DATA:
         return None
-    return np.asarray(absent)
+    return absent
 
 
 def _filled(values: Array, known: Mask) -> Array:
@@ -144,4 +144,4 @@ def toned(values: Array, gamma: float | Literal["auto"]) -> Array:
     low, high = float(values.min()), float(values.max())
     if exponent == 1.0 or high <= low:
         return values
-    return np.asarray(low + (high - low) * ((values - low) / (high - low)) ** exponent)
+    return low + (high - low) * ((values - low) / (high - low)) ** exponent

@@ -18,6 +18,7 @@ from cpm_core.image.geometry import Geometry
 from cpm_core.image.gray_levels import NO_DATA, usable
 from cpm_core.numerics.memory import check_room
 from cpm_core.numerics.real_numbers import real_numbers, voxel_sides
+from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import described, shown, sized
 
 MINIMUM_SIDE = 8
@@ -83,7 +84,7 @@ class Image(drawing.Pictured):
     >>> axes = image.plot()
     """
 
-    values: NDArray[np.float64]
+    values: Array
     spacing: tuple[float, ...] = ()
     unit: str | None = None
     source: str = "image"
@@ -221,7 +222,7 @@ class Image(drawing.Pictured):
         """Number of pixels along each axis, (rows, columns) or (planes, rows, columns)."""
         return self.values.shape
 
-    def gray(self, channel: str = "luminance") -> NDArray[np.float64]:
+    def gray(self, channel: str = "luminance") -> Array:
         """Gray levels of a channel of `Parameters.channel`: `values` of a gray image; see `colors.gray_levels`."""
         return channel_of(self.values, self.colors, channel)
 

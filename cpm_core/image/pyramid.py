@@ -63,11 +63,11 @@ def to_image(positions: Array, scale: int, shape: tuple[int, ...]) -> Array:
     """Positions (N, D) of a scale in px of the image of shape `shape`."""
     if scale == 0:
         return positions
-    return np.asarray((positions - _center(shape_of_scale(shape, scale))) * 2.0**scale + _center(shape))
+    return (positions - _center(shape_of_scale(shape, scale))) * 2.0**scale + _center(shape)
 
 
 def to_scale(positions: Array, scale: int, shape: tuple[int, ...]) -> Array:
     """Positions (N, D) of the image of shape `shape` in px of a scale."""
     if scale == 0:
         return positions
-    return np.asarray((positions - _center(shape)) * 0.5**scale + _center(shape_of_scale(shape, scale)))
+    return (positions - _center(shape)) * 0.5**scale + _center(shape_of_scale(shape, scale))

@@ -9,13 +9,12 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from cpm_core.image.pyramid import to_scale
 from cpm_core.numerics import polyline
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.segments import meet, nearest_distances, rim_of, segments_of
-from cpm_core.numerics.types import Array, Position
+from cpm_core.numerics.types import Array, Mask, Position
 from cpm_core.parameters.quotation import counted, described, shown
 
 Line = tuple[Position, ...]
@@ -88,7 +87,7 @@ class Regions:
         )
         return Regions(*(tuple(_line(points) for points in part) for part in parts))
 
-    def contains(self, points: Array) -> NDArray[np.bool_]:
+    def contains(self, points: Array) -> Mask:
         """Which of points, shape (N, 2) [px], lie in a region of interest; all of them where there is none."""
         if not self.interest:
             return np.ones(len(points), np.bool_)
@@ -97,17 +96,17 @@ class Regions:
             found |= polyline.inside(polygon, points)
         return found
 
-    def allows(self, points: Array) -> NDArray[np.bool_]:
+    def allows(self, points: Array) -> Mask:
         """Where of points, shape (N, 2) [px], a particle may be: in a region of interest, and on no rim or barrier."""
         lines = np.concatenate([self.rims(), self.lines()])
         away = nearest_distances(np.ascontiguousarray(points, dtype=float), lines)
-        return np.asarray(self.contains(points) & (away >= _OFF))
+        return self.contains(points) & (away >= _OFF)
 
-    def pixels(self, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+    def pixels(self, shape: tuple[int, ...]) -> Mask:
         """Which pixels of an image of this shape have their center in a region of interest."""
         if not self.interest:
             return np.ones(shape, np.bool_)
-        return np.asarray(np.any([_pixels(polygon, shape) for polygon in self.interest], axis=0))
+        return np.any([_pixels(polygon, shape) for polygon in self.interest], axis=0)
 
     def rims(self) -> Array:
         """Boundary of the union of the regions of interest as segments, shape (S, 4) [px]."""
@@ -146,7 +145,7 @@ def _lines(noun: str, lines: Iterable[Iterable[Sequence[float]]], least: int) ->
 
 
 @lru_cache(maxsize=_KEPT)
-def _pixels(polygon: Line, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+def _pixels(polygon: Line, shape: tuple[int, ...]) -> Mask:
     """Which pixels of an image of this shape have their center in a polygon."""
     places = np.indices(shape).reshape(2, -1).T.astype(float)
     return polyline.inside(polygon, places).reshape(shape)
@@ -187,7 +186,7 @@ class BarrierMap(NamedTuple):
     segments: Array
     clearance: Array
 
-    def crossed(self, start: Array, end: Array) -> NDArray[np.bool_]:
+    def crossed(self, start: Array, end: Array) -> Mask:
         """Which of the straight moves from `start` to `end`, shapes (N, 2) [px], cross or touch a barrier."""
         if not len(self.segments):
             return np.zeros(len(start), np.bool_)
@@ -233,7 +232,7 @@ def crosses(barrier_map: BarrierMap, a: Array, b: Array) -> bool:
 
 
 @compiled
-def _crossed(barrier_map: BarrierMap, start: Array, end: Array) -> NDArray[np.bool_]:
+def _crossed(barrier_map: BarrierMap, start: Array, end: Array) -> Mask:
     out = np.zeros(len(start), np.bool_)
     for i in range(len(start)):
         out[i] = crosses(barrier_map, start[i], end[i])

@@ -59,7 +59,7 @@ class Walls:
 
     def voxels(self, positions: Array) -> Array:
         """Positions of the scale, shape (N, 3), in voxels of the volume."""
-        return np.asarray(positions * self.size + self.first)
+        return positions * self.size + self.first
 
     def crossed(self, start: Array, end: Array) -> Mask:
         """Which of the straight moves between positions of the scale, shapes (N, 3), cross or touch a wall."""
@@ -77,18 +77,17 @@ class Walls:
 
     def shut(self, shape: tuple[int, ...], pitch: Vector, positions: Array) -> Mask:
         """Which voxels of the scale, of this shape, are in a wall or in a room without any of the positions."""
-        found = self.filled(shape, pitch)
-        rooms = np.unique(self.rooms(positions))
-        for plane, part in enumerate(found):
-            part[~np.isin(self.rooms(_centers(plane, shape, pitch)), rooms).reshape(part.shape)] = True
-        return found
+        here = self._nearest_to_voxels(shape, pitch)
+        return self.closed[here] | ~np.isin(self._open.labels[here] - 1, self.rooms(positions))
 
     def filled(self, shape: tuple[int, ...], pitch: Vector) -> Mask:
         """Which voxels of the scale, of this shape, have their centers in a wall."""
-        found = np.empty(shape, np.bool_)
-        for plane, part in enumerate(found):
-            part[:] = self.closed[tuple(self._nearest(_centers(plane, shape, pitch)).T)].reshape(part.shape)
-        return found
+        return self.closed[self._nearest_to_voxels(shape, pitch)]
+
+    def _nearest_to_voxels(self, shape: tuple[int, ...], pitch: Vector) -> tuple[Index, ...]:
+        """Voxels of the volume, along each axis, nearest to the centers of those of the scale."""
+        along = self._nearest(np.arange(max(shape))[:, None] * np.array(pitch))
+        return np.ix_(*(along[:n, axis] for axis, n in enumerate(shape)))
 
     def _nearest(self, positions: Array) -> Index:
         """The voxel of the volume nearest to each position of the scale, shape (N, 3)."""
@@ -99,11 +98,6 @@ class Walls:
     def _open(self) -> Parts:
         """The parts of what is not closed; voxels with a common face are connected."""
         return parts_of(~self.closed, corners=False)
-
-
-def _centers(plane: int, shape: tuple[int, ...], pitch: Vector) -> Array:
-    """Centers of the voxels in one plane of a volume of this shape, shape (N, 3)."""
-    return np.asarray((np.indices((1, *shape[1:])).reshape(3, -1).T + np.array([plane, 0, 0])) * np.array(pitch))
 
 
 @compiled
@@ -336,7 +330,7 @@ class VolumeRegions:
             return np.ones(len(points), np.bool_)
         voxels = np.maximum(np.rint(points), 0.0).astype(np.int64)
         filled = _filled(self.interest, tuple(voxels.max(axis=0, initial=0) + 1), _fill_box)
-        return np.asarray(filled[tuple(voxels.T)])
+        return filled[tuple(voxels.T)]
 
     def allows(self, points: Array) -> Mask:
         """Where of points, shape (N, 3) [voxels], a particle may be: in a region of interest, and on no barrier."""
@@ -425,8 +419,7 @@ def _limit(what: str, form: str, given: ArrayLike | Voxels | Extrusion) -> Limit
         )
     if not np.isfinite(pair).all():
         raise ValueError(f"{what} has coordinates that are not finite: give numbers of planes, rows and columns.")
-    one, other = ((float(p), float(r), float(c)) for p, r, c in pair.tolist())
-    return one, other
+    return tuple(map(tuple, pair.tolist()))  # type: ignore[return-value]
 
 
 def of_plane(regions: AnyRegions | None) -> Regions | None:

@@ -8,12 +8,11 @@ from itertools import pairwise
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Index
+from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction import find_contours
 
@@ -127,11 +126,11 @@ def _joined(contours: Sequence[Contour], paths: list[tuple[Array, slice]], scale
     )
 
 
-def _loose_ends(contour: Contour, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+def _loose_ends(contour: Contour, shape: tuple[int, ...]) -> Mask:
     """Which of both ends of a contour lie in the image and are no junctions, shape (2,)."""
     size = np.array(shape, dtype=float) - 1.0
     inside = np.minimum(contour.points, size - contour.points)[[0, -1]].min(axis=1) > _NEAR
-    return np.asarray(inside & ~np.array(contour.junctions) & (not contour.closed))
+    return inside & ~np.array(contour.junctions) & (not contour.closed)
 
 
 def _without_border(path: Array, shape: tuple[int, ...]) -> list[Array]:
@@ -175,4 +174,4 @@ def _continuation(path: Array, shape: tuple[int, ...]) -> Array:
     along = end - path[-min(len(path), _TANGENT)]
     along = along / max(float(np.linalg.norm(along)), 1e-300)
     direction = along if along @ outwards >= _OUTWARD else outwards
-    return np.asarray(end + direction * np.arange(_STRIDE, size.max(), _STRIDE)[:, None])
+    return end + direction * np.arange(_STRIDE, size.max(), _STRIDE)[:, None]

@@ -188,7 +188,7 @@ def centerlines(
 def _depth(inside: Mask, size: Array) -> Array:
     """Distance of each voxel inside from the surface, halfway between voxels inside and outside."""
     distance = scipy.ndimage.distance_transform_edt(inside, sampling=size)
-    return np.asarray(np.maximum(distance - 0.5 * size.min(), 0.0))
+    return np.maximum(distance - 0.5 * size.min(), 0.0)
 
 
 def _pruned(lines: Mask, depth: Array, size: Array, pruning: float) -> list[Chain]:

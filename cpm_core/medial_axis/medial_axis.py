@@ -12,11 +12,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from cpm_core.contours.graph import Graph
 from cpm_core.medial_axis.boundary import Boundary
-from cpm_core.numerics.types import Array, Index
+from cpm_core.numerics.grids import parts_joined
+from cpm_core.numerics.types import Array, Index, Mask
 
 _FAR = 8.0
 """Distance, in sizes of the image, of the additional points that keep all Voronoi cells bounded."""
@@ -52,7 +52,7 @@ class Axis:
     nearest: Index
     sides: Index = field(default_factory=lambda: np.zeros((0, 2), np.int64))
 
-    def chosen(self, edges: NDArray[np.bool_]) -> Axis:
+    def chosen(self, edges: Mask) -> Axis:
         """The axis with the edges chosen by a mask of shape (M,)."""
         return self.only(self.edges[edges], sides=self.sides[edges])
 
@@ -71,7 +71,7 @@ class Axis:
         joined[self.edges] = True
         return self.only(self.edges[thin[self.edges].all(axis=1)], np.flatnonzero(thin & ~joined))
 
-    def inside(self, low: Array, high: Array) -> NDArray[np.bool_]:
+    def inside(self, low: Array, high: Array) -> Mask:
         """Which vertices lie in a rectangle, shape (N,)."""
         return np.asarray(((self.points >= low) & (self.points <= high)).all(axis=1))
 
@@ -181,17 +181,13 @@ def prune(axis: Axis, pruning: float) -> Axis:
     return axis.only(edges, roots[~np.isin(np.arange(count), part[edges[:, 0]])])
 
 
-def parts(axis: Axis) -> tuple[int, NDArray[np.int32]]:
-    """Number of connected parts of an axis, and the part that each vertex belongs to."""
-    size = len(axis.points)
-    joined = scipy.sparse.coo_array(
-        (np.ones(len(axis.edges)), (axis.edges[:, 0], axis.edges[:, 1])), shape=(size, size)
-    )
-    count, part = scipy.sparse.csgraph.connected_components(joined, directed=False)
-    return int(count), part
+def parts(axis: Axis) -> tuple[int, Index]:
+    """Number of connected parts of an axis, and the part that each of its points belongs to."""
+    part = parts_joined(axis.edges.T, len(axis.points))
+    return int(part.max(initial=-1)) + 1, part
 
 
-def _largest(radius: Array, part: NDArray[np.int32], count: int) -> NDArray[np.int64]:
+def _largest(radius: Array, part: Index, count: int) -> Index:
     """Vertex with the largest disk of each part."""
     order = np.argsort(radius, kind="stable")
     largest = np.zeros(count, np.int64)

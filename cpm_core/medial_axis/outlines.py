@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
 from cpm_core.numerics import polyline
@@ -59,10 +59,10 @@ def mask_of(within: Sequence[Contour] | ArrayLike, shape: tuple[int, ...]) -> Ma
     mask = real_numbers(cast("ArrayLike", within)) != 0.0
     if mask.shape != shape:
         raise ValueError(f"within has the shape {mask.shape}, but the image {shape}: give a mask of that shape.")
-    return np.asarray(mask)
+    return mask
 
 
-def inside_outlines(outlines: Sequence[Contour], places: Array) -> NDArray[np.bool_]:
+def inside_outlines(outlines: Sequence[Contour], places: Array) -> Mask:
     """Which places, shape (N, 2) [px], lie inside an odd number of outlines: in objects and not in their holes."""
     inside = np.zeros(len(places), np.bool_)
     for outline in outlines:

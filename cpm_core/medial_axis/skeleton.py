@@ -15,7 +15,6 @@ from functools import cached_property
 
 import numpy as np
 import skimage
-from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.graph import Graph
@@ -27,7 +26,7 @@ from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.medial_axis import Axis
 from cpm_core.medial_axis.structure import half_width
 from cpm_core.numerics.polyline import lengths_along
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Mask
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.parameters.quotation import counted, described
 
@@ -115,7 +114,7 @@ class Skeleton(drawing.Pictured):
             return float(self.lines.lengths.sum()) / min(self.spacing)
         return sum(contour.length for contour in self.contours)
 
-    def rebuilt(self) -> NDArray[np.bool_]:
+    def rebuilt(self) -> Mask:
         """The shape that the skeleton represents: the disks around its vertices, and those between two vertices.
 
         Returns
@@ -175,7 +174,7 @@ def along(points: Array, radii: Array) -> Array:
     return np.column_stack([np.interp(at, way, values) for values in (*points.T, radii)])
 
 
-def covered(disks: Array, shape: tuple[int, ...]) -> NDArray[np.bool_]:
+def covered(disks: Array, shape: tuple[int, ...]) -> Mask:
     """Pixels whose centers lie in one of the disks (row, col, radius), shape (M, 3) [px]."""
     found = np.zeros(shape, np.bool_)
     for row, col, radius in disks.tolist():

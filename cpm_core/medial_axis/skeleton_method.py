@@ -326,7 +326,7 @@ class SkeletonMethod(ImageFields):
         image = self.image
         low, high = image.gray_range
         if ((image.values == low) | (image.values == high)).all():
-            return np.asarray(image.values == (low if dark else high))
+            return image.values == (low if dark else high)
         field = cast("VolumeField", self.scale_field(parameters))
         smoothed = -field.smoothed if dark else field.smoothed  # inside is what is lighter
         places = field.ridges.place / field.pitch
@@ -345,7 +345,7 @@ def _in_plane(regions: AnyRegions | None) -> Regions | None:
 def _shown(inside: Mask) -> Array:
     """Voxels at the boundary of what is inside, shape (N, 3), evenly fewer of them where there are very many."""
     places = np.argwhere(inside & ~scipy.ndimage.binary_erosion(inside)).astype(float)
-    return np.asarray(places[:: -(-max(len(places), 1) // _MOST_SHOWN)])
+    return places[:: -(-max(len(places), 1) // _MOST_SHOWN)]
 
 
 def _nothing(found: Structure) -> str:

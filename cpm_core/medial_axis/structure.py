@@ -19,7 +19,7 @@ from cpm_core.field.edge_map import background_strength
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.medial_axis.boundary import Boundary, find_boundary
 from cpm_core.medial_axis.medial_axis import Axis, medial_axis, parts, prune, without_tips
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Mask
 from cpm_core.parameters import Parameters
 
 _WIDENED = 1.0 / 3.0 + 1.0 / 12.0
@@ -32,11 +32,6 @@ _FINEST, _ISOLATED = 0.05, 6.0
 def step_width(smoothing: float) -> float:
     """Width of a smoothed step: the standard deviation of its slope, including pixels and differences [px]."""
     return float(np.sqrt(smoothing**2 + _WIDENED))
-
-
-def step_height(strength: Array, smoothing: float) -> Array:
-    """Height of steps [gray levels] with this edge strength on the ridge [gray levels / px] at this sigma [px]."""
-    return np.asarray(strength * np.sqrt(2.0 * np.pi) * step_width(smoothing))
 
 
 def half_width(distance: Array, smoothing: float) -> Array:
@@ -96,7 +91,7 @@ def common_polarity(
     axis: Axis,
     boundary: Boundary,
     polarity: NDArray[np.int8],
-    objects: NDArray[np.bool_],
+    objects: Mask,
     shape: tuple[int, ...],
 ) -> int:
     """Polarity that the objects of an image share; 0 if they do not.
@@ -132,7 +127,7 @@ def common_polarity(
 
 def lengths(axis: Axis) -> Array:
     """Lengths of the edges of an axis, shape (M,) [px]."""
-    return np.asarray(np.linalg.norm(np.diff(axis.points[axis.edges], axis=1)[:, 0], axis=1))
+    return np.linalg.norm(np.diff(axis.points[axis.edges], axis=1)[:, 0], axis=1)
 
 
 _AWAY, _MIDDLE = 2.5, 0.5
@@ -146,7 +141,7 @@ _LEAST_SMOOTHING = 1.0
 """Least smoothing of the compared gray levels [px]."""
 
 
-def within_objects(axis: Axis, boundary: Boundary, values: Array, smoothing: float) -> NDArray[np.bool_]:
+def within_objects(axis: Axis, boundary: Boundary, values: Array, smoothing: float) -> Mask:
     """Find the edges of an axis that lie in objects.
 
     The gray level of the background is the median at the image border. A connected part of the axis lies in an object
@@ -180,7 +175,7 @@ def within_objects(axis: Axis, boundary: Boundary, values: Array, smoothing: flo
     smooth = scipy.ndimage.gaussian_filter(values, max(smoothing, _LEAST_SMOOTHING), mode="nearest")
     gray = [scipy.ndimage.map_coordinates(smooth, where.T, order=1, mode="nearest") for where in (places, axis.points)]
     away = np.min(np.abs(np.array(gray) - np.median(border)), axis=0)
-    contrast = step_height(boundary.strength[axis.nearest], smoothing)
+    contrast = boundary.strength[axis.nearest] * np.sqrt(2.0 * np.pi) * step_width(smoothing)  # height of the steps
     inside = axis.inside(low, high)
     count, part = parts(axis)
     every = np.arange(count)
@@ -190,7 +185,7 @@ def within_objects(axis: Axis, boundary: Boundary, values: Array, smoothing: flo
     difference, height = np.zeros(count), np.ones(count)
     difference[seen] = scipy.ndimage.median(away[reliable], part[reliable], every[seen])
     height[seen] = scipy.ndimage.median(contrast[reliable], part[reliable], every[seen])
-    return np.asarray((difference > _DIFFERENT * height)[part[axis.edges[:, 0]]])
+    return (difference > _DIFFERENT * height)[part[axis.edges[:, 0]]]
 
 
 _OPPOSITE = 0.5
@@ -264,7 +259,7 @@ def own_width(found: Axis, boundary: Boundary) -> float:
 
 def _weights(found: Axis, boundary: Boundary) -> Array:
     """Length of each edge of an axis times the strength of the boundary next to it, shape (M,)."""
-    return np.asarray(lengths(found) * boundary.strength[found.nearest[found.edges]].mean(axis=1))
+    return lengths(found) * boundary.strength[found.nearest[found.edges]].mean(axis=1)
 
 
 _MOSTLY_LOOSE = 0.5

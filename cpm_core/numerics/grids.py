@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import product
 from typing import TypeVar
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from cpm_core.numerics.types import Array, Index, Mask, Single
 
-Values = TypeVar("Values", NDArray[np.float64], NDArray[np.bool_])
+Values = TypeVar("Values", Array, Mask)
 
 
 def running_maximum(values: Values, reach: int, axes: Sequence[int] | None = None) -> Values:
@@ -65,7 +65,7 @@ class Parts:
 
     def part_at(self, voxels: Index) -> Index:
         """Part that voxels, shape (N, 3), belong to; -1 where the mask is False."""
-        return np.asarray(self.labels[tuple(voxels.T)].astype(np.int64) - 1)
+        return self.labels[tuple(voxels.T)].astype(np.int64) - 1
 
 
 def parts_of(mask: Mask, *, corners: bool) -> Parts:
@@ -73,6 +73,13 @@ def parts_of(mask: Mask, *, corners: bool) -> Parts:
     structure = scipy.ndimage.generate_binary_structure(3, 3 if corners else 1)
     labels = np.empty(mask.shape, np.int32)
     return Parts(labels, int(scipy.ndimage.label(mask, structure, output=labels)))
+
+
+def parts_joined(pairs: Iterable[Index], count: int) -> Index:
+    """Number of the part, from 0, of each of so many items; `pairs`, shape (2, N), belong together."""
+    one, other = pairs
+    joined = scipy.sparse.coo_array((np.ones(len(one)), (one, other)), (count, count))
+    return scipy.sparse.csgraph.connected_components(joined, directed=False)[1].astype(np.int64)
 
 
 _NEAREST = 1e-3

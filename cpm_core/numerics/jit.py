@@ -29,7 +29,7 @@ _OPTIONS: dict[str, Any] = {
 
 def _kernel(**options: Any) -> Callable[[Function], Function]:
     """Compile on the first call, and store the result in Numba's cache."""
-    return numba.njit(cache=True, **options, **_OPTIONS)  # type: ignore[no-any-return]
+    return numba.njit(cache=True, **options, **_OPTIONS)
 
 
 compiled = _kernel(fastmath={"nsz"})

@@ -81,7 +81,7 @@ def distances(path: Array | Sequence[Position], positions: Array) -> Array:
         away = distances_to_segments(
             np.asarray(positions, dtype=float)[:, None], corners[:-1], np.diff(corners, axis=0)
         )
-        return np.asarray(away.min(axis=1))
+        return away.min(axis=1)
     sides = np.concatenate([corners[:-1], corners[1:]], axis=1)
     return nearest_distances(np.ascontiguousarray(positions, dtype=float), sides)
 
@@ -91,7 +91,7 @@ def distances_from_closed(curves: Iterable[Sequence[Position]], positions: Array
 
     The first corner of a curve is not repeated at its end.
     """
-    return np.asarray(np.min([distances((*curve, curve[0]), positions) for curve in curves], axis=0))
+    return np.min([distances((*curve, curve[0]), positions) for curve in curves], axis=0)
 
 
 def inside(path: Array | Sequence[Position], positions: Array) -> Mask:

@@ -23,7 +23,7 @@ def segments_of(path: Array) -> Array:
     A row holds row and column of one end, then of the other [px].
     """
     segments = np.concatenate([path[:-1], path[1:]], axis=1)
-    return np.asarray(segments[(segments[:, :2] != segments[:, 2:]).any(axis=1)])
+    return segments[(segments[:, :2] != segments[:, 2:]).any(axis=1)]
 
 
 def distances_to_segments(points: Array, begin: Array, along: Array) -> Array:
@@ -36,7 +36,7 @@ def distances_to_segments(points: Array, begin: Array, along: Array) -> Array:
     square = np.einsum("...i,...i->...", along, along)
     share = np.einsum("...i,...i->...", offset, along) / np.where(square > 0.0, square, 1.0)
     away = offset - np.clip(share, 0.0, 1.0)[..., None] * along
-    return np.asarray(np.linalg.norm(away, axis=-1))
+    return np.linalg.norm(away, axis=-1)
 
 
 @compiled
@@ -127,8 +127,7 @@ def meet(segment: Array, a: Array, b: Array) -> bool:
     ):
         return False
     p, q = segment[:2], segment[2:]
-    meeting: bool = side(p, q, a) * side(p, q, b) <= 0.0 and side(a, b, p) * side(a, b, q) <= 0.0
-    return meeting
+    return side(p, q, a) * side(p, q, b) <= 0.0 and side(a, b, p) * side(a, b, q) <= 0.0
 
 
 def first_crossing(path: Array, segments: Array) -> tuple[int, int]:

@@ -8,9 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
-from cpm_core.numerics.grids import parts_of
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask
 
@@ -46,7 +44,7 @@ def _thin(lines: Mask, voxels: Index) -> int:
 
 
 @compiled
-def _parts(around: Mask, waiting: NDArray[np.int64], inside: bool) -> int:
+def _parts(around: Mask, waiting: Index, inside: bool) -> int:
     """Number of parts of the inside with 26 neighbors, or of the outside with 6 that touch the middle by a side."""
     seen = np.zeros(27, np.bool_)
     count = 0
@@ -178,21 +176,9 @@ def loops_of(boundary: Index) -> list[Array]:
     low = boundary.min(0) - 3
     solid = np.zeros(boundary.max(0) - low + 4, np.bool_)
     solid[tuple((boundary - low).T)] = True
-    solid = _filled(np.asarray(scipy.ndimage.binary_dilation(solid, np.ones((3, 3, 3), bool))))
+    solid = scipy.ndimage.binary_fill_holes(scipy.ndimage.binary_dilation(solid, np.ones((3, 3, 3), bool)))
     lines = thinned(solid, scipy.ndimage.distance_transform_cdt(solid).astype(float))
     return [loop + low for loop in _cycles(chains_of(lines))]
-
-
-def _filled(mask: Mask) -> Mask:
-    """A mask with its hollows."""
-    empty = parts_of(~mask, corners=False)
-    hollow = np.flatnonzero(~empty.at_border)
-    if not len(hollow):
-        return mask
-    voxels = np.argwhere(~mask)
-    filled = mask.copy()
-    filled[tuple(voxels[np.isin(empty.part_at(voxels), hollow)].T)] = True
-    return filled
 
 
 def _cycles(chains: list[Chain]) -> list[Array]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.field.interpolation import interpolate
-from cpm_core.field.region_contrast import Sides
+from cpm_core.field.region_contrast import mean_contrast
 from cpm_core.numerics import polyline
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask, Single
@@ -256,7 +257,7 @@ def _outline(points: Array, free: Mask, bordering: Mask, ground: Ground) -> Outl
     middle = 0.5 * (path[1:] + path[:-1])
     strength = float(interpolate(ground.strength[None], middle)[:, 0] @ lengths / lengths.sum())
     along = np.roll(points, -1, axis=0) - np.roll(points, 1, axis=0)
-    sides = Sides(ground.values, points, along[:, ::-1] * (-1.0, 1.0), SMOOTHING)
+    sides = partial(mean_contrast, ground.values, points, along[:, ::-1] * (-1.0, 1.0), SMOOTHING)
     bridged = free & np.roll(free, -1)
     row, col = points.T
     hole = float(col @ np.roll(row, -1) - np.roll(col, -1) @ row) < 0.0  # the pixels are on the right hand

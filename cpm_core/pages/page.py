@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -137,13 +138,6 @@ class StartingLine:
         return loop(self.corners) if self.closed else stroke(self.corners)
 
 
-@dataclass(frozen=True, slots=True)
-class MeasuredContrast:
-    """A contrast that has been measured, in place of the image that it was measured in."""
-
-    contrast: float
-
-
 def without_image(result: Result) -> Result:
     """A result that takes little memory: contours as files hold them, with their contrast, and no image."""
     contours = tuple(
@@ -151,7 +145,7 @@ def without_image(result: Result) -> Result:
             contour,
             points=np.round(contour.points, _DECIMALS),
             strength=round(contour.strength, _OF_MEASURES),
-            sides=None if contour.sides is None else MeasuredContrast(round(contour.contrast, _OF_MEASURES)),
+            sides=None if contour.sides is None else partial(round, contour.contrast, _OF_MEASURES),
         )
         for contour in result.contours
     )

@@ -48,7 +48,7 @@ class Grid(ClosedPath):
         """Positions of the particles, shape (N, 2), centered in the area; a single one where the area is too small."""
         places = evenly(self._lengths, self.spacing) + np.min(self.points, axis=0)
         found = places[polyline.inside(self.points, places)]
-        return np.asarray(found if len(found) else np.mean(self.points, axis=0)[None])
+        return found if len(found) else np.mean(self.points, axis=0)[None]
 
     def resized(self, by: float) -> Grid:
         """The same area with the spacing changed by so many px."""

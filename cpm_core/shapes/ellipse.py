@@ -129,9 +129,7 @@ class Ellipse:
         """Vertices of the line, shape (K, 2), the first repeated at the end."""
         turn = np.linspace(0.0, 2.0 * np.pi, _CORNERS)
         (along, across), (first, second) = self._axes, self.radii
-        return np.asarray(
-            np.array(self.center) + first * np.cos(turn)[:, None] * along + second * np.sin(turn)[:, None] * across
-        )
+        return np.array(self.center) + first * np.cos(turn)[:, None] * along + second * np.sin(turn)[:, None] * across
 
     def moved(self, by: Position) -> Ellipse:
         """The same ellipse displaced by (rows, cols)."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from functools import lru_cache
 from types import MappingProxyType
 
 from cpm_core.field.edge_map import automatic_smoothing, edge_map
@@ -23,15 +24,36 @@ ImageSeeds = Mapping[ImageStart, Array]
 NO_SEEDS: ImageSeeds = MappingProxyType({})
 
 
+_KEPT = 16
+"""Starts whose seeds are kept: those of a document, some of them switched off and on."""
+
+
 class SeedCache:
     """Seeds on one image, computed once for each start and smoothing."""
 
     def __init__(self, image: Image) -> None:
-        self._image = image
-        self._channel, self._values = "luminance", image.values
-        self._automatic: float | None = None
-        self._kept: dict[ImageStart, tuple[float, Array]] = {}
-        self._strength: tuple[float, Array] | None = None
+        volume, gray = image.ndim == 3, lru_cache(1)(image.gray)
+
+        @lru_cache(1)
+        def smoothing_of(channel: str) -> float:
+            return 1.0 if volume else automatic_smoothing(gray(channel))
+
+        @lru_cache(1)  # dragging an area does not change the smoothing
+        def edges(sigma: float, channel: str) -> Array:
+            return strength_of(image, sigma) if volume else edge_map(gray(channel), sigma)
+
+        @lru_cache(_KEPT)
+        def seeds(start: ImageStart, sigma: float, channel: str) -> Array:
+            if isinstance(start, Everywhere) and volume:
+                return start.seeds_in(image, sigma)
+            if isinstance(start, BoxThreshold) is not volume:
+                kind, found = ("images", "a volume") if volume else ("volumes", "an image")
+                raise ValueError(f"this {start.title} is for {kind}, but {image.source} is {found}: draw another one.")
+            if isinstance(start, BoxThreshold):
+                return start.seeds_within(lambda: edges(sigma, channel))
+            return start.seeds_for(gray(channel), lambda: edges(sigma, channel))
+
+        self._smoothing_of, self._seeds = smoothing_of, seeds
 
     def seeds_for(
         self,
@@ -45,46 +67,6 @@ class SeedCache:
         `smoothing` is the sigma of the Gaussian before the gradient [px], or "auto", for starts that depend on it;
         `channel` says what gives the gray levels of a color image.
         """
-        if channel != self._channel:
-            self._channel, self._values = channel, self._image.gray(channel)
-            self._automatic, self._strength, self._kept = None, None, {}
-        sigma, found = self._smoothing(smoothing), {}
-        for start in starts:
-            key = sigma if start.follows_smoothing else 0.0
-            if start not in self._kept or self._kept[start][0] != key:
-                self._kept[start] = key, self._found(start, sigma)
-            found[start] = self._kept[start][1]
-        # Starts all over the image are switched on and off; others that are gone are not needed again soon.
-        self._kept = {
-            start: kept for start, kept in self._kept.items() if start in found or isinstance(start, Everywhere)
-        }
+        sigma = self._smoothing_of(channel) if isinstance(smoothing, str) else smoothing
+        found = {start: self._seeds(start, sigma if start.follows_smoothing else 0.0, channel) for start in starts}
         return {s: p if regions is None else p[regions.contains(p)] for s, p in found.items()}
-
-    def _found(self, start: ImageStart, smoothing: float) -> Array:
-        if isinstance(start, Everywhere) and self._image.ndim == 3:
-            return start.seeds_in(self._image, smoothing)
-        if isinstance(start, BoxThreshold) is not (self._image.ndim == 3):
-            kind, found = ("images", "a volume") if self._image.ndim == 3 else ("volumes", "an image")
-            raise ValueError(
-                f"this {start.title} is for {kind}, but {self._image.source} is {found}: draw another one."
-            )
-        if isinstance(start, BoxThreshold):
-            return start.seeds_within(lambda: self._edges(smoothing))
-        return start.seeds_for(self._values, lambda: self._edges(smoothing))
-
-    def _edges(self, smoothing: float) -> Array:
-        """Edge strength of the image, cached because dragging an area does not change the smoothing."""
-        if self._strength is None or self._strength[0] != smoothing:
-            volume = self._image.ndim == 3
-            found = strength_of(self._image, smoothing) if volume else edge_map(self._values, smoothing)
-            self._strength = (smoothing, found)
-        return self._strength[1]
-
-    def _smoothing(self, smoothing: float | str) -> float:
-        if not isinstance(smoothing, str):
-            return smoothing
-        if self._image.ndim == 3:
-            return 1.0
-        if self._automatic is None:
-            self._automatic = automatic_smoothing(self._values)
-        return self._automatic

@@ -57,7 +57,7 @@ class WithoutOutline:
 
 
 @dataclass(frozen=True, slots=True)
-class OpenPath:
+class OpenPath(WithoutOutline):
     """A line from corner to corner.
 
     Attributes
@@ -86,10 +86,6 @@ class OpenPath:
         """The same shape displaced by so much along each axis."""
         return self._with_points(polyline.moved(self.points, by))
 
-    def resized(self, by: float) -> Self:
-        """The same shape: an open line is reshaped by its corners only."""
-        return self
-
     def handles(self) -> tuple[Place, ...]:
         """The corners; empty where there are so many that they would hide the line."""
         return self.points if len(self.points) <= MOST_HANDLES else ()
@@ -101,10 +97,6 @@ class OpenPath:
     def distance(self, position: Place) -> float:
         """Distance of a position from the line [px]."""
         return polyline.distance(self.points, position)
-
-    def encloses(self, position: Place) -> bool:
-        """Always false: an open line is selected at the line only."""
-        return False
 
     def _with_points(self, points: tuple[Place, ...]) -> Self:
         return replace(self, points=points) if len(set(points)) >= self.least else self

@@ -177,7 +177,7 @@ class BoxGrid(Cuboid):
 
     def seeds(self) -> Array:
         """Positions of the particles, shape (N, 3), centered in the box."""
-        return np.asarray(evenly(self._lengths, self.spacing) / np.array(self.sides) + self.first)
+        return evenly(self._lengths, self.spacing) / np.array(self.sides) + self.first
 
     def resized(self, by: float) -> BoxGrid:
         """The same box with the spacing changed by so much."""
@@ -218,7 +218,7 @@ class BoxThreshold(Cuboid):
         inside = whole[tuple(slice(a, b) for a, b in zip(low, high, strict=True))]
         if not inside.size:
             return np.empty((0, 3))
-        return np.asarray(np.argwhere(inside > self.fraction * inside.max()).astype(float) + low)
+        return np.argwhere(inside > self.fraction * inside.max()).astype(float) + low
 
     def resized(self, by: float) -> BoxThreshold:
         """The same box with the threshold raised by so many steps of 0.02."""

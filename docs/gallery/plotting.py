@@ -12,16 +12,12 @@ from numpy.typing import NDArray
 
 from cpm_core.image.drawing import (
     CLOSED,
-    FIELD,
     HALO,
-    JUNCTION,
     OPEN,
     PARTICLE,
     require_matplotlib,
     show_curves,
-    show_field,
     show_image,
-    show_junctions,
     show_particles,
 )
 from cpm_core.numerics.types import Array
@@ -35,6 +31,10 @@ if TYPE_CHECKING:
 TEXT, DIM, PAPER = "#1b1f24", "#5a6470", "#ffffff"
 _SERIES = ("#0072b2", "#d55e00", "#009e73")
 _HEAT = "cividis"
+
+JUNCTION, FIELD = "#ff7ac6", "#ff9ad5"
+_ARROWS = 26
+"""Arrows along the longer side of an image."""
 
 _DPI = 100
 _MARGIN, _GAP, _HEAD, _LEGEND, _TITLE, _LINE, _WIDEST, _PANEL = 18, 14, 30, 24, 24, 16, 1600, 290
@@ -140,6 +140,23 @@ def _picture(axes: Axes, panel: Picture) -> None:
     show_junctions(axes, _junctions(panel))
     if panel.particles is not None:
         show_particles(axes, panel.particles)
+
+
+def show_junctions(ax: Axes, places: Array) -> None:
+    """Junctions, shape (N, 2) [px]."""
+    ax.scatter(places[:, 1], places[:, 0], s=26.0, c=JUNCTION, edgecolors=HALO, linewidths=0.7, zorder=4)
+
+
+def show_field(ax: Axes, field: Array) -> None:
+    """A field, shape (2, H, W), as arrows."""
+    shape = field.shape[1:]
+    step = max(1, round(max(shape) / _ARROWS))
+    row, col = np.mgrid[step // 2 : shape[0] : step, step // 2 : shape[1] : step]
+    down, right = field[:, row, col]
+    ax.quiver(
+        col, row, right, down, angles="xy", scale_units="xy", scale=1.0 / (0.9 * step), units="dots", width=1.6,
+        color=FIELD, headwidth=4.0, headlength=4.5, headaxislength=4.0,
+    )  # fmt: skip
 
 
 def _junctions(panel: Picture) -> Array:

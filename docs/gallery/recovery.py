@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core.contours.agreement import agreement, recovered
+from cpm_core.contours.agreement import agreement
 from cpm_core.model.plane import step as plane
 from cpm_core.model.plane.step import populated
 from cpm_core.model.state import State
@@ -19,7 +19,7 @@ from cpm_core.reconstruction import reconstruct_curve
 from cpm_core.segmentation.engine import Engine
 from docs.gallery import silhouettes
 from docs.gallery.pages import Page, Panel, Picture, Stairs
-from docs.gallery.runs import Moment, Run, run
+from docs.gallery.runs import Moment, Run, recovered, run
 from docs.gallery.scenes import Scene
 
 BETAS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0, 1.4, 2.0, 3.0, 4.0)

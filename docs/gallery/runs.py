@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cpm_core.contours.agreement import Agreement, agreement, recovered
+from cpm_core.contours.agreement import TOLERANCE, Agreement, agreement
 from cpm_core.contours.contour import Contour
 from cpm_core.model.state import State
 from cpm_core.numerics.types import Array
@@ -61,6 +61,26 @@ class Run:
     scene: Scene
     moments: tuple[Moment, ...]
     end: Moment
+
+
+_WHOLE = 0.95
+"""Share of the length of two contours that each has to cover of the other to be it."""
+
+
+def recovered(contours: Sequence[Contour], truth: Sequence[Contour], tolerance: float = TOLERANCE) -> int:
+    """Number of closed true contours that a closed contour matches: each covers 95 % of the other's length.
+
+    Open contours do not count; boundaries within the tolerance [px] count as the same.
+    """
+    closed = [one for one in contours if one.closed]
+    return sum(
+        any(
+            min(seen.recall, seen.precision) >= _WHOLE
+            for seen in (agreement([one], [true], tolerance) for one in closed)
+        )
+        for true in truth
+        if true.closed
+    )
 
 
 def run(scene: Scene, at: Sequence[int] = (), tolerance: float = 1.0, engine: Engine | None = None) -> Run:

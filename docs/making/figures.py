@@ -13,7 +13,8 @@ mpl.use("agg")
 from matplotlib import pyplot
 
 import cpm_core as cpm
-from cpm_core.image.drawing import show_curves, show_field, show_particles
+from cpm_core.image.drawing import show_curves, show_particles
+from docs.gallery.plotting import show_field
 
 _DPI = 110
 ROOT = Path(__file__).parents[2]

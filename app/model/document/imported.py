@@ -143,11 +143,6 @@ def _innermost(body: Surface, shape: tuple[int, ...]) -> Place:
     return tuple((deepest + first).astype(float).tolist())
 
 
-def add_starts(document: Document, imported: Imported) -> Document:
-    """The document with starts along the contours."""
-    return replace(document, shapes=(*document.shapes, *imported.starts))
-
-
 def add_objects(document: Document, made: Sequence[SegmentedObject], classes: Sequence[str] = ()) -> Document:
     """The document with objects, each of the class of its name, else of the class that is chosen."""
     first = document.objects.next_number - 1

@@ -144,31 +144,16 @@ def starting(mode: Mode, shapes: tuple[Shape, ...]) -> tuple[Shape, ...]:
     return shapes
 
 
-@dataclass(frozen=True, slots=True)
-class Advice:
-    """The preset for a kind of image, among the core's `PRESETS`, and the sentence that offers it."""
-
-    preset: str
-    sentence: str
-
-
-ADVICE: Mapping[Kind, Advice] = MappingProxyType(
+ADVICE: Mapping[Kind, str] = MappingProxyType(
     {
-        "fluorescence": Advice(
-            "fluorescence",
-            tr("This looks like a fluorescence image. Find all objects with settings for fluorescence?"),
-        ),
-        "angiogram": Advice(
-            "angiogram", tr("This looks like an X-ray image of vessels. Find all vessels with settings for them?")
-        ),
-        "ultrasound": Advice(
-            "ultrasound", tr("This looks like an ultrasound image. Find strong outlines with settings for ultrasound?")
-        ),
+        "fluorescence": tr("This looks like a fluorescence image. Find all objects with settings for fluorescence?"),
+        "angiogram": tr("This looks like an X-ray image of vessels. Find all vessels with settings for them?"),
+        "ultrasound": tr("This looks like an ultrasound image. Find strong outlines with settings for ultrasound?"),
     }
 )
-"""Kinds that are not listed do best with the usual settings."""
+"""Kinds of images for which there is a preset, and the sentences that offer it; others do best with the usual one."""
 
 
 def use_kind(document: Document, kind: Kind) -> Document:
     """The document in the mode Automatic with the settings for a kind of image."""
-    return use_preset(use_mode(document, "automatic"), PRESETS[ADVICE[kind].preset])
+    return use_preset(use_mode(document, "automatic"), PRESETS[kind])

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Container, Iterable, Sequence
 from dataclasses import replace
 from functools import reduce
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from app.model.document.document import Document
 from app.model.text.language import tr
 from cpm_core import Bridge, Contour, Result, Selection, Surface, VolumeSelection
 from cpm_core.contours import PackedSurface
-from cpm_core.numerics import Place, Position, length, polyline, thinned
+from cpm_core.numerics import Array, Place, Position, length, polyline, thinned
 from cpm_core.objects import boundaries_result
 from cpm_core.objects.segmented import (
     Click,
@@ -70,8 +71,9 @@ def accept(document: Document, given: Iterable[SegmentedObject], *, ends: bool =
     for one in given:
         old = known.get(one.number)
         if old is not None:
-            new = replace(one, name=old.name, color=old.color, category=old.category)
-            items[old.number] = replace(new, frozen=old.frozen, hidden=old.hidden)
+            items[old.number] = replace(
+                one, name=old.name, color=old.color, category=old.category, frozen=old.frozen, hidden=old.hidden
+            )
         else:
             number = one.number if one.number in rejected else max((*items, *rejected), default=0) + 1
             items[number] = replace(one, number=number)
@@ -92,18 +94,20 @@ def reject(document: Document, numbers: Iterable[int], offered: Iterable[Segment
 
 def add(document: Document, selections: Iterable[Selection], category: int) -> Document:
     """The document with one more object of a class for each selection; the selection in progress stays."""
-    places = ((each, tuple((row, col) for row, col in each.inside.tolist())) for each in selections)
-    fresh = document.objects.next_number
-    return accept(document, (made(each, (Click(inside),), fresh, category) for each, inside in places if each.found))
+    found = ((each, (Click(tuple(map(tuple, each.inside.tolist()))),)) for each in selections if each.found)
+    return accept(document, (made(each, clicks, document.objects.next_number, category) for each, clicks in found))
 
 
-def bounded(objects: SegmentedObjects, contours: Sequence[Contour], bridges: Iterable[Bridge] = ()) -> SegmentedObject:
-    """An object, not yet one of them, that closed contours bound, with gaps where they bridge some."""
-    boundary = tuple(line_of(contour.points) for contour in contours)
-    gaps = tuple(line_of(bridge.points) for bridge in bridges)
+def bounded(number: int, category: int, contours: Sequence[Contour], gaps: Iterable[Array] = ()) -> SegmentedObject:
+    """An object that closed contours bound, with gaps where they follow nothing."""
     strength = float(np.average([one.strength for one in contours], weights=[one.length for one in contours]))
     return SegmentedObject(
-        objects.next_number, (), boundary, gaps, strength=round(strength, _DECIMALS), category=objects.category
+        number,
+        (),
+        tuple(line_of(contour.points) for contour in contours),
+        tuple(map(line_of, gaps)),
+        strength=round(strength, _DECIMALS),
+        category=category,
     )
 
 
@@ -117,12 +121,9 @@ def made(selection: AnySelection, clicks: tuple[Click, ...], number: int, catego
     """The object of a selection that is not empty."""
     if isinstance(selection, VolumeSelection):
         return SegmentedObject(number, clicks, category=category, surface=(selection.packed,))
-    boundary = tuple(line_of(contour.points) for contour in selection.contours)
-    gaps = tuple(line_of(gap) for gap in selection.gaps)
     confidence = round(min(max(float(selection.confidence), 0.0), 1.0), _DECIMALS)
-    lengths = [contour.length for contour in selection.contours]
-    strength = float(np.average([contour.strength for contour in selection.contours], weights=lengths))
-    return SegmentedObject(number, clicks, boundary, gaps, confidence, round(strength, _DECIMALS), category=category)
+    item = bounded(number, category, selection.contours, selection.gaps)
+    return replace(item, clicks=clicks, confidence=confidence)
 
 
 # The objects
@@ -134,31 +135,29 @@ def delete(document: Document, numbers: Iterable[int]) -> Document:
     left, rejected = (
         tuple(item for item in items if item.number not in gone) for items in (objects.items, objects.rejected)
     )
-    if objects.edited in gone:
-        return _with(document, items=left, rejected=rejected, clicks=(), edited=0)
-    return _with(document, items=left, rejected=rejected)
+    over = {"clicks": (), "edited": 0} if objects.edited in gone else {}
+    return _with(document, items=left, rejected=rejected, **over)
 
 
 def rename(document: Document, numbers: Iterable[int], name: str) -> Document:
     """The document in which objects have a name; none when it is empty."""
-    return _amended(document, numbers, lambda item: replace(item, name=name.strip()))
+    return amend(document, numbers, name=name.strip())
 
 
 def classify(document: Document, numbers: Iterable[int], category: int) -> Document:
     """The document in which objects have a class, as the next ones will; own colors are removed."""
-    changed = _amended(document, numbers, lambda item: replace(item, category=category, color=""))
-    return _with(changed, category=category)
+    return _with(amend(document, numbers, category=category, color=""), category=category)
 
 
-def amend(document: Document, numbers: Iterable[int], **parts: str | bool) -> Document:
+def amend(document: Document, numbers: Iterable[int], **parts: Any) -> Document:
     """The document in which objects have another color (empty: that of their class), or are frozen or hidden or not."""
-    return _amended(document, numbers, lambda item: replace(item, **parts))  # type: ignore[arg-type]
+    chosen = frozenset(numbers)
+    items = tuple(replace(item, **parts) if item.number in chosen else item for item in document.objects.items)
+    return _with(document, items=items)
 
 
 def merge(document: Document, numbers: Iterable[int]) -> Document:
     """The document in which several objects of its image are one: the first of them, with all their places inside."""
-    if document.image is None:
-        return document
     chosen = frozenset(numbers)
     merged = [item for item in document.objects.items if item.number in chosen]
     return merge_into(document, merged, reduce(union, merged))
@@ -166,8 +165,7 @@ def merge(document: Document, numbers: Iterable[int]) -> Document:
 
 def merge_into(document: Document, merged: Iterable[SegmentedObject], whole: SegmentedObject) -> Document:
     """The document in which one object replaces several, of which it has the number of one."""
-    rest = delete(document, [item.number for item in merged if item.number != whole.number])
-    return _amended(rest, (whole.number,), lambda _: whole)
+    return accept(delete(document, [item.number for item in merged if item.number != whole.number]), (whole,))
 
 
 def split(document: Document, whole: SegmentedObject, halves: Halves) -> Document:
@@ -223,14 +221,10 @@ def _with_shapes(
 
 def _spread(surface: Surface) -> tuple[Place, ...]:
     """Corners of the triangles of a surface, one of each block of some voxels, so that there are not too many."""
-    side = _APART
-    while True:
-        blocks = np.floor(surface.vertices / side).astype(np.int64)
-        first = np.sort(np.unique(blocks, axis=0, return_index=True)[1])
-        if len(first) <= _MOST_POINTS:
-            places = np.round(surface.vertices[first], _DECIMALS).tolist()
-            return tuple((plane, row, col) for plane, row, col in places)
+    side, vertices = _APART, surface.vertices
+    while len(first := np.unique(np.floor(vertices / side).astype(int), axis=0, return_index=True)[1]) > _MOST_POINTS:
         side *= 1.5
+    return tuple(map(tuple, np.round(vertices[np.sort(first)], _DECIMALS).tolist()))
 
 
 # Exports
@@ -303,16 +297,8 @@ def listed_classes(objects: SegmentedObjects) -> tuple[int, ...]:
     return tuple(sorted((*listed, *(free if objects.items else ()))))
 
 
-def _amended(
-    document: Document, numbers: Iterable[int], amend: Callable[[SegmentedObject], SegmentedObject]
-) -> Document:
-    chosen = frozenset(numbers)
-    items = tuple(amend(item) if item.number in chosen else item for item in document.objects.items)
-    return _with(document, items=items)
-
-
-def _with(document: Document, **parts: object) -> Document:
-    return replace(document, objects=replace(document.objects, **parts))  # type: ignore[arg-type]
+def _with(document: Document, **parts: Any) -> Document:
+    return replace(document, objects=replace(document.objects, **parts))
 
 
 _ON_BRUSH = 0.1
@@ -357,6 +343,6 @@ def brushed(
     for points in map(np.array, boundary):
         on = np.abs(polyline.distances(path, points) - radius) <= _ON_BRUSH
         runs = (points[run].tolist() for run in polyline.stretches(on, closed=True) if len(run) > 1)
-        painted += [tuple((row, col) for row, col in run) for run in runs]
+        painted += [tuple(map(tuple, run)) for run in runs]
     new = replace(made, clicks=(), boundary=boundary, gaps=(*kept, *painted))
     return accept(document, (new,), ends=document.objects.edited == number)

@@ -13,15 +13,15 @@ from app.model.text.language import tr
 from cpm_core import Parameters
 from cpm_core.formats import ImageFile, SessionFile
 
-_PARTS = (
-    (tr("the shapes"), ("shapes",)),
-    (tr("the parameters"), ("parameters",)),
-    (tr("decisions about contours"), ("marks",)),
-    (tr("edits of contours"), ("hand_edits",)),
-    (tr("the objects"), ("objects",)),
-    (tr("settings of the comparison"), ("comparison",)),
-)
-"""Parts of a document, in words, and its attributes."""
+_PARTS = {
+    "shapes": tr("the shapes"),
+    "parameters": tr("the parameters"),
+    "marks": tr("decisions about contours"),
+    "hand_edits": tr("edits of contours"),
+    "objects": tr("the objects"),
+    "comparison": tr("settings of the comparison"),
+}
+"""Attributes of a document in words."""
 
 View = Mapping[str, Any]
 """View settings of the window, as plain JSON."""
@@ -60,22 +60,21 @@ def changed_parts(document: Document, known: Document | None) -> tuple[str, ...]
     count = sum(saved.get(item.number) != item for item in document.objects.items)
     counted = tr("1 object") if count == 1 else tr("{count} objects").format(count=count)
     found = tuple(
-        counted if count and "objects" in names else words
-        for words, names in _PARTS
-        if any(getattr(document, name) != getattr(before, name) for name in names)
+        counted if count and name == "objects" else words
+        for name, words in _PARTS.items()
+        if getattr(document, name) != getattr(before, name)
     )
     return found or (tr("your choices"),)
 
 
 def restored(file: SessionFile, image: ImageReference, parameters: Parameters) -> Document:
     """The document of a session file on its image, with parameters that suit the image."""
-    mode = mode_called(file.mode)
     return Document(
         image,
         file.shapes,
         parameters,
         file.marks,
-        mode,
+        mode_called(file.mode),
         hand_edits=file.hand_edits,
         objects=file.objects,
         outlined=file.outlined,

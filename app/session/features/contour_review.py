@@ -38,19 +38,12 @@ class ContourReview(QObject):
         self.rejected_seen = True
         self._session = session
         self._contours: ReviewedContours = NO_CONTOURS
-        self._by_key: dict[int, Item] = {}
         self._around: PathTree | None = None
         self._places: Array | None = None
         session.scene_changed.connect(self._follow)
         session.image_changed.connect(self.choose)
 
     # State
-
-    def __getitem__(self, key: int) -> Item:
-        return self._by_key[key]
-
-    def __contains__(self, key: object) -> bool:
-        return key in self._by_key
 
     @property
     def items(self) -> tuple[Item, ...]:
@@ -82,18 +75,17 @@ class ContourReview(QObject):
         """The shown contours within `reach` [px] of a place (row, col), nearest first."""
         if self._around is None:
             self._around = neighborhood([item.contour for item in self.items])
-        found = (self.items[index] for index in self._around.passing(place, reach))
-        return [item for item in found if self.rejected_seen or not item.reviewed.rejected]
+        return list(filter(self.sees, map(self.items.__getitem__, self._around.passing(place, reach))))
 
-    def under(self, place: Position, reach: float) -> int | None:
-        """Key of the shown contour nearest to a place (row, col) within `reach` [px]."""
-        return next((item.key for item in self.near(place, reach)), None)
+    def sees(self, item: Item) -> bool:
+        """Whether a contour is shown."""
+        return self.rejected_seen or not item.reviewed.rejected
 
     def within(self, outline: Sequence[Position]) -> frozenset[int]:
         """Keys of the shown contours that lie inside a closed outline of places (row, col) for half of their length."""
         inside = polyline.inside(outline, self._sampled).reshape(-1, _PLACES).mean(axis=1)
-        seen = (item for item, part in zip(self.items, inside.tolist(), strict=True) if part >= 0.5)
-        return frozenset(item.key for item in seen if self.rejected_seen or not item.reviewed.rejected)
+        lie = zip(self.items, inside.tolist(), strict=True)
+        return frozenset(item.key for item, part in lie if part >= 0.5 and self.sees(item))
 
     def apart(self, boundaries: Iterable[Sequence[Position]]) -> tuple[Item, ...]:
         """The contours of which less than most runs along one of some closed lines of places (row, col) [px]."""
@@ -113,10 +105,6 @@ class ContourReview(QObject):
         return Target(mark, mark.anchor if mark else anchor(self.result.contours, item.reviewed.index), item.contour)
 
     # Selecting
-
-    def select(self, keys: Iterable[int]) -> None:
-        """Select only these contours."""
-        self.choose(contours=keys)
 
     def choose(self, contours: Iterable[int] = (), objects: Iterable[int] = ()) -> None:
         """Select only contours of these keys, objects of these numbers and proposals of these keys, below 0."""
@@ -145,9 +133,9 @@ class ContourReview(QObject):
             return
         self._contours = scene.contours
         self._around = self._places = None
-        self._by_key = {item.key: item for item in scene.contours.items}
+        keys = {item.key for item in scene.contours.items}
         self.changed.emit()
         scene = self._session.scene
-        self.choose(scene.selected_contours & self._by_key.keys(), scene.objects.chosen)
-        if self.hovered is not None and self.hovered not in self:
+        self.choose(scene.selected_contours & keys, scene.objects.chosen)
+        if self.hovered not in keys:
             self.hover(None)

@@ -15,12 +15,12 @@ from app.session.scene import Item, ReviewedContours
 from app.session.session import Session
 from app.session.worker.requests import EDGES, find_edges
 from cpm_core import Contour
-from cpm_core.contours import HandEdit, Path, neighborhood
+from cpm_core.contours import HandEdit, neighborhood
 from cpm_core.field import ScaleField
 from cpm_core.numerics import Array, PathTree, Position
 from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects, contours_of, outlined, redrawn
 from cpm_core.parameters import invalidating
-from cpm_core.reconstruction import Contact, LiveWire, chain, cut, deletion, nearest_ridge, on_ridge, pull, wire_from
+from cpm_core.reconstruction import Contact, LiveWire, chain, cut, deletion, nearest_ridge, wire_from
 
 Way = Callable[[Position], Array]
 """The path from some place to another one, shape (K, 2) [px]."""
@@ -55,18 +55,14 @@ class HandEditing(QObject):
         """Objects, and the curves of the boundaries of those that are shown."""
         self._ends: tuple[list[Contour], Array] | None = None
         """The open contours, and the places of both ends of each, in turn, shape (2 N, 2) [px]."""
-        self._edges: ScaleField | None = None
+        self.edges: ScaleField | None = None
+        """Fields of the image in which lines follow the edges; None until they are there."""
         self._asked: tuple[object, ...] = ()
         self._reported: tuple[int, ...] = ()
         session.image_changed.connect(self._forget)
         session.scene_changed.connect(self._follow)
 
     # What the pointer takes hold of
-
-    @property
-    def edges(self) -> ScaleField | None:
-        """Fields of the image in which lines follow the edges; None until they are there."""
-        return self._edges
 
     def prepare(self) -> None:
         """Ask for the edges of the image, unless they are there or on their way."""
@@ -78,7 +74,7 @@ class HandEditing(QObject):
 
             def use(edges: ScaleField) -> None:
                 if generation == self._session.image_generation:
-                    self._edges = edges
+                    self.edges = edges
 
             self._session.post(find_edges(generation, document.parameters, use))
 
@@ -96,8 +92,8 @@ class HandEditing(QObject):
         near = [end for end in near if self._item(end) is not None]
         if near:
             return min(near, key=lambda end: end.line.nearest(at)[1])
-        key = self._review.under(at, reach)
-        return None if key is None else Contact.at(self._review[key].contour, at)
+        lines = self._review.near(at, reach)
+        return Contact.at(lines[0].contour, at) if lines else None
 
     def boundary(self, at: Position, reach: float) -> tuple[SegmentedObject, Contact] | None:
         """The nearest place on the boundary of an object within reach of a place [px], unless a contour is nearer."""
@@ -131,38 +127,26 @@ class HandEditing(QObject):
 
     def way_from(self, start: Position, avoided: Sequence[Array] = ()) -> Way:
         """Paths from a place along the edges that keep off some lines, each of shape (K, 2)."""
-        if self._edges is None:
+        if self.edges is None:
             return lambda place: np.array([start, place], dtype=float)
-        return LiveWire(self._edges, start, avoided, [_place(line[0]) for line in avoided]).to
+        return LiveWire(self.edges, start, avoided, [tuple(line[0].tolist()) for line in avoided]).to
 
     def way_from_end(self, end: Contact) -> Way:
         """Paths from the end of a contour along the edges, not back along it."""
-        if self._edges is None:
+        if self.edges is None:
             return self.way_from(end.place)
-        return wire_from(self._edges, end).to
+        return wire_from(self.edges, end).to
 
     def snapped(self, place: Position) -> Position:
         """A place moved onto the edge next to it, if there is one."""
-        return place if self._edges is None else nearest_ridge(place, self._edges, _SNAP)
-
-    def snapped_path(self, path: Array) -> Array:
-        """A path moved onto the edges next to it, shape (K, 2)."""
-        return path if self._edges is None else on_ridge(path, self._edges)
-
-    def pulled(self, held: Contact, to: Position, snapping: bool) -> HandEdit:
-        """The edit that pulls a stretch of a contour to a place, onto the edge there if it is `snapping`."""
-        return pull(held, to, self._edges if snapping else None)
-
-    def stretch(self, one: Contact, other: Contact) -> Path:
-        """The stretch of a contour between two places."""
-        return deletion(one, other).removed
+        return place if self.edges is None else nearest_ridge(place, self.edges, _SNAP)
 
     # Edits
 
     def redraw(self, item: SegmentedObject, held: Contact, edit: HandEdit, snapping: bool) -> None:
         """Carry out an edit on the boundary of an object that was held at a place."""
         assert held.line.source is not None
-        new = redrawn(item, held.line.source, edit, self._edges if snapping else None)
+        new = redrawn(item, held.line.source, edit, self.edges if snapping else None)
         objects = self._session.document.objects
         self._session.edit(
             tr("redraw boundary of {what}").format(what=title(objects, item)),
@@ -171,7 +155,8 @@ class HandEditing(QObject):
 
     def outline(self, path: Array) -> int:
         """Make an object of a closed line that has been drawn, shape (K, 2) [px]; returns its number."""
-        item = outlined(bounded(self._session.document.objects, [Contour(path, True)]), self._edges)
+        objects = self._session.document.objects
+        item = outlined(bounded(objects.next_number, objects.category, [Contour(path, True)]), self.edges)
         self._session.edit(NAMES["outline"], lambda document: accept(document, (item,)))
         return item.number
 
@@ -196,12 +181,12 @@ class HandEditing(QObject):
     def join_selected(self, closing: bool) -> None:
         """Join the selected contours by their nearest ends, to a closed one if `closing`."""
         contours = [item.contour for item in self._review.chosen if not item.contour.closed]
-        if self._edges is None:
+        if self.edges is None:
             self._asked = ()  # they may have failed
             self.prepare()
             self._session.say(tr("The edges of the image are being prepared: try again in a moment."))
             return
-        edits = chain(self._edges, contours, closing)
+        edits = chain(self.edges, contours, closing)
         if not edits:
             self._session.say(tr("Select an open contour to close it, or several to join them."))
             return
@@ -224,11 +209,11 @@ class HandEditing(QObject):
 
     def _item(self, contact: Contact) -> Item | None:
         """The contour of a place, if it can be seen and has not been replaced."""
-        seen = (item for item in self._review.items if self._review.rejected_seen or not item.reviewed.rejected)
-        return next((item for item in seen if item.contour is contact.line.source), None)
+        found = (item for item in self._review.items if item.contour is contact.line.source)
+        return next(filter(self._review.sees, found), None)
 
     def _forget(self) -> None:
-        self._edges, self._lines, self._asked, self._reported = None, None, (), ()
+        self.edges, self._lines, self._asked, self._reported = None, None, (), ()
         self.mark(())
 
     def _follow(self) -> None:
@@ -251,7 +236,3 @@ class HandEditing(QObject):
         self._reported = missed
         if new:
             self._session.say(_NOT_FOUND.format(count=len(missed), all=len(self._session.document.hand_edits)))
-
-
-def _place(point: Array) -> Position:
-    return float(point[0]), float(point[1])

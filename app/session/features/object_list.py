@@ -12,15 +12,16 @@ import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from app.model.document import contours, objects
-from app.model.document.document import Document
+from app.model.document.contours import Target
+from app.model.document.document import Document, ImageReference
 from app.model.document.objects import brushed
 from app.model.text.language import tr
 from app.model.volume.surface_section import holds, size_of
-from app.session.features.background import IdentityCache, LatestOnlyWorker
+from app.session.features.background import IdentityCache, LatestOnlyWorker, is_same
 from app.session.features.contour_review import ContourReview
-from app.session.scene import Item, Proposal, ReviewedContours
+from app.session.scene import Item, Proposal
 from app.session.session import Session
-from cpm_core import Bridge, Contour, Image, Surface
+from cpm_core import Image, Surface
 from cpm_core.contours import bridges_on
 from cpm_core.numerics import Array, Place, Position, polyline
 from cpm_core.objects.segmented import Halves, Line, SegmentedObject, SegmentedObjects, painted, union
@@ -148,8 +149,10 @@ def _size(row: Row) -> float:
 BRUSH = 1.0, 500.0
 """Limits of the radius of the brush [px]."""
 
-_BRUSH, _LEAST_BRUSH = 0.03, 4.0
-"""Radius of the brush at first, in the longest side of the image, and at least [px]."""
+
+def first_radius(image: ImageReference | None) -> float:
+    """Radius of a brush at first, which depends on the size of the image [px]."""
+    return max(0.03 * max(image.shape), 4.0) if image is not None else 4.0
 
 
 class ObjectList(QObject):
@@ -167,16 +170,14 @@ class ObjectList(QObject):
         self._session, self._review = session, review
         self.selection_changed = review.selection_changed
         self._brush: float | None = None
-        self._boxes: dict[int, tuple[tuple[Line, ...], tuple[float, ...]]] = {}
-        """The boundary of each object, and the least and largest row and column of it."""
-        self._known, self._measured_in = session.document.objects, session.image
-        self._offered: tuple[Proposal, ...] = ()
+        self._seen: tuple[object, ...] = ()
+        """Objects, image and proposals that have been listed."""
         self._figures: dict[int, tuple[Image, object, Figures]] = {}
         self._parts = IdentityCache()
         self._latest = LatestOnlyWorker(session, "cpm-object-measures", tr("measuring objects"))
         self._merging = LatestOnlyWorker(session, "cpm-merging", tr("merging objects"))
         session.document_changed.connect(self._follow)
-        session.scene_changed.connect(self._follow_proposals)
+        session.scene_changed.connect(self._follow)
         session.image_changed.connect(self._merging.forget)
         review.changed.connect(self.changed)
 
@@ -203,23 +204,27 @@ class ObjectList(QObject):
         """All rows: objects, proposals, contours that bound none of them, closed ones first, and what is rejected."""
         scene, image = self._session.scene, self._session.image
         made_of = self.objects, scene.objects.proposals, scene.contours, self._figures, image
-        return self._parts.named("rows", lambda: self._listed(*made_of[:3]), *made_of)
+        return self._parts.named("rows", self._listed, *made_of)
 
-    def _listed(
-        self, known: SegmentedObjects, proposals: tuple[Proposal, ...], shown: ReviewedContours
-    ) -> tuple[Row, ...]:
+    def _listed(self) -> tuple[Row, ...]:
+        known, proposals = self.objects, self._session.scene.objects.proposals
         offered = self._parts.get(_as_objects, proposals, known)
         lines = _boundaries((*known.items, *offered, *known.rejected))
         alike = frozenset(map(id, lines))  # no others when a proposal becomes an object
-        own, self._lines = self._parts.named("own", lambda: (self._review.apart(lines), lines), shown, alike)
+        own, self._lines = self._parts.named(
+            "own", lambda: (self._review.apart(lines), lines), self._session.scene.contours, alike
+        )
         found = enumerate((each.key for each in proposals if each.selection.found), start=1)
+
+        def row(kind: Kind, one: SegmentedObject, key: Key | None = None, title: str = "") -> Row:
+            title = title or self.title(one)
+            return Row(key or ("object", one.number), kind, title, one, figures=self.figures(one))
+
         rows = [
-            *(Row(("object", one.number), "object", self.title(one), one, figures=self.figures(one))
-              for one in known.items),
-            *(Row(("proposal", key), "proposal", tr("proposal {number}").format(number=at), one,
-                  figures=self.figures(one)) for (at, key), one in zip(found, offered, strict=True)),
-            *(Row(("object", one.number), "rejected", self.title(one), one, figures=self.figures(one))
-              for one in known.rejected),
+            *(row("object", one) for one in known.items),
+            *(row("proposal", one, ("proposal", key), tr("proposal {number}").format(number=at))
+              for (at, key), one in zip(found, offered, strict=True)),
+            *(row("rejected", one) for one in known.rejected),
             *(Row(("contour", one.key), "rejected" if one.reviewed.rejected else
                   "closed" if one.contour.closed else "open", one.title, contour=one) for one in own),
         ]  # fmt: skip
@@ -261,19 +266,12 @@ class ObjectList(QObject):
     def near(self, places: Array, reach: float) -> list[SegmentedObject]:
         """The shown objects whose boxes come within reach of one of some places, shape (N, 2) [px]."""
         shown = [item for item in self.objects.items if not item.hidden and item.boundary]
-        known, self._boxes = self._boxes, {}
-        for item in shown:
-            boundary, box = known.get(item.number, ((), ()))
-            if boundary is not item.boundary:
-                corners = np.concatenate([np.asarray(curve) for curve in item.boundary])
-                box = (*corners.min(axis=0).tolist(), *corners.max(axis=0).tolist())
-            self._boxes[item.number] = item.boundary, box
-        low, high = (places.min(axis=0) - reach).tolist(), (places.max(axis=0) + reach).tolist()
-
-        def meets(top: float, left: float, bottom: float, right: float) -> bool:
-            return bool(top <= high[0] and left <= high[1] and bottom >= low[0] and right >= low[1])
-
-        return [item for item in shown if meets(*self._boxes[item.number][1])]
+        boxes = [
+            self._parts.named(("box", item.number), partial(getattr, item, "box"), item.boundary) for item in shown
+        ]
+        low, high = np.array(boxes).reshape(-1, 2, 2).swapaxes(0, 1)
+        meets = ((low <= places.max(axis=0) + reach) & (high >= places.min(axis=0) - reach)).all(axis=1)
+        return [item for item, near in zip(shown, meets.tolist(), strict=True) if near]
 
     def at(self, place: Place, reach: float, areas: bool = True) -> Key | None:
         """The row at a place: a contour within `reach` [px], or else the smallest one around it.
@@ -313,12 +311,11 @@ class ObjectList(QObject):
     @property
     def brush(self) -> float:
         """Radius of the brush that paints objects [px of the image]."""
-        image = self._session.document.image
-        return self._brush or max(_BRUSH * max(image.shape if image is not None else (0,)), _LEAST_BRUSH)
+        return self._brush or first_radius(self._session.document.image)
 
     def set_brush(self, radius: float | None) -> None:
-        """Set the radius of the brush within its limits [px]; for None it depends on the size of the image again."""
-        self._brush = None if radius is None else min(max(radius, BRUSH[0]), BRUSH[1])
+        """Set the radius of the brush [px]; for None it depends on the size of the image again."""
+        self._brush = radius
         self.brush_changed.emit(self.brush)
 
     # Selecting
@@ -373,9 +370,7 @@ class ObjectList(QObject):
         draft = any(row.key == _DRAFT for row in rows)
         offered = [row.item for row in rows if row.item is not None and row.kind == "proposal" and row.key != _DRAFT]
         numbers = [row.key[1] for row in rows if row.kind == "object"]
-        own = self._review.apart(_boundaries(row.item for row in rows if row.item is not None))
-        kept = {item.key for item in own} - {row.contour.key for row in rows if row.contour is not None}
-        lines = [self._review.target(item) for item in self._review.items if item.key not in kept]
+        lines = self._targets(rows)
 
         def edit(document: Document) -> Document:
             marked = contours.judge(document, lines, "rejected")
@@ -386,8 +381,9 @@ class ObjectList(QObject):
 
     def delete(self) -> None:
         """Remove the selected objects, and dismiss or reject the rest; rejected objects are forgotten."""
-        if all(row.kind in ("object", "rejected") and row.item is not None for row in self.selected_rows):
-            self.do(tr("delete {what}"), objects.delete, "object", "rejected")
+        rows = self.selected_rows
+        if all(row.key[0] == "object" for row in rows):
+            self._edit(tr("delete {what}"), rows, lambda d: objects.delete(d, [row.key[1] for row in rows]))
         else:
             self.reject()
 
@@ -436,17 +432,16 @@ class ObjectList(QObject):
     def toggle(self, state: Literal["frozen", "hidden"]) -> None:
         """Freeze or hide objects, or take that back when all are so."""
         on = not all(getattr(item, state) for item in self.items)
-        words = (
-            (tr("show {what}"), tr("hide {what}"))
-            if state == "hidden"
-            else (tr("unfreeze {what}"), tr("freeze {what}"))
-        )
-        self.do(words[on], lambda d, chosen: objects.amend(d, chosen, **{state: on}))
+        words = {
+            "hidden": (tr("show {what}"), tr("hide {what}")),
+            "frozen": (tr("unfreeze {what}"), tr("freeze {what}")),
+        }
+        self.do(words[state][on], lambda d, chosen: objects.amend(d, chosen, **{state: on}))
 
-    def do(self, words: str, edit: Callable[[Document, frozenset[int]], Document], *kinds: Kind) -> None:
-        """Edit the selected objects, or those of some kinds; `words` say what is done to ``{what}``."""
-        rows = [row for row in self.selected_rows if row.key[0] == "object" and row.kind in (kinds or ("object",))]
-        numbers = frozenset(row.key[1] for row in rows)
+    def do(self, words: str, edit: Callable[[Document, Collection[int]], Document]) -> None:
+        """Edit the selected objects; `words` say what is done to ``{what}``."""
+        rows = [row for row in self.selected_rows if row.kind == "object"]
+        numbers = [row.key[1] for row in rows]
         self._edit(words, rows, lambda document: edit(document, numbers))
 
     def merge(self) -> None:
@@ -461,8 +456,7 @@ class ObjectList(QObject):
 
     def whole(self, row: Row) -> SegmentedObject | None:
         """The object that a row is, or would be once it is accepted; None for one that is hidden, rejected or open."""
-        closed = self._outlines([row])
-        return objects.bounded(self.objects, *closed[0]) if closed else row.drawn
+        return next(iter(self._bounded([row])), row.drawn)
 
     def split(self, whole: SegmentedObject, halves: Halves) -> None:
         """Put the halves of an object, or of what is not accepted yet, in its place, and choose them."""
@@ -485,23 +479,15 @@ class ObjectList(QObject):
         then: Callable[[Document, Collection[int]], Document] = lambda document, _: document,
     ) -> None:
         """Make objects of rows, keep open ones, and do what follows with the numbers of all objects."""
-        known = self.objects
-        given = [row.item for row in rows if row.item is not None and row.kind != "object"]
-        given += [objects.bounded(known, *outline) for outline in self._outlines(rows)]
-        kept = [row.contour for row in rows if row.kind == "open" and row.contour is not None]
-        undecided = [row.contour for row in rows if row.kind == "rejected" and row.contour is not None]
-        back = [row.item for row in rows if row.kind == "rejected" and row.item is not None]
-        left = {item.key for item in self._review.apart(_boundaries(back))}
-        undecided += [item for item in self._review.items if item.key not in left]
-        marks = [(self._review.target(item), item in kept) for item in (*kept, *undecided)]
+        given = [row.item for row in rows if row.item is not None and row.kind != "object"] + self._bounded(rows)
+        kept, undecided = (self._targets([row for row in rows if row.kind == kind]) for kind in ("open", "rejected"))
+        ends = any(row.key == _DRAFT for row in rows)
         old = {row.key[1] for row in rows if row.kind == "object"}
         numbers: list[int] = []
 
         def edit(document: Document) -> Document:
-            for target, keeps in marks:
-                document = contours.judge(document, (target,), "kept" if keeps else "")
             before = {item.number for item in document.objects.items}
-            ends = any(row.key == _DRAFT for row in rows)
+            document = contours.judge(contours.judge(document, kept, "kept"), undecided, "")
             document = objects.accept(document, given, ends=ends)
             changed = old | {item.number for item in given}
             numbers[:] = [n.number for n in document.objects.items if n.number in changed or n.number not in before]
@@ -511,12 +497,18 @@ class ObjectList(QObject):
         if given:
             self.choose(item.number for item in self.objects.items if item.number in numbers)
 
-    def _outlines(self, rows: Sequence[Row]) -> list[tuple[list[Contour], list[Bridge]]]:
-        """The boundaries of the objects that closed contours make: each with the holes directly in it, and bridges.
+    def _targets(self, rows: Sequence[Row]) -> list[Target]:
+        """The contours that rows are, and those that run along their boundaries."""
+        apart = {item.key for item in self._review.apart(_boundaries(row.item for row in rows if row.item))}
+        left = apart - {row.contour.key for row in rows if row.contour}
+        return [self._review.target(item) for item in self._review.items if item.key not in left]
+
+    def _bounded(self, rows: Sequence[Row]) -> list[SegmentedObject]:
+        """The objects that closed contours make, not accepted yet: each with the holes directly in it, and bridges.
 
         A contour in a hole of a selected one bounds an object of its own again.
         """
-        result = self._review.result
+        known, result = self.objects, self._review.result
         closed = {item.measures.number: item for item in self._review.items
                   if item.contour.closed and not item.reviewed.rejected}  # fmt: skip
         chosen = {row.contour.measures.number for row in rows if row.kind == "closed" and row.contour is not None}
@@ -527,15 +519,16 @@ class ObjectList(QObject):
                 found.append(number)
             return [each for each in found if each in closed]
 
-        outlines = []
+        made = []
         for number in sorted(chosen):
             outer = around(number)
             highest = next((depth for depth in reversed(range(len(outer))) if outer[depth] in chosen), -1)
             if result is not None and highest % 2:  # none is around it, or an even number of contours
                 holes = [each for each in closed if around(each)[:1] == [number]]
                 bounds = [closed[each].contour for each in (number, *holes)]
-                outlines.append((bounds, list(bridges_on(result.bridges, bounds))))
-        return outlines
+                gaps = (bridge.points for bridge in bridges_on(result.bridges, bounds))
+                made.append(objects.bounded(known.next_number, known.category, bounds, gaps))
+        return made
 
     def _edit(self, words: str, rows: Sequence[Row], edit: Callable[[Document], Document]) -> None:
         """Edit the document, as a step of undo that names what is edited."""
@@ -545,27 +538,16 @@ class ObjectList(QObject):
         if rows or "{what}" not in words:
             self._session.edit(words.format(what=what), edit)
 
-    def _follow(self, document: Document) -> None:
-        image = self._session.image
-        if image is self._measured_in and document.objects is self._known:
+    def _follow(self) -> None:
+        """Keep the objects and proposals selected that are still there."""
+        scene, known = self._session.scene, self.objects
+        seen = known, self._session.image, scene.objects.proposals
+        if is_same(seen, self._seen):
             return
-        self._known, self._measured_in = document.objects, image
-        scene, items = self._session.scene, (*document.objects.items, *document.objects.rejected)
-        known = {item.number for item in items}
-        left = (number for number in scene.objects.chosen if number < 1 or number in known)
-        self._review.choose(scene.selected_contours, left)
-        self._measure()
-        self.changed.emit()
-
-    def _follow_proposals(self) -> None:
-        """Keep the proposals selected that are still there."""
-        scene, before = self._session.scene, self._offered
-        if scene.objects.proposals is before:
-            return
-        self._offered = now = scene.objects.proposals
-        known = {each.key for each in now}
-        left = (number for number in scene.objects.chosen if number > 0 or number in known)
-        self._review.choose(scene.selected_contours, left)
+        self._seen = seen
+        numbers = {item.number for item in (*known.items, *known.rejected)}
+        numbers |= {each.key for each in scene.objects.proposals}
+        self._review.choose(scene.selected_contours, scene.objects.chosen & numbers)
         self._measure()
         self.changed.emit()
 
@@ -607,12 +589,10 @@ class ObjectBrush:
     """
 
     def __init__(self, session: Session, object_list: ObjectList) -> None:
-        self._session = session
-        self._list = object_list
-        self._boundary: tuple[Line, ...] = ()
-        self._shape: tuple[int, ...] = ()
+        self._session, self._list = session, object_list
         self._path: list[Position] = []
         self._before: SegmentedObject | None = None
+        self._boundary: tuple[Line, ...] = ()
         self._number, self._radius, self._gesture = 0, 0.0, ""
         self.adds = True
         """Whether the stroke adds, and does not take away."""
@@ -625,15 +605,13 @@ class ObjectBrush:
     def begin(self, at: Position, radius: float, adds: bool, gesture: str) -> None:
         """Begin a stroke at a place; `gesture` makes one step of undo of it."""
         self._path, self._radius, self.adds, self._gesture = [at], radius, adds, gesture
-        self._number, self._before = 0, None
-        self._find()
+        self._number = 0
         self._apply()
 
     def paint(self, to: Position) -> None:
         """Paint on to a place."""
         if self._path and math.dist(self._path[-1], to) >= _LEAST_MOVE:
             self._path.append(to)
-            self._find()
             self._apply()
 
     def end(self) -> None:
@@ -642,48 +620,39 @@ class ObjectBrush:
             self._session.say(tr("There is no object under the brush to erase from."))
         self._path = []
 
-    def target(self, at: Position, radius: float) -> SegmentedObject | None:
-        """The object that a stroke from a place would paint; None where it would begin a new one."""
-        return self._touched(np.array([at]), radius)
-
-    def _find(self) -> None:
-        """Find the object to be painted, unless it is known; a frozen one is left alone, with a word to the user."""
-        image = self._session.document.image
-        if self._number or image is None:
-            return
-        item = self._touched(np.array(self._path[-2:]), self._radius)
-        if item is not None and item.frozen:
-            name = self._list.title(item)
-            self._session.say(
-                tr("{name} is frozen: unfreeze it to paint it, or paint another object.").format(name=name)
-            )
-            self._path = []
-        elif item is not None or self.adds:
-            self._before = item
-            self._number = self._session.document.objects.next_number if item is None else item.number
-            self._boundary, self._shape = () if item is None else item.boundary, image.shape
-
-    def _touched(self, newest: Array, radius: float) -> SegmentedObject | None:
-        """The object that a stretch of the path touches."""
-        way = polyline.sampled(newest, 0.5 * radius) if len(newest) > 1 else newest
+    def target(self, newest: Sequence[Position], radius: float) -> SegmentedObject | None:
+        """The object that a stroke along some places would paint; None where it would begin a new one."""
+        way = polyline.sampled(np.array(newest), 0.5 * radius) if len(newest) > 1 else np.array(newest)
         near = [
             item for item in self._list.near(way, radius)
             if item.encloses(way).any() or (polyline.distances_from_closed(item.boundary, way) < radius).any()
         ]  # fmt: skip
-        under = self._list.under(tuple(newest[-1].tolist()))
-        near.sort(key=lambda item: (item.number not in self._list.chosen, item.number != under, item.area))
-        return near[0] if near else None
+        under, chosen = self._list.under(newest[-1]), self._list.chosen
+        return min(near, key=lambda one: (one.number not in chosen, one.number != under, one.area), default=None)
 
     def _apply(self) -> None:
-        """Paint the newest stretch of the path."""
-        if not self._path or not self._number:
+        """Paint the newest stretch of the path; a frozen object is left alone, with a word to the user."""
+        image, stretch = self._session.document.image, self._path[-2:]
+        if image is None:
             return
-        boundary = painted(self._boundary, self._path[-2:], self._radius, self.adds, self._shape)
-        before, number, radius = self._before, self._number, self._radius
-        self._boundary, path = boundary, tuple(self._path)
-        self._session.edit(
-            tr("paint object"),
-            lambda document: brushed(document, before, number, boundary, path, radius),
-            self._gesture,
+        if not self._number:
+            item = self.target(stretch, self._radius)
+            if item is not None and item.frozen:
+                words = tr("{name} is frozen: unfreeze it to paint it, or paint another object.")
+                self._session.say(words.format(name=self._list.title(item)))
+                self._path = []
+            if not self._path or not (item or self.adds):
+                return
+            self._before, self._boundary = item, item.boundary if item else ()
+            self._number = item.number if item else self._list.objects.next_number
+        self._boundary = painted(self._boundary, stretch, self._radius, self.adds, image.shape)
+        edit = partial(
+            brushed,
+            before=self._before,
+            number=self._number,
+            boundary=self._boundary,
+            path=tuple(self._path),
+            radius=self._radius,
         )
-        self._list.choose((number,) if boundary else ())
+        self._session.edit(tr("paint object"), edit, self._gesture)
+        self._list.choose((self._number,) if self._boundary else ())

@@ -156,7 +156,7 @@ class StackPages(QObject):
             near = min(away, key=away.__getitem__, default=None)
             if near is not None and away[near] <= _NEAR and abs(near.measures.length - length) <= _ALIKE * length:
                 self._wanted = None
-                self._review.select((near.key,))
+                self._review.choose((near.key,))
 
     def _turn(self) -> None:
         """Keep the page that is open, and open the one that is wanted."""

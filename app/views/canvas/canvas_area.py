@@ -20,8 +20,7 @@ from app.views.canvas.legend import Strip
 from app.views.canvas.pointed import Pointed, part_around, selected_places
 from app.views.canvas.tools import TOOLS
 from app.views.canvas.tools.select import SelectTool
-from app.views.canvas.tools.tool import ToolContext
-from app.views.widgets.containers import OfferBar
+from app.views.widgets.containers import OfferBar, arrange
 from cpm_core.numerics import Place
 from cpm_core.shapes import Circle, Sphere
 
@@ -55,21 +54,16 @@ class CanvasArea(QWidget):
         self.strip = Strip(self.canvas.layers.legend)
         self.messages, self.hint = self.strip.messages, self.strip.hint
         self._pointed = Pointed(workspace)
-        layout = QVBoxLayout(self)
-        layout.setContentsMargins(0, 0, 0, 0)
-        layout.setSpacing(0)
         self.offers, self.controls, self.views = OfferBar(), QVBoxLayout(), QGridLayout()
         """The line above the canvas, lines below it, and views next to it, which features add."""
         self.views.setSpacing(2)
         self.views.addWidget(self.canvas, 0, 0)
-        layout.addWidget(self.offers)
-        layout.addLayout(self.views, 1)
-        layout.addLayout(self.controls)
-        layout.addWidget(self.strip)
+        column = arrange(QVBoxLayout(self), self.offers, self.views, self.controls, self.strip, spacing=0)
+        column.setStretchFactor(self.views, 1)
         self.crosshair = Crosshair(self.canvas, self.refresh)
-        tools = ToolContext(workspace, self.canvas.layers.drawing, self.refresh)
-        self._tools = {kind.name: kind(tools) for kind in TOOLS}
-        self.canvas.hold = ToolInUse(self._tools[FIRST_TOOL], SelectTool(tools))
+        given = workspace, self.canvas.layers.drawing, self.refresh
+        self._tools = {kind.name: kind(*given) for kind in TOOLS}
+        self.canvas.hold = ToolInUse(self._tools[FIRST_TOOL], SelectTool(*given))
         self._given = False
         self.canvas.installEventFilter(self)
         self.canvas.pointed.connect(self._point)

@@ -13,7 +13,7 @@ from app.views.canvas.layers.layer import LegendEntry
 from app.views.canvas.message_line import MessageLine
 from app.views.theme import theme
 from app.views.theme.theme import look
-from app.views.widgets.containers import ElidedLabel
+from app.views.widgets.containers import ElidedLabel, arrange
 
 _EVERY = 150
 """Least time between two updates [ms]: the numbers of particles change in every frame."""
@@ -51,10 +51,7 @@ class Legend(QWidget):
         self.button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.button.setToolTip(tr("Show or hide what the lines and dots mean."))
         self.button.clicked.connect(lambda: self.fold(not self.folded))
-        row = QHBoxLayout(self)
-        row.setContentsMargins(6, 0, 6, 0)
-        row.addWidget(self._label)
-        row.addWidget(self.button)
+        arrange(QHBoxLayout(self), self._label, self.button, margins=(6, 0, 6, 0))
         self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Fixed)
         self._timer = QTimer(self, singleShot=True, interval=_EVERY)
         self._timer.timeout.connect(self.show_now)
@@ -117,12 +114,8 @@ class Strip(QFrame):
         self.hint.setContentsMargins(_PAD, 0, 0, 0)
         self.legend = Legend(entries)
         self.setFixedHeight(self.fontMetrics().height() + _PAD)
-        row = QHBoxLayout(self)
-        row.setContentsMargins(0, 0, 0, 0)
-        row.setSpacing(8)
-        row.addWidget(self.messages, 1)
-        row.addWidget(self.hint, 1)
-        row.addWidget(self.legend)
+        row = arrange(QHBoxLayout(self), self.messages, self.hint, self.legend, spacing=8, wide=self.messages)
+        row.setStretchFactor(self.hint, 1)
         self.messages.shown_changed.connect(self._share)
         self.legend.width_changed.connect(self._share)
 

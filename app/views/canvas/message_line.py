@@ -10,7 +10,7 @@ from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
-from app.views.widgets.containers import ElidedLabel
+from app.views.widgets.containers import ElidedLabel, arrange
 
 SHOWN = 6000
 """Time after which good news disappears [ms]."""
@@ -40,12 +40,8 @@ class MessageLine(QFrame):
         self._button.setAccessibleName(tr("Dismiss message"))
         self._button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self._button.clicked.connect(self.dismiss)
-        row = QHBoxLayout(self)
-        row.setContentsMargins(10, 0, 2, 0)
-        row.setSpacing(4)
-        row.addWidget(self._label, 1)
-        row.addWidget(self.details)
-        row.addWidget(self._button)
+        parts = self._label, self.details, self._button
+        arrange(QHBoxLayout(self), *parts, margins=(10, 0, 2, 0), spacing=4, wide=self._label)
         self._timer = QTimer(self, singleShot=True, interval=SHOWN)
         self._timer.timeout.connect(lambda: self._use(self._messages.faded()))
         self._theme: Theme | None = None

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from PySide6.QtCore import Qt, Signal
-from PySide6.QtWidgets import QButtonGroup, QFrame, QHBoxLayout, QLabel, QSlider, QSpinBox, QToolButton
+from PySide6.QtWidgets import QButtonGroup, QHBoxLayout, QToolButton
 
 from app.model.display.lengths import size_text
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.model.volume.slices import AXES, Slices, planes_of
+from app.views.widgets.containers import arrange
+from app.views.widgets.fields import PlaceBar
 from cpm_core import Image
 
 _TIPS = (
@@ -19,26 +21,17 @@ _TIPS = (
 _JUMP = 10
 
 
-class SliceBar(QFrame):
+class SliceBar(PlaceBar):
     """Axis, slider and number of the slice, and the size of a voxel; hidden while no volume is open."""
 
-    moved = Signal(int)
-    """The user wants the slice at an index."""
     size_wanted = Signal()
     """The user wants to set the size of a voxel."""
     turned = Signal(int)
     """The user wants slices across an axis."""
 
     def __init__(self) -> None:
-        super().__init__()
-        self.setObjectName("slices")
-        self.axes = [QToolButton() for _ in AXES]
-        self.slider = QSlider(Qt.Orientation.Horizontal)
-        self.number = QSpinBox()
-        self.of, self.voxel = QLabel(), QToolButton()
-        row = QHBoxLayout(self)
-        row.setContentsMargins(10, 3, 10, 3)
-        row.setSpacing(4)
+        super().__init__(tr("Slice"), tr("Number of the slice"), _JUMP)
+        self.axes, self.voxel = [QToolButton() for _ in AXES], QToolButton()
         group = QButtonGroup(self)
         for axis, button in enumerate(self.axes):
             button.setToolTip(_TIPS[axis])
@@ -46,27 +39,16 @@ class SliceBar(QFrame):
             button.setCheckable(True)
             button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
             group.addButton(button, axis)
-            row.addWidget(button)
         group.idClicked.connect(self.turned)
-        self.slider.setAccessibleName(tr("Slice"))
-        self.slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        self.slider.setPageStep(_JUMP)
-        self.number.setAccessibleName(tr("Number of the slice"))
-        self.number.setKeyboardTracking(False)
-        self.of.setObjectName("dim")
         self.voxel.setObjectName("dim")
         self.voxel.setAutoRaise(True)
         self.voxel.setAccessibleName(tr("Voxel size"))
         self.voxel.setToolTip(tr("Voxel size: plane × row × column. Click to change it."))
         self.voxel.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.voxel.clicked.connect(self.size_wanted)
-        row.addSpacing(8)
-        row.addWidget(self.slider, 1)
-        for widget in (self.number, self.of, self.voxel):
-            row.addWidget(widget)
-        self.slider.valueChanged.connect(self.moved)
-        self.number.valueChanged.connect(self.moved)
-        self.hide()
+        parts = *self.axes, self.slider, self.number, self.of, self.voxel
+        row = arrange(QHBoxLayout(self), *parts, margins=(10, 3, 10, 3), spacing=4, wide=self.slider)
+        row.insertSpacing(len(self.axes), 8)
 
     def show_keys(self) -> None:
         """Name the keys as they are now."""
@@ -78,13 +60,8 @@ class SliceBar(QFrame):
         self.setVisible(slices is not None)
         if slices is None or image is None:
             return
-        for field in (self.slider, self.number):
-            field.blockSignals(True)
-            field.setRange(0, slices.count - 1)
-            field.setValue(slices.current.index)
-            field.blockSignals(False)
+        self.show_place(slices.current.index, 0, slices.count - 1)
         for button, name in zip(self.axes, planes_of(image), strict=True):
             button.setText(name[:1].upper() + name[1:])
         self.axes[slices.axis].setChecked(True)
-        self.of.setText(tr("of {last}").format(last=slices.count - 1))
         self.voxel.setText(size_text(image.spacing, image.unit) or tr("Size…"))

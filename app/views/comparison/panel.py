@@ -217,7 +217,7 @@ class ComparePanel(QWidget):
             self.words,
             arrange(QHBoxLayout(), self._button("use"), self._button("refer"), spacing=6),
             arrange(QHBoxLayout(), self._button("next"), self.export, spacing=6),
-            Section(tr("How it is compared"), how, unfolded=False),
+            Section(tr("How it is compared"), how),
             margins=(12, 8, 12, 8),
             spacing=7,
             wide=self.table,

@@ -8,7 +8,7 @@ from app.views.features.edit import DrawFeature, ModesFeature, UndoSelectionFeat
 from app.views.features.exchange import BatchFeature, ClipboardFeature, ExportFeature, ImportFeature
 from app.views.features.files import FolderFeature, OpenSaveFeature, RecoveryFeature, StartFeature
 from app.views.features.help import HelpFeature, PreferencesFeature
-from app.views.features.objects import ObjectsFeature, SkeletonsFeature
+from app.views.features.objects import ObjectsFeature
 from app.views.features.offers import BeginningFeature, PixelSizeFeature, StackFeature
 from app.views.features.run import (
     RunControlFeature,
@@ -39,7 +39,6 @@ FEATURES: tuple[type[Feature], ...] = (
     StackFeature,
     PixelSizeFeature,
     ObjectsFeature,
-    SkeletonsFeature,
     LayersFeature,
     LevelsFeature,
     CompareFeature,

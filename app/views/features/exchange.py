@@ -247,7 +247,7 @@ class ImportFeature(Feature):
         answer = Question(self.window, _TITLES[found.kind], text, _explained(found), buttons).ask()
         if answer == "start":
             name = tr("start from {name}").format(name=found.name)
-            session.edit(name, lambda document: imported.add_starts(document, found))
+            session.edit(name, lambda document: edits.set_shapes(document, (*document.shapes, *found.starts)))
         elif answer == "objects":
             name = tr("add objects from {name}").format(name=found.name)
             session.edit(name, lambda document: imported.add_objects(document, found.objects, found.classes))

@@ -21,7 +21,6 @@ from app.views.widgets.actions import ActionSpec, Submenu, add_choice
 from app.views.window.docks import Panel
 from app.views.window.keyboard import Keys
 from app.views.window.window import Feature, MainWindow
-from cpm_core import Contour
 from cpm_core.contours import middle
 from cpm_core.medial_axis import Outlined
 from cpm_core.numerics import Position
@@ -149,6 +148,10 @@ class ObjectsFeature(Feature):
             ActionSpec("drop_missed_edits", "Objects", "Remove outdated edits",
                        "Remove manual edits that no longer match a contour, with their lines.",
                        lambda: editing.drop(editing.missed), when=lambda _: bool(editing.missed)),
+            ActionSpec("image_skeleton", "Run", "Skeleton of the &whole image",
+                       "Find center lines in the image again, not only in objects or closed contours.",
+                       lambda: self._skeletonize(tr("skeleton of the image"), Outlined()),
+                       when=lambda now: bool(now.document.outlines or now.document.outlined_surfaces)),
         )  # fmt: skip
 
     def select_next(self) -> None:
@@ -229,40 +232,22 @@ class ObjectsFeature(Feature):
         ):
             add_choice(menu, text, partial(self._list.do, words, edit)).setEnabled(bool(self._list.chosen))
 
-    def _closed(self) -> list[Contour]:
-        """The closed ones of the selected contours, or of all that have not been rejected if none is selected."""
-        review = self.window.workspace.review
-        items = review.chosen or [item for item in review.items if not item.reviewed.rejected]
-        return [item.contour for item in items if item.contour.closed]
-
     def _find_skeleton(self) -> None:
-        """Find the skeleton of the chosen objects, or of closed contours."""
-        chosen, lines = self._list.chosen, (one.points.tolist() for one in self._closed())
-        outlined = Outlined(objects=tuple(sorted(chosen)))
-        if not chosen:
-            outlined = Outlined(contours=tuple(tuple(map(tuple, line)) for line in lines))
-        if not (chosen or outlined.contours):
-            self.window.session.say(tr("There is no closed contour to find a skeleton in."))
+        """Find the skeleton of the chosen objects, or of the chosen closed contours or all that are not rejected."""
+        chosen, review = self._list.chosen, self.window.workspace.review
+        if chosen:
+            self._skeletonize(tr("skeleton of objects"), Outlined(objects=tuple(sorted(chosen))))
             return
-        find_skeleton(self.window, tr("skeleton of objects") if chosen else tr("skeleton of contours"), outlined)
+        items = review.chosen or [item for item in review.items if not item.reviewed.rejected]
+        lines = tuple(tuple(map(tuple, item.contour.points.tolist())) for item in items if item.contour.closed)
+        if lines:
+            self._skeletonize(tr("skeleton of contours"), Outlined(contours=lines))
+        else:
+            self.window.session.say(tr("There is no closed contour to find a skeleton in."))
 
-
-def find_skeleton(window: MainWindow, name: str, outlined: Outlined) -> None:
-    """Find center lines in what is outlined, or in the image."""
-    session = window.session
-    session.edit(name, lambda document: use_skeleton(document, outlined))
-    if session.status.phase != "running":
-        session.run()
-
-
-class SkeletonsFeature(Feature):
-    """The skeleton of the image."""
-
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
-        self.actions = (
-            ActionSpec("image_skeleton", "Run", "Skeleton of the &whole image",
-                       "Find center lines in the image again, not only in objects or closed contours.",
-                       lambda: find_skeleton(window, tr("skeleton of the image"), Outlined()),
-                       when=lambda now: bool(now.document.outlines or now.document.outlined_surfaces)),
-        )  # fmt: skip
+    def _skeletonize(self, name: str, outlined: Outlined) -> None:
+        """Find center lines in what is outlined, or in the image."""
+        session = self.window.session
+        session.edit(name, lambda document: use_skeleton(document, outlined))
+        if session.status.phase != "running":
+            session.run()

@@ -50,7 +50,7 @@ class BeginningFeature(Feature):
             and self.window.preferences.value(OFFER_SETTINGS)
         ):
             take = partial(session.edit, tr("settings for the kind of image"), partial(use_kind, kind=kind))
-            offers.offer(ADVICE[kind].sentence, (tr("Use these settings"), take))
+            offers.offer(ADVICE[kind], (tr("Use these settings"), take))
         settings, document = opened.large, session.document
         if settings is not None and _with_settings(document, settings) != document:
             sentence = tr(

@@ -7,7 +7,7 @@ from functools import partial
 
 from PySide6.QtCore import QPoint, QSize, Qt, QTimer
 from PySide6.QtGui import QAction
-from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QVBoxLayout, QWidget
 
 from app.model.text.language import tr
 from app.views.canvas.layers import Layers
@@ -16,7 +16,7 @@ from app.views.canvas.layers.layer_form import LayerForm
 from app.views.theme.icons import swatch
 from app.views.theme.theme import Theme
 from app.views.widgets.actions import LAYER, native
-from app.views.widgets.containers import Scrolled, arrange
+from app.views.widgets.containers import Fold, Scrolled, arrange
 from app.views.widgets.fields import MarkedSlider
 
 _FOLD, _LEAST = 18, 60
@@ -64,11 +64,8 @@ class LayerRow(QWidget):
         self.box.toggled.connect(layer.set_shown)
         self.show_color()
         self.show_key(layer.shortcut)
-        self.fold = QToolButton()
-        self.fold.setObjectName("fold")
-        self.fold.setCheckable(True)
+        self.fold = Fold()
         self.fold.setFixedWidth(_FOLD)
-        self.fold.setArrowType(Qt.ArrowType.RightArrow)
         self.fold.setAccessibleName(tr("Settings: {layer}").format(layer=layer.title))
         self.fold.setToolTip(tr("Settings of this layer."))
         self.fold.toggled.connect(self._unfold)
@@ -104,7 +101,6 @@ class LayerRow(QWidget):
         self.opacity.show_value(self.layer.opacity)
 
     def _unfold(self, unfolded: bool) -> None:
-        self.fold.setArrowType(Qt.ArrowType.DownArrow if unfolded else Qt.ArrowType.RightArrow)
         if unfolded and self.settings is None:
             self.settings = LayerForm(self.layer)
             self.settings.setContentsMargins(_FOLD + 4, 0, 0, 8)

@@ -45,7 +45,7 @@ from app.views.widgets.containers import arrange, wrapped
 from app.views.widgets.fields import DecimalField
 from cpm_core import Image
 from cpm_core.contours import Measures, Reached
-from cpm_core.objects.segmented import SegmentedObject
+from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects
 
 REACHED: Mapping[Reached, str] = {
     "flight": tr("in free flight"), "weak": tr("beyond a weak edge"), "junction": tr("over a junction"),
@@ -57,15 +57,6 @@ _KIND: Mapping[Kind, str] = {
     "object": tr("object"), "proposal": tr("proposal"), "closed": tr("closed"), "open": tr("open"),
     "rejected": tr("rejected"),
 }  # fmt: skip
-
-
-class _Shown:
-    """How the rows are shown now: with the classes of the objects and the size of a pixel."""
-
-    def __init__(self, session: Session, object_list: ObjectList) -> None:
-        image = session.image
-        self.objects = object_list.objects
-        self.spacing, self.unit = (image.spacing, image.unit) if image is not None else ((1.0, 1.0), None)
 
 
 def _figure(get: Callable[[Figures], float | None]) -> Callable[[Row], float | None]:
@@ -96,9 +87,8 @@ def _state(row: Row) -> str | None:
 CONFIDENCE = tr("Confidence: the estimated probability that the object covers most of the true one and little else.")
 
 
-def columns_of(shown: _Shown) -> tuple[Column[Row], ...]:
-    """The columns, those that matter most first."""
-    objects, spacing = shown.objects, shown.spacing
+def columns_of(objects: SegmentedObjects, spacing: tuple[float, ...] = (1.0, 1.0)) -> tuple[Column[Row], ...]:
+    """The columns, those that matter most first, with the classes of the objects and the size of a pixel."""
     pixel = float(np.prod(spacing))
     solid = len(spacing) == 3
 
@@ -108,13 +98,9 @@ def columns_of(shown: _Shown) -> tuple[Column[Row], ...]:
         named = bool(objects.classes[row.item.category - 1].name)
         return f"{row.item.category} " * named + class_title(objects, row.item.category)
 
-    def area(item: SegmentedObject) -> float:
-        return item.area * pixel
-
     def number(row: Row) -> int | None:
         return row.contour.measures.number if row.contour else abs(row.key[1]) or None
 
-    length = _of(lambda item: item.perimeter(spacing), lambda found: found.length_in_units)
     return (
         Column("number", tr("#"), tr("Number; it stays the same."),
                number, "000", form=".0f", key=lambda row: list(_KIND).index(row.kind) * 1e7 + (number(row) or 0)),
@@ -128,7 +114,8 @@ def columns_of(shown: _Shown) -> tuple[Column[Row], ...]:
                "00,000", 3)
         if solid else
         Column("area", tr("Area"), tr("Area without holes."),
-               _of(area, lambda found: found.net_area_in_units if found.closed else None), "00,000", 2),
+               _of(lambda item: item.area * pixel, lambda found: found.net_area_in_units if found.closed else None),
+               "00,000", 2),
         Column("confidence", tr("%"), CONFIDENCE,
                lambda row: row.item.confidence * 100 if row.item is not None and row.item.confidence else None,
                "00 %", form=".0f", suffix=" %"),
@@ -136,7 +123,8 @@ def columns_of(shown: _Shown) -> tuple[Column[Row], ...]:
                _figure(lambda found: found.area), "00,000", 2)
         if solid else
         Column("length", tr("Length"),
-               tr("Length of the boundary including holes, or of the contour."), length, "0,000", 1),
+               tr("Length of the boundary including holes, or of the contour."),
+               _of(lambda item: item.perimeter(spacing), lambda found: found.length_in_units), "0,000", 1),
         Column("gray", tr("Mean gray"), tr("Mean gray value inside."), _figure(lambda found: found.gray), "000.0"),
         Column("strength", tr("Strength"), tr("Mean edge strength along the boundary or contour [gray levels/px]."),
                _of(lambda item: item.strength or None, lambda found: found.strength), "000.0"),
@@ -172,7 +160,7 @@ class ObjectTable(ItemTable):
     def __init__(self, session: Session, object_list: ObjectList) -> None:
         self._session, self._list = session, object_list
         self._kinds: tuple[Kind, ...] = ()
-        rows = TableModel[Row](columns_of(_Shown(session, object_list)), lambda row: row.key, self._look,
+        rows = TableModel[Row](columns_of(object_list.objects), lambda row: row.key, self._look,
                                object_list.rename)  # fmt: skip
         selection = Selection(
             "object",
@@ -207,8 +195,9 @@ class ObjectTable(ItemTable):
             super().keyPressEvent(event)
 
     def _refresh(self) -> None:
-        shown = _Shown(self._session, self._list)
-        self.rows.update(self.listed, shown_in(shown.spacing, shown.unit), columns_of(shown))
+        image = self._session.image
+        spacing, unit = (image.spacing, image.unit) if image is not None else ((1.0, 1.0), None)
+        self.rows.update(self.listed, shown_in(spacing, unit), columns_of(self._list.objects, spacing))
 
     def _look(self, row: Row, role: int, of_name: bool) -> Any:
         """The color of a row next to its name; hidden and rejected ones are pale, names of the latter struck out."""
@@ -354,8 +343,7 @@ class ObjectPanel(QWidget):
         self.shown = QComboBox()
         self.shown.setAccessibleName(tr("Rows in the table"))
         self.shown.setToolTip(tr("Which rows the table shows."))
-        for text, kinds in _FILTERS:
-            self.shown.addItem(text, kinds)
+        self.shown.addItems([text for text, _ in _FILTERS])
         self.shown.currentIndexChanged.connect(lambda place: self.table.show_only(_FILTERS[place][1]))
         self.summary = wrapped(dim=True)
         row = arrange(QHBoxLayout(), self.summary, self.shown, spacing=6, wide=self.summary)

@@ -9,12 +9,9 @@ from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QCheckBox,
-    QFrame,
     QHBoxLayout,
     QLabel,
     QPushButton,
-    QSlider,
-    QSpinBox,
     QVBoxLayout,
     QWidget,
 )
@@ -26,6 +23,7 @@ from app.model.text.language import tr
 from app.session.features.stack_pages import StackPages
 from app.views.panels.tables import ENTER, Column, Index, Table, TableModel
 from app.views.widgets.containers import arrange, wrapped
+from app.views.widgets.fields import PlaceBar
 from cpm_core.contours import Measures
 
 _JUMP = 10
@@ -117,28 +115,18 @@ class PagePanel(QWidget):
         self.summary.setText(text)
 
 
-class PageBar(QFrame):
+class PageBar(PlaceBar):
     """Slider and number of the page, whether pages follow each other, and a button that runs all."""
 
-    moved = Signal(int)
-    """The user wants a page."""
     asked = Signal()
     """The user wants to run all pages, or to stop that."""
     followed = Signal(bool)
     """The user has chosen whether each page starts from the contours of the one before."""
 
     def __init__(self) -> None:
-        super().__init__()
-        self.setObjectName("slices")
-        self.slider, self.number, self.of = QSlider(Qt.Orientation.Horizontal), QSpinBox(), QLabel()
+        super().__init__(tr("Page"), tr("Number of the page"), _JUMP)
         self.follow, self.run = QCheckBox(tr("Follow")), QPushButton()
-        self.slider.setAccessibleName(tr("Page"))
-        self.slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        self.slider.setPageStep(_JUMP)
         self.slider.setTracking(False)
-        self.number.setAccessibleName(tr("Number of the page"))
-        self.number.setKeyboardTracking(False)
-        self.of.setObjectName("dim")
         self.follow.setToolTip(
             tr("Start each page from the contours of the previous one instead of from the same drawing.")
         )
@@ -146,11 +134,8 @@ class PageBar(QFrame):
         self.run.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         fields = (QLabel(tr("Page")), self.slider, self.number, self.of, self.follow, self.run)
         arrange(QHBoxLayout(self), *fields, margins=(10, 3, 10, 3), spacing=4, wide=self.slider).insertSpacing(4, 8)
-        self.slider.valueChanged.connect(self.moved)
-        self.number.valueChanged.connect(self.moved)
         self.follow.toggled.connect(self.followed)
         self.run.clicked.connect(self.asked)
-        self.hide()
 
     def show_keys(self) -> None:
         """Name the keys as they are now."""
@@ -159,11 +144,7 @@ class PageBar(QFrame):
     def show_pages(self, number: int, count: int, *, following: bool, running: bool, possible: bool) -> None:
         """Show which page is open; hidden where there are not several."""
         self.setVisible(count > 1)
-        for field in (self.slider, self.number):
-            with QSignalBlocker(field):
-                field.setRange(1, max(count, 1))
-                field.setValue(number)
-        self.of.setText(tr("of {last}").format(last=count))
+        self.show_place(number, 1, max(count, 1))
         with QSignalBlocker(self.follow):
             self.follow.setChecked(following)
         self.run.setText(tr("Stop") if running else tr("Run all pages"))

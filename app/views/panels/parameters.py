@@ -296,7 +296,7 @@ class ParametersPanel(QWidget):
         more = QWidget()
         others = (choice for name, choice in self.choices.items() if name != CHANNEL)
         arrange(QVBoxLayout(more), *others, *(row for name, row in self.rows.items() if name not in MAIN), spacing=0)
-        section = Section(tr("More parameters"), more, unfolded=False)
+        section = Section(tr("More parameters"), more)
         heading = QLabel(tr("Preset"))
         heading.setObjectName("heading")
         heading.setBuddy(self.presets)

@@ -335,7 +335,7 @@ class RunPanel(Scrolled):
         self.status, self.parameters, self.plot = StatusPanel(), parameters, PlotPanel()
         further = QWidget()
         arrange(QVBoxLayout(further), self.status.others, self.plot, spacing=4, wide=self.plot)
-        self.plots = Section(tr("Numbers and plots"), further, unfolded=False)
+        self.plots = Section(tr("Numbers and plots"), further)
         self.sections = {"parameters": parameters.more, "plots": self.plots}
         self._metrics: RunMetrics | None = None
         content = QWidget()
@@ -343,9 +343,7 @@ class RunPanel(Scrolled):
         arrange(QVBoxLayout(content), *parts, margins=(8, 8, 6, 6), spacing=8)
         super().__init__(content, _LOWEST)
         for section in self.sections.values():
-            section.fold.toggled.connect(lambda: self.show_metrics(self._metrics))
-            section.fold.toggled.connect(self.folded)
-            section.fold.toggled.connect(partial(self._scroll_to, section))
+            section.fold.toggled.connect(partial(self._fold, section))
 
     @property
     def unfolded(self) -> list[str]:
@@ -367,8 +365,10 @@ class RunPanel(Scrolled):
         if self.plots.fold.isChecked():
             self.plot.chart.show_metrics(metrics)
 
-    def _scroll_to(self, section: Section, unfolded: bool) -> None:
+    def _fold(self, section: Section, unfolded: bool) -> None:
         """Scroll an unfolded section into view, after the layout has placed it."""
+        self.show_metrics(self._metrics)
+        self.folded.emit()
         if unfolded and self.isVisible():
             scroll = self.verticalScrollBar().setValue
             QTimer.singleShot(0, self, lambda: scroll(section.mapTo(self._content, QPoint()).y()))

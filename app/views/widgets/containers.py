@@ -120,26 +120,32 @@ class Scrolled(QScrollArea):
         return self.verticalScrollBar().sizeHint().width() + _GAP if needed else 0
 
 
-class Section(QWidget):
-    """A heading and a content that can be folded; it is initially visible if `unfolded`."""
+class Fold(QToolButton):
+    """The button that folds something away, as it is at first, or unfolds it."""
 
-    def __init__(self, title: str, content: QWidget, unfolded: bool = True) -> None:
+    def __init__(self) -> None:
         super().__init__()
-        self._content = content
-        self.fold = QToolButton()
-        self.fold.setObjectName("fold")
+        self.setObjectName("fold")
+        self.setCheckable(True)
+        self.toggled.connect(self._point)
+        self._point(False)
+
+    def _point(self, unfolded: bool) -> None:
+        self.setArrowType(Qt.ArrowType.DownArrow if unfolded else Qt.ArrowType.RightArrow)
+
+
+class Section(QWidget):
+    """A heading and a content that is folded away until the user unfolds it."""
+
+    def __init__(self, title: str, content: QWidget) -> None:
+        super().__init__()
+        self.fold = Fold()
         self.fold.setText(title)
-        self.fold.setCheckable(True)
-        self.fold.setChecked(unfolded)
         self.fold.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
         self.fold.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
-        self.fold.toggled.connect(self._show)
+        self.fold.toggled.connect(content.setVisible)
         arrange(QVBoxLayout(self), self.fold, content, spacing=2)
-        self._show(unfolded)
-
-    def _show(self, unfolded: bool) -> None:
-        self.fold.setArrowType(Qt.ArrowType.DownArrow if unfolded else Qt.ArrowType.RightArrow)
-        self._content.setVisible(unfolded)
+        content.hide()
 
 
 class ElidedLabel(QLabel):

@@ -10,10 +10,12 @@ from PySide6.QtCore import QPointF, QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QMouseEvent, QPainter, QPaintEvent, QPalette, QPolygonF, QValidator, QWheelEvent
 from PySide6.QtWidgets import (
     QDoubleSpinBox,
+    QFrame,
     QHBoxLayout,
     QLabel,
     QSizePolicy,
     QSlider,
+    QSpinBox,
     QStyle,
     QStyleOptionSlider,
     QWidget,
@@ -196,6 +198,35 @@ class MarkedSlider(WheelWithFocus, QSlider):
     def _report(self, value: int) -> None:
         self.exact = round(self._low + value * self._step, 9)
         self.moved_to.emit(self.exact)
+
+
+class PlaceBar(QFrame):
+    """A line below the canvas with a slider and a number, which choose one of many; `title` and `name` say what."""
+
+    moved = Signal(int)
+    """The user wants another one."""
+
+    def __init__(self, title: str, name: str, jump: int) -> None:
+        super().__init__()
+        self.setObjectName("slices")
+        self.slider, self.number, self.of = QSlider(Qt.Orientation.Horizontal), QSpinBox(), QLabel()
+        self.slider.setAccessibleName(title)
+        self.slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.slider.setPageStep(jump)
+        self.number.setAccessibleName(name)
+        self.number.setKeyboardTracking(False)
+        self.of.setObjectName("dim")
+        self.slider.valueChanged.connect(self.moved)
+        self.number.valueChanged.connect(self.moved)
+        self.hide()
+
+    def show_place(self, place: int, first: int, last: int) -> None:
+        """Show which one of which is chosen."""
+        for field in (self.slider, self.number):
+            with QSignalBlocker(field):
+                field.setRange(first, last)
+                field.setValue(place)
+        self.of.setText(tr("of {last}").format(last=last))
 
 
 class SpeedControl(QWidget):

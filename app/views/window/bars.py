@@ -29,7 +29,7 @@ from app.views.canvas.tools.tool import AUTO, GROUPS
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
 from app.views.widgets.actions import PRIMARY, Actions
-from app.views.widgets.containers import Scrolled
+from app.views.widgets.containers import Scrolled, arrange
 from cpm_core.shapes import KINDS
 
 _BEFORE, _RUN, _AFTER = ("open", "save", "", "undo", "redo"), ("run", "step", "reset"), ("", "fit", "export")
@@ -92,9 +92,7 @@ def _modes(actions: Actions) -> QWidget:
     """The modes side by side, as one segmented control."""
     segments = QWidget()
     segments.setObjectName("segments")
-    row = QHBoxLayout(segments)
-    row.setContentsMargins(6, 0, 6, 0)
-    row.setSpacing(0)
+    row = arrange(QHBoxLayout(segments), margins=(6, 0, 6, 0), spacing=0)
     for mode, place in zip(MODES, ("first", "middle", "last"), strict=True):
         name = f"mode_{mode}"
         button = QToolButton()
@@ -124,13 +122,9 @@ class ToolPalette(QToolBar):
         names[AUTO] = [f"start_{kind}" for kind in KINDS]
         self.buttons = {group: ToolButton(group, [actions[name] for name in named]) for group, named in names.items()}
         case = QWidget()
-        column = QVBoxLayout(case)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(0)
         for button in self.buttons.values():
             button.setIconSize(self.iconSize())
-            column.addWidget(button)
-        column.addStretch(1)
+        arrange(QVBoxLayout(case), *self.buttons.values(), None, spacing=0)
         scrolled = Scrolled(case, 100)
         scrolled.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
         self.addWidget(scrolled)
@@ -195,11 +189,8 @@ class TaskBar(QWidget):
         self._button.setText(tr("Cancel"))
         self._button.setAccessibleName(tr("Cancel"))
         self._button.clicked.connect(self.cancel)
-        row = QHBoxLayout(self)
-        row.setContentsMargins(6, 0, 6, 0)
-        row.setSpacing(8)
-        for widget in (self._name, self._bar, self._left, self._button):
-            row.addWidget(widget)
+        parts = self._name, self._bar, self._left, self._button
+        arrange(QHBoxLayout(self), *parts, margins=(6, 0, 6, 0), spacing=8)
         self._later = QTimer(self, singleShot=True)
         self._later.timeout.connect(self._show)
         tasks.changed.connect(self._show)

@@ -96,7 +96,7 @@ def ask_to_replace(parent: QWidget, name: str) -> bool:
     )
 
 
-def ask_for_text(parent: QWidget, title: str, label: str, button: str, text: str = "") -> str | None:
+def ask_for_text(parent: QWidget, title: str, label: str, button: str, text: str) -> str | None:
     """A text that is typed, None when the user cancels; `button` says what is done with it."""
     dialog = QInputDialog(parent)
     dialog.setWindowTitle(title)
@@ -187,16 +187,14 @@ class FileDialogs:
         self.remember(purpose, path)
         return path
 
-    def ask_where_to_export(
-        self, title: str, ending: str, kinds: Mapping[str, str], parent: QWidget | None = None
-    ) -> Path | None:
+    def ask_where_to_export(self, title: str, ending: str, kinds: Mapping[str, str]) -> Path | None:
         """A file to export to, named after the image with an ending; `kinds` are the names of suffixes."""
         image, stem = self._session.document.image, "cpm"
         if image is not None:
             in_volume = self._session.scene.slices is not None
             stem = image.name.partition(".")[0] if in_volume else Path(image.name).stem
         files = [Files(name, (suffix,)) for suffix, name in kinds.items()]
-        return self.ask_where_to_save("export", title, f"{stem}{ending}", files, parent=parent)
+        return self.ask_where_to_save("export", title, f"{stem}{ending}", files)
 
     def ask_for_folder(self, title: str, purpose: Purpose = "open", parent: QWidget | None = None) -> str:
         """A folder, empty when the user cancels."""

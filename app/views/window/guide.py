@@ -23,6 +23,7 @@ from app.model.text.assets import asset, guide_page
 from app.model.text.keys import key_of
 from app.model.text.language import from_core, tr
 from app.views.widgets.actions import native
+from app.views.widgets.containers import arrange
 from app.views.window.shortcuts import Shortcuts
 
 KEYS = "keys"
@@ -64,9 +65,7 @@ class Guide(QDialog):
         self.text.anchorClicked.connect(self._follow)
         buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
         buttons.rejected.connect(self.close)
-        beside = QHBoxLayout()
-        beside.addWidget(self.contents)
-        beside.addWidget(self.text, 1)
+        beside = arrange(QHBoxLayout(), self.contents, self.text, wide=self.text)
         layout = QVBoxLayout(self)
         layout.addLayout(beside, 1)
         layout.addWidget(buttons)

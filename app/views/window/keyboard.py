@@ -122,7 +122,9 @@ class Keyboard(QObject):
         if self._watched is not None and shiboken6.isValid(self._watched):
             self._watched.removeEventFilter(self)
         self._watched, self._before = None, None
-        if now is not None and self._is_mine(now):
+        if now is None or now is self._canvas or isinstance(now, QMenuBar | QMenu):
+            return
+        if now.window() is self._window:
             self._watched = now
             now.installEventFilter(self)
 
@@ -131,12 +133,6 @@ class Keyboard(QObject):
         closed = not shiboken6.isValid(dialog) or not dialog.isVisible()
         if closed and QGuiApplication.focusWindow() is None and self._window.isVisible():
             (QApplication.activeModalWidget() or self._window).activateWindow()
-
-    def _is_mine(self, widget: QWidget) -> bool:
-        """Whether a widget is in the window, and is not the canvas."""
-        return (
-            widget.window() is self._window and widget is not self._canvas and not isinstance(widget, QMenuBar | QMenu)
-        )
 
     def _claim(self, widget: QWidget, event: QKeyEvent) -> bool:
         """Say whether a key is a shortcut of the window or belongs to the widget."""
@@ -210,14 +206,11 @@ def take_keyboard(widget: QWidget) -> None:
 class Keys(QObject):
     """Gives the keys of a widget to `take` first, which returns whether it has used a key."""
 
-    def __init__(
-        self, widget: QWidget, take: Callable[[QKeyEvent], bool], kind: QEvent.Type = QEvent.Type.KeyPress
-    ) -> None:
+    def __init__(self, widget: QWidget, take: Callable[[QKeyEvent], bool]) -> None:
         super().__init__(widget)
         self._take = take
-        self._kind = kind
         widget.installEventFilter(self)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
         """Pass the keys on."""
-        return event.type() == self._kind and isinstance(event, QKeyEvent) and self._take(event)
+        return event.type() == QEvent.Type.KeyPress and isinstance(event, QKeyEvent) and self._take(event)

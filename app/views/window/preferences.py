@@ -38,6 +38,7 @@ from app.model.text.language import tr
 from app.session.storage.preferences import Preferences
 from app.views.theme.icons import swatch
 from app.views.widgets.actions import native
+from app.views.widgets.containers import arrange, wrapped
 from app.views.widgets.fields import DecimalField
 from app.views.window.shortcuts import Shortcuts
 
@@ -86,9 +87,7 @@ class PreferencesDialog(QDialog):
         for button in (reset, close):
             button.setAutoDefault(False)
         buttons.rejected.connect(self.reject)
-        middle = QHBoxLayout()
-        middle.addWidget(self.contents)
-        middle.addWidget(pages, 1)
+        middle = arrange(QHBoxLayout(), self.contents, pages, wide=pages)
         layout = QVBoxLayout(self)
         layout.addLayout(middle, 1)
         layout.addWidget(buttons)
@@ -132,9 +131,7 @@ class PreferencesDialog(QDialog):
         widget.setAccessibleDescription(preference.note)
         rows.addRow(preference.label, widget)
         if preference.note:
-            note = QLabel(preference.note)
-            note.setObjectName("dim")
-            note.setWordWrap(True)
+            note = wrapped(preference.note, dim=True)
             note.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Minimum)
             rows.addRow("", note)
 
@@ -220,9 +217,7 @@ class ShortcutsPage(QWidget):
         self.keys.setMaximumSequenceLength(1)
         self.keys.setAccessibleName(tr("Press the new key"))
         self.keys.keySequenceChanged.connect(lambda _: self._take())
-        self.message = QLabel()
-        self.message.setObjectName("dim")
-        self.message.setWordWrap(True)
+        self.message = wrapped(dim=True)
         self.take_over, self.remove = QPushButton(tr("Use it here")), QPushButton(tr("Remove"))
         self.restore = QPushButton(tr("Reset"))
         self.take_over.setToolTip(tr("Remove the key from the other action."))
@@ -231,18 +226,11 @@ class ShortcutsPage(QWidget):
         self.take_over.clicked.connect(lambda: self._choose(self._wanted))
         self.remove.clicked.connect(lambda: self._choose(""))
         self.restore.clicked.connect(lambda: shortcuts.restore(self._current))
-        row = QHBoxLayout()
-        row.addWidget(QLabel(tr("New key:")))
-        row.addWidget(self.keys, 1)
-        for button in (self.take_over, self.remove, self.restore):
+        buttons = self.take_over, self.remove, self.restore
+        for button in buttons:
             button.setAutoDefault(False)
-            row.addWidget(button)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.addWidget(self.search)
-        column.addWidget(self.list, 1)
-        column.addLayout(row)
-        column.addWidget(self.message)
+        row = arrange(QHBoxLayout(), QLabel(tr("New key:")), self.keys, *buttons, wide=self.keys)
+        arrange(QVBoxLayout(self), self.search, self.list, row, self.message, wide=self.list)
         shortcuts.changed.connect(self._show_keys)
         self._show_keys()
 

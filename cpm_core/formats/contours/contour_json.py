@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from cpm_core.formats.contours.contents import Contents, checked, rounded
 from cpm_core.formats.images.decoded import MAXIMUM_PIXELS
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array
-from cpm_core.pages.page import MeasuredContrast, Page, StackResult
+from cpm_core.pages.page import Page, StackResult
 from cpm_core.pages.tracks import TrackEvent
 from cpm_core.parameters.provenance import Provenance
 
@@ -154,7 +155,7 @@ def _result_from(plain: Mapping[str, Any]) -> Result:
     contours = []
     for entry in plain["contours"]:
         contour, contrast = _contour_from(entry), entry["contrast"]
-        contours.append(contour if contrast is None else replace(contour, sides=MeasuredContrast(float(contrast))))
+        contours.append(contour if contrast is None else replace(contour, sides=partial(float, float(contrast))))
     facts = plain[ENTRY]
     return Result(
         np.zeros((particles, 2)),  # only their number is in the file

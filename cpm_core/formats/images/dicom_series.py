@@ -175,7 +175,7 @@ def _along(turn: Array | None) -> Array | None:
     lengths = np.linalg.norm(turn.reshape(2, 3), axis=1)
     if lengths.min() < 0.5 or abs(turn[:3] @ turn[3:]) > 0.05 * lengths.prod():
         return None
-    return np.asarray(turn.reshape(2, 3) / lengths[:, None])
+    return turn.reshape(2, 3) / lengths[:, None]
 
 
 def _numbers(given: Any, count: int) -> Array | None:

@@ -65,7 +65,7 @@ def _within(distance: Array, radius: float) -> Array:
 
 def _around(row: float, col: float) -> Array:
     """Distance of each pixel from a place."""
-    return np.asarray(np.hypot(*(np.indices((64, 64)) - np.array([row, col])[:, None, None])))
+    return np.hypot(*(np.indices((64, 64)) - np.array([row, col])[:, None, None]))
 
 
 def _disk(row: float, col: float, radius: float) -> Array:

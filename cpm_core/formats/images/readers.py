@@ -1,6 +1,8 @@
 """Readers of images and volumes: the content of a file selects its reader, not its suffix.
 
-A new reader is a module with the interface `Reader`, and an entry in `_READERS`.
+A new reader is a module with an entry in `_READERS`, and with ``READS``, suffix -> what such a file is; ``reads(head,
+path)``, whether the file is of this format, by its first 512 bytes (all of a shorter file) and its path; and
+``stack(path, reading)``, which opens a file of one or several planes, and may raise anything for a damaged one.
 """
 
 from __future__ import annotations
@@ -10,7 +12,7 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
-from typing import Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -27,22 +29,8 @@ from cpm_core.image.gray_levels import NO_DATA, no_data_note
 from cpm_core.image.image import MINIMUM_SIDE, Image
 from cpm_core.numerics.real_numbers import real_numbers
 
-
-class Reader(Protocol):
-    """Interface of a module that reads images."""
-
-    READS: dict[str, str]
-    """Suffix -> what such a file is."""
-
-    def reads(self, head: bytes, path: Path, /) -> bool:
-        """Whether the file is of this format, by its first 512 bytes (all of a shorter file) and its path."""
-
-    def stack(self, path: Path, reading: Reading, /) -> Stack:
-        """Open a file of one or several planes; damaged files may raise anything."""
-
-
 # dicom comes first, because a DICOM file may begin as a TIFF does; the last one takes what no other reads
-_READERS: tuple[Reader, ...] = (dicom, tiff, numpy_array, nifti, nrrd, metaimage, raster)
+_READERS: tuple[Any, ...] = (dicom, tiff, numpy_array, nifti, nrrd, metaimage, raster)
 _HEAD = 512
 """Bytes that identify a format: the signatures of medical formats are at 128 (DICOM) and 344 (NIfTI)."""
 

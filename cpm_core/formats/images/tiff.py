@@ -21,6 +21,7 @@ from cpm_core.formats.images.reading import Reading, series_of
 from cpm_core.formats.images.stack import Stack, check_content, joined
 from cpm_core.image.colors import full_scale
 from cpm_core.image.gray_levels import NO_DATA
+from cpm_core.numerics.types import Index
 
 # tifffile logs a warning for everything unusual in a file; the user gets one sentence on what matters instead.
 logging.getLogger("tifffile").addHandler(logging.NullHandler())
@@ -107,7 +108,7 @@ def _series(file: tifffile.TiffFile) -> list[tifffile.TiffPageSeries]:
     return list(file.series)
 
 
-def _pages_of(series: tifffile.TiffPageSeries, name: str) -> NDArray[np.int64]:
+def _pages_of(series: tifffile.TiffPageSeries, name: str) -> Index:
     """Index of each page by (time, channel, plane); other axes count as planes, or as times next to planes."""
     if not {"Y", "X"} <= set(series.axes):
         raise UnreadableError(f"{name} has the axes {series.axes}: save one volume or plane of it.")
@@ -127,7 +128,7 @@ def _pages_of(series: tifffile.TiffPageSeries, name: str) -> NDArray[np.int64]:
     return numbers.reshape([size.get(axis, 1) for axis in "TCZ"])
 
 
-def _taken(series: tifffile.TiffPageSeries, numbers: NDArray[np.int64], name: str) -> Decoded:
+def _taken(series: tifffile.TiffPageSeries, numbers: Index, name: str) -> Decoded:
     """Pages of a series: one by one, or by their place where one directory stands for all."""
     pages, keyframe = series.pages, series.keyframe
     whole = [pages[int(number)] for number in numbers] if len(pages) > int(numbers.max()) else []

@@ -122,8 +122,8 @@ def split_along(item: SegmentedObject, line: Sequence[Position], scale_field: Sc
     cuts = [cut for cut in _within(area_of(item.boundary), [path]) if shapely.LineString(cut).distance(drawn) <= _ON]
     cuts = [edges.followed(cut) for cut in cuts]
     found = _divided(item, cuts, lambda face: bool(one_side.contains(face.representative_point())), edges)
-    larger = found.first.area >= found.second.area
-    return found if larger else replace(found, first=found.second, second=found.first)
+    first, second = sorted((found.first, found.second), key=lambda half: -half.area)
+    return Halves(first, second, found.cuts)
 
 
 def redrawn(item: SegmentedObject, contour: Contour, edit: HandEdit, scale_field: ScaleField | None) -> SegmentedObject:
@@ -192,9 +192,9 @@ class _Edges:
 
 def _watershed(item: SegmentedObject, places: Array, edges: _Edges) -> tuple[Array, float, Mask]:
     """Which pixels belong to the second of two places; the first pixel of them, and their distance [px]."""
-    corners = np.concatenate([np.asarray(curve) for curve in item.boundary])
-    low = corners.min(axis=0) - _MARGIN
-    extent = corners.max(axis=0) + _MARGIN - low
+    low, high = item.box
+    low = low - _MARGIN
+    extent = high + _MARGIN - low
     step = max(1.0, float(np.sqrt(extent.prod() / _MOST_PIXELS)))
     shape = np.ceil(extent / step).astype(int)
     grid = low + step * np.indices(shape).reshape(2, -1).T
@@ -235,11 +235,8 @@ def _within(area: Any, lines: Iterable[Array]) -> list[Array]:
 
     crossing = shapely.MultiLineString(list(lines)).intersection(area)
     parts = [part for part in shapely.get_parts(shapely.line_merge(crossing)) if part.geom_type == "LineString"]
-    return [
-        np.array(part.coords)
-        for part in parts
-        if part.boundary.distance(area.boundary) <= _GRID and part.length > _GRID
-    ]
+    across = (part for part in parts if part.boundary.distance(area.boundary) <= _GRID < part.length)
+    return [np.array(part.coords) for part in across]
 
 
 def _settled(cut: Array, area: Any, edges: _Edges) -> Array:
@@ -261,14 +258,11 @@ def _divided(item: SegmentedObject, cuts: Sequence[Array], on_second: Callable[[
 
     area = area_of(item.boundary)
     lines = shapely.union_all([area.boundary, *map(shapely.LineString, cuts)], grid_size=_GRID)
-    faces = [
-        face for face in shapely.get_parts(shapely.polygonize([lines])) if area.covers(face.representative_point())
-    ]
-    sides = [on_second(face) for face in faces]
-    parts = [
-        boundary_of(shapely.union_all([face for face, side in zip(faces, sides, strict=True) if side is which]))
-        for which in (False, True)
-    ]
+    faces: tuple[list[Any], list[Any]] = [], []
+    for face in shapely.get_parts(shapely.polygonize([lines])):
+        if area.covers(face.representative_point()):
+            faces[on_second(face)].append(face)
+    parts = [boundary_of(shapely.union_all(side)) for side in faces]
     if not all(parts):
         raise ValueError("The object is not split: click in both halves, or draw a line from side to side.")
     first, second = (_bounded(item, part, cuts, edges) for part in parts)

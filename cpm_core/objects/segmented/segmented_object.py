@@ -198,10 +198,16 @@ class SegmentedObject:
         return sum(polyline.length(np.array(gap) * spacing) for gap in self.gaps)
 
     @property
+    def box(self) -> tuple[Array, Array]:
+        """The least, and the largest, row and column of the boundary [px]."""
+        corners = np.concatenate(self.boundary)
+        return corners.min(axis=0), corners.max(axis=0)
+
+    @property
     def center(self) -> Position:
         """Center (row, col) of the box around the boundary [px]."""
-        corners = np.concatenate([np.asarray(curve) for curve in self.boundary])
-        row, col = (0.5 * (corners.min(axis=0) + corners.max(axis=0))).tolist()
+        low, high = self.box
+        row, col = (0.5 * (low + high)).tolist()
         return row, col
 
     def innermost(self, shape: tuple[int, ...]) -> Position:
@@ -221,9 +227,9 @@ class SegmentedObject:
 
         Boundaries may reach far beyond the image.
         """
-        corners = np.concatenate([np.asarray(curve) for curve in self.boundary])
-        top, left = np.clip(np.floor(corners.min(axis=0)), 0, shape).astype(int).tolist()
-        bottom, right = np.clip(np.ceil(corners.max(axis=0)) + 1, (top, left), np.maximum(shape, (top, left))).tolist()
+        low, high = self.box
+        top, left = np.clip(np.floor(low), 0, shape).astype(int).tolist()
+        bottom, right = np.clip(np.ceil(high) + 1, (top, left), np.maximum(shape, (top, left))).tolist()
         rows, cols = np.arange(top, bottom), np.arange(left, right)
         window = np.zeros((len(rows), len(cols)), np.bool_)
         height = max(1, _AT_ONCE // max(1, len(cols)))

@@ -269,9 +269,7 @@ def continuation(a: Array, from_a: Array, b: Array, from_b: Array) -> Array:
     handle = np.linalg.norm(b - a) / 3.0
     t = np.linspace(0.0, 1.0, 4 + int(2.0 * np.linalg.norm(b - a)))[:, None]
     s = 1.0 - t
-    return np.asarray(
-        s**3 * a + 3.0 * s**2 * t * (a + handle * from_a) + 3.0 * s * t**2 * (b + handle * from_b) + t**3 * b
-    )
+    return s**3 * a + 3.0 * s**2 * t * (a + handle * from_a) + 3.0 * s * t**2 * (b + handle * from_b) + t**3 * b
 
 
 def _ends(graph: Graph, scale_field: ScaleField, least: float) -> dict[int, Array]:
@@ -295,4 +293,4 @@ def direction_at_end(points: Array) -> Array:
     """Unit vector in which a curve, shape (K, 2), leaves its first vertex."""
     stretch = last_stretch(points, _BACK)
     way = stretch[0] - stretch[-1]
-    return np.asarray(way / max(float(np.linalg.norm(way)), 1e-300))
+    return way / max(float(np.linalg.norm(way)), 1e-300)

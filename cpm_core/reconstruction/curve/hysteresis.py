@@ -9,16 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.graph import Graph
-from cpm_core.field.region_contrast import Sides
+from cpm_core.field.region_contrast import mean_contrast
 from cpm_core.field.scale_field import ScaleField
-from cpm_core.numerics.types import Array, Index
+from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.parameters import Parameters
 
 LEAST_LENGTH, _LEAST_IN_SIGMA = 4.0, 8.0
@@ -44,7 +44,7 @@ def drop_weak(graph: Graph, scale_field: ScaleField, parameters: Parameters) -> 
         drop_unconnected(graph, scale_field.strength(graph.points), parameters.sure_edge * scale_field.strongest)
 
 
-def drop_unreached(graph: Graph, reached: NDArray[np.bool_]) -> None:
+def drop_unreached(graph: Graph, reached: Mask) -> None:
     """Remove the edges of a graph with a vertex off the pixels, shape (H, W), where contours may run."""
     place = np.clip(np.rint(graph.points).astype(int), 0, np.array(reached.shape) - 1)
     on = reached[tuple(place.T)]
@@ -104,6 +104,6 @@ def measured(contours: Sequence[Contour], scale_field: ScaleField) -> tuple[Cont
     strength, normals = scale_field.strength(points), scale_field.normals(points)
     found = []
     for contour, a, b in zip(contours, bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
-        sides = Sides(scale_field.values, contour.points, normals[a:b], scale_field.smoothing)
+        sides = partial(mean_contrast, scale_field.values, contour.points, normals[a:b], scale_field.smoothing)
         found.append(replace(contour, strength=float(strength[a:b].mean()), sides=sides))
     return tuple(found)

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Mask
 from cpm_core.reconstruction.curve.ridge import PROBE, Ridge, ridge_of, spline_height, uphill
 
 FARTHEST = 2.5
@@ -25,7 +24,7 @@ _SHARE = 500
 """Least number of points for a thread."""
 
 
-def ridge_points(positions: Array, scale_field: ScaleField) -> tuple[Array, NDArray[np.bool_]]:
+def ridge_points(positions: Array, scale_field: ScaleField) -> tuple[Array, Mask]:
     """Move points across the edge to the maximum of the edge map, interpolated by cubic splines.
 
     Each point is moved along the image gradient to the vertex of the parabola through three samples of the edge

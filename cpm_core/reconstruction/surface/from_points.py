@@ -12,7 +12,7 @@ import scipy
 from numpy.typing import ArrayLike
 
 from cpm_core.contours.surface import Surface, rows_of_three
-from cpm_core.numerics.grids import zero_surface
+from cpm_core.numerics.grids import parts_joined, zero_surface
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask, Single
 from cpm_core.reconstruction.surface.components import fill_regions, support, typical_distance
@@ -98,11 +98,10 @@ def estimated_normals(points: Array, apart: float) -> Array:
     one, other = one[close], other[close]
     price = 1.0 - np.abs((normals[one] * normals[other]).sum(1)) + _LEAST_PRICE
     graph = scipy.sparse.csr_array((price, (one, other)), shape=(len(points), len(points)))
-    count, labels = scipy.sparse.csgraph.connected_components(graph, directed=False)
-    part = labels.astype(np.int64)
+    part = parts_joined((one, other), len(points))
     forest = scipy.sparse.csgraph.minimum_spanning_tree(graph)
     forest = forest + forest.T
-    for number in range(count):
+    for number in range(part.max() + 1):
         members = np.flatnonzero(part == number)
         first = members[points[members, 0].argmax()]  # the outermost point, from which the sign spreads
         if normals[first, 0] < 0.0:
@@ -126,7 +125,7 @@ def hollow(points: Array, normals: Array, part: Index) -> Mask:
                 nearest = around[tree.query(points[own])[1]]
                 inward = ((points[own] - points[nearest]) * normals[nearest]).sum(1) < 0.0
                 within[inner] += bool(inward.mean() > 0.5)
-    return np.asarray(within % 2 == 1)
+    return within % 2 == 1
 
 
 _FEWEST, _FEWEST_FOR_NORMALS = 4, 13

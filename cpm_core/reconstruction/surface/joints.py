@@ -382,4 +382,4 @@ def falls_around(way: Array, surroundings: Surroundings, width: float) -> Array:
     away = np.cos(angles)[:, None] * one[:, None] + np.sin(angles)[:, None] * other[:, None]
     around = (places[:, None] + _RING * width * away) / size
     values = gray_at(surroundings.volume, np.concatenate([way, around.reshape(-1, 3)]))
-    return np.asarray(values[: len(way), None] - values[len(way) :].reshape(len(way), _DIRECTIONS))
+    return values[: len(way), None] - values[len(way) :].reshape(len(way), _DIRECTIONS)

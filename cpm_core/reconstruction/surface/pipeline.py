@@ -91,7 +91,7 @@ def _part_of(shut: Mask, box: Box) -> Mask:
         np.clip(np.arange(begin, begin + count), 0, n - 1)
         for begin, count, n in zip(box.begin.tolist(), box.shape, shut.shape, strict=True)
     )
-    return np.asarray(shut[np.ix_(*axes)])
+    return shut[np.ix_(*axes)]
 
 
 def _settle(found: Single, left_out: Mask | None) -> float:

@@ -27,7 +27,7 @@ _FARTHEST = 1.0
 
 def gray_at(volume: Single, points: Array) -> Array:
     """Gray levels of a volume at points, shape (N, 3) [voxels], shape (N,)."""
-    return np.asarray(interpolate(volume[None], points)[:, 0])
+    return interpolate(volume[None], points)[:, 0]
 
 
 def slopes_of(volume: Single, points: Array, size: Array) -> tuple[Array, Array]:

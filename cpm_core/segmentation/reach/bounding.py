@@ -22,6 +22,7 @@ import skimage
 
 from cpm_core.field.edge_map import background_strength, gradient, magnitude
 from cpm_core.field.scale_field import WEAKEST_EDGE
+from cpm_core.numerics.grids import parts_joined
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.segmentation.reach.drawn_area import LEAST_PLACES, drawn_area, hollow_part, radius_of
 from cpm_core.segmentation.reach.surrounded import Labels, flooded, surrounded
@@ -251,9 +252,7 @@ def _joined(strength: Array, basins: Labels, background: int) -> Labels:
     outer[one[other == background]] = median[other == background]
     usual = np.minimum(outer[one], outer[other])
     weak = (other < background) & np.isfinite(usual) & (median < _JOINS * usual)
-    graph = scipy.sparse.csr_array((np.ones(np.count_nonzero(weak)), (one[weak], other[weak])), shape=(count, count))
-    _, group = scipy.sparse.csgraph.connected_components(graph, directed=False)
-    return np.asarray(group + 1, np.int32)
+    return (parts_joined((one[weak], other[weak]), count) + 1).astype(np.int32)
 
 
 def _parts(strength: Array, pieces: Labels, basins: Labels, beta: float) -> Labels:

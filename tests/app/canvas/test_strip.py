@@ -61,7 +61,7 @@ def test_the_legend_names_and_counts_what_is_there_and_nothing_else(rested) -> N
     assert {entry.text: entry.count for entry in legend.entries} == {
         text: count for text, count in (("found", sum(layers.contours.counts)), ("proposed", len(offered))) if count
     }
-    rested.workspace.review.select(item.key for item in rested.workspace.review.items)
+    rested.workspace.review.choose(item.key for item in rested.workspace.review.items)
     rested.workspace.object_list.reject()
     legend.show_now()
     assert {entry.text for entry in legend.entries} - {"proposed"} == {"rejected"}

@@ -133,7 +133,7 @@ def test_labels_are_the_closed_contours_and_open_ones_are_counted(found, hand, f
 def test_only_what_is_chosen_is_written_with_the_numbers_of_the_table(found, hand, folder) -> None:
     review = found.workspace.review
     numbers = {item.measures.number: item.key for item in review.items}
-    review.select([numbers[1], numbers[3]])
+    review.choose([numbers[1], numbers[3]])
     dialog = asked(hand.qtbot, found)
     check(hand.qtbot, dialog, "contours:.json")
     for wanted in ([1, 3], [1, 2, 3]):

@@ -16,10 +16,10 @@ from pathlib import Path
 
 import pytest
 
+from app import __main__ as start
 from app.__main__ import CANNOT_OPEN, main
 from app.model.text import language
 from app.session.storage.preferences import Preferences
-from app.views.window import display
 
 ROOT = Path(__file__).parents[3]
 SOURCES = sorted((ROOT / "app").rglob("*.py"))
@@ -144,7 +144,7 @@ def test_what_lacks_a_translation_stays_english_and_is_listed(update, monkeypatc
 def test_the_preferred_language_is_in_use_before_the_window_is_loaded(qapp, monkeypatch) -> None:
     Preferences().put(language.KEY, "de")
     seen = []
-    monkeypatch.setattr(display, "why_no_window", lambda: seen.append(language.language()) or "no window")
+    monkeypatch.setattr(start, "why_no_window", lambda: seen.append(language.language()) or "no window")
     assert main([]) == CANNOT_OPEN
     assert seen == ["de"]
     language.use_language("en")

@@ -47,7 +47,7 @@ def test_settings_for_the_kind_are_used_by_one_click_and_taken_back_by_one_key(w
     open_image(window, hand, nuclei)
     before = window.session.document
     assert before.parameters == PRESETS["shape"]
-    assert bar(window).text == ADVICE["fluorescence"].sentence
+    assert bar(window).text == ADVICE["fluorescence"]
     press(hand, bar(window).buttons[0])
     document = window.session.document
     assert (document.mode, document.shapes) == ("automatic", (Everywhere("grid"),))

@@ -49,7 +49,7 @@ def test_folders_and_patterns_stand_for_their_images_in_the_order_of_their_numbe
         assert [image["source"] for image in json.loads(out)["images"]] == ["disk2.png", "disk10.png"]
     status, _, err = command("run", folder / "*.png", *RUN)
     assert status == 2
-    assert "names 2 images, but one is taken here" in err
+    assert "names 2 images, but only one can be used here" in err
 
 
 def test_an_image_that_cannot_be_read_does_not_keep_the_others_back(command, folder, tmp_path):

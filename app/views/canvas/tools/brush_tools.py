@@ -8,14 +8,12 @@ import numpy as np
 import scipy
 
 from app.model.text.language import tr
+from app.session.features.object_list import BRUSH, first_radius
 from app.session.undo_history import Erasure
 from app.views.canvas.tools.tool import SELECT, STROKE, ShapeTool
 from app.views.theme import theme
 from cpm_core.numerics import Array, Place
 from cpm_core.shapes import Points
-
-_SHARE, _LEAST, _MOST = 0.03, 1.0, 500.0
-"""Initial radius as a fraction of the longest side of the image, and bounds of the radius [px]."""
 
 _FACTOR = 1.2
 """Factor by which one key press enlarges the ring."""
@@ -46,10 +44,7 @@ class RingTool(ShapeTool):
     @property
     def radius(self) -> float:
         """Radius of the ring [px of the image]."""
-        if self._chosen is not None:
-            return self._chosen
-        image = self._session.document.image
-        return max(_SHARE * max(image.shape), 4.0) if image is not None else 4.0
+        return self._chosen or first_radius(self._session.document.image)
 
     def work(self, path: tuple[Place, ...]) -> None:
         """Apply the tool along a path of the ring, which has one place when the gesture begins."""
@@ -77,7 +72,7 @@ class RingTool(ShapeTool):
 
     def resize(self, by: float) -> None:
         """Make the ring larger or smaller."""
-        self.set_radius(min(max(self.radius * _FACTOR**by, _LEAST), _MOST))
+        self.set_radius(min(max(self.radius * _FACTOR**by, BRUSH[0]), BRUSH[1]))
         if self._at is not None:
             self.hover(self._at)
 

@@ -21,7 +21,7 @@ from app.views.theme.icons import pointer
 from cpm_core.contours import HandEdit
 from cpm_core.numerics import Array, Position
 from cpm_core.objects.segmented import SegmentedObject
-from cpm_core.reconstruction import Contact, connect
+from cpm_core.reconstruction import Contact, connect, deletion, pull
 
 _STILL = 0.5
 """Move of the pointer, in reaches, up to which a press is a click and not a drag."""
@@ -210,7 +210,7 @@ class MendTool(RingTool):
         on = self._editing.boundary(at, self._reach)
         self._item, self._held = on if on is not None else (None, self._editing.contact(at, self._reach))
         if self._held is None:
-            self._item = self._brush.target(at, self.radius)
+            self._item = self._brush.target((at,), self.radius)
 
     def _click(self, held: Contact, item: SegmentedObject | None) -> None:
         """Choose the object that was clicked, select the contour and mark the place on it, or cut it there."""
@@ -220,10 +220,10 @@ class MendTool(RingTool):
         elif self._takes_away:
             self._editing.cut(held)
         elif self.modifiers & Qt.KeyboardModifier.ControlModifier:
-            self._review.select(self._review.selected ^ {key} if key is not None else self._review.selected)
+            self._review.choose(self._review.selected ^ ({key} if key is not None else set()))
         else:
             if key is not None:
-                self._review.select((key,))
+                self._review.choose((key,))
             marked = self._editing.marked
             second = len(marked) == 1 and marked[0].same_contour(held) and marked[0].along != held.along
             self._editing.mark((*marked, held) if second else (held,))
@@ -233,7 +233,7 @@ class MendTool(RingTool):
         at = self._at
         assert at is not None
         if not held.at_end:
-            edit = self._editing.pulled(held, at, not self._takes_away)
+            edit = pull(held, at, None if self._takes_away else self._editing.edges)
             return (edit,), np.array(edit.added), [held.place]
         target = self._editing.contact(at, self._reach)
         if target is not None and target.same_contour(held) and abs(target.along - held.along) <= 2.0 * self._reach:
@@ -253,7 +253,7 @@ class MendTool(RingTool):
             self._review.hover(self._editing.key_of(held) if held is not None and on_contour else None)
             marks = [*self._editing.marked, *([held] if held is not None and on_contour else [])][:2]
             if len(marks) == 2 and self._editing.marked and marks[0].same_contour(marks[1]):
-                path = self._editing.stretch(*marks)
+                path = deletion(*marks).removed
             corners += [held.place] if held is not None else []
         adds = self._brush.adds if painting else not self._takes_away
         self._drawing.show_draft(corners, path, theme.BY_HAND)

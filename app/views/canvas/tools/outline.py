@@ -14,7 +14,7 @@ from app.session.signals import EDITING
 from app.views.canvas.tools.tool import OBJECT, Cursor, Tool
 from app.views.theme import theme
 from cpm_core.numerics import Array, Position, polyline
-from cpm_core.reconstruction import Contact, connect
+from cpm_core.reconstruction import Contact, connect, on_ridge
 
 _FINEST = 1.0
 """Least distance between two corners of a freehand path [px]."""
@@ -113,7 +113,8 @@ class OutlineTool(Tool):
         closes = first.at(at, self._reach)
         drawn[-1] = first.place if closes else self._place(at)
         path = np.array(drawn)
-        self._add(drawn[-1], at, path if self._straight else self._editing.snapped_path(path))
+        edges = None if self._straight else self._editing.edges
+        self._add(drawn[-1], at, path if edges is None else on_ridge(path, edges))
         if closes:
             self.finish(closed=True)
         else:

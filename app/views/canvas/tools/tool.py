@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Literal
 
 from PySide6.QtCore import Qt
@@ -40,29 +39,11 @@ GROUPS = OBJECT, SELECT, MEND, CIRCLE, STROKE, AREA, AUTO, LIMIT, CHARGE = (
 _gestures = itertools.count()
 
 
-@dataclass(frozen=True, slots=True)
-class ToolContext:
-    """What a tool works with.
-
-    Attributes
-    ----------
-    workspace : Workspace
-        The session whose document is edited, and its features.
-    drawing : DrawingLayer
-        Shows drafts and rings.
-    advised : callable
-        Called when the advice of a tool may have changed.
-    """
-
-    workspace: Workspace
-    drawing: DrawingLayer
-    advised: Callable[[], None]
-
-
 class Tool:
     """What a tool does with the pointer; positions are (row, col) in px of the image, or (plane, row, col) in a volume.
 
-    By default a gesture lasts as long as the button is down, and the tool has no size and no draft.
+    By default a gesture lasts as long as the button is down, and the tool has no size and no draft. `drawing` shows
+    drafts and rings; `advised` is called when the advice of the tool may have changed.
     """
 
     name: str
@@ -92,9 +73,9 @@ class Tool:
     modifiers = Qt.KeyboardModifier.NoModifier
     """Modifier keys that are held; they may constrain the shape."""
 
-    def __init__(self, context: ToolContext) -> None:
-        self._workspace, self._drawing, self._advised = context.workspace, context.drawing, context.advised
-        self._session = context.workspace.session
+    def __init__(self, workspace: Workspace, drawing: DrawingLayer, advised: Callable[[], None]) -> None:
+        self._workspace, self._drawing, self._advised = workspace, drawing, advised
+        self._session = workspace.session
         self.used = False
         self.set_up()
 
