@@ -24,7 +24,6 @@ from cpm_core.formats import (
     FOR_VOLUMES,
     WRITABLE,
     left_out,
-    suffix_of,
 )
 from cpm_core.image import Convention, has_matplotlib
 from cpm_core.numerics import polyline
@@ -151,11 +150,6 @@ class ExportOrder:
     everywhere: bool = False
     space: Convention = "LPS"
     in_units: bool = True
-
-    @classmethod
-    def of(cls, *paths: Path) -> ExportOrder:
-        """Contours, in the formats that the suffixes name."""
-        return cls(tuple(ExportFile(path, "contours", suffix_of(path)) for path in paths))
 
     def thins(self, suffix: str) -> bool:
         """Whether vertices are left out in a format."""

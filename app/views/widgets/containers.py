@@ -11,6 +11,7 @@ from PySide6.QtWidgets import (
     QBoxLayout,
     QDialog,
     QDialogButtonBox,
+    QFormLayout,
     QFrame,
     QHBoxLayout,
     QLabel,
@@ -72,6 +73,16 @@ class AcceptButtons(QDialogButtonBox):
         self.accept_button = self.addButton(text, QDialogButtonBox.ButtonRole.AcceptRole)
         self.accepted.connect(dialog.accept)
         self.rejected.connect(dialog.reject)
+
+
+def lay_out_form(dialog: QDialog, heading: str, form: QFormLayout, buttons: AcceptButtons) -> None:
+    """Fill a dialog: a sentence, a form, and the buttons."""
+    form.setHorizontalSpacing(16)
+    layout = QVBoxLayout(dialog)
+    layout.setSpacing(12)
+    layout.addWidget(QLabel(heading))
+    layout.addLayout(form)
+    layout.addWidget(buttons)
 
 
 class Scrolled(QScrollArea):
