@@ -266,20 +266,19 @@ class ClassRow(QWidget):
     def __init__(self, object_list: ObjectList, number: int) -> None:
         super().__init__()
         self._list, self._number = object_list, number
-        self.color, self.digit, self.name = QToolButton(), QToolButton(), QLineEdit()
-        self.color.setAutoRaise(True)
+        instant = QToolButton.ToolButtonPopupMode.InstantPopup
+        self.color, self.digit = QToolButton(autoRaise=True, popupMode=instant), QToolButton()
+        self.name = QLineEdit(frame=False)
         self.color.setToolTip(tr("Color of the class"))
         menu = QMenu(self.color)
         fill_colors(menu, self, lambda color: object_list.name_class(number, self.name.text(), color), True)
         self.color.setMenu(menu)
-        self.color.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         self.digit.setText(str(number))
         self.digit.setCheckable(True)
         self.digit.setToolTip(
             tr("Set the class of the selection and of the next objects ({number}).").format(number=number)
         )
         self.digit.clicked.connect(partial(object_list.classify, number))
-        self.name.setFrame(False)
         self.name.setAccessibleName(tr("Name of class {number}").format(number=number))
         self.name.editingFinished.connect(self._rename)
         arrange(QHBoxLayout(self), self.color, self.digit, self.name, spacing=4, wide=self.name)
