@@ -211,7 +211,7 @@ def _thinned(contour: Contour, tolerance: float) -> Contour:
 
 def summary_text(result: Result | Skeleton, what: What, suffix: str) -> str:
     """What a file with a suffix holds of a result, and what not."""
-    surface = result.surface if isinstance(result, Result) else None
+    surface, missing = result.surface if isinstance(result, Result) else None, left_out(result, suffix)
     if what == "objects":
         groups = {one.group for one in result.contours}
         count = len(groups if surface is None or surface.numbers is None else set(surface.numbers.tolist()))
@@ -219,7 +219,6 @@ def summary_text(result: Result | Skeleton, what: What, suffix: str) -> str:
     elif surface is not None:
         return tr("a surface of {count} triangles").format(count=written(f"{len(surface.faces):,}"))
     else:
-        count = len(result.contours) - left_out(result, suffix)
+        count = len(result.contours) - missing
         text = tr("1 contour") if count == 1 else tr("{count} contours").format(count=count)
-    missing = left_out(result, suffix)
     return f"{text}, {tr('{count} open ones left out').format(count=missing)}" if missing else text

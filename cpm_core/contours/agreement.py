@@ -240,8 +240,7 @@ def _cut(points: Array, truth: Truth, tolerance: float) -> Mask:
     last = np.array(truth.shape) - 1
     before, beyond = points + 0.5 <= tolerance, last + 0.5 - points <= tolerance
     pixels = np.where(before, 0, np.where(beyond, last, np.clip(np.rint(points), 0, last))).astype(int)
-    cut: Mask = np.any(before | beyond, axis=1) & (truth.labels[tuple(pixels.T)] > 0)
-    return cut
+    return np.any(before | beyond, axis=1) & (truth.labels[tuple(pixels.T)] > 0)
 
 
 def _boundaries(a: _Boundary, b: _Boundary, tolerance: float) -> dict[str, float]:

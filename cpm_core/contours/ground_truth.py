@@ -28,8 +28,26 @@ _CLEAR = 0.125
 """Greatest distance from black or white, as a fraction of the range, in a mask from a lossy format."""
 
 
+class _Labeled:
+    """What is told by the labels of an image or a volume."""
+
+    labels: Labels
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the image or volume."""
+        return self.labels.shape
+
+    @cached_property
+    def objects(self) -> Labels:
+        """Labels of the single objects, in the shape of `labels`: those of a single class are its connected parts."""
+        if self.labels.max(initial=0) > 1:
+            return self.labels
+        return np.asarray(scipy.ndimage.label(self.labels)[0], np.int32)
+
+
 @dataclass(frozen=True, eq=False)
-class Truth(drawing.Pictured):
+class Truth(_Labeled, drawing.Pictured):
     """The true objects and boundaries of an image.
 
     Attributes
@@ -57,20 +75,10 @@ class Truth(drawing.Pictured):
     contours: tuple[Contour, ...]
     source: str = "ground truth"
 
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Shape of the image."""
-        return self.labels.shape
-
     @cached_property
     def boundary(self) -> Array:
         """Points every quarter of a pixel along the boundaries, shape (K, 2) [px]."""
         return sampled(self.contours)
-
-    @cached_property
-    def objects(self) -> Labels:
-        """Labels of the single objects, shape (H, W): those of a single class are its connected parts."""
-        return _single(self.labels)
 
     def __repr__(self) -> str:
         return described("Truth", self.source, sized(self.shape), counted(len(self.contours), "contour"))
@@ -81,13 +89,6 @@ class Truth(drawing.Pictured):
         drawing.show_image(ax, (self.labels > 0).astype(float))
         drawing.show_curves(ax, self.contours)
         return ax
-
-
-def _single(labels: Labels) -> Labels:
-    """Labels of the single objects: those of a single class are its connected parts."""
-    if labels.max(initial=0) > 1:
-        return labels
-    return np.asarray(scipy.ndimage.label(labels)[0], dtype=np.int32)
 
 
 def truth_of_contours(
@@ -180,7 +181,7 @@ def _between(labels: Labels) -> tuple[Contour, ...]:
 
 
 @dataclass(frozen=True, eq=False)
-class VolumeTruth:
+class VolumeTruth(_Labeled):
     """The true objects of a volume.
 
     Attributes
@@ -229,16 +230,6 @@ class VolumeTruth:
             )
         object.__setattr__(self, "labels", given.astype(np.int32))
         object.__setattr__(self, "spacing", tuple(voxel_sides("The spacing of labels", self.spacing).tolist()))
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Shape of the volume."""
-        return self.labels.shape
-
-    @cached_property
-    def objects(self) -> Labels:
-        """Labels of the single objects, shape (P, R, C): those of a single class are its connected parts."""
-        return _single(self.labels)
 
     @cached_property
     def surface(self) -> Surface:

@@ -182,8 +182,7 @@ def attached(contours: Sequence[Contour], anchors: Sequence[Position], reach: fl
 
 def middle(contour: Contour) -> Position:
     """Position halfway along a contour."""
-    row, col = polyline.middles(contour.path, 1)[0].tolist()
-    return row, col
+    return tuple(polyline.middles(contour.path, 1)[0].tolist())
 
 
 def anchor(contours: Sequence[Contour], index: int) -> Position:
@@ -198,8 +197,7 @@ def anchor(contours: Sequence[Contour], index: int) -> Position:
         apart = np.maximum(neighbor.box[0] - high, low - neighbor.box[1]).max()
         if other != index and apart < _ALONE:
             clear = np.minimum(clear, polyline.distances(neighbor.path, places))
-    row, col = places[int(np.argmax(clear))].tolist()
-    return row, col
+    return tuple(places[int(np.argmax(clear))].tolist())
 
 
 _SAME = 2.0

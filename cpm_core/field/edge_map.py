@@ -86,8 +86,7 @@ def smoothed_along(
 
 def magnitude(vectors: Array) -> Array:
     r"""Length of each vector of a field of shape (D, \*shape)."""
-    length: Array = np.sqrt(np.einsum("i...,i...->...", vectors, vectors))
-    return length
+    return np.sqrt(np.einsum("i...,i...->...", vectors, vectors))
 
 
 def edge_map(values: ArrayLike, smoothing: float | Literal["auto"] = 1.0) -> Array:

@@ -35,8 +35,7 @@ def component(packed: Single, c: int, place: tuple[int, int, float, float]) -> f
     row, col, down, right = place
     upper = packed[row, col, c] * (1.0 - right) + packed[row, col + 1, c] * right
     lower = packed[row + 1, col, c] * (1.0 - right) + packed[row + 1, col + 1, c] * right
-    value: float = upper * (1.0 - down) + lower * down
-    return value
+    return upper * (1.0 - down) + lower * down
 
 
 @compiled
@@ -51,8 +50,7 @@ def value_at(volume: Single, plane: float, row: float, col: float) -> float:
     b = volume[i, j + 1, k] * (1.0 - x) + volume[i, j + 1, k + 1] * x
     c = volume[i + 1, j, k] * (1.0 - x) + volume[i + 1, j, k + 1] * x
     d = volume[i + 1, j + 1, k] * (1.0 - x) + volume[i + 1, j + 1, k + 1] * x
-    value: float = (a * (1.0 - y) + b * y) * (1.0 - z) + (c * (1.0 - y) + d * y) * z
-    return value
+    return (a * (1.0 - y) + b * y) * (1.0 - z) + (c * (1.0 - y) + d * y) * z
 
 
 @compiled

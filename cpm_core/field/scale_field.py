@@ -230,11 +230,6 @@ def _weakest_edge(strength: Array, strongest: float, edge_floor: float) -> float
     return max(WEAKEST_EDGE * strongest, min(background_strength(strength), _MOST_BACKGROUND * strongest))
 
 
-def least_strength(strongest: float) -> float:
-    """Edge strength that holds particles next to any background, from the largest edge strength."""
-    return _MOST_BACKGROUND * strongest if strongest > 0.0 else np.inf
-
-
 def lorentz_force(field: Array, grad: Array, strength: Array, strongest: float) -> Array:
     r"""Normalized Lorentz force on the pixels, shape (D, \*shape), of at most unit size.
 
@@ -295,8 +290,7 @@ def _force_of_lines(field: Array, grad: Array, strength: Array, strongest: float
 
 def _dot(one: Array, other: Array) -> Array:
     r"""Scalar product of two fields of shape (D, \*shape)."""
-    product: Array = np.einsum("i...,i...->...", one, other)
-    return product
+    return np.einsum("i...,i...->...", one, other)
 
 
 def unit_vectors(vectors: Array) -> Array:
@@ -334,6 +328,6 @@ def limited_to(scale_field: ScaleField, ridge: Mask) -> ScaleField:
         edge_map=strength,
         strongest=strongest,
         fixed_charges=charged,
-        floor=min(scale_field.floor, least_strength(strongest)),
+        floor=min(scale_field.floor, _MOST_BACKGROUND * strongest if strongest > 0.0 else np.inf),
         reached=away <= _ALONG,
     )

@@ -74,7 +74,7 @@ def _absent(values: Array) -> Mask | None:
         return None
     if np.ptp(others) == 0.0 and kinds[0] != NO_DATA:
         return None
-    return np.asarray(absent)
+    return absent
 
 
 def _filled(values: Array, known: Mask) -> Array:

@@ -10,6 +10,7 @@ from typing import Literal
 
 import numpy as np
 import scipy
+import skimage
 
 from cpm_core.numerics.types import Array
 
@@ -31,12 +32,16 @@ def guessed_kind(values: Array) -> Kind | None:
 
     Gray levels are taken from 0 to 1, without half a percent at either end.
     """
-    reduced = _reduced(values)
+    if values.ndim != 2:
+        return None
+    step = math.ceil(max(values.shape) / _SIDE)
+    rows, cols = (side // step * step for side in values.shape)
+    reduced = skimage.measure.block_reduce(values[:rows, :cols], step, np.mean)  # type: ignore[no-untyped-call]
     low, high = np.percentile(reduced, [0.5, 99.5])
     if not high > low:
         low, high = reduced.min(), reduced.max()
     blocks = min(reduced.shape) // _BLOCK
-    if reduced.ndim != 2 or blocks * blocks < _LEAST_BLOCKS or not high > low:
+    if blocks * blocks < _LEAST_BLOCKS or not high > low:
         return None
     levels = np.clip((reduced - low) / (high - low), 0.0, 1.0)
     smooth = scipy.ndimage.gaussian_filter
@@ -68,18 +73,7 @@ def guessed_kind(values: Array) -> Kind | None:
     return None
 
 
-def _reduced(values: Array) -> Array:
-    """The image with sides of at most `_SIDE`, as means over squares."""
-    step = math.ceil(max(values.shape) / _SIDE)
-    if step == 1:
-        return np.asarray(values, np.float64)
-    rows, cols = (side // step for side in values.shape)
-    squares = values[: rows * step, : cols * step].reshape(rows, step, cols, step)
-    return squares.mean(axis=(1, 3))
-
-
 def _blocks(levels: Array) -> Array:
     """The pixels of each block, shape (blocks, pixels)."""
-    rows, cols = (side // _BLOCK for side in levels.shape)
-    cut = levels[: rows * _BLOCK, : cols * _BLOCK].reshape(rows, _BLOCK, cols, _BLOCK)
-    return cut.swapaxes(1, 2).reshape(rows * cols, _BLOCK * _BLOCK)
+    rows, cols = (side // _BLOCK * _BLOCK for side in levels.shape)
+    return skimage.util.view_as_blocks(levels[:rows, :cols], (_BLOCK, _BLOCK)).reshape(-1, _BLOCK * _BLOCK)  # type: ignore[no-untyped-call]

@@ -57,8 +57,7 @@ class Lines(NamedTuple):
     def above_chance(self, other: Lines) -> Mask:
         """Pixels, shape (H, W), of lines with more contrast than lines of the other kind have by chance."""
         level = max(float(np.quantile(other.contrast, _CHANCE)), _LEAST * float(self.curvature.max()))
-        found = skimage.filters.apply_hysteresis_threshold(self.contrast, _FAINT * level, level)  # type: ignore[no-untyped-call]
-        return np.asarray(found)
+        return skimage.filters.apply_hysteresis_threshold(self.contrast, _FAINT * level, level)  # type: ignore[no-untyped-call]
 
 
 def vesselness(values: Array) -> Array:

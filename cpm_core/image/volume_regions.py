@@ -419,8 +419,7 @@ def _limit(what: str, form: str, given: ArrayLike | Voxels | Extrusion) -> Limit
         )
     if not np.isfinite(pair).all():
         raise ValueError(f"{what} has coordinates that are not finite: give numbers of planes, rows and columns.")
-    one, other = ((float(p), float(r), float(c)) for p, r, c in pair.tolist())
-    return one, other
+    return tuple(map(tuple, pair.tolist()))  # type: ignore[return-value]
 
 
 def of_plane(regions: AnyRegions | None) -> Regions | None:

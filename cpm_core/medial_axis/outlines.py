@@ -59,7 +59,7 @@ def mask_of(within: Sequence[Contour] | ArrayLike, shape: tuple[int, ...]) -> Ma
     mask = real_numbers(cast("ArrayLike", within)) != 0.0
     if mask.shape != shape:
         raise ValueError(f"within has the shape {mask.shape}, but the image {shape}: give a mask of that shape.")
-    return np.asarray(mask)
+    return mask
 
 
 def inside_outlines(outlines: Sequence[Contour], places: Array) -> Mask:

@@ -34,11 +34,6 @@ def step_width(smoothing: float) -> float:
     return float(np.sqrt(smoothing**2 + _WIDENED))
 
 
-def step_height(strength: Array, smoothing: float) -> Array:
-    """Height of steps [gray levels] with this edge strength on the ridge [gray levels / px] at this sigma [px]."""
-    return strength * np.sqrt(2.0 * np.pi) * step_width(smoothing)
-
-
 def half_width(distance: Array, smoothing: float) -> Array:
     """Half width [px] of lines whose ridges lie at a distance [px] from the center line; at most that distance.
 
@@ -180,7 +175,7 @@ def within_objects(axis: Axis, boundary: Boundary, values: Array, smoothing: flo
     smooth = scipy.ndimage.gaussian_filter(values, max(smoothing, _LEAST_SMOOTHING), mode="nearest")
     gray = [scipy.ndimage.map_coordinates(smooth, where.T, order=1, mode="nearest") for where in (places, axis.points)]
     away = np.min(np.abs(np.array(gray) - np.median(border)), axis=0)
-    contrast = step_height(boundary.strength[axis.nearest], smoothing)
+    contrast = boundary.strength[axis.nearest] * np.sqrt(2.0 * np.pi) * step_width(smoothing)  # height of the steps
     inside = axis.inside(low, high)
     count, part = parts(axis)
     every = np.arange(count)

@@ -127,8 +127,7 @@ def meet(segment: Array, a: Array, b: Array) -> bool:
     ):
         return False
     p, q = segment[:2], segment[2:]
-    meeting: bool = side(p, q, a) * side(p, q, b) <= 0.0 and side(a, b, p) * side(a, b, q) <= 0.0
-    return meeting
+    return side(p, q, a) * side(p, q, b) <= 0.0 and side(a, b, p) * side(a, b, q) <= 0.0
 
 
 def first_crossing(path: Array, segments: Array) -> tuple[int, int]:

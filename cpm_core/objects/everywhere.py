@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
 import numpy as np
@@ -20,9 +18,6 @@ from cpm_core.objects.confidence import Signs, probability
 from cpm_core.objects.partition import Partition
 from cpm_core.objects.prior.prior import Likely
 from cpm_core.objects.selection import Selection
-
-_THREADS = 4
-"""Most threads that ask the prior at once."""
 
 _SIZE, _CUT = (0.2, 4.0), 0.05
 """Area of others, as fractions of that of the chosen one; and least area of one that the border of the image cuts."""
@@ -160,9 +155,8 @@ class _Parts(NamedTuple):
 
         wanted = (self.pixels >= _LEAST) & (self.pixels <= _MOST * self.labels.size) & (self.bounded >= _BOUNDED)
         numbers = (np.flatnonzero(wanted[1:]) + 1).tolist()
-        with ThreadPoolExecutor(min(os.cpu_count() or 1, _THREADS)) as threads:
-            answers = threads.map(judge, numbers)
-            return {number: one for number, one in zip(numbers, answers, strict=True) if one is not None}
+        answers = ((number, judge(number)) for number in numbers)
+        return {number: one for number, one in answers if one is not None}
 
     def owned(self, judged: Mapping[int, Likely]) -> Array:
         """Share of the boundary of each, but that at the border of the image, where it is worth more than the other."""

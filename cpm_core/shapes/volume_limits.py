@@ -126,8 +126,7 @@ class Enclosed(WithoutOutline):
     def center(self) -> Place:
         """The middle of the box around it, (plane, row, col) [voxels]."""
         vertices = self.surface.surface.vertices
-        plane, row, col = (0.5 * (vertices.min(axis=0) + vertices.max(axis=0))).tolist()
-        return plane, row, col
+        return tuple((0.5 * (vertices.min(axis=0) + vertices.max(axis=0))).tolist())
 
     @property
     def outline(self) -> Array:

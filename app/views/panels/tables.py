@@ -38,6 +38,7 @@ from app.model.display.lengths import PixelSize
 from app.model.text.keys import with_keys
 from app.model.text.language import tr, written
 from app.views.widgets.actions import add_choice
+from app.views.widgets.containers import takes_key
 
 Row = TypeVar("Row")
 Index = QModelIndex | QPersistentModelIndex
@@ -405,10 +406,7 @@ class ItemTable(Table):
 
     def event(self, event: QEvent) -> bool:
         """Handle the keys of the table before they act as shortcuts of the window."""
-        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and event.key() in _DELETE:
-            event.accept()
-            return True
-        return super().event(event)
+        return takes_key(event, _DELETE) or super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Edit the name on Enter, remove on Delete; an arrow key first selects the current row."""

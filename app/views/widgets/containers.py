@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from typing import TypeVar
 
 from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
@@ -312,6 +312,14 @@ class PictureGrid(QListWidget):
             self.chosen.emit(item)
         else:
             super().keyPressEvent(event)
+
+
+def takes_key(event: QEvent, keys: Container[int]) -> bool:
+    """Whether one of a widget's own keys has been pressed, which is no shortcut of the window then."""
+    taken = event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and event.key() in keys
+    if taken:
+        event.accept()
+    return taken
 
 
 _OWN = "own_escape"

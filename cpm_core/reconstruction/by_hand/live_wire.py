@@ -142,5 +142,5 @@ def nearest_ridge(place: Position, scale_field: ScaleField, reach: float) -> Pos
     ridge, found = ridge_points(np.array([place]), scale_field)
     strong = scale_field.strength(ridge)[0] >= scale_field.floor
     if found[0] and strong and np.linalg.norm(ridge[0] - place) <= reach:
-        return float(ridge[0, 0]), float(ridge[0, 1])
+        return tuple(ridge[0].tolist())
     return place

@@ -84,8 +84,7 @@ class Contact:
             along %= whole
         elif by:
             along = max(along, 0.5 * self.along) if by < 0.0 else min(along, 0.5 * (self.along + whole))
-        row, col = polyline.places_at(self.line.path, np.array([along]))[0].tolist()
-        return row, col
+        return tuple(polyline.places_at(self.line.path, np.array([along]))[0].tolist())
 
     def same_contour(self, other: Contact) -> bool:
         """Whether another place is on the same contour."""

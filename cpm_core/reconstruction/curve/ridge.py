@@ -49,8 +49,7 @@ def height(values: Array, row: float, col: float) -> float:
     i, j = np.uintp(above), np.uintp(before)
     k, m = np.uintp(min(above + 1, rows - 1)), np.uintp(min(before + 1, cols - 1))
     upper, lower = (1.0 - t) * values[i, j] + t * values[i, m], (1.0 - t) * values[k, j] + t * values[k, m]
-    mixed: float = (1.0 - s) * upper + s * lower
-    return mixed
+    return (1.0 - s) * upper + s * lower
 
 
 @compiled
@@ -95,5 +94,4 @@ def slope(ridge: Ridge, row: float, col: float) -> float:
     """Difference of the edge map on both sides of a position, along the image gradient."""
     down, right = uphill(ridge, row, col)
     ahead = spline_height(ridge.spline, row + PROBE * down, col + PROBE * right)
-    difference: float = ahead - spline_height(ridge.spline, row - PROBE * down, col - PROBE * right)
-    return difference
+    return ahead - spline_height(ridge.spline, row - PROBE * down, col - PROBE * right)
