@@ -227,7 +227,7 @@ class Table(QTableView):
     """
 
     def __init__(self, rows: TableModel[Any], wide: str, name: str) -> None:
-        super().__init__()
+        super().__init__(showGrid=False, wordWrap=False)
         self.rows = rows
         rows.setParent(self)
         self._sorted = QSortFilterProxyModel(self)
@@ -238,9 +238,7 @@ class Table(QTableView):
         self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
         self.setSortingEnabled(True)
         self.sortByColumn(0, Qt.SortOrder.AscendingOrder)
-        self.setShowGrid(False)
         self.setAlternatingRowColors(True)
-        self.setWordWrap(False)
         self.setTabKeyNavigation(False)
         self.setMinimumHeight(_LEAST)
         self.verticalHeader().hide()

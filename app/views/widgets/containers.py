@@ -59,8 +59,7 @@ def arrange(
 
 def wrapped(text: str = "", dim: bool = False) -> QLabel:
     """A label that breaks lines, in a pale color if `dim`."""
-    label = QLabel(text)
-    label.setWordWrap(True)
+    label = QLabel(text, wordWrap=True)
     label.setObjectName("dim" if dim else "")
     return label
 
@@ -214,14 +213,11 @@ class OfferBar(QFrame):
     def __init__(self) -> None:
         super().__init__()
         self.setObjectName("offer")
-        self._label = QLabel()
-        self._label.setTextFormat(Qt.TextFormat.PlainText)
-        self._label.setWordWrap(True)
+        self._label = QLabel(textFormat=Qt.TextFormat.PlainText, wordWrap=True)
         self._label.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self.buttons: list[QPushButton] = []
-        self.cross = QToolButton()
+        self.cross = QToolButton(autoRaise=True)
         self.cross.setObjectName("quiet")
-        self.cross.setAutoRaise(True)
         self.cross.setToolTip(tr("No, thank you"))
         self.cross.setAccessibleName(tr("No, thank you"))
         self.cross.clicked.connect(self.end)
@@ -267,8 +263,7 @@ class OfferBar(QFrame):
         self.setVisible(bool(self._offers))
 
     def _button(self, text: str, do: Callable[[], object]) -> QPushButton:
-        button = QPushButton(text)
-        button.setAutoDefault(False)
+        button = QPushButton(text, autoDefault=False)
 
         def take() -> None:
             self.end()

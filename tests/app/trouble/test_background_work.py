@@ -107,7 +107,6 @@ def test_an_error_that_nothing_expects_is_said_from_every_thread(window, hand, m
     monkeypatch.setattr(sys, "excepthook", sys.excepthook)
     monkeypatch.setattr(threading, "excepthook", threading.excepthook)
     errors = UnexpectedErrors(window.session)
-    errors.watch()
     sys.excepthook(KeyError, KeyError("slot"), None)
     assert "slot" in said(window)
     thread = threading.Thread(target=raising(RuntimeError("thread")))
