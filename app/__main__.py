@@ -32,6 +32,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     int
         Exit status; 2 when the window cannot be opened or the arguments are invalid.
     """
+    # Before NumPy is loaded: the products of the prior are small, and threads of OpenBLAS that wait for their parts of
+    # them take the processors from the particles.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     arguments = list(sys.argv[1:] if argv is None else argv)
     try:
         first = arguments[0] if arguments else ""

@@ -24,7 +24,6 @@ from cpm_core.formats import (
     FOR_VOLUMES,
     WRITABLE,
     left_out,
-    suffix_of,
 )
 from cpm_core.image import Convention, has_matplotlib
 from cpm_core.numerics import polyline
@@ -152,11 +151,6 @@ class ExportOrder:
     space: Convention = "LPS"
     in_units: bool = True
 
-    @classmethod
-    def of(cls, *paths: Path) -> ExportOrder:
-        """Contours, in the formats that the suffixes name."""
-        return cls(tuple(ExportFile(path, "contours", suffix_of(path)) for path in paths))
-
     def thins(self, suffix: str) -> bool:
         """Whether vertices are left out in a format."""
         return self.tolerance > 0.0 and (self.everywhere or suffix in BY_HAND)
@@ -211,7 +205,7 @@ def _thinned(contour: Contour, tolerance: float) -> Contour:
 
 def summary_text(result: Result | Skeleton, what: What, suffix: str) -> str:
     """What a file with a suffix holds of a result, and what not."""
-    surface = result.surface if isinstance(result, Result) else None
+    surface, missing = result.surface if isinstance(result, Result) else None, left_out(result, suffix)
     if what == "objects":
         groups = {one.group for one in result.contours}
         count = len(groups if surface is None or surface.numbers is None else set(surface.numbers.tolist()))
@@ -219,7 +213,6 @@ def summary_text(result: Result | Skeleton, what: What, suffix: str) -> str:
     elif surface is not None:
         return tr("a surface of {count} triangles").format(count=written(f"{len(surface.faces):,}"))
     else:
-        count = len(result.contours) - left_out(result, suffix)
+        count = len(result.contours) - missing
         text = tr("1 contour") if count == 1 else tr("{count} contours").format(count=count)
-    missing = left_out(result, suffix)
     return f"{text}, {tr('{count} open ones left out').format(count=missing)}" if missing else text

@@ -58,7 +58,6 @@ def run(path: str | None = None) -> int:
     application = make_application()
     window = open_window(path)
     unexpected = UnexpectedErrors(window.session)
-    unexpected.watch()
     window.feature(HelpFeature).welcome()
     # Ctrl+C in the terminal closes the window; Python handles signals only while it runs, hence the timer.
     signal.signal(signal.SIGINT, lambda *_: window.close())

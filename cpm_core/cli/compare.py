@@ -40,7 +40,7 @@ from cpm_core.objects.methods import (
 )
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.quotation import counted, shown
-from cpm_core.shapes import Barrier, Charge, Circle, Polygon, Region, Shape
+from cpm_core.shapes import Barrier, Charge, Circle, Polygon, Region, Shape, sides_of
 from cpm_core.shapes.document_shapes import check_axes, starts_of
 from cpm_core.shapes.outlines import outlines_of
 
@@ -242,7 +242,7 @@ def _start_on(image: Image, drawn: Sequence[Shape], arguments: argparse.Namespac
     if image.ndim == 3:
         numbers = (numbers_of("--sphere", text, "PLANE,ROW,COL,RADIUS") for text in arguments.sphere)
         spheres = tuple((plane, row, col, radius) for plane, row, col, radius in numbers)
-        plane, row, col = (side / min(image.spacing) for side in image.spacing)
+        plane, row, col = sides_of(image.spacing)
         return Start((), arguments.around, spheres, (plane, row, col))
     found = list(outlines_of(drawn))
     for path in arguments.start:

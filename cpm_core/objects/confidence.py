@@ -59,7 +59,7 @@ def features(signs: Signs) -> Array:
 def probability(signs: Signs) -> float:
     """Probability that an object is right, from what speaks for it."""
     *weights, offset = _numbers()
-    return float(min(scipy.special.expit(np.array(weights) @ features(signs) + offset), _SUREST))
+    return min(float(scipy.special.expit(np.array(weights) @ features(signs) + offset)), _SUREST)
 
 
 @cache

@@ -39,6 +39,7 @@ from cpm_core.shapes.solids import BoxRegion as BoxRegion
 from cpm_core.shapes.solids import BoxThreshold as BoxThreshold
 from cpm_core.shapes.solids import Cuboid as Cuboid
 from cpm_core.shapes.solids import Sphere as Sphere
+from cpm_core.shapes.solids import sides_of as sides_of
 from cpm_core.shapes.volume_limits import EnclosedRegion as EnclosedRegion
 from cpm_core.shapes.volume_limits import EnclosingWall as EnclosingWall
 from cpm_core.shapes.volume_limits import Extruded as Extruded

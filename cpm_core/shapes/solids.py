@@ -31,6 +31,11 @@ _CORNERS = np.array(list(product((False, True), repeat=3)))
 """Which corners of a box lie on the last face across each axis."""
 
 
+def sides_of(spacing: Sequence[float]) -> tuple[float, ...]:
+    """The sides of a voxel in the smallest of them."""
+    return tuple(side / min(spacing) for side in spacing)
+
+
 @dataclass(frozen=True, slots=True)
 class Cuboid(WithoutOutline):
     """A box whose faces lie across the axes of the volume.
@@ -166,7 +171,7 @@ class BoxGrid(Cuboid):
     @classmethod
     def between(cls, one: Voxel, other: Voxel, spacing: tuple[float, ...]) -> BoxGrid:
         """A grid between two corners of a volume with this size of a voxel along each axis, no finer than allowed."""
-        sides = tuple(side / min(spacing) for side in spacing)
+        sides = sides_of(spacing)
         lengths = [abs(b - a) * side for a, b, side in zip(one, other, sides, strict=True)]
         return cls(one, other, max(8.0, finest_spacing(lengths)), sides)
 
@@ -250,7 +255,7 @@ class Sphere(Round, WithoutOutline):
     @classmethod
     def round(cls, center: Voxel, radius: float, spacing: tuple[float, ...]) -> Sphere:
         """A sphere that is round in a volume with this size of a voxel along each axis."""
-        return cls(center, radius, tuple(side / min(spacing) for side in spacing))
+        return cls(center, radius, sides_of(spacing))
 
     def seeds(self) -> Array:
         """Positions of the particles, shape (N, 3)."""

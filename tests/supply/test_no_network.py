@@ -34,7 +34,7 @@ import os, socket, sys
 from pathlib import Path
 from PySide6.QtCore import QCoreApplication, QSettings, QThread
 from cpm_core import cli
-from app.model.export import ExportOrder
+from app.model.export import ExportFile, ExportOrder
 from app.views.application import make_application
 from app.views.main_window import open_window
 
@@ -54,7 +54,7 @@ session = window.session
 until(lambda: session.document.image is not None and session.idle)
 session.step()
 until(lambda: session.status.step > 0 and session.idle)
-session.export(ExportOrder.of(Path("window.svg")))
+session.export(ExportOrder((ExportFile(Path("window.svg"), "contours", ".svg"),)))
 until(lambda: Path("window.svg").exists() and session.idle)
 maps = Path("/proc/self/maps")
 assert not (maps.exists() and "Qt6Network" in maps.read_text())

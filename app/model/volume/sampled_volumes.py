@@ -9,6 +9,7 @@ import scipy
 
 from app.model.volume.slices import Slice
 from cpm_core.numerics import Array, Single
+from cpm_core.shapes import sides_of
 
 _MOST = 1 << 18
 """Voxels of which a force is kept, at most about so many: a view shows some hundred arrows."""
@@ -29,8 +30,7 @@ class SampledForce:
     def of(cls, force: Array, spacing: tuple[float, ...]) -> SampledForce:
         """That of a force on all voxels, of which nothing is kept."""
         step = _step(force[0].size, _MOST)
-        sides = tuple(side / min(spacing) for side in spacing)
-        return cls(force[:, ::step, ::step, ::step].astype(np.float32), step, sides)
+        return cls(force[:, ::step, ::step, ::step].astype(np.float32), step, sides_of(spacing))
 
     def slice_of(self, here: Slice, shape: tuple[int, ...]) -> Array:
         """The force along a slice of this shape, (2, H, W), as a displacement in its pixels."""

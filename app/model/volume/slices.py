@@ -131,9 +131,9 @@ def ends_of(image: Image) -> tuple[Ends, Ends, Ends]:
 
 def flips_of(volume: Image | None, axis: int | None) -> tuple[bool, bool]:
     """Whether a slice across an axis is shown upside down, and from right to left."""
-    if volume is None or axis is None or volume.geometry is None:
+    if volume is None or axis is None:
         return False, False
-    (_, below), (_, right) = (ends for index, ends in enumerate(volume.geometry.ends) if index != axis)
+    (_, below), (_, right) = (ends for index, ends in enumerate(ends_of(volume)) if index != axis)
     return below in _ABOVE, right in _LEFT
 
 
@@ -152,18 +152,14 @@ def edges_of(whole: Image, slices: Slices | None) -> tuple[Ends, Ends] | None:
 
 def planes_of(volume: Image) -> tuple[str, str, str]:
     """What slices across the axes are called: axial, coronal and sagittal ones of a patient."""
-    if volume.geometry is None:
-        return AXES
-    across_plane, across_row, across_column = (_PLANES[end] for _, end in volume.geometry.ends)
-    return across_plane, across_row, across_column
+    plane, row, column = (_PLANES.get(end, end) for _, end in ends_of(volume))
+    return plane, row, column
 
 
 def directions_of(volume: Image) -> tuple[Array, ...]:
     """Directions to the right, down and away, one a row, along (plane, row, col), as slices across each axis lie."""
-    handed = _MIRRORED
-    if volume.geometry is not None:
-        along = [[(end == pair[0]) - (end == pair[1]) for pair in _PATIENT] for _, end in volume.geometry.ends]
-        handed = float(np.linalg.det(np.array(along, float)))
+    along = [[(end == pair[0]) - (end == pair[1]) for pair in _PATIENT] for _, end in ends_of(volume)]
+    handed = float(np.linalg.det(np.array(along, float))) or _MIRRORED
     found = []
     for axis in range(3):
         down, right = (other for other in range(3) if other != axis)
@@ -177,6 +173,4 @@ def directions_of(volume: Image) -> tuple[Array, ...]:
 
 def first_seen(volume: Image) -> int:
     """The axis along which a volume is seen first in space: a patient from the front."""
-    if volume.geometry is None:
-        return 0
-    return next(axis for axis, (_, end) in enumerate(volume.geometry.ends) if end in "AP")
+    return next((axis for axis, (_, end) in enumerate(ends_of(volume)) if end in "AP"), 0)

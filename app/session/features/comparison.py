@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
@@ -40,10 +40,8 @@ from cpm_core import (
     load_volume_truth,
 )
 from cpm_core.contours import TOLERANCE, numbered, truth_of_contours
-from cpm_core.formats import TruthFile, write_together
-from cpm_core.formats.common.printable import cell
+from cpm_core.formats import TruthFile
 from cpm_core.formats.contours import mask
-from cpm_core.formats.contours.contour_csv import table
 from cpm_core.objects.segmented import SegmentedObject
 
 NOW = 0
@@ -149,11 +147,6 @@ class ComparedResults(QObject):
     def in_volume(self) -> bool:
         """Whether a volume is open, whose surface is compared."""
         return self._session.image is not None and self._session.image.ndim == 3
-
-    @property
-    def idle(self) -> bool:
-        """Whether all figures are up to date."""
-        return self._latest.idle
 
     @property
     def subject(self) -> int:
@@ -323,19 +316,6 @@ class ComparedResults(QObject):
         if self._path is not None:
             self.load(self._path)
         self._compare()
-
-    # Files
-
-    def write(self, path: Path, rows: Sequence[Mapping[str, Any]]) -> None:
-        """Write figures of the results as a table, on another thread."""
-
-        def work(task: Task) -> None:
-            write_together([(path, table([{**row, "name": cell(str(row["name"]))} for row in rows]))])
-
-        self._session.tasks.start(
-            tr("Writing the comparison…"), work, tr("writing the comparison"), cancellable=False,
-            then=lambda _: self._session.say(tr("Wrote {name}.").format(name=path.name)),
-        )  # fmt: skip
 
     def close(self) -> None:
         """End the thread."""

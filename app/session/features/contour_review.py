@@ -61,11 +61,6 @@ class ContourReview(QObject):
         return self._session.scene.selected_contours
 
     @property
-    def hovered(self) -> int | None:
-        """Key of the contour under the pointer."""
-        return self._session.scene.hovered_contour
-
-    @property
     def chosen(self) -> tuple[Item, ...]:
         """The selected contours."""
         selected = self.selected
@@ -124,8 +119,9 @@ class ContourReview(QObject):
 
     def hover(self, key: int | None) -> None:
         """Set the contour under the pointer, or None."""
-        if key != self.hovered:
-            self._session.show(replace(self._session.scene, hovered_contour=key))
+        scene = self._session.scene
+        if key != scene.hovered_contour:
+            self._session.show(replace(scene, hovered_contour=key))
 
     def _follow(self) -> None:
         scene = self._session.scene
@@ -137,5 +133,5 @@ class ContourReview(QObject):
         self.changed.emit()
         scene = self._session.scene
         self.choose(scene.selected_contours & keys, scene.objects.chosen)
-        if self.hovered not in keys:
+        if scene.hovered_contour not in keys:
             self.hover(None)

@@ -225,10 +225,7 @@ class HandEditing(QObject):
         if self.marked:
             still = {id(item.contour) for item in contours.items}
             self.mark([mark for mark in self.marked if id(mark.line.source) in still])
-        self._report_missed()
-
-    def _report_missed(self) -> None:
-        """Say once that edits have not found their contours after a run."""
+        # said once, after a run
         missed, found = self.missed, self._session.scene.reconstruction
         if missed == self._reported or found is None or (missed and not getattr(found.result, "steps", 0)):
             return

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial, reduce
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from PySide6.QtCore import QObject, Signal
@@ -61,7 +61,7 @@ _DRAFT: Key = ("proposal", 0)
 """The key of the object that is being selected."""
 
 Kind = Literal["object", "proposal", "closed", "open", "rejected"]
-KINDS: tuple[Kind, ...] = ("object", "proposal", "closed", "open", "rejected")
+KINDS: tuple[Kind, ...] = get_args(Kind)
 """What a row can be, in the order shown."""
 
 

@@ -28,7 +28,7 @@ from cpm_core import Image, Skeleton
 from cpm_core.contours import ReviewedContour
 from cpm_core.numerics import Array, Index, Place
 from cpm_core.objects.segmented import SegmentedObjects
-from cpm_core.shapes import ImageSeeds, ImageStart, Shape
+from cpm_core.shapes import ImageSeeds, ImageStart, Shape, sides_of
 
 AT_ONCE = 1 << 21
 """Largest number of pixels of a slice that is made at once: three of them take a third of a frame of 50 ms."""
@@ -118,7 +118,7 @@ def _image(volume: Image, here: Slice) -> Image:
 
 def _seeds(seeds: ImageSeeds, here: Slice, volume: Image, reach: float) -> ImageSeeds:
     """The particles of starts all over the volume that are near the slice."""
-    sides = tuple(side / min(volume.spacing) for side in volume.spacing)
+    sides = sides_of(volume.spacing)
     return {
         cut: here.flattened(at[_index(at, here, volume, reach)[0]])
         for start, at in seeds.items()
@@ -137,14 +137,14 @@ def _probed(probed: Probed | None, here: Slice, volume: Image, reach: float) -> 
         return probed
     if not len(_index(np.array([probed.position]), here, volume, reach)[0]):
         return replace(probed, identity=-1)
-    sides = np.array(here.within(volume.spacing)) / min(volume.spacing)
+    sides = np.array(here.within(sides_of(volume.spacing)))
     along = {name: here.flattened(force[None])[0] / sides for name, force in probed.forces.items()}
     return replace(probed, position=here.within(probed.position), forces=along)
 
 
 def sections_of(shapes: Iterable[Shape], here: Slice, volume: Image) -> Iterator[tuple[int, Section]]:
     """What a slice shows of shapes, each with the number of its shape."""
-    sides = tuple(side / min(volume.spacing) for side in volume.spacing)
+    sides = sides_of(volume.spacing)
     for index, shape in enumerate(shapes):
         for cut in sections(shape, here, sides):
             yield index, cut
@@ -182,7 +182,7 @@ def _near(snapshot: Snapshot | None, here: Slice, volume: Image, reach: float) -
 
 def _index(position: Array, here: Slice, volume: Image, reach: float) -> tuple[Index, Array]:
     """Which of positions, shape (N, 3), are near a slice, and how far they are from it, 1 at the reach."""
-    side = volume.spacing[here.axis] / min(volume.spacing)
+    side = sides_of(volume.spacing)[here.axis]
     away = np.abs(position[:, here.axis] - here.index) * (side / reach)
     index = np.flatnonzero(away < 1.0)
     return index, away[index]

@@ -32,7 +32,8 @@ class Crosshair:
     def __init__(self, canvas: Canvas, changed: Callable[[], None]) -> None:
         self._canvas = canvas
         self._changed = changed
-        self._at: Position | None = None
+        self.at: Position | None = None
+        """Its position (row, col); None while it is hidden."""
         self._marks = [
             Markers(_Z, size=_SIZE, symbol="crosshair", brush=None, pen=pg.mkPen(color, width=width))
             for color, width in ((theme.HALO, 4.0), (theme.CHOSEN, 1.6))
@@ -42,21 +43,16 @@ class Crosshair:
         canvas.taken.connect(self.hide)
 
     @property
-    def at(self) -> Position | None:
-        """Its position (row, col); None while it is hidden."""
-        return self._at
-
-    @property
     def advice(self) -> str:
         """One sentence on what keys do with the tool in use."""
-        if self._at is None:
+        if self.at is None:
             return ""
         text = tr("Arrow keys move the cross-hair, with Shift by 10 px. {what} {key:escape} hides it.")
         return with_keys(text, what=self._canvas.hold.tool.by_keys)
 
     def toggle(self) -> None:
         """Show or hide it."""
-        if self._at is None:
+        if self.at is None:
             self.show()
         else:
             self.hide()
@@ -76,10 +72,10 @@ class Crosshair:
 
     def hide(self) -> None:
         """Hide it."""
-        if self._at is not None:
+        if self.at is not None:
             if self._canvas.hold.dragging:
                 self._canvas.hold.cancel()
-            self._at = None
+            self.at = None
             self._canvas.led_by_keys = False
             self._canvas.leave()
             self._draw()
@@ -87,12 +83,12 @@ class Crosshair:
 
     def move(self, down: float, right: float) -> None:
         """Move it, and what is being dragged, by px of the image."""
-        if self._at is not None:
-            self._place((self._at[0] + down, self._at[1] + right))
+        if self.at is not None:
+            self._place((self.at[0] + down, self.at[1] + right))
 
     def enter(self) -> None:
         """Press, release, or click, depending on the tool."""
-        canvas, at, hold = self._canvas, self._at, self._canvas.hold
+        canvas, at, hold = self._canvas, self.at, self._canvas.hold
         if at is None:
             return
         if hold.dragging:
@@ -106,7 +102,7 @@ class Crosshair:
 
     def _place(self, at: Position) -> None:
         canvas = self._canvas
-        canvas.led_by_keys, self._at = True, at
+        canvas.led_by_keys, self.at = True, at
         point, seen = canvas.point(at), canvas.rect()
         room = QRectF(seen).adjusted(_MARGIN, _MARGIN, -_MARGIN, -_MARGIN)
         canvas.pan(
@@ -120,4 +116,4 @@ class Crosshair:
 
     def _draw(self) -> None:
         for marks in self._marks:
-            marks.show([] if self._at is None else [self._at])
+            marks.show([] if self.at is None else [self.at])

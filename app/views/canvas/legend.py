@@ -43,8 +43,7 @@ class Legend(QWidget):
         self.entries: tuple[LegendEntry, ...] = ()
         """What is shown."""
         self.folded = False
-        self._label = QLabel()
-        self._label.setTextFormat(Qt.TextFormat.RichText)
+        self._label = QLabel(textFormat=Qt.TextFormat.RichText)
         self.button = QToolButton()
         self.button.setObjectName("fold")
         self.button.setText(tr("Legend"))

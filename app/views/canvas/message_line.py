@@ -28,15 +28,13 @@ class MessageLine(QFrame):
         super().__init__()
         self._messages = Messages()
         self._label = ElidedLabel()
-        self.details = QToolButton()
+        self.details = QToolButton(autoRaise=True)
         self.details.setText(tr("Details"))
-        self.details.setAutoRaise(True)
         self.details.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.details.setToolTip(tr("Read the whole message."))
         self.details.clicked.connect(self._show_details)
         self._label.fits_changed.connect(lambda: self.details.setVisible(not self._label.fits))
-        self._button = QToolButton()
-        self._button.setAutoRaise(True)
+        self._button = QToolButton(autoRaise=True)
         self._button.setAccessibleName(tr("Dismiss message"))
         self._button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self._button.clicked.connect(self.dismiss)
@@ -113,11 +111,13 @@ class MessageLine(QFrame):
         popup = QFrame(self.window(), Qt.WindowType.Popup)
         popup.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         popup.setObjectName("popup")
-        label = QLabel(self.text)
-        label.setTextFormat(Qt.TextFormat.PlainText)
-        label.setWordWrap(True)
+        label = QLabel(
+            self.text,
+            textFormat=Qt.TextFormat.PlainText,
+            wordWrap=True,
+            textInteractionFlags=Qt.TextInteractionFlag.TextSelectableByMouse,
+        )
         label.setFixedWidth(_DETAILS_WIDTH)
-        label.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
         QVBoxLayout(popup).addWidget(label)
         popup.adjustSize()
         popup.move(self.mapToGlobal(QPoint(0, -popup.height() - 2)))

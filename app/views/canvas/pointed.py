@@ -11,7 +11,7 @@ from app.session.features.slices import ShownSlices, hit_in
 from app.session.features.workspace import Workspace
 from app.views.canvas.image_view import ImageView
 from cpm_core.numerics import Array, Place
-from cpm_core.shapes import Charge
+from cpm_core.shapes import Charge, sides_of
 
 
 class Pointed:
@@ -72,7 +72,7 @@ def selected_places(workspace: Workspace) -> list[Array]:
         shape = session.document.shapes[session.selected]
         volume = session.image if session.scene.slices is not None else None
         if volume is not None:
-            sides = tuple(side / min(volume.spacing) for side in volume.spacing)
+            sides = sides_of(volume.spacing)
             return [places for places in [wires(shape, sides).reshape(-1, 3)] if len(places)]
         found = [shape.outline if shape.outline.size else np.array(shape.handles(), dtype=float).reshape(-1, 2)]
     return [places for places in found if len(places)]

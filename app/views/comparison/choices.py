@@ -138,10 +138,6 @@ class MethodChoice(QWidget):
         """Name of the method whose settings are shown."""
         return str(self.list.currentItem().data(Qt.ItemDataRole.UserRole))
 
-    def mark(self, method: str) -> None:
-        """Show the settings of a method."""
-        self.list.setCurrentRow(list(CONTOUR_METHODS).index(method))
-
     def trials(self) -> tuple[Trial, ...]:
         """The runs; ValueError where no method is chosen."""
         document = self._session.document

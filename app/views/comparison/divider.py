@@ -10,7 +10,7 @@ from app.model.text.language import tr
 from app.session.scene import Scene
 from app.views.canvas.image_view import ImageView
 from app.views.theme import theme
-from app.views.widgets.containers import keep_escape
+from app.views.widgets.containers import keep_escape, takes_key
 
 _REACH, _GRIP = 9, 15.0
 """Half the width in which the divider can be taken, and radius of its grip [px]."""
@@ -140,10 +140,7 @@ class Divider(QWidget):
 
     def event(self, event: QEvent) -> bool:
         """Take its keys before they are shortcuts of the window."""
-        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and event.key() in _KEYS:
-            event.accept()
-            return True
-        return super().event(event)
+        return takes_key(event, _KEYS) or super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Move it, or end the comparison."""

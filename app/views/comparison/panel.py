@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from operator import attrgetter
-from typing import Any
 
 from PySide6.QtCore import QSignalBlocker, QSize, Qt
 from PySide6.QtGui import QAction, QFont
@@ -26,7 +24,7 @@ from PySide6.QtWidgets import (
 from app.model.display.differences import Difference
 from app.model.display.lengths import PixelSize, shown_in
 from app.model.text.language import reason, tr, written
-from app.session.features.comparison import NOW, Agreed, ComparedResults, Row
+from app.session.features.comparison import NOW, ComparedResults, Row
 from app.session.features.timeline import TimelineNavigation
 from app.session.session import Session
 from app.views.comparison.choices import MethodChoice, ParameterChoice
@@ -40,69 +38,48 @@ _LEAST = 120
 """Least height of the choice of methods and of parameters [px]."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Line:
-    """A row of the table: a result, its agreement with the reference, and whether it is the reference."""
+def _columns(compared: ComparedResults) -> tuple[Column[Row], ...]:
+    """All columns in the order shown."""
 
-    row: Row
-    agreed: Agreed | None
-    reference: bool
+    def figure(name: str) -> Callable[[Row], float | None]:
+        """A figure of the agreement; None while it is not known."""
+        get = attrgetter(name)
+        return lambda row: get(compared.agreed[row.key]) if row.key in compared.agreed else None
 
-    @property
-    def title(self) -> str:
-        """Its name, and how far it is."""
-        return f"{self.row.title} ({self.row.state})" if self.row.state else self.row.title
-
-
-def _figure(name: str) -> Callable[[Line], float | None]:
-    """A figure of the agreement; None while it is not known."""
-    get = attrgetter(name)
-    return lambda line: None if line.agreed is None else get(line.agreed)
-
-
-COLUMNS: tuple[Column[Line], ...] = (
-    Column("name", tr("Result"), tr("The results; the reference, with which the others are compared, is bold."),
-           lambda line: line.title, "Run 1"),
-    Column("dice", tr("Dice"), tr("Overlap of the areas: 1 if they are equal, 0 if they are disjoint."),
-           _figure("dice"), "0.000", form=".3f"),
-    Column("mean", tr("Mean [{unit}]"), tr("Mean distance between the boundaries."),
-           _figure("mean_boundary_distance"), "00.00", 1, form=".2f"),
-    Column("largest", tr("Largest [{unit}]"),
-           tr("Largest distance from a point on one boundary to the other boundary (Hausdorff)."),
-           _figure("hausdorff"), "000.0", 1, form=".1f"),
-    Column("count", tr("Found"), tr("Number of objects, or of contours if there are none."),
-           lambda line: line.row.count, "000", form=".0f"),
-    Column("seconds", tr("Time [s]"), tr("Time of a run that was started for this comparison."),
-           lambda line: line.row.seconds, "00.0", form=".2f"),
-    Column("f", tr("F"), tr("Harmonic mean of recall and precision."), _figure("f"), "0.000", form=".3f"),
-    Column("recall", tr("Recall"), tr("Fraction of the boundary of the reference that is found within the tolerance."),
-           _figure("recall"), "0.000", form=".3f"),
-    Column("precision", tr("Precision"),
-           tr("Fraction of the found boundary that lies within the tolerance of the reference."),
-           _figure("precision"), "0.000", form=".3f"),
-    Column("jaccard", tr("Jaccard"), tr("Intersection of the areas divided by their union."), _figure("jaccard"),
-           "0.000", form=".3f"),
-    Column("hausdorff95", tr("95 % [{unit}]"), tr("The 95th percentile of the distances between the boundaries."),
-           _figure("hausdorff95"), "000.0", 1, form=".1f"),
-    Column("missed", tr("Missed"), tr("Objects of the reference that share less than half of their area with one."),
-           _figure("objects.missed"), "000", form=".0f"),
-    Column("extra", tr("Extra"), tr("Closed contours that match no object of the reference."), _figure("objects.extra"),
-           "000", form=".0f"),
-    Column("merged", tr("Merged"), tr("Contours that contain more than half of two or more objects."),
-           _figure("objects.merged"), "000", form=".0f"),
-    Column("ap", "AP@0.5", tr("Found objects divided by all that are found, missed or extra."),
-           _figure("objects.average_precision"), "0.000", form=".3f"),
-)  # fmt: skip
-"""All columns in the order shown."""
-
-
-def _look(line: Line, role: int, of_name: bool) -> Any:
-    """The reference is bold."""
-    if role == Role.FontRole and line.reference:
-        font = QFont()
-        font.setBold(True)
-        return font
-    return None
+    return (
+        Column("name", tr("Result"), tr("The results; the reference, with which the others are compared, is bold."),
+               lambda row: f"{row.title} ({row.state})" if row.state else row.title, "Run 1"),
+        Column("dice", tr("Dice"), tr("Overlap of the areas: 1 if they are equal, 0 if they are disjoint."),
+               figure("dice"), "0.000", form=".3f"),
+        Column("mean", tr("Mean [{unit}]"), tr("Mean distance between the boundaries."),
+               figure("mean_boundary_distance"), "00.00", 1, form=".2f"),
+        Column("largest", tr("Largest [{unit}]"),
+               tr("Largest distance from a point on one boundary to the other boundary (Hausdorff)."),
+               figure("hausdorff"), "000.0", 1, form=".1f"),
+        Column("count", tr("Found"), tr("Number of objects, or of contours if there are none."),
+               lambda row: row.count, "000", form=".0f"),
+        Column("seconds", tr("Time [s]"), tr("Time of a run that was started for this comparison."),
+               lambda row: row.seconds, "00.0", form=".2f"),
+        Column("f", tr("F"), tr("Harmonic mean of recall and precision."), figure("f"), "0.000", form=".3f"),
+        Column("recall", tr("Recall"),
+               tr("Fraction of the boundary of the reference that is found within the tolerance."),
+               figure("recall"), "0.000", form=".3f"),
+        Column("precision", tr("Precision"),
+               tr("Fraction of the found boundary that lies within the tolerance of the reference."),
+               figure("precision"), "0.000", form=".3f"),
+        Column("jaccard", tr("Jaccard"), tr("Intersection of the areas divided by their union."), figure("jaccard"),
+               "0.000", form=".3f"),
+        Column("hausdorff95", tr("95 % [{unit}]"), tr("The 95th percentile of the distances between the boundaries."),
+               figure("hausdorff95"), "000.0", 1, form=".1f"),
+        Column("missed", tr("Missed"), tr("Objects of the reference that share less than half of their area with one."),
+               figure("objects.missed"), "000", form=".0f"),
+        Column("extra", tr("Extra"), tr("Closed contours that match no object of the reference."),
+               figure("objects.extra"), "000", form=".0f"),
+        Column("merged", tr("Merged"), tr("Contours that contain more than half of two or more objects."),
+               figure("objects.merged"), "000", form=".0f"),
+        Column("ap", "AP@0.5", tr("Found objects divided by all that are found, missed or extra."),
+               figure("objects.average_precision"), "0.000", form=".3f"),
+    )  # fmt: skip
 
 
 class ResultTable(ItemTable):
@@ -118,7 +95,13 @@ class ResultTable(ItemTable):
             lambda: {compared.chosen},
             lambda: compared.remove(compared.chosen),
         )
-        rows = TableModel[Line](COLUMNS, lambda line: line.row.key, _look)
+        bold = QFont()
+        bold.setBold(True)
+        rows = TableModel[Row](
+            _columns(compared),
+            lambda row: row.key,
+            lambda row, role, _: bold if role == Role.FontRole and row.key == compared.reference else None,
+        )
         super().__init__(rows, selection, tr("Results"))
         self.setSelectionMode(self.SelectionMode.SingleSelection)
         self.sortByColumn(-1, Qt.SortOrder.AscendingOrder)
@@ -137,10 +120,7 @@ class ResultTable(ItemTable):
         if image is not None and compared.in_volume:
             known = shown_in(image.spacing, image.unit)
             size = known if known.unit else PixelSize(known.spacing, tr("voxels"), known.factor)
-        self.rows.update(
-            [Line(row, compared.agreed.get(row.key), row.key == compared.reference) for row in compared.rows.values()],
-            size,
-        )
+        self.rows.update(compared.rows.values(), size)
 
 
 class ComparePanel(QWidget):
@@ -200,7 +180,8 @@ class ComparePanel(QWidget):
     @property
     def figures(self) -> list[dict[str, float | str | None]]:
         """All figures of all results."""
-        return [{column.name: column.value(line) for column in COLUMNS} for line in self.table.rows.items]
+        table = self.table.rows
+        return [{column.name: column.value(row) for column in table.columns} for row in table.items]
 
     def jump_to_next(self) -> None:
         """Show the next difference; after the last one, the largest again."""

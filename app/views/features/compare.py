@@ -5,14 +5,19 @@ from __future__ import annotations
 from app.model.display.differences import Difference
 from app.model.state.situation import has_image
 from app.model.text.language import tr
+from app.session.exchange.messages import Exported, Report
 from app.session.features.comparison import NOW
+from app.session.tasks.tasks import Task
 from app.views.comparison.divider import Wipe
 from app.views.comparison.panel import ComparePanel
+from app.views.features.animation import begin_writing
 from app.views.widgets.actions import ActionSpec
 from app.views.window.dialogs import ALL_FILES, Files
 from app.views.window.docks import Panel
 from app.views.window.window import Feature, MainWindow
-from cpm_core.formats import CONTOURS_READABLE, READABLE, SURFACES_READABLE, TABLE
+from cpm_core.formats import CONTOURS_READABLE, READABLE, SURFACES_READABLE, TABLE, write_together
+from cpm_core.formats.common.printable import cell
+from cpm_core.formats.contours.contour_csv import table
 
 _SPAN = 48.0
 """Minimum side of the part of the image that is shown around a difference [px]."""
@@ -29,7 +34,13 @@ class CompareFeature(Feature):
             kinds = {TABLE: tr("Table of all results")}
             path = window.files.ask_where_to_export(tr("Export the comparison"), ".compared.csv", kinds)
             if path is not None:
-                compared.write(path, self.panel.figures)
+                rows: list[dict[str, object]] = [{**row, "name": cell(str(row["name"]))} for row in self.panel.figures]
+
+                def work(_: Task) -> Report:
+                    write_together([(path, table(rows))])
+                    return Exported(path)
+
+                begin_writing(window.session, path, work)
 
         self.panel = ComparePanel(window.session, compared, window.workspace.navigation, self._load, export, self._jump)
         self.panels = (Panel("compare", "Compare", self.panel, "F12", shown=False),)

@@ -192,18 +192,13 @@ class PixelSizeFeature(Feature):
         self.dialog = PixelSizeDialog(self.window, image.spacing, image.unit, stated)
         self.dialog.reset_button.setEnabled(self._told is not None and image.reading.spacing is not None)
         self.dialog.chosen.connect(self._use)
-        self.dialog.reset.connect(self._reset)
+        self.dialog.reset.connect(lambda: self._use(*self._told, by_hand=False) if self._told else None)
         self.dialog.finished.connect(self.dialog.deleteLater)
         self.dialog.open()
 
-    def _use(self, spacing: tuple[float, ...], unit: str) -> None:
+    def _use(self, spacing: tuple[float, ...], unit: str | None, by_hand: bool = True) -> None:
         name = tr("voxel size") if len(spacing) == 3 else tr("pixel size")
-        self.window.session.edit(name, lambda document: edits.set_pixel_size(document, spacing, unit))
-
-    def _reset(self) -> None:
-        if self._told is not None:
-            spacing, unit = self._told
-            name = tr("size in the file")
-            self.window.session.edit(
-                name, lambda document: edits.set_pixel_size(document, spacing, unit, by_hand=False)
-            )
+        self.window.session.edit(
+            name if by_hand else tr("size in the file"),
+            lambda document: edits.set_pixel_size(document, spacing, unit, by_hand=by_hand),
+        )

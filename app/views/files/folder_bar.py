@@ -24,11 +24,6 @@ class FolderBar(QWidget):
         arrange(QHBoxLayout(self), self.back, self._place, self.forward, margins=(6, 0, 6, 0), spacing=2)
         self.hide()
 
-    @property
-    def text(self) -> str:
-        """The text shown, or empty."""
-        return "" if self.isHidden() else self._place.text()
-
     def use_actions(self, actions: Actions) -> None:
         """Let the buttons be those of the actions of the menu."""
         self.back.setDefaultAction(actions["previous_image"])

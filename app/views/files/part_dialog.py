@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 from PySide6.QtCore import Signal
-from PySide6.QtWidgets import QComboBox, QDialog, QFormLayout, QLabel, QSpinBox, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QComboBox, QDialog, QFormLayout, QLabel, QSpinBox, QWidget
 
 from app.model.text.language import tr
 from app.model.volume.parts import Parts
-from app.views.widgets.containers import AcceptButtons
+from app.views.widgets.containers import AcceptButtons, lay_out_form
 from cpm_core.formats import Reading
 from cpm_core.image import COLORS
 
@@ -58,7 +58,6 @@ class PartDialog(QDialog):
         self.page, self.channel, self.time = QSpinBox(), QSpinBox(), QSpinBox()
         self._page_label = QLabel()
         self._form = QFormLayout()
-        self._form.setHorizontalSpacing(16)
         self.series.addItems([f"{number}: {title}" for number, title in enumerate(parts.series, start=1)])
         self.series.setCurrentIndex(parts.number - 1)
         self._as_volume = as_volume
@@ -77,12 +76,7 @@ class PartDialog(QDialog):
         self._colored = colored
         buttons = AcceptButtons(self, tr("Open"))
         self.open_button = buttons.accept_button
-        heading = QLabel(tr("Which part of {name} do you want to open?").format(name=name))
-        layout = QVBoxLayout(self)
-        layout.setSpacing(12)
-        layout.addWidget(heading)
-        layout.addLayout(self._form)
-        layout.addWidget(buttons)
+        lay_out_form(self, tr("Which part of {name} do you want to open?").format(name=name), self._form, buttons)
         self.show_parts(parts)
         self.page.setValue(reading.page or parts.usual)
         self.channel.setValue(reading.channel or 1)

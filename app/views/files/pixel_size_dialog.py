@@ -9,13 +9,11 @@ from PySide6.QtWidgets import (
     QDialogButtonBox,
     QDoubleSpinBox,
     QFormLayout,
-    QLabel,
-    QVBoxLayout,
     QWidget,
 )
 
 from app.model.text.language import tr
-from app.views.widgets.containers import AcceptButtons
+from app.views.widgets.containers import AcceptButtons, lay_out_form
 from app.views.widgets.fields import DecimalField
 
 UNITS = ("nm", "µm", "mm", "cm", "m")
@@ -52,7 +50,6 @@ class PixelSizeDialog(QDialog):
         self.unit.addItems(UNITS)
         self.unit.setCurrentText(unit if unit in UNITS else "mm" if volume else "µm")
         form = QFormLayout()
-        form.setHorizontalSpacing(16)
         for label, field in zip(_SIDES[-len(spacing) :], self.sides, strict=True):
             form.addRow(label, field)
         form.addRow(tr("Unit"), self.unit)
@@ -67,11 +64,7 @@ class PixelSizeDialog(QDialog):
         text = (
             tr("Size in the file: {size}.").format(size=stated) if stated else tr("The file does not contain the size.")
         )
-        layout = QVBoxLayout(self)
-        layout.setSpacing(12)
-        layout.addWidget(QLabel(text))
-        layout.addLayout(form)
-        layout.addWidget(buttons)
+        lay_out_form(self, text, form, buttons)
 
 
 def _field(size: float) -> QDoubleSpinBox:

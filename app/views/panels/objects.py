@@ -36,7 +36,7 @@ from app.model.display.lengths import shown_in
 from app.model.document.objects import class_title, listed_classes
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
-from app.session.features.object_list import BRUSH, Figures, Kind, ObjectList, Row, histogram
+from app.session.features.object_list import BRUSH, KINDS, Figures, Kind, ObjectList, Row, histogram
 from app.session.session import Session
 from app.views.panels.tables import Column, ItemTable, Role, Selection, TableModel
 from app.views.theme import theme
@@ -103,13 +103,13 @@ def columns_of(objects: SegmentedObjects, spacing: tuple[float, ...] = (1.0, 1.0
 
     return (
         Column("number", tr("#"), tr("Number; it stays the same."),
-               number, "000", form=".0f", key=lambda row: list(_KIND).index(row.kind) * 1e7 + (number(row) or 0)),
+               number, "000", form=".0f", key=lambda row: KINDS.index(row.kind) * 1e7 + (number(row) or 0)),
         Column("name", tr("Name"), tr("Name and color; double-click or press {key:name_object} to rename."),
                lambda row: row.name, "name"),
         Column("class", tr("Class"), tr("Class of an object, which the digits 1 to 9 set, or what else the "
                                         "row is."), kind,
                "proposal",
-               key=lambda row: 10 * list(_KIND).index(row.kind) + (row.item.category if row.item else 0)),
+               key=lambda row: 10 * KINDS.index(row.kind) + (row.item.category if row.item else 0)),
         Column("area", tr("Volume"), tr("Volume without hollows."), _figure(lambda found: found.volume),
                "00,000", 3)
         if solid else
@@ -266,20 +266,19 @@ class ClassRow(QWidget):
     def __init__(self, object_list: ObjectList, number: int) -> None:
         super().__init__()
         self._list, self._number = object_list, number
-        self.color, self.digit, self.name = QToolButton(), QToolButton(), QLineEdit()
-        self.color.setAutoRaise(True)
+        instant = QToolButton.ToolButtonPopupMode.InstantPopup
+        self.color, self.digit = QToolButton(autoRaise=True, popupMode=instant), QToolButton()
+        self.name = QLineEdit(frame=False)
         self.color.setToolTip(tr("Color of the class"))
         menu = QMenu(self.color)
         fill_colors(menu, self, lambda color: object_list.name_class(number, self.name.text(), color), True)
         self.color.setMenu(menu)
-        self.color.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
         self.digit.setText(str(number))
         self.digit.setCheckable(True)
         self.digit.setToolTip(
             tr("Set the class of the selection and of the next objects ({number}).").format(number=number)
         )
         self.digit.clicked.connect(partial(object_list.classify, number))
-        self.name.setFrame(False)
         self.name.setAccessibleName(tr("Name of class {number}").format(number=number))
         self.name.editingFinished.connect(self._rename)
         arrange(QHBoxLayout(self), self.color, self.digit, self.name, spacing=4, wide=self.name)

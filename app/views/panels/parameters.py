@@ -287,11 +287,6 @@ class ParametersPanel(QWidget):
         for row in self.rows.values():
             row.use_wording(wording)
 
-    def use_theme(self, theme: Theme) -> None:
-        """Color the buttons."""
-        for row in self.rows.values():
-            row.use_theme(theme)
-
     def _lay_out(self) -> Section:
         more = QWidget()
         others = (choice for name, choice in self.choices.items() if name != CHANNEL)
@@ -318,23 +313,15 @@ class ParametersPanel(QWidget):
 
     def _follow(self) -> None:
         """Show what the parameters change, and count the contours of the scene when they are others."""
-        contours, document = self._session.scene.contours, self._session.document
-        if contours is self._contours:
-            self._show_motion()
-            return
-        self._contours = contours
-        self._length = sum(item.measures.length for item in contours.items)
-        self._show_motion()
-        result = contours.result
-        moment = (self._session.generation, result.steps) if result is not None else None
-        thresholds = {name: float(getattr(document.parameters, name)) for name in FILTERS}
-        items = contours.items
-        self._counts.update(moment, thresholds, [item.contour for item in items], [item.measures for item in items])
-        self._show_effects()
-
-    def _show_motion(self) -> None:
-        """Show what the parameters of the motion have done to the state that is shown."""
-        scene = self._session.scene
+        scene, parameters = self._session.scene, self._session.document.parameters
+        if scene.contours is not self._contours:
+            self._contours = scene.contours
+            items, result = scene.contours.items, scene.contours.result
+            self._length = sum(item.measures.length for item in items)
+            moment = (self._session.generation, result.steps) if result is not None else None
+            thresholds = {name: float(getattr(parameters, name)) for name in FILTERS}
+            self._counts.update(moment, thresholds, [item.contour for item in items], [item.measures for item in items])
+            self._show_effects()
         state = None if scene.snapshot is None else scene.snapshot.state
         for name, words in effects(state, scene.document.parameters, self._length, scene.document.image).items():
             self.rows[name].show_effect(words)

@@ -38,6 +38,7 @@ from app.model.display.lengths import PixelSize
 from app.model.text.keys import with_keys
 from app.model.text.language import tr, written
 from app.views.widgets.actions import add_choice
+from app.views.widgets.containers import takes_key
 
 Row = TypeVar("Row")
 Index = QModelIndex | QPersistentModelIndex
@@ -226,7 +227,7 @@ class Table(QTableView):
     """
 
     def __init__(self, rows: TableModel[Any], wide: str, name: str) -> None:
-        super().__init__()
+        super().__init__(showGrid=False, wordWrap=False)
         self.rows = rows
         rows.setParent(self)
         self._sorted = QSortFilterProxyModel(self)
@@ -237,9 +238,7 @@ class Table(QTableView):
         self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
         self.setSortingEnabled(True)
         self.sortByColumn(0, Qt.SortOrder.AscendingOrder)
-        self.setShowGrid(False)
         self.setAlternatingRowColors(True)
-        self.setWordWrap(False)
         self.setTabKeyNavigation(False)
         self.setMinimumHeight(_LEAST)
         self.verticalHeader().hide()
@@ -407,10 +406,7 @@ class ItemTable(Table):
 
     def event(self, event: QEvent) -> bool:
         """Handle the keys of the table before they act as shortcuts of the window."""
-        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and event.key() in _DELETE:
-            event.accept()
-            return True
-        return super().event(event)
+        return takes_key(event, _DELETE) or super().event(event)
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Edit the name on Enter, remove on Delete; an arrow key first selects the current row."""

@@ -36,7 +36,7 @@ from app.session.timeline.stored_runs import Branch
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
 from app.views.widgets.actions import Actions
-from app.views.widgets.containers import arrange
+from app.views.widgets.containers import arrange, takes_key
 from app.views.window.dialogs import ask_for_text
 
 _ROW, _FOOT, _HEAD, _SIDE = 20, 15, 5, 10
@@ -203,8 +203,7 @@ class TimelineView(QWidget):
 
     def event(self, event: QEvent) -> bool:
         """Show the step under the pointer as a tooltip, and keep the keys that move along a branch."""
-        if event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and event.key() in _KEYS:
-            event.accept()
+        if takes_key(event, _KEYS):
             return True
         if event.type() == QEvent.Type.ToolTip and isinstance(event, QHelpEvent):
             branch = self._navigation.branch(self._branch_at(event.pos().y()) or 0)

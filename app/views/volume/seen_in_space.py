@@ -23,7 +23,7 @@ from app.views.theme import color_maps, theme
 from app.views.theme.theme import Ink, look
 from cpm_core import Image, Skeleton, Surface, Truth, VolumeSelection, VolumeTruth
 from cpm_core.objects.segmented import SegmentedObjects
-from cpm_core.shapes import Charge, Interest, Limit, Shape
+from cpm_core.shapes import Charge, Interest, Limit, Shape, sides_of
 
 
 class SeenInSpace:
@@ -100,7 +100,7 @@ def _colored(surface: Surface, spacing: tuple[float, ...], ink: Ink | str) -> Co
 def _wires(
     shapes: tuple[Shape, ...], selected: int | None, image: Image, skeleton: Skeleton | None = None
 ) -> Wires | None:
-    sides = tuple(side / min(image.spacing) for side in image.spacing)
+    sides = sides_of(image.spacing)
     ends = [wires(shape, sides) for shape in shapes]
     colors = []
     for index, (shape, each) in enumerate(zip(shapes, ends, strict=True)):

@@ -120,7 +120,7 @@ def specs(panel: SpacePanel, session: Session) -> Iterator[ActionSpec]:
     """The actions of the view in space."""
 
     def copy() -> None:
-        QApplication.clipboard().setImage(panel.view.picture())
+        QApplication.clipboard().setImage(panel.view.grab().toImage())
         session.say(tr("The view in space was copied."), topic=EXPORTING)
 
     def along(axis: int) -> ActionSpec:

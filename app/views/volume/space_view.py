@@ -142,10 +142,6 @@ class SpaceView(QWidget):
         self.camera = camera
         self._changed()
 
-    def picture(self) -> QImage:
-        """The picture as it is seen, with its marks."""
-        return self.grab().toImage()
-
     def close_thread(self) -> None:
         """End the thread that draws."""
         self._still.stop()

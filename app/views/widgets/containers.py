@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from typing import TypeVar
 
 from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
@@ -11,6 +11,7 @@ from PySide6.QtWidgets import (
     QBoxLayout,
     QDialog,
     QDialogButtonBox,
+    QFormLayout,
     QFrame,
     QHBoxLayout,
     QLabel,
@@ -58,8 +59,7 @@ def arrange(
 
 def wrapped(text: str = "", dim: bool = False) -> QLabel:
     """A label that breaks lines, in a pale color if `dim`."""
-    label = QLabel(text)
-    label.setWordWrap(True)
+    label = QLabel(text, wordWrap=True)
     label.setObjectName("dim" if dim else "")
     return label
 
@@ -72,6 +72,16 @@ class AcceptButtons(QDialogButtonBox):
         self.accept_button = self.addButton(text, QDialogButtonBox.ButtonRole.AcceptRole)
         self.accepted.connect(dialog.accept)
         self.rejected.connect(dialog.reject)
+
+
+def lay_out_form(dialog: QDialog, heading: str, form: QFormLayout, buttons: AcceptButtons) -> None:
+    """Fill a dialog: a sentence, a form, and the buttons."""
+    form.setHorizontalSpacing(16)
+    layout = QVBoxLayout(dialog)
+    layout.setSpacing(12)
+    layout.addWidget(QLabel(heading))
+    layout.addLayout(form)
+    layout.addWidget(buttons)
 
 
 class Scrolled(QScrollArea):
@@ -203,14 +213,11 @@ class OfferBar(QFrame):
     def __init__(self) -> None:
         super().__init__()
         self.setObjectName("offer")
-        self._label = QLabel()
-        self._label.setTextFormat(Qt.TextFormat.PlainText)
-        self._label.setWordWrap(True)
+        self._label = QLabel(textFormat=Qt.TextFormat.PlainText, wordWrap=True)
         self._label.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self.buttons: list[QPushButton] = []
-        self.cross = QToolButton()
+        self.cross = QToolButton(autoRaise=True)
         self.cross.setObjectName("quiet")
-        self.cross.setAutoRaise(True)
         self.cross.setToolTip(tr("No, thank you"))
         self.cross.setAccessibleName(tr("No, thank you"))
         self.cross.clicked.connect(self.end)
@@ -256,8 +263,7 @@ class OfferBar(QFrame):
         self.setVisible(bool(self._offers))
 
     def _button(self, text: str, do: Callable[[], object]) -> QPushButton:
-        button = QPushButton(text)
-        button.setAutoDefault(False)
+        button = QPushButton(text, autoDefault=False)
 
         def take() -> None:
             self.end()
@@ -317,6 +323,14 @@ class PictureGrid(QListWidget):
             self.chosen.emit(item)
         else:
             super().keyPressEvent(event)
+
+
+def takes_key(event: QEvent, keys: Container[int]) -> bool:
+    """Whether one of a widget's own keys has been pressed, which is no shortcut of the window then."""
+    taken = event.type() == QEvent.Type.ShortcutOverride and isinstance(event, QKeyEvent) and event.key() in keys
+    if taken:
+        event.accept()
+    return taken
 
 
 _OWN = "own_escape"

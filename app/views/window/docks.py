@@ -63,8 +63,7 @@ class Docks(QObject):
         super().__init__(window)
         self._window, self._keyboard, self._laid_out = window, keyboard, False
         self._panels = {panel.name: panel for panel in sorted(panels, key=_place)}
-        self.tabs = QTabWidget()
-        self.tabs.setDocumentMode(True)
+        self.tabs = QTabWidget(documentMode=True)
         self.tabs.setMinimumWidth(_LEAST)
         self.tabs.tabBar().setExpanding(False)
         self.tabs.tabBar().setDrawBase(False)

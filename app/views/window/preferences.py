@@ -170,9 +170,8 @@ def field_for(preference: Preference[Any], preferences: Preferences) -> tuple[QW
             combo.activated.connect(lambda index: store(combo.itemData(index)))
             return combo, lambda shown: combo.setCurrentIndex(combo.findData(shown))
         case Color():
-            button = QPushButton()
+            button = QPushButton(autoDefault=False)
             button.setMinimumWidth(_COLOR_WIDTH)
-            button.setAutoDefault(False)
             button.setToolTip(tr("Choose another color…"))
 
             def show(shown: str) -> None:
@@ -197,10 +196,8 @@ class ShortcutsPage(QWidget):
         super().__init__()
         self._shortcuts = shortcuts
         self._wanted = ""
-        self.search = QLineEdit()
-        self.search.setPlaceholderText(tr("Search actions and keys"))
+        self.search = QLineEdit(placeholderText=tr("Search actions and keys"), clearButtonEnabled=True)
         self.search.setAccessibleName(tr("Search actions and keys"))
-        self.search.setClearButtonEnabled(True)
         self.search.textChanged.connect(self._show_keys)
         self.list = QTreeWidget()
         self.list.setHeaderLabels([tr("Action"), tr("Keys")])

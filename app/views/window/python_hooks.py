@@ -28,14 +28,10 @@ class GarbageCollector(QObject):
 
     def __init__(self, parent: QObject) -> None:
         super().__init__(parent)
-        self._automatic = True
-        self._timer = QTimer(self, interval=_EVERY)
-        self._timer.timeout.connect(self.collect)
-
-    def start(self) -> None:
-        """Replace the automatic collection."""
         self._automatic = gc.isenabled()
         gc.disable()
+        self._timer = QTimer(self, interval=_EVERY)
+        self._timer.timeout.connect(self.collect)
         self._timer.start()
 
     def stop(self) -> None:
@@ -64,11 +60,7 @@ class UnexpectedErrors(QObject):
     def __init__(self, session: Session) -> None:
         super().__init__(session)
         self._session = session
-        self._before = sys.excepthook, threading.excepthook
         self.happened.connect(self._say)
-
-    def watch(self) -> None:
-        """Take errors from now on."""
         self._before = sys.excepthook, threading.excepthook
         sys.excepthook = self._take
         threading.excepthook = lambda given: self._take(given.exc_type, given.exc_value, given.exc_traceback)

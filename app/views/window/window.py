@@ -110,8 +110,7 @@ class MainWindow(QMainWindow):
         self.session = session = workspace.session
         self.preferences = preferences or Preferences(self)
         self.preferences.follow(UNIT, lambda: prefer_unit(self.preferences.value(UNIT)))
-        self._garbage = GarbageCollector(self)
-        self._garbage.start()  # before any part of the window is made: the worker is at work already
+        self._garbage = GarbageCollector(self)  # before any part of the window is made: the worker is at work already
         self.turns = Turns(self)
         self.setAcceptDrops(True)
         self.setContextMenuPolicy(Qt.ContextMenuPolicy.NoContextMenu)
@@ -153,15 +152,11 @@ class MainWindow(QMainWindow):
         QGuiApplication.styleHints().colorSchemeChanged.connect(self._use_chosen_theme)
         self._use_chosen_theme()
         self._show()
-        self._restore_layout()
-        self._follow_tool()
-        canvas.setFocus()
-
-    def _restore_layout(self) -> None:
-        geometry = self.preferences.get(_GEOMETRY, QByteArray())
-        if not geometry.isEmpty():
+        if not (geometry := self.preferences.get(_GEOMETRY, QByteArray())).isEmpty():
             self.restoreGeometry(geometry)
             self.docks.restore_layout(self.preferences.get(_LAYOUT, QByteArray()))
+        self._follow_tool()
+        canvas.setFocus()
 
     def feature(self, kind: type[P]) -> P:
         """A feature by its class."""

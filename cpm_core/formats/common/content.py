@@ -27,9 +27,6 @@ _LARGEST = 2**30
 _SAMPLES = 64
 """Parts of a larger file that are read."""
 
-_SAMPLED = "sampled:"
-"""Begins the fingerprint of a larger file."""
-
 _LONGEST_FOLDER = 40
 """Letters of a folder that a sentence shows as a whole."""
 
@@ -111,7 +108,7 @@ def fingerprint(path: Path, go_on: Callable[[], object] | None = None) -> str:
             size = stream.seek(0, os.SEEK_END)
             starts: Iterable[int] = range(0, size, _PART)
             if size > _LARGEST:
-                kind = _SAMPLED
+                kind = "sampled:"
                 found.update(b"%d\n" % size)
                 starts = (number * (size - _PART) // (_SAMPLES - 1) for number in range(_SAMPLES))
             for start in starts:

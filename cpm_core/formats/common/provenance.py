@@ -135,10 +135,9 @@ def with_shapes(result: Result, shapes: Iterable[Shape], more: Iterable[Mapping[
 
 def _limits(result: Outcome) -> list[Entries]:
     """Regions of interest and barriers of a run as shapes."""
-    regions = result.regions if isinstance(result, Result) else None
-    known = regions or Regions()
-    limits = [*(("region", limit) for limit in known.interest), *(("barrier", limit) for limit in known.barriers)]
-    return [{"shape": shape, **_limit(limit)} for shape, limit in limits]
+    known = (result.regions if isinstance(result, Result) else None) or Regions()
+    limits = {"region": known.interest, "barrier": known.barriers}
+    return [{"shape": shape, **_limit(limit)} for shape, several in limits.items() for limit in several]
 
 
 def _limit(limit: Any) -> Entries:

@@ -132,15 +132,13 @@ def _properties(feature: Entries, own: bool) -> Entries:
     properties = feature.get("properties") or {}
     kind = properties.get("classification") or {}
     kind = {"name": kind} if isinstance(kind, str) else kind
-    name = str(properties.get("name") or kind.get("name") or "")
     colors = (color_of(one.get(key)) for one in (properties, kind) for key in ("color", "colorRGB"))
     color = next(filter(None, colors), "")
     measures = properties.get("measurements")
     strength = measures.get("Edge strength", 0.0) if own and isinstance(measures, dict) else 0.0
-    category = str(kind.get("name") or "")
     return {
-        "name": name,
-        "category": category,
+        "name": str(properties.get("name") or kind.get("name") or ""),
+        "category": str(kind.get("name") or ""),
         "color": color,
         "junctions": properties.get("junctions") or (),
         "strength": strength,

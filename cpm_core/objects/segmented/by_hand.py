@@ -196,7 +196,7 @@ def _watershed(item: SegmentedObject, places: Array, edges: _Edges) -> tuple[Arr
     low = low - _MARGIN
     extent = high + _MARGIN - low
     step = max(1.0, float(np.sqrt(extent.prod() / _MOST_PIXELS)))
-    shape = np.ceil(extent / step).astype(int)
+    shape = tuple(np.ceil(extent / step).astype(int).tolist())
     grid = low + step * np.indices(shape).reshape(2, -1).T
     inside = item.encloses(grid).reshape(shape)
     depth = step * scipy.ndimage.distance_transform_edt(np.pad(inside, 1))[1:-1, 1:-1]

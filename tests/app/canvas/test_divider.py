@@ -28,7 +28,7 @@ def wipe(ready, hand):
     hand.key(KEY.Key_D, Qt.KeyboardModifier.ControlModifier)
     hand.wait(feature.panel.isVisible)
     hand.qtbot.mouseClick(feature.panel.keep, LEFT)
-    hand.wait(lambda: compared.idle and len(compared.agreed) == 1)
+    hand.wait(lambda: compared._latest.idle and len(compared.agreed) == 1)
     hand.canvas.setFocus()
     compared.choose(max(compared.rows))
     return feature.wipe

@@ -182,7 +182,7 @@ def test_a_session_keeps_the_methods_and_undo_takes_a_change_back(ready, methods
     choice = methods.methods
     choice.list.item(names.index("chan_vese")).setCheckState(Qt.CheckState.Unchecked)
     choice.list.item(names.index("morph_gac")).setCheckState(Qt.CheckState.Checked)
-    choice.mark("geodesic")
+    choice.list.setCurrentRow(list(CONTOUR_METHODS).index("geodesic"))
     type_into(hand, choice.fields["balloon"], "1.5")
     hand.qtbot.mouseClick(choice.around, LEFT, pos=QPoint(8, choice.around.height() // 2))
     compared = ready.session.document.comparison
@@ -199,5 +199,5 @@ def test_a_session_keeps_the_methods_and_undo_takes_a_change_back(ready, methods
     hand.wait(lambda: ready.session.tasks.idle and ready.session.document.comparison == compared)
     assert choice.around.isChecked()
     assert choice.list.item(names.index("morph_gac")).checkState() == Qt.CheckState.Checked
-    choice.mark("geodesic")
+    choice.list.setCurrentRow(list(CONTOUR_METHODS).index("geodesic"))
     assert choice.fields["balloon"].value() == 1.5

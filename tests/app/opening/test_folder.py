@@ -43,7 +43,8 @@ def name(window: MainWindow) -> str:
 
 
 def place(window: MainWindow) -> str:
-    return window.feature(FolderFeature).bar.text
+    bar = window.feature(FolderFeature).bar
+    return "" if bar.isHidden() else bar._place.text()
 
 
 def open_image(window: MainWindow, hand, path: Path) -> None:

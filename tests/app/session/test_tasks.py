@@ -11,7 +11,7 @@ import pytest
 from PySide6.QtCore import QObject, Qt
 from PySide6.QtWidgets import QToolButton
 
-from app.model.export import ExportOrder
+from app.model.export import ExportFile, ExportOrder
 from app.session.exchange.core_functions import Core
 from app.session.exchange.messages import CommandFailed, Report
 from app.session.features.workspace import Workspace
@@ -176,10 +176,10 @@ def test_an_export_that_was_given_up_writes_nothing(ready, hand, tmp_path) -> No
     hand.wait(lambda: session.status.step == 1 and session.idle)
     gate = threading.Event()
     session.post(waiting(gate))  # so that the export has not begun when it is cancelled
-    session.export(ExportOrder.of(tmp_path / "a.csv"))
+    session.export(ExportOrder((ExportFile(tmp_path / "a.csv", "contours", ".csv"),)))
     for task in session.tasks.current:
         task.cancel()
-    session.export(ExportOrder.of(tmp_path / "b.csv"))
+    session.export(ExportOrder((ExportFile(tmp_path / "b.csv", "contours", ".csv"),)))
     gate.set()
     hand.wait(lambda: session.idle)
     assert (tmp_path / "b.csv").exists()

@@ -13,7 +13,7 @@ import pytest
 
 from app.model.document import edits
 from app.model.document.document import Document
-from app.model.export import ExportOrder
+from app.model.export import ExportFile, ExportOrder
 from app.session.exchange.core_functions import Core
 from app.session.exchange.mailbox import Mailbox
 from app.session.exchange.messages import Opened, Reconstruction, RunFailed, SeedsFound, Snapshot, WentOn
@@ -416,7 +416,7 @@ def test_a_mailbox_gives_the_newest_once() -> None:
 
 
 def export(bench: Bench, shown: Reconstruction | None = None) -> None:
-    order = ExportOrder.of(Path("a.csv"))
+    order = ExportOrder((ExportFile(Path("a.csv"), "contours", ".csv"),))
     bench.worker_thread.post(write_files(Task("Writing a.csv…"), shown, Document(), order, lambda contents: None))
 
 

@@ -8,7 +8,7 @@ import threading
 import pytest
 from PySide6.QtCore import Qt
 
-from app.model.export import ExportOrder
+from app.model.export import ExportFile, ExportOrder
 from app.session.exchange.contour_tracking import ContourTracker
 from app.session.features.background import LatestOnlyWorker
 from app.session.worker import prepared_methods, reconstruction
@@ -71,7 +71,7 @@ def test_contours_of_an_earlier_step_are_not_exported_as_those_of_the_last_one(
     monkeypatch.setattr(Engine, "result", raising(ValueError("No triangles.")))
     hand.key(KEY.Key_Period)
     hand.wait(lambda: bool(said(ready)))
-    ready.session.export(ExportOrder.of(tmp_path / "a.svg"))
+    ready.session.export(ExportOrder((ExportFile(tmp_path / "a.svg", "contours", ".svg"),)))
     hand.wait(lambda: ready.session.idle)
     assert "No triangles." in said(ready)
     assert not (tmp_path / "a.svg").exists()
@@ -107,7 +107,6 @@ def test_an_error_that_nothing_expects_is_said_from_every_thread(window, hand, m
     monkeypatch.setattr(sys, "excepthook", sys.excepthook)
     monkeypatch.setattr(threading, "excepthook", threading.excepthook)
     errors = UnexpectedErrors(window.session)
-    errors.watch()
     sys.excepthook(KeyError, KeyError("slot"), None)
     assert "slot" in said(window)
     thread = threading.Thread(target=raising(RuntimeError("thread")))

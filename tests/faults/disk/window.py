@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from app.model.document import edits
-from app.model.export import ExportOrder
+from app.model.export import ExportFile, ExportOrder
 from app.session.storage.recovery import Journal
 from app.views.features.files import OpenSaveFeature, RecoveryFeature
 from app.views.window.window import MainWindow
@@ -113,7 +113,7 @@ def _save(window: MainWindow, folder: Path) -> Path:
 
 def _export(window: MainWindow, folder: Path) -> Path:
     target = folder / "work" / "a.svg"
-    window.session.export(ExportOrder.of(target))
+    window.session.export(ExportOrder((ExportFile(target, "contours", target.suffix),)))
     until(lambda: window.session.idle)
     return target
 

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QApplication
 
 from app.model.display.comparison import Axis, parameter_trials
 from app.model.document import edits
-from app.model.export import ExportOrder
+from app.model.export import ExportFile, ExportOrder
 from app.model.parameters.controls import controls
 from app.views.canvas.tools import TOOLS
 from app.views.export.frames import AnimationPlan
@@ -53,7 +53,7 @@ def write_film(window: MainWindow, folder: Path) -> None:
 
 
 def export(window: MainWindow, folder: Path) -> None:
-    window.session.export(ExportOrder.of(folder / "contours.csv"))
+    window.session.export(ExportOrder((ExportFile(folder / "contours.csv", "contours", ".csv"),)))
 
 
 def save(window: MainWindow, folder: Path) -> None:

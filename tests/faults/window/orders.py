@@ -15,7 +15,7 @@ from PySide6.QtCore import QCoreApplication, QEvent
 
 from app.model.document import edits
 from app.model.document.document import Document
-from app.model.export import ExportOrder
+from app.model.export import ExportFile, ExportOrder
 from app.session.exchange.core_functions import Core
 from app.session.features.workspace import Workspace
 from app.session.storage.preferences import Preferences
@@ -146,7 +146,7 @@ class Office:
 
     def _export(self) -> None:
         suffix = self._choice.choice([".csv", ".json", ".svg"])
-        self.session.export(ExportOrder.of(self._folder / f"contours{suffix}"))
+        self.session.export(ExportOrder((ExportFile(self._folder / f"contours{suffix}", "contours", suffix),)))
 
     # Laws
 

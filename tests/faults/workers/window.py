@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from app.model.document import edits
-from app.model.export import ExportOrder
+from app.model.export import ExportFile, ExportOrder
 from app.views.features.files import OpenSaveFeature
 from app.views.window.window import MainWindow
 from cpm_core.shapes import Circle
@@ -87,7 +87,7 @@ def _export(window: MainWindow, folder: Path) -> bool:
     target.unlink(missing_ok=True)
     if window.session.status.step == 0:
         _step(window, folder)
-    window.session.export(ExportOrder.of(target))
+    window.session.export(ExportOrder((ExportFile(target, "contours", target.suffix),)))
     until(lambda: window.session.idle)
     return target.exists()
 

@@ -68,7 +68,8 @@ class ObjectTool(Tool):
         """Begin a click or a stroke, or choose the object under the pointer; when it is chosen, begin to correct it."""
         self.used = True
         existing = self._existing(at)
-        if existing in self._session.scene.objects.chosen or (existing and existing == self._only):
+        offered = [each.key for each in self._selection.proposals]
+        if existing in self._session.scene.objects.chosen or (existing and offered == [existing]):
             self._selection.correct(existing)
         elif existing:
             self._list.choose((existing,))
@@ -130,12 +131,6 @@ class ObjectTool(Tool):
     def _inside(self) -> bool:
         """Whether a click adds: with Shift it says what does not belong to the object."""
         return not self.modifiers & TAKING_AWAY
-
-    @property
-    def _only(self) -> int:
-        """Key of the only proposal, which is as good as chosen; 0 where there are none or several."""
-        offered = self._selection.proposals
-        return offered[0].key if len(offered) == 1 else 0
 
     def _existing(self, at: Place) -> int:
         """Number of the object, or key of the proposal, that a click would choose; 0 while one is being selected."""

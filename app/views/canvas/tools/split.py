@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from functools import partial
@@ -134,11 +133,11 @@ class SplitTool(Tool):
             self._session.say(tr("There is no object here. {advice}").format(advice=self.tip), topic=EDITING)
 
     def _split_along(self, path: list[Position]) -> None:
-        crossed = [self._whole_at((row, col)) for row, col in polyline.middles(np.array(path), _PLACES).tolist()]
-        wholes = {item.number: item for item in crossed if item is not None}
-        number, _ = Counter(item.number for item in crossed if item is not None).most_common(1)[0] if wholes else (0, 0)
-        if number:
-            self._use(wholes[number], partial(split_along, wholes[number], path, self._editing.edges))
+        places = polyline.middles(np.array(path), _PLACES).tolist()
+        crossed = [whole for row, col in places if (whole := self._whole_at((row, col))) is not None]
+        if crossed:
+            most = max(crossed, key=lambda one: sum(item.number == one.number for item in crossed))
+            self._use(most, partial(split_along, most, path, self._editing.edges))
         else:
             self._session.say(tr("The line crosses no object. {advice}").format(advice=self.tip), topic=EDITING)
 

@@ -16,7 +16,7 @@ from app.model.volume.slices import Slice
 from app.session.features.workspace import Workspace
 from app.views.canvas.layers.drawing import DrawingLayer
 from cpm_core.numerics import Place
-from cpm_core.shapes import Shape
+from cpm_core.shapes import Shape, sides_of
 
 Cursor = Qt.CursorShape
 
@@ -101,8 +101,8 @@ class Tool:
         """Height and width of a pixel in the view that the pointer is in, in the smallest side of a voxel."""
         if self.here is None or self.volume is None:
             return 1.0, 1.0
-        down, right = self.here.within(self.volume.spacing)
-        return down / min(self.volume.spacing), right / min(self.volume.spacing)
+        down, right = self.here.within(sides_of(self.volume.spacing))
+        return down, right
 
     @property
     def drafting(self) -> bool:

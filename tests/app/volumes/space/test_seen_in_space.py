@@ -78,7 +78,8 @@ def test_the_picture_in_space_is_saved_as_it_is_seen(volume, hand, space, tmp_pa
     seen = np.asarray(PIL.Image.open(path).convert("RGB"))
     assert seen.shape[:2] == space.view.room
     background = tuple(int(theme.CANVAS[i : i + 2], 16) for i in (1, 3, 5))
-    shown = space.view.picture().convertToFormat(space.view.picture().Format.Format_RGB888)
+    shown = space.view.grab().toImage()
+    shown = shown.convertToFormat(shown.Format.Format_RGB888)
     drawn = np.frombuffer(shown.constBits(), np.uint8).reshape(shown.height(), shown.bytesPerLine())
     drawn = drawn[:, : 3 * shown.width()].reshape(shown.height(), shown.width(), 3)
     assert (seen[2, 2] == background).all()

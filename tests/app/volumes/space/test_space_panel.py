@@ -78,7 +78,7 @@ def center(panel: SpacePanel) -> QPoint:
 
 
 def colors(panel: SpacePanel) -> set[str]:
-    image = panel.view.picture()
+    image = panel.view.grab().toImage()
     return {QColor(image.pixel(x, y)).name() for x in range(0, image.width(), 4) for y in range(0, image.height(), 4)}
 
 
