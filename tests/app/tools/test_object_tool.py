@@ -228,6 +228,16 @@ def test_a_click_with_shift_in_an_object_begins_to_correct_it_at_once(window, ha
     assert offered(objects)[18, 18]
 
 
+def test_a_click_with_control_in_an_object_selects_another_one_there(window, hand, objects) -> None:
+    click(hand, 18, 18)
+    take(hand)
+    click(hand, 19, 19, CONTROL)
+    assert window.session.document.objects.edited == 0
+    assert objects.selecting
+    take(hand)
+    assert [item.number for item in taken(window)] == [1, 2]
+
+
 def test_a_run_from_everywhere_ends_at_counted_objects_that_enter_accepts(window, hand, layer) -> None:
     run_everywhere(hand)
     assert "2 objects found. Enter: accept all" in window.canvas_area.hint.text()

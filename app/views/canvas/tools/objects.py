@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+from PySide6.QtCore import Qt
+
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.views.canvas.tools.tool import OBJECT, TAKING_AWAY, Cursor, Tool
@@ -21,7 +23,7 @@ class ObjectTool(Tool):
     """Selects the object under the pointer; with Shift a click says what does not belong to it.
 
     A stroke says the same of all that it crosses. A click in an object, or in one of several proposals, chooses it, and
-    in a chosen one begins to correct it. Enter accepts what is offered.
+    in a chosen one begins to correct it; with Ctrl it selects another object there. Enter accepts what is offered.
     """
 
     name = "objects"
@@ -57,7 +59,12 @@ class ObjectTool(Tool):
                 return tr("Start a run to find the surface first: objects are the bodies that it encloses.")
             return ""
         if self._list.chosen and not self._selection.selecting:
-            return with_keys(tr("Click again: correct · {key:name_object}: rename · 1-9: class · Delete: remove"))
+            return with_keys(
+                tr(
+                    "Click again: correct · Ctrl-click: another object here · {key:name_object}: rename · "
+                    "1-9: class · Delete: remove"
+                )
+            )
         return self._selection.advice or tr("Click in an object, or drag across it.")
 
     def set_in_use(self, in_use: bool) -> None:
@@ -134,7 +141,8 @@ class ObjectTool(Tool):
 
     def _existing(self, at: Place) -> int:
         """Number of the object, or key of the proposal, that a click would choose; 0 while one is being selected."""
-        return 0 if self._selection.selecting or not self._inside else self._selection.under(at)
+        another = self._selection.selecting or self.modifiers & Qt.KeyboardModifier.ControlModifier
+        return 0 if another or not self._inside else self._selection.under(at)
 
     def _end_stroke(self) -> None:
         self._path = []
