@@ -88,7 +88,6 @@ REPELLING = "#d55e00"
 DIMMED = "#88101216"
 HALO = "#101216"
 FIELD = "#ff9ad5"
-TRAIL = "#7fd0ff"
 THICKNESSES = ("#6a7fd1", "#3f9fd0", "#35bcab", "#8ccf5e", "#f3e04b")
 """From thin to thick: of increasing lightness, distinguishable without distinguishing red from green."""
 DISK = "#70ffffff"
