@@ -220,9 +220,6 @@ QWidget#segments QToolButton:checked { background: $chosen; color: $text; font-w
 QWidget#segments QToolButton:focus { border: 1px solid $accent; }
 QStatusBar { border-top: 1px solid $line; }
 QStatusBar::item { border: none; }
-QComboBox#zoom { background: transparent; border: 1px solid transparent; border-radius: 4px; padding: 0 4px; }
-QComboBox#zoom:hover, QComboBox#zoom:focus { background: $base; border-color: $line; }
-QComboBox#zoom QLineEdit { background: transparent; border: none; }
 
 /* Docks with their headings and tabs.
    The line between docks is one pixel wide, the separator that is dragged three: for one of a single pixel Qt makes a
