@@ -19,9 +19,8 @@ from app.model.state.situation import RunStatus, Situation, can_step
 from app.model.text.keys import with_keys
 from app.model.text.language import from_core, reason, tr
 from app.model.volume.slices import Slices
-from app.session.exchange.core_functions import Core
 from app.session.exchange.mailbox import Pacer
-from app.session.exchange.messages import ImageReady, NotOpened, Opened
+from app.session.exchange.messages import Core, ImageReady, NotOpened, Opened
 from app.session.live_edits import Live
 from app.session.scene import ReviewedContours, Scene
 from app.session.signals import EDITING, EXPORTING, OPENING, RUNNING, Board

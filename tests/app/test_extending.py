@@ -13,7 +13,7 @@ from skimage.measure import find_contours
 
 from app.model.document import edits
 from app.model.text.wording import FORMULAS
-from app.session.exchange.core_functions import Core
+from app.session.exchange.messages import Core
 from app.session.features.workspace import Workspace
 from app.views.canvas import canvas_area
 from app.views.canvas import layers as canvas_layers

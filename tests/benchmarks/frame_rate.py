@@ -26,8 +26,7 @@ from PySide6.QtWidgets import QWidget
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from app.model.document import edits
-from app.session.exchange.core_functions import Core
-from app.session.exchange.messages import Snapshot
+from app.session.exchange.messages import Core, Snapshot
 from app.session.features.workspace import Workspace
 from app.session.session import FRAME
 from app.views.application import make_application

@@ -1,10 +1,13 @@
-"""Messages of the worker: snapshots, of which the newest wins, reports, which are few and never lost, and errors."""
+"""What the worker calls of the core, and its messages.
+
+Of snapshots the newest wins; reports are few and never lost.
+"""
 
 from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -20,15 +23,47 @@ from app.model.volume.parts import Parts
 from app.model.volume.sampled_volumes import SampledForce, SampledValues
 from app.session.exchange.contour_tracking import ContourTracker, TrackedContours
 from app.session.timeline.timeline import Outline
-from cpm_core import Image, Method, Parameters, Result, Skeleton
+from cpm_core import (
+    METHODS,
+    Image,
+    Method,
+    Parameters,
+    Result,
+    Skeleton,
+    encoded,
+    load_image,
+    load_volume,
+)
 from cpm_core.formats import Reading, SessionFile
 from cpm_core.formats.images.reading import DEFAULT
-from cpm_core.image import Kind
+from cpm_core.image import AnyRegions, Kind
 from cpm_core.numerics import Array
 from cpm_core.segmentation import LargeImageSettings, MethodState
 from cpm_core.shapes import ImageSeeds
+from cpm_core.warm_up import warm_up_runs, warm_up_volumes
 
 log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class Core:
+    """The core's functions that run on the worker thread.
+
+    `load_image` and `load_volume` take a path, what they may call while they read, which raises when the image is no
+    longer wanted, and by name which part of the file is read;
+    `methods` makes a method of an image, parameters and regions; `encode` makes the bytes of a file, as
+    `cpm_core.formats.encoded` does; `warm_up` compiles or loads the kernels until its first argument
+    returns True, and calls its second one with the fraction that is compiled; `warm_up_volumes` does so for volumes.
+    """
+
+    load_image: Callable[..., Image] = load_image
+    load_volume: Callable[..., Image] = load_volume
+    methods: Mapping[str, Callable[[Image, Parameters, AnyRegions | None], Method[Any]]] = field(
+        default_factory=lambda: METHODS
+    )
+    encode: Callable[..., bytes] = encoded
+    warm_up: Callable[[Callable[[], bool], Callable[[float], object]], None] = warm_up_runs
+    warm_up_volumes: Callable[[Callable[[], bool], Callable[[float], object]], None] = warm_up_volumes
 
 
 def sentence(error: Exception, activity: str) -> str:

@@ -13,8 +13,7 @@ from app.model.document.document import Document, ImageReference
 from app.model.document.saving import restored, to_file
 from app.model.text.language import tr
 from app.model.volume.parts import Parts
-from app.session.exchange.core_functions import Core
-from app.session.exchange.messages import sentence
+from app.session.exchange.messages import Core, sentence
 from app.session.tasks.tasks import Cancelled, Task
 from app.session.timeline.plain_runs import sound
 from app.session.undo_history import History

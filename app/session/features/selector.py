@@ -34,7 +34,7 @@ from cpm_core import (
     uniform_grid,
 )
 from cpm_core.image import AnyRegions, of_plane
-from cpm_core.numerics import Array, Mask, Place
+from cpm_core.numerics import Array, Mask
 from cpm_core.objects import EVERYWHERE
 from cpm_core.objects.everywhere import everywhere
 from cpm_core.objects.segmented import Click, SegmentedObject, places_of, selection_of
@@ -376,8 +376,14 @@ class Selector:
 
 def all_objects(partition: Partition, task: Task) -> tuple[Proposal, ...]:
     """All objects of an image, each as what a click where it is widest means."""
-    found = everywhere(partition, task.check_cancelled)
-    return tuple(Proposal(each, (Click((_widest(each),)),), key=~index) for index, each in enumerate(found))
+    proposals = []
+    for index, found in enumerate(everywhere(partition, task.check_cancelled)):
+        box = _box_of(found)
+        depth = scipy.ndimage.distance_transform_edt(np.pad(found.mask[box], 1))
+        row, col = np.unravel_index(int(depth.argmax()), depth.shape)
+        widest = float(row - 1 + box[0].start), float(col - 1 + box[1].start)
+        proposals.append(Proposal(found, (Click((widest,)),), key=~index))
+    return tuple(proposals)
 
 
 def _uncovered(found: Sequence[Proposal], items: Sequence[SegmentedObject]) -> list[Proposal]:
@@ -403,14 +409,6 @@ def _places_in(selection: Selection) -> Array:
     box = _box_of(selection)
     pixels = np.argwhere(selection.mask[box]) + [part.start for part in box]
     return np.asarray(pixels[:: max(len(pixels) // _PLACES, 1)], float)
-
-
-def _widest(selection: Selection) -> Place:
-    """The pixel of an object that is farthest from its boundary."""
-    box = _box_of(selection)
-    depth = scipy.ndimage.distance_transform_edt(np.pad(selection.mask[box], 1))
-    row, col = np.unravel_index(int(depth.argmax()), depth.shape)
-    return float(row - 1 + box[0].start), float(col - 1 + box[1].start)
 
 
 def extent(selection: AnySelection) -> float:

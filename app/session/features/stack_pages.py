@@ -15,8 +15,7 @@ from app.model.display.page_rows import PageRow, page_rows
 from app.model.document.document import Document
 from app.model.document.saving import to_file
 from app.model.text.language import tr
-from app.session.exchange.core_functions import Core
-from app.session.exchange.messages import Exported, Opened, Report, Saved
+from app.session.exchange.messages import Core, Exported, Opened, Report, Saved
 from app.session.features.background import LatestOnlyWorker
 from app.session.features.contour_review import ContourReview
 from app.session.features.kept_pages import (

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.session.exchange.core_functions import Core
+from app.session.exchange.messages import Core
 from app.session.features.comparison import ComparedResults
 from app.session.features.contour_review import ContourReview
 from app.session.features.hand_editing import HandEditing

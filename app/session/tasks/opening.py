@@ -13,8 +13,7 @@ from app.model.document.modes import suited
 from app.model.export import KINDS
 from app.model.text.language import reason, tr
 from app.model.volume.parts import Parts
-from app.session.exchange.core_functions import Core
-from app.session.exchange.messages import ImageReady, NotOpened, Opened, Report, Saved
+from app.session.exchange.messages import Core, ImageReady, NotOpened, Opened, Report, Saved
 from app.session.tasks.tasks import Task, Tasks
 from cpm_core import Image, Parameters
 from cpm_core.formats import (

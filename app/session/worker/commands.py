@@ -18,10 +18,10 @@ from typing import Concatenate, ParamSpec
 from app.model.document.document import Document, ImageReference
 from app.model.export import ExportFile, ExportOrder, What, chosen, summary_text, thinned
 from app.model.text.language import tr
-from app.session.exchange.core_functions import Core
 from app.session.exchange.messages import (
     CommandFailed,
     Compiling,
+    Core,
     Exported,
     Finished,
     Reconstruction,

@@ -127,7 +127,9 @@ class Reconstructor:
         self._thread.join()
 
     def _work(self) -> None:
-        _step_back()
+        if sys.platform == "linux":  # 25,000 particles take seconds: those that step and draw go first on few cores
+            thread = threading.get_native_id()
+            os.setpriority(os.PRIO_PROCESS, thread, min(os.getpriority(os.PRIO_PROCESS, thread) + _NICE, 19))
         rest = 0.0
         while (request := self._next(rest)) is not None:
             began = time.perf_counter()
@@ -159,13 +161,3 @@ class Reconstructor:
             found = ReconstructionFailed(request.generation, sentence(error, tr("reconstructing contours")))
         self._latest = found
         self.results.put(found)
-
-
-def _step_back() -> None:
-    """Let the threads that step and draw go first where there are too few cores, on systems that know such threads.
-
-    The surface of 25,000 particles takes seconds; at the same priority as the run it would take a third of two cores.
-    """
-    if sys.platform == "linux":
-        thread = threading.get_native_id()
-        os.setpriority(os.PRIO_PROCESS, thread, min(os.getpriority(os.PRIO_PROCESS, thread) + _NICE, 19))

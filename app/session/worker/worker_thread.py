@@ -10,8 +10,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 
 from app.model.text.language import tr
-from app.session.exchange.core_functions import Core
-from app.session.exchange.messages import Report, RunFailed, sentence
+from app.session.exchange.messages import Core, Report, RunFailed, sentence
 from app.session.worker.commands import QUIT, Command, CommandContext
 from app.session.worker.prepared_methods import PreparedMethods
 from app.session.worker.run import Run

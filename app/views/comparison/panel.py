@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from operator import attrgetter
 
@@ -28,7 +28,7 @@ from app.session.features.comparison import NOW, ComparedResults, Row
 from app.session.features.timeline import TimelineNavigation
 from app.session.session import Session
 from app.views.comparison.choices import MethodChoice, ParameterChoice
-from app.views.panels.tables import Column, ItemTable, Role, Selection, TableModel, menu_button, wide_button
+from app.views.panels.tables import Column, ItemTable, Role, TableModel, menu_button, wide_button
 from app.views.widgets.actions import add_choice
 from app.views.widgets.containers import Scrolled, Section, arrange, wrapped
 from app.views.widgets.fields import MarkedSlider
@@ -85,16 +85,10 @@ def _columns(compared: ComparedResults) -> tuple[Column[Row], ...]:
 class ResultTable(ItemTable):
     """Shows the results in the order in which they were added; one of them is chosen."""
 
+    item = "result"
+
     def __init__(self, session: Session, compared: ComparedResults) -> None:
         self._session, self._compared = session, compared
-        selection = Selection(
-            "result",
-            self._refresh,
-            lambda _: None,
-            lambda keys: compared.choose(next(iter(keys), NOW)),
-            lambda: {compared.chosen},
-            lambda: compared.remove(compared.chosen),
-        )
         bold = QFont()
         bold.setBold(True)
         rows = TableModel[Row](
@@ -102,7 +96,7 @@ class ResultTable(ItemTable):
             lambda row: row.key,
             lambda row, role, _: bold if role == Role.FontRole and row.key == compared.reference else None,
         )
-        super().__init__(rows, selection, tr("Results"))
+        super().__init__(rows, tr("Results"))
         self.setSelectionMode(self.SelectionMode.SingleSelection)
         self.sortByColumn(-1, Qt.SortOrder.AscendingOrder)
         compared.changed.connect(self.show_items)
@@ -114,7 +108,21 @@ class ResultTable(ItemTable):
         if self._compared.rows[self._compared.chosen].usable:
             self._compared.use(self._compared.chosen)
 
-    def _refresh(self) -> None:
+    @property
+    def chosen(self) -> set[int]:
+        """The chosen result."""
+        return {self._compared.chosen}
+
+    def choose(self, keys: Sequence[int]) -> None:
+        """Choose a result, or what is shown now."""
+        self._compared.choose(next(iter(keys), NOW))
+
+    def remove(self) -> None:
+        """Remove the chosen result."""
+        self._compared.remove(self._compared.chosen)
+
+    def refresh(self) -> None:
+        """Show the results with lengths in voxels or in the unit of the image."""
         compared, image = self._compared, self._session.image
         size = PixelSize((1.0, 1.0), "px")
         if image is not None and compared.in_volume:

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtCore import QDateTime, QLocale, QTimer, QUrl
+from PySide6.QtCore import QDateTime, QLocale, Qt, QTimer, QUrl
 from PySide6.QtGui import QImage
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QToolButton, QWidget
 
 from app.model.document.document import Document
 from app.model.document.samples import sample_at, samples
@@ -20,10 +21,10 @@ from app.session.storage.pictures import SIZE, Pictures, folder_of_pictures, mid
 from app.session.storage.recovery import Journal, Leftover, folder_of_journals, left_behind
 from app.session.storage.session_file import Written
 from app.views.features.exchange import ImportFeature
-from app.views.files.folder_bar import FolderBar
 from app.views.files.recent_files import RecentFiles
 from app.views.files.start_screen import Entry, StartScreen
-from app.views.widgets.actions import ActionSpec, Submenu
+from app.views.widgets.actions import Actions, ActionSpec, Submenu
+from app.views.widgets.containers import arrange
 from app.views.window import dialogs
 from app.views.window.dialogs import ALL_FILES, SESSIONS, Button, Files, Question
 from app.views.window.window import Feature, MainWindow
@@ -281,6 +282,32 @@ class StartFeature(Feature):
         for path in (Path(image.path), self.window.document_file.path):
             if path is not None and sample_at(path) is None:
                 self.pictures.put(path, picture)
+
+
+class FolderBar(QWidget):
+    """Shows "3 of 24"; hidden where an image is the only one of its folder."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.back, self.forward, self._place = QToolButton(), QToolButton(), QLabel()
+        self._place.setObjectName("dim")
+        for button in (self.back, self.forward):
+            button.setObjectName("quiet")
+            button.setAutoRaise(True)
+            button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonIconOnly)
+        arrange(QHBoxLayout(self), self.back, self._place, self.forward, margins=(6, 0, 6, 0), spacing=2)
+        self.hide()
+
+    def use_actions(self, actions: Actions) -> None:
+        """Let the buttons be those of the actions of the menu."""
+        self.back.setDefaultAction(actions["previous_image"])
+        self.forward.setDefaultAction(actions["next_image"])
+
+    def show_place(self, index: int, count: int, folder: str) -> None:
+        """Show that an image is one of the images of a folder; the first one has index 0."""
+        self._place.setText(tr("{number} of {count}").format(number=index + 1, count=count))
+        self._place.setToolTip(tr("Images in {folder}").format(folder=folder))
+        self.setVisible(count > 1)
 
 
 class FolderFeature(Feature):

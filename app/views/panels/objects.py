@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -36,9 +36,9 @@ from app.model.display.lengths import shown_in
 from app.model.document.objects import class_title, listed_classes
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
-from app.session.features.object_list import BRUSH, KINDS, Figures, Kind, ObjectList, Row, histogram
+from app.session.features.object_list import BRUSH, KINDS, Figures, Key, Kind, ObjectList, Row, histogram
 from app.session.session import Session
-from app.views.panels.tables import Column, ItemTable, Role, Selection, TableModel
+from app.views.panels.tables import Column, ItemTable, Role, TableModel
 from app.views.theme import theme
 from app.views.theme.icons import fill_colors, swatch
 from app.views.widgets.containers import arrange, wrapped
@@ -157,24 +157,35 @@ def columns_of(objects: SegmentedObjects, spacing: tuple[float, ...] = (1.0, 1.0
 class ObjectTable(ItemTable):
     """Shows the rows of a list, those of some kinds, selects, names, classifies and removes them."""
 
+    item = "object"
+
     def __init__(self, session: Session, object_list: ObjectList) -> None:
         self._session, self._list = session, object_list
         self._kinds: tuple[Kind, ...] = ()
         rows = TableModel[Row](columns_of(object_list.objects), lambda row: row.key, self._look,
                                object_list.rename)  # fmt: skip
-        selection = Selection(
-            "object",
-            self._refresh,
-            object_list.hover,
-            object_list.select,
-            lambda: object_list.selected,
-            object_list.delete,
-        )
-        super().__init__(rows, selection, tr("Objects and contours"))
+        super().__init__(rows, tr("Objects and contours"))
         object_list.changed.connect(self.show_items)
         object_list.selection_changed.connect(self.show_selection)
         session.image_changed.connect(self.show_items)
         self.show_items()
+
+    @property
+    def chosen(self) -> frozenset[Key]:
+        """Keys of the selected rows."""
+        return self._list.selected
+
+    def choose(self, keys: Sequence[Key]) -> None:
+        """Select rows."""
+        self._list.select(keys)
+
+    def remove(self) -> None:
+        """Delete the selected rows."""
+        self._list.delete()
+
+    def hover(self, key: Key | None) -> None:
+        """Highlight a row, or nothing."""
+        self._list.hover(key)
 
     def show_only(self, kinds: tuple[Kind, ...]) -> None:
         """Show the rows of some kinds, or of all for none."""
@@ -194,7 +205,8 @@ class ObjectTable(ItemTable):
         else:
             super().keyPressEvent(event)
 
-    def _refresh(self) -> None:
+    def refresh(self) -> None:
+        """Show the rows in the size of a pixel."""
         image = self._session.image
         spacing, unit = (image.spacing, image.unit) if image is not None else ((1.0, 1.0), None)
         self.rows.update(self.listed, shown_in(spacing, unit), columns_of(self._list.objects, spacing))

@@ -322,41 +322,47 @@ class _NameDelegate(QStyledItemDelegate):
             super().setEditorData(editor, index)
 
 
-@dataclass(frozen=True, slots=True)
-class Selection:
-    """What the rows of a table are called in menus, and what is done with them, by their keys.
-
-    `refresh` shows the present items, `hover` points at one or at none, `choose` selects some, `chosen` returns those
-    that are selected, and `remove` is what the key Delete does with these.
-    """
-
-    item: str
-    refresh: Callable[[], None]
-    hover: Callable[[Any], None]
-    choose: Callable[[Iterable[Any]], None]
-    chosen: Callable[[], Set[Any]]
-    remove: Callable[[], None]
-
-
 class ItemTable(Table):
-    """Shows the items of a model, selects and names them."""
+    """Shows the items of a model, selects and names them; subclasses say by keys of items what that does."""
 
     zoom_wanted = Signal()
     """The selected items are to be shown as large as possible."""
 
     _showing = True  # while Qt makes it
 
-    def __init__(self, rows: TableModel[Any], selection: Selection, name: str) -> None:
+    item = ""
+    """What its rows are called in menus."""
+
+    def __init__(self, rows: TableModel[Any], name: str) -> None:
         super().__init__(rows, "name", name)
-        self._selection = selection
         self._showing = False
         self._stale = False
         self.setItemDelegate(_NameDelegate(self))
         self.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
         self.setEditTriggers(QAbstractItemView.EditTrigger.EditKeyPressed)
         self.setMouseTracking(True)
-        self.entered.connect(lambda index: selection.hover(self._key(index)))
+        self.entered.connect(lambda index: self.hover(self._key(index)))
         self.doubleClicked.connect(self._open)
+
+    @property
+    def chosen(self) -> Set[Any]:
+        """The items that are selected."""
+        raise NotImplementedError
+
+    def refresh(self) -> None:
+        """Update the rows."""
+        raise NotImplementedError
+
+    def choose(self, keys: Sequence[Any]) -> None:
+        """Select items."""
+        raise NotImplementedError
+
+    def remove(self) -> None:
+        """Do what the key Delete does with the selected items."""
+        raise NotImplementedError
+
+    def hover(self, key: Any) -> None:
+        """Point at an item, or at none."""
 
     def name_selected(self) -> None:
         """Edit the name in the selected row."""
@@ -369,13 +375,13 @@ class ItemTable(Table):
         if self._stale:
             return
         self._showing = True
-        self._selection.refresh()
+        self.refresh()
         self._showing = False
         self.show_selection()
 
     def show_selection(self) -> None:
         """Show which items are selected."""
-        wanted = self._selection.chosen()
+        wanted = self.chosen
         if self._stale or {self._key(index) for index in self.selectionModel().selectedRows()} == wanted:
             return
         selection, name = QItemSelection(), self.number("name")
@@ -400,7 +406,7 @@ class ItemTable(Table):
         if index.isValid() and not self.selectionModel().isRowSelected(index.row(), QModelIndex()):
             self.selectRow(index.row())
         place = self.viewport().mapTo(self, self.visualRect(index).center()) if point is None else point
-        return self._selection.item if self._selection.chosen() else "", place
+        return self.item if self.chosen else "", place
 
     # Qt interface
 
@@ -413,8 +419,8 @@ class ItemTable(Table):
         if event.key() in ENTER:
             self._edit_name(self.currentIndex().row())
         elif event.key() in _DELETE:
-            self._selection.remove()
-        elif event.key() in _ALONG and not self._selection.chosen() and self.currentIndex().isValid():
+            self.remove()
+        elif event.key() in _ALONG and not self.chosen and self.currentIndex().isValid():
             self.selectRow(self.currentIndex().row())
         else:
             super().keyPressEvent(event)
@@ -429,11 +435,11 @@ class ItemTable(Table):
         """Report what the user has selected."""
         super().selectionChanged(selected, deselected)
         if not self._showing:
-            self._selection.choose(self._key(index) for index in self.selectionModel().selectedRows())
+            self.choose([self._key(index) for index in self.selectionModel().selectedRows()])
 
     def leaveEvent(self, event: QEvent) -> None:
         """Clear the highlight when the pointer leaves."""
-        self._selection.hover(None)
+        self.hover(None)
         super().leaveEvent(event)
 
     def _key(self, index: Index) -> Any:

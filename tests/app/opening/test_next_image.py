@@ -14,7 +14,7 @@ from PySide6.QtWidgets import QCheckBox, QWidget
 from app.model.document import edits
 from app.model.document.modes import fresh_parameters
 from app.model.preferences.table import KEEP_PARAMETERS
-from app.session.exchange.core_functions import Core
+from app.session.exchange.messages import Core
 from app.views.features.files import OpenSaveFeature
 from app.views.features.help import PreferencesFeature
 from app.views.window import dialogs

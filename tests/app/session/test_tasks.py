@@ -12,8 +12,7 @@ from PySide6.QtCore import QObject, Qt
 from PySide6.QtWidgets import QToolButton
 
 from app.model.export import ExportFile, ExportOrder
-from app.session.exchange.core_functions import Core
-from app.session.exchange.messages import CommandFailed, Report
+from app.session.exchange.messages import CommandFailed, Core, Report
 from app.session.features.workspace import Workspace
 from app.session.tasks.tasks import Cancelled, Task, Tasks
 from app.session.worker.commands import Command

@@ -14,9 +14,8 @@ import pytest
 from app.model.document import edits
 from app.model.document.document import Document
 from app.model.export import ExportFile, ExportOrder
-from app.session.exchange.core_functions import Core
 from app.session.exchange.mailbox import Mailbox
-from app.session.exchange.messages import Opened, Reconstruction, RunFailed, SeedsFound, Snapshot, WentOn
+from app.session.exchange.messages import Core, Opened, Reconstruction, RunFailed, SeedsFound, Snapshot, WentOn
 from app.session.tasks.tasks import Task
 from app.session.worker.commands import find_seeds, run_call, start, warm_up, write_files
 from app.session.worker.run import Run

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.session.exchange.core_functions import Core
+from app.session.exchange.messages import Core
 from app.session.features.workspace import Workspace
 from cpm_core.formats import load_image
 

@@ -16,7 +16,7 @@ from PySide6.QtCore import QCoreApplication, QEvent
 from app.model.document import edits
 from app.model.document.document import Document
 from app.model.export import ExportFile, ExportOrder
-from app.session.exchange.core_functions import Core
+from app.session.exchange.messages import Core
 from app.session.features.workspace import Workspace
 from app.session.storage.preferences import Preferences
 from app.session.storage.recovery import Journal

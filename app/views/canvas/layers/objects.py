@@ -16,7 +16,7 @@ from app.views.canvas.items.item import Markers, Names
 from app.views.canvas.layers.layer import Amount, Layer, LegendEntry, Switch
 from app.views.theme import theme
 from cpm_core import Selection
-from cpm_core.numerics import Array, Position
+from cpm_core.numerics import Array
 from cpm_core.objects.segmented import CLASSES, Line, SegmentedObject
 
 _OFFERED, _DOUBTFUL, _CHANGED = 0.2, 0.08, 0.4
@@ -150,7 +150,8 @@ class ObjectLayer(Layer):
             if key in {*shown.chosen, shown.hovered, 0} or len(offered) == 1 or (few and found.confidence < DOUBTFUL)
         ]  # fmt: skip
         texts = (f"{'? ' * (found.confidence < DOUBTFUL)}{percent(found)}" for found in marked)
-        self._likely.show([(_top(found), text, "#ffffff") for found, text in zip(marked, texts, strict=True)])
+        highest = (tuple(min(np.concatenate(_curves_of(found)).tolist())) for found in marked)
+        self._likely.show([(place, text, "#ffffff") for place, text in zip(highest, texts, strict=True)])
 
     def _show_preview(self) -> None:
         """Show what a click would add, or take away: where the boundaries before and after it enclose an odd number."""
@@ -183,13 +184,6 @@ def _curves_of(selection: Selection) -> list[Array]:
 
 def _outlines(selections: Iterable[Selection]) -> list[Array]:
     return [contour.path for selection in selections for contour in selection.contours]
-
-
-def _top(selection: Selection) -> Position:
-    """The highest place of an object."""
-    points = np.concatenate(_curves_of(selection))
-    row, col = points[points[:, 0].argmin()].tolist()
-    return row, col
 
 
 def _curves(lines: Sequence[Line]) -> list[Array]:
