@@ -164,7 +164,7 @@ class Result(drawing.Pictured):
         Raises
         ------
         ValueError
-            When matplotlib is not installed.
+            When `ax` are no axes of matplotlib.
         """
         if self.surface is not None:
             return self.surface.plot(ax)

@@ -104,7 +104,7 @@ class Surface:
         Raises
         ------
         ValueError
-            When matplotlib is not installed, or `ax` are no axes in space.
+            When `ax` are no axes in space.
         """
         ax = drawing.axes_for(ax, space=True)
         drawing.show_triangles(ax, self._physical, self.faces, self.unit)
