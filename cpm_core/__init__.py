@@ -104,7 +104,6 @@ from cpm_core.formats.common.provenance import VERSION
 from cpm_core.formats.contours.figure import write_figure
 from cpm_core.formats.ground_truth_file import load_truth, load_volume_truth
 from cpm_core.formats.images.examples import example
-from cpm_core.formats.meshes.swc import write_swc
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
@@ -239,5 +238,4 @@ __all__ = [
     "uniform_grid",
     "write_animation",
     "write_figure",
-    "write_swc",
 ]

@@ -22,7 +22,6 @@ CORE_LIBRARIES = {"numpy", "scipy", "skimage", "numba", "llvmlite", "PIL", "tiff
 
 LATE_LIBRARIES = {
     "cpm_core.image.drawing": {"matplotlib"},
-    "cpm_core.contours.surface": {"fast_simplification"},
     "cpm_core.objects.segmented.areas": {"shapely"},
     "cpm_core.objects.segmented.by_hand": {"shapely"},
     "cpm_core.numerics.segments": {"shapely"},
@@ -31,7 +30,6 @@ LATE_LIBRARIES = {
     "cpm_core.formats.images.nrrd": {"nrrd"},
     "cpm_core.formats.images.dicom": {"pydicom", "imagecodecs"},
     "cpm_core.formats.images.raster": {"imagecodecs"},
-    "cpm_core.formats.comparison": {"matplotlib"},
     "cpm_core.cli.workers": {"distributed"},
     "cpm_core.formats.contours.dxf": {"ezdxf"},
     "cpm_core.formats.contours.geojson": {"shapely"},

@@ -172,9 +172,7 @@ _READ = ("image", "session", "source", "start", "points", "truth", "within")
 """Arguments that name files to read."""
 
 
-def check_targets(
-    paths: Iterable[str | Path], arguments: argparse.Namespace, image: str | Path | None = None, flag: str = "--export"
-) -> None:
+def check_targets(paths: Iterable[str | Path], arguments: argparse.Namespace, image: str | Path | None = None) -> None:
     """Raise ValueError when a file to be written is one that the command reads; `image` is the one of a session."""
     read: list[str | Path] = [] if image is None else [image]
     for name in _READ:
@@ -183,13 +181,11 @@ def check_targets(
     kept = {Path(path).resolve() for path in read}
     for path in paths:
         if Path(path).resolve() in kept:
-            raise ValueError(f"{flag} {path} would overwrite a file that is read: choose another name.")
+            raise ValueError(f"{path} would overwrite a file that is read: choose another name.")
 
 
-def check_exports(
-    paths: Sequence[str], arguments: argparse.Namespace, image: str | Path | None = None, flag: str = "--export"
-) -> None:
+def check_exports(paths: Sequence[str], arguments: argparse.Namespace, image: str | Path | None = None) -> None:
     """Raise ValueError unless each path can be written and none is a file that is read."""
     for path in paths:
         check_export(path)
-    check_targets(paths, arguments, image, flag)
+    check_targets(paths, arguments, image)

@@ -21,9 +21,10 @@ from cpm_core.cli.arguments import (
 )
 from cpm_core.cli.inputs import fitted, image_of, session_of, starts_from_file, truth_for
 from cpm_core.cli.output import Files, announce_compilation, report, say
-from cpm_core.contours.ground_truth import Truth, VolumeTruth
+from cpm_core.contours.ground_truth import VolumeTruth
+from cpm_core.contours.result import Result
 from cpm_core.formats import load_image, load_volume
-from cpm_core.formats.comparison import Tile, check_comparison, files_of, write_comparison
+from cpm_core.formats.comparison import check_comparison, files_of, write_comparison
 from cpm_core.formats.contour_file import CONTOURS_READABLE
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.image.colors import LUMINANCE
@@ -31,10 +32,12 @@ from cpm_core.image.image import Image
 from cpm_core.objects.methods import (
     CONTOUR_METHODS,
     Compared,
+    Facts,
     Settings,
     Start,
     facts_of,
     method_named,
+    result_of,
     run_method,
     runnable,
 )
@@ -95,8 +98,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add(
         outcome,
         "--export",
-        help="write the table (.csv), a picture of the methods side by side (.png), or the contours of each method in "
-        "a format of cpm run (such as .svg, .json, .tif): with several methods a file for each, such as a.geodesic.svg",
+        help="write the table (.csv), or the contours of each method in a format of cpm run (such as .svg, .json, "
+        ".figure.png): with several methods a file for each, such as a.geodesic.svg",
     )
 
 
@@ -129,7 +132,8 @@ def run(arguments: argparse.Namespace) -> int:
     scores = ("Dice", "F", f"Hausd. [{unit}]", f"mean [{unit}]") if truth else ()
     if not arguments.json:
         print(_cells("", "steps", "time", *scores, "contours", "closed"), " end")
-    tiles: list[Tile] = []
+    found: list[Facts] = []
+    results: list[Result] = []
     for name in names:
         moment = run_method(CONTOUR_METHODS[name], image, start, settings[name], arguments.max_steps)
         facts = facts_of(moment, truth)
@@ -141,19 +145,19 @@ def run(arguments: argparse.Namespace) -> int:
             title, seconds = CONTOUR_METHODS[name].title, f"{facts.seconds:.2f} s"
             line = _cells(title, facts.steps, seconds, *measures, facts.contours, facts.closed)
             print(line, "", facts.stop_reason, flush=True)
-        tiles.append(Tile(moment.state.contours, facts, settings[name], moment.state.surface))
+        found.append(facts)
+        results.append(result_of(facts, moment.state.contours, image, start, settings[name], moment.state.surface))
     files = Files()
-    on_image = truth if isinstance(truth, Truth) else None
-    files.written += map(str, write_comparison(image, start, tiles, arguments.export, say, on_image, files.refuse))
+    files.written += map(str, write_comparison(found, results, arguments.export, say, files.refuse))
     status = files.status()
     given = {"image": image.source, "around": start.around, "truth": source, "unit": unit}
     # JSON has no infinite distances
     rows = [
         {
             name: None if isinstance(value, float) and not np.isfinite(value) else value
-            for name, value in asdict(tile.facts).items()
+            for name, value in asdict(one).items()
         }
-        for tile in tiles
+        for one in found
     ]
     report("compare", {**given, "methods": rows}, (), files, as_json=arguments.json)
     return status

@@ -70,7 +70,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Write the files, after all checks that need none of them."""
     source = Path(arguments.source)
-    check_exports(arguments.to, arguments, flag="--to")
+    check_exports(arguments.to, arguments)
     suffix, wanted = source.suffix.lower(), {suffix_of(path) for path in arguments.to}
     of_volumes = suffix in {*FOR_CENTERLINES, *SURFACES_READABLE} or wanted & (FOR_VOLUMES.keys() - WRITABLE.keys())
     if arguments.page is not None and (suffix == SUFFIX or of_volumes):
@@ -111,7 +111,7 @@ def _of_session(source: Path, arguments: argparse.Namespace) -> tuple[Result, st
     if arguments.image is None and session.image is None:
         raise ValueError(f"{source.name} does not name an image: add --image IMAGE.")
     path, reading = image_of(arguments.image, session, source)
-    check_targets(arguments.to, arguments, path, flag="--to")
+    check_targets(arguments.to, arguments, path)
     image = (load_volume if in_volume(session) else load_image)(path, **reading)
     parameters = fitted(image, session.parameters)
     result = with_shapes(_found(session, parameters, image, source), session.shapes)

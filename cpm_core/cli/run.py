@@ -22,7 +22,6 @@ from cpm_core.cli.arguments import (
     parameters_of,
     part_of,
     places_in,
-    whole_number,
 )
 from cpm_core.cli.inputs import (
     fitted,
@@ -124,9 +123,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_parameters(parameters)
     outcome = parser.add_argument_group("outcome")
     add(outcome, "--max-steps")
-    outcome.add_argument(
-        "--faces", metavar="N", type=whole_number(4), help="triangles that are left of the surface in a volume"
-    )
     add(outcome, "--space")
     add(outcome, "--export", help=f"write the contours {EXPORTED}")
     outcome.add_argument(
@@ -223,7 +219,7 @@ def _run_image(
     made = with_shapes(found, (*session.shapes, *shapes), _files_drawn(arguments))
     chosen: Selection | None = None
     if volume:
-        result = shown = _surface(made, drawn, arguments.faces)
+        result = shown = _surface(made, drawn)
     else:
         result = shown = _contours(made, image, parameters, session, arguments)
         if drawn["object"]:
@@ -271,7 +267,7 @@ def _run_image(
 
 def _check_options(arguments: argparse.Namespace, session: SessionFile, volume: bool) -> None:
     """Raise ValueError for options that have no meaning for this run."""
-    others = ("circle", "close", "pages", "save_session") if volume else ("space", "faces")
+    others = ("circle", "close", "pages", "save_session") if volume else ("space",)
     for name in others:
         if getattr(arguments, name):
             kind, here = ("images", "a volume is run") if volume else ("volumes", "an image is run")
@@ -346,19 +342,14 @@ def _contours(
     return close_contours(result, edges)
 
 
-def _surface(found: Result, drawn: Drawn, faces: int | None) -> Result:
-    """The result with the surface of the bodies alone that places lie in, and with fewer triangles as asked."""
-    if drawn["object"]:
-        chosen = partition(found).select(drawn["object"], drawn["not"])
-        if not len(chosen.surface.faces):
-            raise ValueError("There is no object at this position: name one that the surface encloses.")
-        found = replace(found, surface=chosen.surface)
-    if faces is None or found.surface is None:
+def _surface(found: Result, drawn: Drawn) -> Result:
+    """The result with the surface of the bodies alone that places lie in."""
+    if not drawn["object"]:
         return found
-    surface = found.surface.decimated(faces)
-    if len(surface.faces) > faces:
-        say(f"{len(surface.faces)} triangles are left, not {faces}: with fewer the surface would lose its shape.")
-    return replace(found, surface=surface)
+    chosen = partition(found).select(drawn["object"], drawn["not"])
+    if not len(chosen.surface.faces):
+        raise ValueError("There is no object at this position: name one that the surface encloses.")
+    return replace(found, surface=chosen.surface)
 
 
 def _check_places(places: Sequence[tuple[float, ...]], image: Image) -> None:

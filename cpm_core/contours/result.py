@@ -104,9 +104,8 @@ class Result(drawing.Pictured):
         largest 1; without such a surface all are 0. Files of labels hold the same.
         """
         found = np.zeros(self.shape, np.int32)
-        whole = self.surface and (self.surface.whole or self.surface)
-        if whole is not None and whole.closed:
-            found[:] = numbered(whole, self.shape)
+        if self.surface is not None and self.surface.closed:
+            found[:] = numbered(self.surface, self.shape)
         elif len(self.shape) == 2:
             found[:] = paint(self.contours, self.shape)
         found.flags.writeable = False
@@ -165,7 +164,7 @@ class Result(drawing.Pictured):
         Raises
         ------
         ValueError
-            When matplotlib is not installed.
+            When `ax` are no axes of matplotlib.
         """
         if self.surface is not None:
             return self.surface.plot(ax)

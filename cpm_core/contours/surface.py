@@ -13,17 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 from cpm_core.image import drawing
 from cpm_core.numerics.grids import parts_joined, parts_of, zero_surface
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.real_numbers import checked_number, real_numbers, voxel_sides
+from cpm_core.numerics.real_numbers import real_numbers, voxel_sides
 from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.parameters.quotation import counted, described
-
-_WHOLE = "a whole number of at least 4"
-
-_SMALL = 60
-"""Number of triangles of a piece of a surface that is not divided further where they cannot be fewer."""
-
-_MOST_FEWER = 8
-"""Factor by which the triangles of a piece become fewer at most."""
 
 _FARTHEST = 1e9
 """Largest coordinate of a vertex, beyond any volume that can be processed [voxels]."""
@@ -48,8 +40,6 @@ class Surface:
         Share of the vertices that have no particle near: there the surface is a guess. NaN when it is not known.
     left_out : int
         Number of components that were left out, because they had too few particles or vertices without any near.
-    whole : Surface or None
-        The surface that this one has fewer triangles than; None for one with all its triangles.
     numbers : ndarray of int64, shape (F,), or None
         Number, from 1 up, of the object that each triangle bounds; None where objects have none of their own.
 
@@ -63,8 +53,6 @@ class Surface:
     (1.0, 1.0)
     >>> surface.normals.shape == surface.vertices.shape, int(surface.component_of_vertex.max())
     (True, 0)
-    >>> len(surface.decimated(1000).faces) <= 1000
-    True
     >>> axes = surface.plot()
     """
 
@@ -74,7 +62,6 @@ class Surface:
     unit: str | None = None
     unsupported: float = np.nan
     left_out: int = 0
-    whole: Surface | None = field(default=None, repr=False)
     numbers: Index | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
@@ -117,7 +104,7 @@ class Surface:
         Raises
         ------
         ValueError
-            When matplotlib is not installed, or `ax` are no axes in space.
+            When `ax` are no axes in space.
         """
         ax = drawing.axes_for(ax, space=True)
         drawing.show_triangles(ax, self._physical, self.faces, self.unit)
@@ -168,49 +155,6 @@ class Surface:
         one, other = self.faces[:, [0, 1]].ravel(), self.faces[:, [1, 2]].ravel()
         return parts_joined((one, other), len(self.vertices))
 
-    def decimated(self, faces: int) -> Surface:
-        """The same surface with fewer triangles and the same topology.
-
-        Parameters
-        ----------
-        faces : int
-            Number of triangles that is wanted; a surface that has no more is returned as it is.
-
-        Returns
-        -------
-        Surface
-            With about as many triangles as wanted, and with more where so few would change the topology. `unsupported`
-            is that of the whole surface, which it keeps for label volumes.
-
-        Raises
-        ------
-        ValueError
-            When `faces` is not a whole number of at least 4, or edges have more than two triangles.
-
-        Notes
-        -----
-        Edges are contracted by the quadric error metric of Garland and Heckbert (1997), doi:10.1145/258734.258849.
-        Vertices at free edges stay in place. Where the topology of the whole would change, pieces are contracted.
-        """
-        wanted = int(checked_number("faces", faces, lambda count: count >= 4 and count == int(count), _WHOLE))
-        if self.nonmanifold_edges:
-            raise ValueError(
-                f"The surface has edges with more than two triangles, {self.nonmanifold_edges} in number: "
-                "triangles can be left out of a manifold surface only."
-            )
-        if wanted >= len(self.faces):
-            return self
-        few = _contracted(Surface(self._physical, self.faces), wanted)
-        if len(few.faces) == len(self.faces):
-            return self
-        places = few.vertices / np.array(self.spacing)
-        return replace(self, vertices=places, faces=few.faces, whole=self.whole or self, numbers=None)
-
-    @property
-    def _topology(self) -> tuple[int, ...]:
-        flat = len(self.faces) - len(np.unique(np.sort(self.faces, axis=1), axis=0))  # two triangles on each other
-        return self.euler, self.free_edges, self.nonmanifold_edges, self.components, flat
-
     @cached_property
     def components(self) -> int:
         """Number of parts that do not hang together."""
@@ -253,38 +197,6 @@ def rows_of_three(name: str, values: ArrayLike) -> Array:
 
 _BESIDE = (1.3e-6, 2.9e-6)
 """How far beside the voxel centers lines run, so that they pass through no vertex of a surface on the grid [voxels]."""
-
-
-def _contracted(surface: Surface, wanted: int) -> Surface:
-    """A surface with about as many triangles as wanted, piece by piece where the whole would change its topology."""
-    import fast_simplification  # noqa: PLC0415 - rarely needed
-
-    target = max(wanted, 4)
-    while target < len(surface.faces):
-        triangles = surface.faces.astype(np.int32)
-        found = fast_simplification.simplify(
-            surface.vertices.copy(), triangles, target_count=target, preserve_border=True
-        )
-        few = Surface(*found)
-        if few._topology == surface._topology:
-            return few
-        target = 2 * target if 4 * target < len(surface.faces) else len(surface.faces)
-    middles = surface.vertices[surface.faces].mean(axis=1)
-    if len(middles) < _SMALL:
-        return surface
-    along = middles[:, np.argmax(np.ptp(middles, axis=0))]
-    low = along < np.median(along)
-    pieces = []
-    for part in (low, ~low):
-        used, corners = np.unique(surface.faces[part], return_inverse=True)
-        piece = Surface(surface.vertices[used], corners.reshape(-1, 3))
-        least = len(piece.faces) // _MOST_FEWER
-        pieces.append(_contracted(piece, max(least, round(wanted * float(part.mean())))))
-    one, other = pieces
-    places, number = np.unique(np.concatenate([one.vertices, other.vertices]), axis=0, return_inverse=True)
-    corners = number.ravel()[np.concatenate([one.faces, other.faces + len(one.vertices)])]
-    joined = Surface(places, corners)
-    return joined if joined._topology == surface._topology else surface
 
 
 def inside_of(surface: Surface, shape: tuple[int, ...]) -> Mask:

@@ -24,7 +24,6 @@ from cpm_core.formats.common.plain import to_plain as to_plain
 from cpm_core.formats.common.provenance import facts_on as facts_on
 from cpm_core.formats.common.provenance import plain_shapes as plain_shapes
 from cpm_core.formats.common.provenance import text_of as text_of
-from cpm_core.formats.comparison import PICTURE as PICTURE
 from cpm_core.formats.comparison import TABLE as TABLE
 from cpm_core.formats.contour_file import CONTOURS_READABLE, load_contours
 from cpm_core.formats.contour_file import ContourFile as ContourFile

@@ -69,12 +69,6 @@ def color_of(curve: Curve) -> str:
     return curve.color or (CLOSED if curve.closed else OPEN)
 
 
-def require_matplotlib() -> None:
-    """Raise ValueError, with what to install, unless matplotlib is installed; it is not imported yet."""
-    if not has_matplotlib():
-        raise ValueError("Figures need matplotlib, which is not installed: pip install matplotlib.")
-
-
 def has_matplotlib() -> bool:
     """Whether matplotlib is installed."""
     return find_spec("matplotlib") is not None
@@ -87,7 +81,6 @@ def axes_for(ax: Axes | None, *, space: bool = False) -> Axes:
             wanted = 'axes of matplotlib in space (projection="3d")' if space else "axes of matplotlib"
             raise ValueError(f"ax is {shown(ax)} but must be {wanted}, or None for a new figure.")
         return ax
-    require_matplotlib()
     from matplotlib import pyplot
 
     made: Axes = pyplot.subplots(subplot_kw={"projection": "3d"} if space else {})[1]
@@ -172,7 +165,6 @@ def show_triangles(ax: Any, places: Array, faces: Index, unit: str | None) -> No
 
 def new_figure(shape: tuple[int, ...] | None, spacing: Sequence[float] = (1.0, 1.0)) -> tuple[Figure, Axes]:
     """A figure that one image fills, with its axes; for None axes in space."""
-    require_matplotlib()
     from matplotlib.figure import Figure
 
     if shape is None:

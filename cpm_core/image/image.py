@@ -177,7 +177,7 @@ class Image(drawing.Pictured):
         Raises
         ------
         ValueError
-            When matplotlib is not installed.
+            When `ax` are no axes of matplotlib.
         """
         ax = drawing.axes_for(ax)
         plane = self.values if self.ndim == 2 else self.values[self.shape[0] // 2]

@@ -175,7 +175,7 @@ def surface_cells(places: Array, normals: Array, side: float) -> Index:
     """Number of the cell and side of each of some particles, shape (N,)."""
     cell = np.floor(places / side).astype(np.int64) + 1
     number = (cell[:, 0] * _SPAN + cell[:, 1]) * _SPAN + cell[:, 2]
-    return np.asarray(2 * number + (normals @ _SIDE > 0.0))
+    return 2 * number + (normals @ _SIDE > 0.0)
 
 
 def cover_surfaces(coverage: SurfaceCoverage, places: Array, normals: Array) -> tuple[SurfaceCoverage, Mask]:

@@ -124,7 +124,7 @@ which that speed is estimated."""
 def is_fast(velocity: Array, parameters: Parameters) -> Mask:
     """Which particles of these velocities, shape (N, D), move so fast that the field alone must drive them."""
     driven = parameters.w2 / max(parameters.beta, _LEAST_BETA)
-    return np.asarray(np.einsum("ni,ni->n", velocity, velocity) > (_UNDER_WAY * driven) ** 2)
+    return np.einsum("ni,ni->n", velocity, velocity) > (_UNDER_WAY * driven) ** 2
 
 
 @compiled

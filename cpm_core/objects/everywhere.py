@@ -164,7 +164,7 @@ class _Parts(NamedTuple):
         worth[list(judged)] = [one.overlap for one in judged.values()]
         around = np.bincount(self.one, minlength=len(worth))
         won = np.bincount(self.one[worth[self.one] > worth[self.other]], minlength=len(worth))
-        return np.asarray(won / np.maximum(around, 1))
+        return won / np.maximum(around, 1)
 
 
 def _apart(mask: Mask, other: Mask) -> bool:
@@ -194,7 +194,7 @@ def _largest(mask: Mask) -> Mask:
     parts, _ = scipy.ndimage.label(mask)
     sizes = np.bincount(parts.ravel())
     sizes[0] = 0
-    return np.asarray(parts == sizes.argmax())
+    return parts == sizes.argmax()
 
 
 def _boundary_strength(selection: Selection) -> float:

@@ -211,7 +211,7 @@ class Outline:
     @property
     def lengths(self) -> Array:
         """Length of each side, shape (K,) [px]."""
-        return np.asarray(np.linalg.norm(np.diff(self.contour.path, axis=0), axis=1))
+        return np.linalg.norm(np.diff(self.contour.path, axis=0), axis=1)
 
     @property
     def gaps(self) -> tuple[Array, ...]:

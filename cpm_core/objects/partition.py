@@ -143,6 +143,10 @@ class Partition(drawing.Pictured):
     >>> again = partition.selection_of(chosen.mask, chosen.inside)
     >>> int(chosen.mask.sum()), bool((again.mask == chosen.mask).all())
     (301, True)
+    >>> any(one.same(chosen) for one in partition.candidates([(32, 18)]))
+    True
+    >>> bool(partition.judged(chosen.mask).overlap > 0.8)
+    True
     >>> axes = partition.plot()
     """
 
@@ -485,12 +489,12 @@ def _linked(mask: Mask, pixels: Index, barred: Mask | None = None) -> Mask:
     held = np.zeros(int(parts.max()) + 1, np.bool_)
     held[parts[tuple(pixels.T)]] = True
     held[0] = False
-    return np.asarray(held[parts])
+    return held[parts]
 
 
 def _among(places: Array, others: Array) -> Mask:
     """Which places, shape (N, 2), are among others."""
-    return np.asarray((places[:, None] == others[None]).all(axis=2).any(axis=1))
+    return (places[:, None] == others[None]).all(axis=2).any(axis=1)
 
 
 def _not_around(inside: Array, before: Selection) -> Array:

@@ -72,7 +72,7 @@ class Selection(drawing.Pictured):
     def holds(self, places: Array) -> Mask:
         """Which of places, shape (N, 2) [px], lie in it; one outside the image counts as the nearest one in it."""
         pixel = np.rint(np.clip(places, 0, np.array(self.mask.shape) - 1)).astype(int)
-        return np.asarray(self.mask[tuple(pixel.T)])
+        return self.mask[tuple(pixel.T)]
 
     def __repr__(self) -> str:
         pixels, contours = f"{np.count_nonzero(self.mask):,} px", counted(len(self.contours), "contour")

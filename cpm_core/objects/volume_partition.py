@@ -254,4 +254,4 @@ def _most_frequent(group: Index, value: Index) -> Index:
     """The value that most members of each group have."""
     most, groups = int(value.max(initial=0)) + 1, int(group.max(initial=-1)) + 1
     counts = np.bincount(group * most + value, minlength=groups * most)
-    return np.asarray(counts.reshape(groups, most).argmax(axis=1))
+    return counts.reshape(groups, most).argmax(axis=1)

@@ -163,7 +163,7 @@ def _regions(contours: Sequence[Contour], shape: tuple[int, ...]) -> Index:
     """Which contour encloses each pixel, the innermost one, from 1; 0 for none."""
     alone = [replace(contour, group=0, hole=False) for contour in contours]
     places = np.array([0, *(index for index, one in enumerate(contours, 1) if one.closed)])
-    return np.asarray(places[paint(alone, shape)].ravel())
+    return places[paint(alone, shape)].ravel()
 
 
 def _beside(before: Sequence[Contour], now: Sequence[Contour]) -> Array:
@@ -172,7 +172,7 @@ def _beside(before: Sequence[Contour], now: Sequence[Contour]) -> Array:
     later = [sampled(contour.path, _SAMPLING) for contour in now]
     shared = _samples_near(then, now) + _samples_near(later, before).T
     lengths = np.array([len(one) for one in then])[:, None] + np.array([len(one) for one in later])[None]
-    return np.asarray(shared / lengths)
+    return shared / lengths
 
 
 def _samples_near(samples: Sequence[Array], contours: Sequence[Contour]) -> Array:

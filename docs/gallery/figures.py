@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 from cpm_core.formats.common.atomic import write_together
-from cpm_core.image.drawing import require_matplotlib
 from docs.gallery import pictures, recovery, silhouettes, skeletons, studies
 from docs.gallery.pages import Page
 from docs.gallery.plotting import draw
@@ -112,7 +111,6 @@ def write_figures(
     unknown = [name for name in names if name not in FIGURES]
     if unknown:
         raise ValueError(f"there is no figure {unknown[0]}: choose among {', '.join(FIGURES)}.")
-    require_matplotlib()
     _check_folder(folder)
     entries = _entries(folder)
     files = []

@@ -15,7 +15,6 @@ from cpm_core.image.drawing import (
     HALO,
     OPEN,
     PARTICLE,
-    require_matplotlib,
     show_curves,
     show_image,
     show_particles,
@@ -44,8 +43,7 @@ _CHART, _TALLEST_CHART = 0.7, 320
 
 
 def draw(page: Page, title: str) -> bytes:
-    """Draw a page with a heading as a PNG file with a palette; ValueError when matplotlib is not installed."""
-    require_matplotlib()
+    """Draw a page with a heading as a PNG file with a palette."""
     import matplotlib.style
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure

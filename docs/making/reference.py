@@ -33,7 +33,7 @@ GROUPS: dict[str, tuple[str, tuple[str, ...]]] = {
         ("select", "select_all", "partition", "Partition", "Selection", "VolumePartition", "VolumeSelection",
          "objects_result"),
     ),
-    "skeletons": ("Skeletons", ("skeleton", "Skeleton", "centerlines", "Centerlines", "write_swc")),
+    "skeletons": ("Skeletons", ("skeleton", "Skeleton", "centerlines", "Centerlines")),
     "files": (
         "Files and pictures",
         ("export", "encoded", "load_contours", "load_surface", "load_centerlines", "load_points", "write_figure",

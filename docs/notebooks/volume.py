@@ -26,4 +26,4 @@ table = result.table(in_units=True)
 print(result.labels.shape, {name: round(float(column[0]), 2) for name, column in table.items() if name != "label"})
 
 # %%
-axes = surface.decimated(1500).plot()
+axes = surface.plot()

@@ -135,7 +135,7 @@ def _innermost(body: Surface, shape: tuple[int, ...]) -> Place:
     vertices = body.vertices[np.unique(body.faces)]
     first = np.clip(np.floor(vertices.min(axis=0)), 0, shape).astype(np.int64)
     size = np.clip(np.ceil(vertices.max(axis=0)) + 1, first, shape).astype(np.int64) - first
-    inside = inside_of(replace(body, vertices=body.vertices - first, whole=None), tuple(size.tolist()))
+    inside = inside_of(replace(body, vertices=body.vertices - first), tuple(size.tolist()))
     if not inside.any():
         return tuple(vertices[0].tolist())
     depth = scipy.ndimage.distance_transform_edt(np.pad(inside, 1), sampling=body.spacing)[1:-1, 1:-1, 1:-1]

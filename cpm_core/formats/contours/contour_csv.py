@@ -47,23 +47,21 @@ def encode(result: Outcome) -> bytes:
 
 
 def _vertices(result: Outcome) -> list[Row]:
-    named = any(contour.name or contour.color for contour in result.contours)
-    classed = any(contour.category for contour in result.contours)
-    edited = any(contour.by_hand for contour in result.contours)
     radii = result.radii if isinstance(result, Skeleton) else None
     labels = range(1, len(result.contours) + 1) if radii is not None else contour_labels(result.contours)
+    has = _attributes(result)
     rows: list[Row] = []
     for index, (number, contour) in enumerate(zip(numbers_of(result.contours), result.contours, strict=True)):
-        fixed: Row = {"contour": number, "closed": str(contour.closed).upper(), "label": labels[index]}
+        fixed: Row = {"contour": number, "closed": _truth(contour.closed), "label": labels[index]}
         fixed["strength"] = f"{contour.strength:.6g}"
         common: Row = {}
         if radii is None:
             common["contrast"] = f"{contour.contrast:.4f}" if contour.sides else ""
-        if named:
+        if has & {"name", "color"}:
             common |= {"name": cell(contour.name), "color": contour.color}
-        if classed:
+        if "category" in has:
             common["class"] = cell(contour.category)
-        if edited:
+        if "by_hand" in has:
             common["by_hand"] = f"{contour.length_by_hand:.4f}"
         for vertex, (row, col) in enumerate(contour.points):
             place: Row = {"vertex": vertex + 1, "row": f"{row:.4f}", "col": f"{col:.4f}"}
@@ -76,6 +74,16 @@ def _vertices(result: Outcome) -> list[Row]:
     if rows:
         rows[0] |= provenance_cells(result)
     return rows
+
+
+def _attributes(result: Outcome) -> set[str]:
+    """Which attributes some contour has, so that there are columns for them."""
+    names = ("name", "color", "category", "by_hand", "group", "reached")
+    return {name for name in names for contour in result.contours if getattr(contour, name)}
+
+
+def _truth(value: bool) -> str:
+    return str(value).upper()
 
 
 def encode_measures(result: Outcome) -> bytes:
@@ -96,30 +104,34 @@ def encode_measures(result: Outcome) -> bytes:
 
 
 def _measures(result: Outcome) -> list[Row]:
-    edited = any(contour.by_hand for contour in result.contours)
-    classed = any(contour.category for contour in result.contours)
-    objects = any(contour.group for contour in result.contours)
-    reached = any(contour.reached for contour in result.contours)
-    origin = provenance_cells(result)
+    has, origin = _attributes(result), provenance_cells(result)
     rows: list[Row] = []
     for index, (contour, one) in enumerate(zip(result.contours, measure(result.contours, result.spacing), strict=True)):
-        row: Row = {"contour": one.number, "label": one.label, "name": cell(one.name), "color": one.color}
-        row |= {"closed": str(one.closed).upper(), "junctions": one.junctions, "inside": one.inside}
-        row |= {"strength": f"{one.strength:.6g}", "contrast": "" if one.contrast is None else f"{one.contrast:.4f}"}
-        row["length_px"] = f"{one.length:.4f}"
         areas = {"gross": (one.area, one.area_in_units), "net": (one.net_area, one.net_area_in_units)}
-        row |= {f"{name}_area_px2": f"{area:.4f}" if one.closed else "" for name, (area, _) in areas.items()}
+        row: Row = {
+            "contour": one.number,
+            "label": one.label,
+            "name": cell(one.name),
+            "color": one.color,
+            "closed": _truth(one.closed),
+            "junctions": one.junctions,
+            "inside": one.inside,
+            "strength": f"{one.strength:.6g}",
+            "contrast": "" if one.contrast is None else f"{one.contrast:.4f}",
+            "length_px": f"{one.length:.4f}",
+            **{f"{name}_area_px2": f"{area:.4f}" if one.closed else "" for name, (area, _) in areas.items()},
+        }
         if result.unit:
             unit = in_ascii(result.unit, "")
             row[f"length_{unit}"] = f"{one.length_in_units:.7g}"
             row |= {f"{name}_area_{unit}2": f"{area:.7g}" if one.closed else "" for name, (_, area) in areas.items()}
-        if edited:
+        if "by_hand" in has:
             row["by_hand_px"] = f"{one.by_hand:.4f}"
-        if classed:
+        if "category" in has:
             row["class"] = cell(contour.category)
-        if objects:
-            row |= {"object": contour.group, "hole": str(contour.hole).upper(), "bridged_px": f"{contour.bridged:.4f}"}
-        if reached:
+        if "group" in has:
+            row |= {"object": contour.group, "hole": _truth(contour.hole), "bridged_px": f"{contour.bridged:.4f}"}
+        if "reached" in has:
             row["reached"] = contour.reached
         if isinstance(result, Skeleton):
             for name, value in (("min", np.min), ("median", np.median), ("max", np.max)):

@@ -56,7 +56,7 @@ def bezier(*corners: Sequence[float] | Array) -> Array:
     count = int(min(_MOST, math.sqrt(bend / (8.0 * _NEAR)))) + 1
     along = np.arange(1, count + 1) / count
     shares = np.stack([(1 - along) ** 3, 3 * (1 - along) ** 2 * along, 3 * (1 - along) * along**2, along**3], axis=1)
-    return np.asarray(shares @ control)
+    return shares @ control
 
 
 def nested(curves: Sequence[Array]) -> list[tuple[Array, bool]]:

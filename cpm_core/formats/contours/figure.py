@@ -24,7 +24,6 @@ def write_figure(
     """Write a figure: the image with contours and a scale bar, as SVG, PNG or PDF.
 
     Contours stay lines in SVG and PDF, and texts stay texts in SVG, so that both can be changed in a drawing program.
-    It needs matplotlib (``pip install matplotlib``).
 
     Parameters
     ----------
@@ -38,7 +37,7 @@ def write_figure(
     Raises
     ------
     ValueError
-        For another suffix, a file that cannot be written, or without matplotlib. Then nothing is written.
+        For another suffix, or a file that cannot be written. Then nothing is written.
 
     Examples
     --------

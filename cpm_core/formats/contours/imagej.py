@@ -182,7 +182,7 @@ def _add(found: Contents, roi: ImagejRoi, selection: bytes, known: Entries) -> N
 
 
 def _rows(xy: object) -> Array:
-    return np.asarray(np.asarray(xy, dtype=np.float64)[:, ::-1])
+    return np.asarray(xy, dtype=np.float64)[:, ::-1]
 
 
 def _area(roi: ImagejRoi, selection: bytes) -> Array:

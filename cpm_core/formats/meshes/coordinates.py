@@ -99,7 +99,7 @@ def decimals_for(spacing: tuple[float, ...]) -> int:
 def positions(places: Array, spacing: tuple[float, ...], geometry: Geometry | None, space: Convention = "LPS") -> Array:
     """Places (plane, row, col) in voxels as (x, y, z) in LPS or RAS."""
     matrix = (geometry or Geometry()).affine(spacing, space)
-    return np.asarray(places @ matrix[:3, :3].T + matrix[:3, 3])
+    return places @ matrix[:3, :3].T + matrix[:3, 3]
 
 
 @dataclass(frozen=True)
@@ -130,7 +130,7 @@ class Place:
 
     def voxels(self, positions: Array) -> Array:
         """Positions (x, y, z) as places (plane, row, col) [voxels]."""
-        return np.asarray(np.linalg.solve(self.matrix[:3, :3], (positions - self.matrix[:3, 3]).T).T)
+        return np.linalg.solve(self.matrix[:3, :3], (positions - self.matrix[:3, 3]).T).T
 
 
 def place_of(head: str, image: Image | None, space: Convention | None) -> tuple[Place, tuple[str, ...]]:

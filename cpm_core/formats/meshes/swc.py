@@ -13,12 +13,11 @@ from pathlib import Path
 import numpy as np
 import scipy
 
-from cpm_core.formats.common.atomic import check_place, write_together
 from cpm_core.formats.common.content import AnyPath, content_of
 from cpm_core.formats.common.provenance import PROGRAM, facts_on, text_of
 from cpm_core.formats.images.resolution import in_ascii
 from cpm_core.formats.meshes.coordinates import Place, decimals_for, place_of, positions
-from cpm_core.image.geometry import Convention, Geometry
+from cpm_core.image.geometry import Convention
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.centerlines import Branch, Centerlines
 from cpm_core.numerics.types import Array
@@ -36,23 +35,10 @@ _UNDEFINED = 0
 """Type of a point of no known structure."""
 
 
-def write_swc(lines: Centerlines, path: AnyPath, geometry: Geometry | None = None) -> None:
-    """Write center lines as an SWC file; see `encode`. ValueError when it cannot be written there.
-
-    Examples
-    --------
-    >>> inside = np.zeros((12, 12, 40), bool)
-    >>> inside[4:9, 4:9, 4:36] = True
-    >>> cpm.write_swc(cpm.centerlines(inside, unit="mm"), "rod.swc")
-    """
-    check_place(Path(path))
-    write_together([(Path(path), encode(lines, geometry))])
-
-
-def encode(lines: Centerlines, geometry: Geometry | None = None, space: Convention = "LPS") -> bytes:
+def encode(lines: Centerlines, space: Convention = "LPS") -> bytes:
     """Make an SWC file: a line of text for each point, with x, y, z and radius in the unit of the spacing, and parent.
 
-    The coordinates are those of surfaces, in a volume with this geometry, by default that of the lines. SWC holds trees
+    The coordinates are those of surfaces, in a volume with the geometry of the lines. SWC holds trees
     alone: a loop is cut at the end of one of its branches, where a point is written twice.
     """
     rows: list[tuple[int, float, float, float, float, int]] = []
@@ -70,7 +56,7 @@ def encode(lines: Centerlines, geometry: Geometry | None = None, space: Conventi
                 continue
             done.add(k)
             branch = lines.branches[k]
-            places = positions(branch.points, lines.spacing, geometry or lines.geometry, space)
+            places = positions(branch.points, lines.spacing, lines.geometry, space)
             points, (begin, end) = list(zip(places.tolist(), branch.radii.tolist(), strict=True)), branch.nodes
             if begin not in number and end in number:
                 points, begin, end = points[::-1], end, begin
@@ -95,7 +81,7 @@ def load_centerlines(
     space: Convention | None = None,
     warn: Callable[[str], object] = _LOG.warning,
 ) -> Centerlines:
-    """Read center lines from an SWC file, written by `export`, `write_swc` or by another program.
+    """Read center lines from an SWC file, written by `export` or by another program.
 
     Parameters
     ----------

@@ -87,7 +87,7 @@ def _has_near(scale_field: ScaleField, place: NDArray[np.int64], positions: Arra
     distance, index = scipy.spatial.cKDTree(positions).query(place, k=nearest, distance_upper_bound=reach)
     found = np.isfinite(distance)
     along = np.einsum("ni,nki->nk", uphill, known[np.where(found, index, 0)])
-    return np.asarray((found & (along > 0.0)).any(axis=1))
+    return (found & (along > 0.0)).any(axis=1)
 
 
 def _stretch(place: NDArray[np.int64], chosen: NDArray[np.bool_], shape: tuple[int, ...]) -> NDArray[np.int64]:
@@ -97,7 +97,7 @@ def _stretch(place: NDArray[np.int64], chosen: NDArray[np.bool_], shape: tuple[i
     labels, _ = scipy.ndimage.label(mask, structure=np.ones((3, 3), bool))
     size = np.bincount(labels.ravel())
     size[0] = 0
-    return np.asarray(size[labels[tuple(place.T)]])
+    return size[labels[tuple(place.T)]]
 
 
 def _enclosed(free: NDArray[np.bool_], blocked: NDArray[np.bool_]) -> Labels:

@@ -113,7 +113,7 @@ def damped_motion(beta: float, dt: float) -> Array:
 def is_at_rest(particles: Particles, idle: Index) -> Mask:
     """Which particles the next step skips, shape (N,)."""
     slow = np.einsum("ni,ni->n", particles.velocity, particles.velocity) < REST_SPEED**2
-    return np.asarray(slow & (idle >= FADED) & ~particles.young)
+    return slow & (idle >= FADED) & ~particles.young
 
 
 Four = tuple[float, float, float, float]

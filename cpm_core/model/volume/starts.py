@@ -66,7 +66,7 @@ def sphere(
     step = np.arange(int(count)) + 0.5
     down, around = np.arccos(1.0 - 2.0 * step / count), _GOLDEN * step
     out = np.stack([np.cos(down), np.sin(down) * np.sin(around), np.sin(down) * np.cos(around)], axis=1)
-    return np.asarray(middle + radius * out / sides)
+    return middle + radius * out / sides
 
 
 def box(first: Sequence[float], last: Sequence[float], spacing: float = 2.0) -> Array:
@@ -170,7 +170,7 @@ def everywhere(volume: Image | ArrayLike, spacing: float = 8.0) -> Array:
     extent = tuple(int(side) for side in np.ceil((np.array(volume.shape) - 1) * pitch) + 1)
     places = uniform_grid(extent, spacing)
     inset = 0.5 * ((np.array(extent) - 1) - (np.array(volume.shape) - 1) * pitch)
-    return np.asarray((places - inset) / pitch)
+    return (places - inset) / pitch
 
 
 def on_strong_edges(volume: Image | ArrayLike, fraction: float = STRONG, smoothing: float = 1.0) -> Array:
@@ -192,7 +192,7 @@ def on_strong_edges(volume: Image | ArrayLike, fraction: float = STRONG, smoothi
 def strength_of(volume: Image, smoothing: float) -> Array:
     """Edge strength of every voxel; `smoothing` as for `on_strong_edges`."""
     pitch = pitch_of(volume.spacing)
-    return np.asarray(edge_strength(smoothed_volume(volume.values, [smoothing / side for side in pitch]), pitch))
+    return edge_strength(smoothed_volume(volume.values, [smoothing / side for side in pitch]), pitch)
 
 
 def at_centers(volume: Image | ArrayLike, smoothing: float = 2.0, spacing: float = 4.0) -> Array:
@@ -235,7 +235,7 @@ def at_centers(volume: Image | ArrayLike, smoothing: float = 2.0, spacing: float
     even = scipy.ndimage.zoom(smooth, shape / np.array(volume.shape), order=1, grid_mode=False)
     strength = edge_strength(even, (1.0, 1.0, 1.0))
     found = centers_between(np.asarray(strength, dtype=np.float64), apart)
-    return np.asarray(found * (np.array(volume.shape) - 1) / (np.array(even.shape) - 1))
+    return found * (np.array(volume.shape) - 1) / (np.array(even.shape) - 1)
 
 
 def _volume(values: Image | ArrayLike) -> Image:

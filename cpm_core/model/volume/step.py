@@ -122,7 +122,7 @@ def rested(particles: Particles, step: int) -> tuple[Index, Mask]:
 def _inside(position: Array, extent: Vector, space: SpaceState) -> Mask:
     """Which particles lie in the volume, between the centers of the outermost voxels."""
     last = np.array(extent) - np.array(space.pitch)
-    return np.asarray(((position >= 0.0) & (position <= last)).all(axis=1))
+    return ((position >= 0.0) & (position <= last)).all(axis=1)
 
 
 def _thinned(

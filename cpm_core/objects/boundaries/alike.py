@@ -28,4 +28,4 @@ def alike(values: Array, mask: Mask, interest: Mask) -> Mask:
     found = (share >= _CONTRAST[0]) & (share <= _CONTRAST[1]) & interest
     holes, _ = scipy.ndimage.label(~found)
     sizes = np.bincount(holes.ravel())
-    return np.asarray(found | (sizes < 0.1 * radius**2)[holes] | mask)
+    return found | (sizes < 0.1 * radius**2)[holes] | mask

@@ -34,7 +34,7 @@ def snapped(mask: Mask, lines: Crossings, width: float) -> Mask:
 
 def _nearer(own: Index, other: Index) -> Index:
     """1 where the first of two numbers of steps is smaller, -1 where the second is, 0 where they are equal."""
-    return np.asarray(np.sign(other - own))
+    return np.sign(other - own)
 
 
 @compiled

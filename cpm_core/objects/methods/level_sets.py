@@ -209,7 +209,7 @@ class GeodesicSettings(Settings):
 def stopping(image: Image, settings: GeodesicSettings) -> Array:
     """The factor by which edges slow a contour down, shape (H, W), from 1 in flat regions to nearly 0 on edges."""
     strength = unit_edges(image, settings.smoothing) / settings.contrast
-    return np.asarray((1.0 + strength) ** -settings.exponent)
+    return (1.0 + strength) ** -settings.exponent
 
 
 def geodesic(image: Image, start: Start, settings: GeodesicSettings) -> Iterator[ContourState]:

@@ -103,7 +103,7 @@ def evened(field: Array, evenness: float = 1.0) -> Array:
     most = float(size.max(initial=0.0))
     if most == 0.0:
         return np.zeros_like(field)
-    return np.asarray(field / most * np.maximum(size / most, _NEGLIGIBLE) ** -evenness)
+    return field / most * np.maximum(size / most, _NEGLIGIBLE) ** -evenness
 
 
 Force = Callable[[Array], Array]

@@ -82,10 +82,10 @@ class Network:
     def _mixed(self, maps: Single, layer: str) -> Single:
         """Weighted sums over the maps at each pixel."""
         out = self.weights[layer] @ maps.reshape(len(maps), -1) + self.weights[layer + ".offset"][:, None]
-        return np.asarray(out.reshape(-1, *maps.shape[1:]))
+        return out.reshape(-1, *maps.shape[1:])
 
     def _product(self, vector: Single, layer: str) -> Single:
-        return np.asarray(self.weights[layer] @ vector + self.weights[layer + ".offset"])
+        return self.weights[layer] @ vector + self.weights[layer + ".offset"]
 
 
 @cache

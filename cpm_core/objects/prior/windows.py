@@ -113,7 +113,7 @@ class Views:
         gray = np.asarray(np.tensordot(LUMINANCE, [red, green, blue], 1))
         colors = red - green, 0.5 * (red + green) - blue
         deviation = max(gray.std() + _LEAST_DEVIATION, *(_MOST_COLOR * color.std() for color in colors))
-        return np.asarray(np.stack([gray - gray.mean(), *colors]) / deviation)
+        return np.stack([gray - gray.mean(), *colors]) / deviation
 
     @property
     def _coarsest(self) -> int:

@@ -61,7 +61,7 @@ def _signed(voxels: Voxels, surface: Surface, begin: Index, shape: tuple[int, ..
     triangles = Triangles((surface.vertices - begin)[surface.faces])
     away = np.maximum(away - 0.5, 0.5)
     away[near] = triangles.distances(np.argwhere(near).astype(np.float64))
-    return np.asarray(np.where(inside, -away, away))
+    return np.where(inside, -away, away)
 
 
 _LEAST_AREA = 0.5

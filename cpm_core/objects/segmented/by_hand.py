@@ -172,7 +172,7 @@ class _Edges:
             return np.zeros(len(path), np.bool_)
         ridge, found = ridge_points(path, self._field)
         strong = self._strength(ridge) >= max(_STRONG * self._boundary, self._field.floor)
-        return np.asarray(found & strong & (np.linalg.norm(ridge - path, axis=1) <= _ON))
+        return found & strong & (np.linalg.norm(ridge - path, axis=1) <= _ON)
 
     def followed(self, cut: Array) -> Array:
         """A line moved onto edges next to it; its ends stay on the boundary."""

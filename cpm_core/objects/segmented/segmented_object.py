@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 
 import numpy as np
 import scipy
 
-from cpm_core.contours.contour import Contour, check_name
+from cpm_core.contours.contour import Contour, check_color, check_name
 from cpm_core.contours.packed_surface import PackedSurface
 from cpm_core.contours.surface import Surface
 from cpm_core.image.volume_regions import Voxels
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Mask, Place, Position
 from cpm_core.objects.selection import Selection
-from cpm_core.parameters.quotation import shown
 
 Line = tuple[Position, ...]
 
@@ -24,14 +22,6 @@ MOST_CLASSES = 9
 
 _AT_ONCE = 2**20
 """Pixels that are tested at once, so that a large image takes little memory."""
-
-
-def _check_color(what: str, color: str) -> None:
-    if not re.fullmatch("#[0-9A-Fa-f]{6}", color):
-        raise ValueError(
-            f'The color of {what} is {shown(color)} but must be "#rrggbb", two hexadecimal digits each for red, green '
-            "and blue."
-        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +61,9 @@ class ObjectClass:
 
     def __post_init__(self) -> None:
         check_name("a class", self.name)
-        _check_color("a class", self.color)
+        if not self.color:
+            raise ValueError("A class has no color: give it one.")
+        check_color("a class", self.color)
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,8 +127,7 @@ class SegmentedObject:
         if not 0.0 <= self.confidence <= 1.0:
             raise ValueError(f"The confidence of an object is {self.confidence} but must be from 0 to 1.")
         check_name("an object", self.name)
-        if self.color:
-            _check_color("an object", self.color)
+        check_color("an object", self.color)
 
     @property
     def body(self) -> Surface | None:

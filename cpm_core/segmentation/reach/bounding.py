@@ -299,7 +299,7 @@ def _beside(labels: Labels) -> Mask:
 
 def _rim(shut: Mask) -> Mask:
     """Pixels of a mask and those next to it."""
-    return np.asarray(scipy.ndimage.binary_dilation(shut))
+    return scipy.ndimage.binary_dilation(shut)
 
 
 def _enlarged(mask: Mask, stride: int, shape: tuple[int, ...]) -> Mask:
@@ -307,4 +307,4 @@ def _enlarged(mask: Mask, stride: int, shape: tuple[int, ...]) -> Mask:
     row, col = (
         np.minimum((np.arange(n) + stride // 2) // stride, m - 1) for n, m in zip(shape, mask.shape, strict=True)
     )
-    return np.asarray(mask[np.ix_(row, col)])
+    return mask[np.ix_(row, col)]

@@ -81,7 +81,7 @@ def _edges_around(strength: Array, ridge: Mask, region: Mask) -> Mask:
     away = np.minimum(depth, scipy.ndimage.distance_transform_edt(~holes)) if holes.any() else depth
     if not is_certain(strength[outer], strength[away > MARGIN]):
         return np.zeros_like(ridge)
-    return np.asarray(outer | (beside & (strength > _EVEN * np.median(strength[outer]))))
+    return outer | (beside & (strength > _EVEN * np.median(strength[outer])))
 
 
 def _holes(strength: Array, ridge: Mask, islands: Mask) -> Mask:

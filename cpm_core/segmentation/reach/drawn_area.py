@@ -40,7 +40,7 @@ def drawn_area(points: Array, shape: tuple[int, ...]) -> Mask:
     link = max(_LEAST_LINK, _LINK * usual)
     near = scipy.ndimage.distance_transform_edt(~on) <= link
     filled = scipy.ndimage.binary_fill_holes(near) | _cut_off(near, on)
-    return np.asarray(on | (scipy.ndimage.distance_transform_edt(filled) > link))
+    return on | (scipy.ndimage.distance_transform_edt(filled) > link)
 
 
 def _cut_off(near: Mask, on: Mask) -> Mask:
@@ -59,20 +59,20 @@ def _cut_off(near: Mask, on: Mask) -> Mask:
             arcs |= on & (rows == row)
     if arcs.any():
         enclosed |= _in_hull(arcs, parts, count)
-    return np.asarray(enclosed[parts])
+    return enclosed[parts]
 
 
 def _in_hull(on: Mask, parts: NDArray[np.integer[Any]], count: int) -> Mask:
     """Which parts, by their numbers up to a count, lie for the most part in the convex hull of some pixels; not 0."""
     hull: Callable[[Mask], Mask] = skimage.morphology.convex_hull_image
     share = np.asarray(scipy.ndimage.mean(hull(on), parts, np.arange(count + 1)))
-    return np.asarray((share >= _WITHIN) & (np.arange(count + 1) > 0))
+    return (share >= _WITHIN) & (np.arange(count + 1) > 0)
 
 
 def hollow_part(points: Array, area: Mask) -> Mask:
     """The part of a start's area that its particles, shape (N, 2) [px], only enclose; none of a filled one."""
     on, usual = _marked(points, area.shape)
-    return np.asarray(area & (scipy.ndimage.distance_transform_edt(~on) > max(_LEAST_LINK, _HOLLOW * usual)))
+    return area & (scipy.ndimage.distance_transform_edt(~on) > max(_LEAST_LINK, _HOLLOW * usual))
 
 
 def _marked(points: Array, shape: tuple[int, ...]) -> tuple[Mask, float]:

@@ -63,7 +63,7 @@ class ReachMap:
 
     def within(self, budget: float) -> Mask:
         """Pixels on the ridges of edges that are reached when fronts creep up to a distance [px]."""
-        return np.asarray(self.ridge & np.isfinite(self.crept) & (self.crept <= budget))
+        return self.ridge & np.isfinite(self.crept) & (self.crept <= budget)
 
     def way_of(self, points: Array) -> Reached:
         """How most of a contour with vertices of shape (K, 2) [px] is reached; empty where it is on no edge."""
@@ -154,7 +154,7 @@ def _first_met(strength: Array, bounds: Bounds, flight: Mask, ridge: Mask) -> Ar
     around = parts[tuple(axis[flight] for axis in nearest)]
     found = np.unique(around)
     medians[found] = scipy.ndimage.median(strength[flight], around, found)
-    return np.asarray(medians[parts[tuple(axis[ridge] for axis in nearest)]])
+    return medians[parts[tuple(axis[ridge] for axis in nearest)]]
 
 
 def _has_sense(scale_field: ScaleField, bounds: Bounds, along: Mask) -> Mask:
@@ -170,4 +170,4 @@ def _has_sense(scale_field: ScaleField, bounds: Bounds, along: Mask) -> Mask:
     nearest = scipy.ndimage.distance_transform_edt(~bounds.boundary, return_distances=False, return_indices=True)
     curve = curve[tuple(axis[along] for axis in nearest)]
     sign = np.where(np.bincount(curve, across, minlength=count + 1) < 0.0, -1.0, 1.0)
-    return np.asarray(sign[curve] * across >= _SENSE * np.hypot(down, right) * scale_field.edge_map[along])
+    return sign[curve] * across >= _SENSE * np.hypot(down, right) * scale_field.edge_map[along]

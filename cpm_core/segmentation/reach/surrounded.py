@@ -81,7 +81,7 @@ def _on_edges(strength: Array, area: Mask, thing: Mask, width: float) -> Mask:
     if not core.any():
         return thing & area
     outside = (scipy.ndimage.distance_transform_edt(~thing) > width) | ~area
-    return np.asarray(flooded(strength, core + 2 * outside.astype(np.int32)) == 1)
+    return flooded(strength, core + 2 * outside.astype(np.int32)) == 1
 
 
 def flooded(strength: Array, markers: Labels, basin: Mask | None = None) -> Labels:
@@ -108,9 +108,7 @@ def _parted(bins: Index, depth: Array, extent: float) -> Mask:
 def _histogram(bins: Index) -> Array:
     """Share of the pixels in each bin, smoothed, nowhere 0."""
     counts = np.bincount(bins, minlength=_BINS).astype(float)
-    return np.asarray(
-        scipy.ndimage.gaussian_filter1d(counts, _BLUR, 0, mode="nearest") / max(len(bins), 1) + _FLOOR / _BINS
-    )
+    return scipy.ndimage.gaussian_filter1d(counts, _BLUR, 0, mode="nearest") / max(len(bins), 1) + _FLOOR / _BINS
 
 
 def _large_parts(mask: Mask, depth: Array) -> Mask:
@@ -118,4 +116,4 @@ def _large_parts(mask: Mask, depth: Array) -> Mask:
     parts, count = scipy.ndimage.label(mask)
     weight = np.bincount(parts.ravel(), depth.ravel(), count + 1)
     weight[0] = 0.0
-    return np.asarray((weight >= _KEPT * weight.max())[parts] & mask)
+    return (weight >= _KEPT * weight.max())[parts] & mask

@@ -24,17 +24,6 @@ def folder(tmp_path_factory):
     return folder
 
 
-def test_a_surface_is_written_with_as_many_triangles_as_wanted(folder, told, command, tmp_path):
-    facts = told("run", folder / "ball.npy", *SPHERE, "--faces", "200", "--export", tmp_path / "a.ply")
-    assert (facts["faces"], facts["vertices"]) == (200, 102)
-    assert b"element face 200\n" in (tmp_path / "a.ply").read_bytes()
-    values = np.load(folder / "ball.npy")
-    np.save(tmp_path / "two.npy", np.concatenate([values, values]))  # two surfaces have no fewer than 8 triangles
-    other = ("--sphere", "29.5,9.5,9.5,3")
-    _, _, err = command("run", tmp_path / "two.npy", *SPHERE, *other, "--faces", "4", "--max-steps", 30)
-    assert "triangles are left, not 4: with fewer the surface would lose its shape." in err
-
-
 def test_an_object_that_a_place_lies_in_is_written_alone_and_compared_with_labels(folder, told, command, tmp_path):
     run = ("run", folder / "ball.npy", *SPHERE, "--object")
     facts = told(

@@ -324,7 +324,6 @@ _SKIPPED = {
     "load_volume_truth",
     "write_animation",
     "write_figure",
-    "write_swc",
     "Evolution",
     "Evolved",
     "Table",

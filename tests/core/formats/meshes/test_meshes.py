@@ -10,7 +10,7 @@ import pytest
 import tifffile
 
 from cpm_core import Geometry, Image, Result, Surface
-from cpm_core.contours.surface import inside_of, numbered
+from cpm_core.contours.surface import numbered
 from cpm_core.formats import FOR_VOLUMES, encoded, export
 from cpm_core.numerics.grids import zero_surface
 
@@ -107,15 +107,6 @@ def test_surfaces_are_written_in_either_convention_which_the_file_tells(suffix, 
     assert (tmp_path / f"a{suffix}").read_bytes() == ras
     with pytest.raises(ValueError, match=r"XYZ"):
         encoded(placed, suffix, space="XYZ")
-
-
-def test_labels_of_a_surface_with_fewer_triangles_are_those_of_the_whole_one():
-    fewer = SURFACE.decimated(60)
-    assert len(fewer.faces) < 0.2 * len(SURFACE.faces)
-    assert fewer.whole is SURFACE
-    assert fewer.decimated(40).whole is SURFACE
-    assert (inside_of(fewer, SHAPE) != inside_of(SURFACE, SHAPE)).any()
-    assert encoded(result_with(fewer), ".nii") == encoded(RESULT, ".nii")
 
 
 @pytest.mark.parametrize("suffix", [".svg", ".png", ".json", ".roi"])
