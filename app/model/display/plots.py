@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
-from app.model.display.lengths import scientific_text
-from app.model.text.language import tr, written
+from app.model.text.language import tr
 from cpm_core.model import EPSILON
 from cpm_core.numerics import Array
 
@@ -116,12 +114,3 @@ PLOTS: tuple[Plot, ...] = (
     ),
 )
 """All plots, from top to bottom."""
-
-
-def figure(value: float) -> str:
-    """A value as text; a dash where it is not known."""
-    if not math.isfinite(value):
-        return "–"
-    if value == round(value) and abs(value) < 1e6:
-        return written(f"{value:.0f}")
-    return scientific_text(value) if abs(value) < 1e-3 or abs(value) >= 1e6 else written(f"{value:.4g}")

@@ -8,13 +8,13 @@ from functools import partial
 
 import numpy as np
 import pyqtgraph as pg
-from PySide6.QtCore import QEvent, QPoint, QPointF, Qt, QTimer, Signal
-from PySide6.QtGui import QColor, QFocusEvent, QKeyEvent, QMouseEvent, QPalette
+from PySide6.QtCore import QEvent, QPoint, Qt, QTimer, Signal
+from PySide6.QtGui import QColor, QPalette
 from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QToolButton, QVBoxLayout, QWidget
 
-from app.model.display.plots import PLOTS, Plot, RunMetrics, Series, figure
+from app.model.display.plots import PLOTS, Plot, RunMetrics
 from app.model.state.resolve import Resolved
-from app.model.text.language import tr, written
+from app.model.text.language import tr
 from app.views.panels.parameters import ParametersPanel
 from app.views.widgets.containers import ElidedLabel, Scrolled, Section, arrange
 
@@ -26,9 +26,6 @@ _LOWEST = 120
 
 _LOWEST_PLOT = 72
 """Minimum height of a plot [px]."""
-
-_PAGE = 10
-"""Steps that the cursor moves by with Shift."""
 
 Number = tuple[str, str, str]
 """Name, value and explanation."""
@@ -87,44 +84,30 @@ class Numbers(QWidget):
 
 @dataclass(frozen=True, eq=False, slots=True)
 class _Drawn:
-    """A plot with its curves, the step that is read, and the steps at which a finer scale began."""
+    """A plot with its curves, and the steps at which a finer scale began."""
 
     plot: Plot
     item: pg.PlotItem
     curves: tuple[pg.PlotDataItem, ...]
-    cursor: pg.VTickGroup
     scales: pg.VTickGroup
 
 
 class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no types
-    """Plots the metrics of a run; the pointer or the arrow keys choose the step whose values are read."""
+    """Plots the metrics of a run."""
 
     def __init__(self) -> None:
         self._drawn: tuple[_Drawn, ...] = ()
         super().__init__()
         self._metrics: RunMetrics | None = None
-        self._read: int | None = None
-        self.viewport().setMouseTracking(True)
-        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.setAccessibleName(tr("Plot of the run over its steps"))
         self.ci.setContentsMargins(0, 0, 0, 0)
         self.ci.setSpacing(0)
         self.show_plots([plot for plot in PLOTS if plot.first])
 
-    @property
-    def reading(self) -> str:
-        """The values at the step that is read; empty if there is none."""
-        if self._metrics is None or self._read is None:
-            return ""
-        values = [f"{one.title} {self._value(one)}" for drawn in self._drawn for one in drawn.plot.series]
-        step = written(f"{self._metrics.step[self._read]:,.0f}")
-        return ", ".join([tr("step {step}").format(step=step), *values])
-
     def show_metrics(self, metrics: RunMetrics | None) -> None:
         """Show a run, or none."""
         self._metrics = metrics = metrics if metrics is not None and len(metrics.step) else None
-        if self._read is not None and (metrics is None or self._read >= len(metrics.step)):
-            self._read = None
         for drawn in self._drawn:
             for series, curve in zip(drawn.plot.series, drawn.curves, strict=True):
                 if metrics is None:
@@ -133,7 +116,6 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
                     curve.setData(metrics.step, np.asarray(series.of(metrics), float))
             finer = () if metrics is None else metrics.step[1:][np.diff(metrics.scale) != 0]
             drawn.scales.setXVals(list(finer))
-        self._show_reading()
 
     def show_plots(self, plots: Sequence[Plot]) -> None:
         """Show these plots."""
@@ -158,68 +140,19 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
                 item.addLine(y=float(np.log10(plot.line)), pen=pg.mkPen(pale, style=Qt.PenStyle.DashLine))
             if self._drawn:
                 item.setXLink(self._drawn[0].item)
-            cursor = pg.VTickGroup(yrange=(0.0, 1.0), pen=pg.mkPen(pale))
             scales = pg.VTickGroup(yrange=(0.0, 1.0), pen=pg.mkPen(pale, style=Qt.PenStyle.DotLine))
-            item.addItem(cursor, ignoreBounds=True)
             item.addItem(scales, ignoreBounds=True)
             pens = [pg.mkPen(self._series_color(series.colors), width=1.4) for series in plot.series]
             curves = tuple(item.plot(pen=pen, connect="finite") for pen in pens)
-            self._drawn += (_Drawn(plot, item, curves, cursor, scales),)
+            self._drawn += (_Drawn(plot, item, curves, scales),)
+            titles = (
+                f"<span style='color: {self._series_color(series.colors)}'>{series.title}</span>"
+                for series in plot.series
+            )
+            item.setTitle(" &nbsp; ".join(titles), size="8pt")
         self.setMinimumHeight(_LOWEST_PLOT * max(len(plots), 1))
         self.setBackground(self._color(QPalette.ColorRole.Base))
         self.show_metrics(self._metrics)
-
-    def read(self, index: int | None) -> None:
-        """Read the values of one entry of the metrics, or of none."""
-        if index is not None and self._metrics is not None:
-            index = min(max(index, 0), len(self._metrics.step) - 1)
-        self._read = index if self._metrics is not None else None
-        self._show_reading()
-
-    def point(self, index: int) -> QPointF:
-        """Position of an entry of the metrics in the uppermost plot."""
-        view = self._drawn[0].item.getViewBox()
-        step = self._metrics.step[index] if self._metrics is not None else 0.0
-        place = view.mapViewToScene(QPointF(step, view.viewRange()[1][0]))
-        return QPointF(self.mapFromScene(QPointF(place.x(), view.sceneBoundingRect().center().y())))
-
-    # Qt interface
-
-    def mouseMoveEvent(self, event: QMouseEvent) -> None:
-        """Read the step under the pointer."""
-        super().mouseMoveEvent(event)
-        if self._metrics is not None and self._drawn:
-            view = self._drawn[0].item.getViewBox()
-            at = view.mapSceneToView(self.mapToScene(event.position().toPoint())).x()
-            self.read(int(np.abs(self._metrics.step - at).argmin()))
-
-    def leaveEvent(self, event: QEvent) -> None:
-        """Stop reading."""
-        super().leaveEvent(event)
-        self.read(None)
-
-    def focusOutEvent(self, event: QFocusEvent) -> None:
-        """Stop reading."""
-        self.read(None)
-        super().focusOutEvent(event)
-
-    def keyPressEvent(self, event: QKeyEvent) -> None:
-        """Move the cursor by steps."""
-        last = len(self._metrics.step) - 1 if self._metrics is not None else 0
-        at = self._read if self._read is not None else last
-        stride = _PAGE if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1
-        targets = {
-            Qt.Key.Key_Left: at - stride,
-            Qt.Key.Key_Right: at + stride,
-            Qt.Key.Key_Home: 0,
-            Qt.Key.Key_End: last,
-            Qt.Key.Key_Escape: None,
-        }
-        key = Qt.Key(event.key())
-        if key in targets:
-            self.read(targets[key])
-        else:
-            event.ignore()
 
     def changeEvent(self, event: QEvent) -> None:
         """Draw in the colors of another theme."""
@@ -227,26 +160,6 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
         if event.type() == QEvent.Type.PaletteChange and self._drawn:
             # Later, since Qt is going through the items of the scene when it reports another palette.
             QTimer.singleShot(0, self, partial(self.show_plots, [drawn.plot for drawn in self._drawn]))
-
-    # Internal
-
-    def _show_reading(self) -> None:
-        """Show the cursor, and the names of the curves in their colors, with the values that are read."""
-        self.setAccessibleDescription(self.reading)
-        at = [] if self._metrics is None or self._read is None else [self._metrics.step[self._read]]
-        for drawn in self._drawn:
-            drawn.cursor.setXVals(at)
-            titles = (
-                f"<span style='color: {self._series_color(one.colors)}'>{one.title} {self._value(one)}</span>"
-                for one in drawn.plot.series
-            )
-            drawn.item.setTitle(" &nbsp; ".join(titles), size="8pt")
-
-    def _value(self, series: Series) -> str:
-        """The value of a curve at the step that is read; empty if there is none."""
-        if self._metrics is None or self._read is None:
-            return ""
-        return figure(float(series.of(self._metrics)[self._read]))
 
     def _color(self, role: QPalette.ColorRole) -> QColor:
         return QColor(self.palette().color(role))

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
 from app.model.display.lengths import short_text
-from app.model.display.plots import PLOTS, RunMetrics, figure
+from app.model.display.plots import PLOTS, RunMetrics
 from app.session.timeline.moments import RunRecord
 from app.views.panels.run import PlotPanel
 from cpm_core import Engine, Parameters
@@ -56,34 +54,6 @@ def test_the_metrics_are_those_of_the_recorded_states(compiled_loops):
     )
 
 
-def test_pointer_and_keys_read_the_values_of_a_step(panel, qtbot):
-    chart, metrics = panel.chart, trace_of(61)
-    panel.show_plots([plot.name for plot in PLOTS])
-    panel.chart.show_metrics(metrics)
-    qtbot.waitUntil(lambda: 0 < chart.point(30).x() < chart.width())
-    qtbot.mouseMove(chart.viewport(), chart.point(30).toPoint())
-    qtbot.waitUntil(lambda: chart.reading != "")
-    assert chart.reading == (
-        f"step 31, ε {figure(1 / 31)}, kinetic energy {figure(1 / 31**2)}, potential energy -31, "
-        "particles 310, inserted 1, deleted 1"
-    )
-    chart.setFocus()
-    for key, step in ((Qt.Key.Key_Right, 32), (Qt.Key.Key_End, 61), (Qt.Key.Key_Left, 60), (Qt.Key.Key_Home, 1)):
-        qtbot.keyClick(chart, key)
-        assert chart.reading.startswith(f"step {step},")
-    qtbot.keyClick(chart, Qt.Key.Key_Escape)
-    assert chart.reading == ""
-
-
-def test_going_back_in_a_run_clears_a_reading_beyond_its_end(panel):
-    panel.chart.show_metrics(trace_of(60))
-    panel.chart.read(50)
-    panel.chart.show_metrics(trace_of(10))
-    assert panel.chart.reading == ""
-    panel.chart.show_metrics(None)
-    panel.grab()
-
-
 def test_plots_are_chosen_by_keys_and_remembered(ready, hand, qtbot):
     window, plot = ready, ready.panels["run"].plot
     assert plot.shown == ("epsilon", "count")
@@ -96,11 +66,8 @@ def test_plots_are_chosen_by_keys_and_remembered(ready, hand, qtbot):
     for step in range(1, 9):
         window.session.step()
         hand.wait(lambda step=step: window.session.status.step == step and window.session.idle)
-    plot.chart.read(7)
-    assert re.search(r"potential energy -?\d", plot.chart.reading)
     hand.key(Qt.Key.Key_Return)
     assert plot.shown == ("epsilon", "count")
-    assert "potential energy" not in plot.chart.reading
 
 
 def test_each_curve_and_each_change_of_scale_is_drawn(panel):
@@ -125,5 +92,4 @@ def columns(metrics: RunMetrics) -> list[tuple[str, np.ndarray]]:
 
 
 def test_no_number_is_written_with_an_e():
-    assert [figure(value) for value in (3.14e-7, 2.0, 7e8)] == ["3.1·10⁻⁷", "2", "7.0·10⁸"]
     assert [short_text(value) for value in (12345.0, 0.857143, 1e-4, 0.0)] == ["12300", "0.857", "0.0001", "0"]
