@@ -143,6 +143,10 @@ class Partition(drawing.Pictured):
     >>> again = partition.selection_of(chosen.mask, chosen.inside)
     >>> int(chosen.mask.sum()), bool((again.mask == chosen.mask).all())
     (301, True)
+    >>> any(one.same(chosen) for one in partition.candidates([(32, 18)]))
+    True
+    >>> bool(partition.judged(chosen.mask).overlap > 0.8)
+    True
     >>> axes = partition.plot()
     """
 

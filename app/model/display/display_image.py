@@ -85,10 +85,6 @@ class DisplayImage:
         rows, cols = self.size or self.shades.shape[:2]
         return rows, cols
 
-    def reduced(self, side: float) -> Shades:
-        """The smallest level whose longer side has at least `side` pixels, or the full size."""
-        return next((level for level in reversed(self.levels) if max(level.shape[:2]) >= side), self.shades)
-
 
 @dataclass(frozen=True, eq=False, slots=True)
 class DisplayVolume:

@@ -1,4 +1,4 @@
-"""The slices of a volume, one across each axis, and the names of its axes."""
+"""The slices of a volume, one across each axis, the names of its axes, and its field in them."""
 
 from __future__ import annotations
 
@@ -6,11 +6,13 @@ from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from app.model.text.language import tr
 from cpm_core import Image
-from cpm_core.numerics import Array, Place, Position
+from cpm_core.numerics import Array, Place, Position, Single
+from cpm_core.shapes import sides_of
 
 T = TypeVar("T")
 V = TypeVar("V", bound=np.generic)
@@ -174,3 +176,31 @@ def directions_of(volume: Image) -> tuple[Array, ...]:
 def first_seen(volume: Image) -> int:
     """The axis along which a volume is seen first in space: a patient from the front."""
     return next((axis for axis, (_, end) in enumerate(ends_of(volume)) if end in "AP"), 0)
+
+
+_MOST_FORCES = 1 << 18
+"""Voxels of which a force is kept, at most about so many: a view shows some hundred arrows."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class SampledForce:
+    """The force on every so manieth voxel, shape (3, P, R, C), in smallest sides of a voxel, and those sides."""
+
+    force: Single
+    step: int
+    sides: tuple[float, ...]
+
+    @classmethod
+    def of(cls, force: Array, spacing: tuple[float, ...]) -> SampledForce:
+        """That of a force on all voxels, of which nothing is kept."""
+        step = max(1, int(np.ceil((force[0].size / _MOST_FORCES) ** (1.0 / 3.0))))
+        return cls(force[:, ::step, ::step, ::step].astype(np.float32), step, sides_of(spacing))
+
+    def slice_of(self, here: Slice, shape: tuple[int, ...]) -> Array:
+        """The force along a slice of this shape, (2, H, W), as a displacement in its pixels."""
+        places = np.insert(np.indices(shape) / self.step, here.axis, here.index / self.step, axis=0)
+        along = [
+            scipy.ndimage.map_coordinates(force, places, float, order=1, mode="nearest") / side
+            for force, side in zip(here.within(tuple(self.force)), here.within(self.sides), strict=True)
+        ]
+        return np.stack(along)

@@ -20,7 +20,7 @@ from app.model.document.document import Document
 from app.model.state.surface_figures import figure_texts
 from app.model.text.language import reason, tr
 from app.model.volume.parts import Parts
-from app.model.volume.sampled_volumes import SampledForce, SampledValues
+from app.model.volume.slices import SampledForce
 from app.session.exchange.contour_tracking import ContourTracker, TrackedContours
 from app.session.timeline.timeline import Outline
 from cpm_core import (
@@ -157,7 +157,7 @@ class ReconstructionFailed:
     sentence: str
 
 
-Drawn = NDArray[np.generic] | DisplayImage | DisplayVolume | SampledForce | SampledValues
+Drawn = NDArray[np.generic] | DisplayImage | DisplayVolume | SampledForce
 """An overlay: an array or an image, or what those of the slices of a volume are made from."""
 
 

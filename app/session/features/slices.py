@@ -11,12 +11,10 @@ import numpy as np
 
 from app.model.display.differences import differences_in, truth_in
 from app.model.display.display_image import DisplayImage, DisplayVolume, IntensityWindow, apply_window
-from app.model.display.lines import iso_lines
 from app.model.document.document import Document
 from app.model.document.edits import Hit, hit
-from app.model.volume.sampled_volumes import SampledForce, SampledValues
 from app.model.volume.shape_sections import Section, sections
-from app.model.volume.slices import Slice, Slices
+from app.model.volume.slices import SampledForce, Slice, Slices
 from app.model.volume.surface_section import objects_in, selection_in, skeleton_in, unmeasured
 from app.model.volume.surface_section import section as lines_of
 from app.session.exchange.messages import Reconstruction, Snapshot
@@ -104,11 +102,6 @@ class Sections:
                 found[name] = self._parts.named(name, partial(DisplayImage.of, here.of(drawn.shades)), drawn, here)
             elif isinstance(drawn, SampledForce):
                 found[name] = self._parts.named(name, partial(drawn.slice_of, here, image.shape), drawn, here)
-            elif isinstance(drawn, SampledValues) and self.later is not None:
-                lines = partial(_lines, drawn, here)
-                found[name] = self.later.named(name, lines, lambda: np.empty((0, 2)), drawn, here)
-            elif isinstance(drawn, SampledValues):
-                found[name] = self._parts.named(name, partial(_lines, drawn, here), drawn, here)
         return self._parts.named("overlays", lambda: found, *found, *found.values())
 
 
@@ -125,10 +118,6 @@ def _seeds(seeds: ImageSeeds, here: Slice, volume: Image, reach: float) -> Image
         for cut in sections(start, here, sides)
         if isinstance(cut, ImageStart)
     }
-
-
-def _lines(drawn: SampledValues, here: Slice) -> Array:
-    return iso_lines(drawn.slice_of(here)) * drawn.step
 
 
 def _probed(probed: Probed | None, here: Slice, volume: Image, reach: float) -> Probed | None:

@@ -14,11 +14,10 @@ from app.model.display.display_image import (
     display_of_edge_map,
     display_of_potential,
 )
-from app.model.display.lines import iso_lines
 from app.model.document.document import Document
 from app.model.document.modes import MODES
 from app.model.text.language import tr
-from app.model.volume.sampled_volumes import SampledForce, SampledValues
+from app.model.volume.slices import SampledForce
 from app.session.exchange.messages import Drawn
 from cpm_core import METHODS, Contour, Image, Method, Parameters, PlacedCharge
 from cpm_core.image import AnyRegions
@@ -95,9 +94,8 @@ _MOST_VOXELS = 1 << 26
 def overlay(name: str, method: Method[Any], parameters: Parameters, charges: Sequence[PlacedCharge]) -> Drawn:
     """What lies over the image.
 
-    These are display images of the edge map and of the potential, shape (H, W), or (P, R, C) of a volume; the electric
-    `field` of edges and placed charges, shape (2, H, W); `iso_lines` of equal potential, shape (M, 2), with a row of
-    NaN after each. Of a volume the last two are what its slices are made from.
+    These are display images of the edge map and of the potential, shape (H, W), or (P, R, C) of a volume; and the
+    electric `field` of edges and placed charges, shape (2, H, W), of a volume what its slices are made from.
     """
     image = method.image
     deep = image.ndim == 3
@@ -111,8 +109,5 @@ def overlay(name: str, method: Method[Any], parameters: Parameters, charges: Seq
             )
         field = method.field(parameters, 0, charges)
         return SampledForce.of(field, image.spacing) if deep else field
-    potential = method.potential(parameters, charges)
-    if name == "potential":
-        shades = display_of_potential(potential)
-        return DisplayVolume(shades) if deep else DisplayImage.of(shades)
-    return SampledValues.of(potential) if deep else iso_lines(potential)
+    shades = display_of_potential(method.potential(parameters, charges))
+    return DisplayVolume(shades) if deep else DisplayImage.of(shades)

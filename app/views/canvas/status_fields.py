@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import Qt
-from PySide6.QtGui import QFocusEvent
-from PySide6.QtWidgets import QComboBox, QLabel, QLineEdit
+from PySide6.QtWidgets import QLabel
 
 from app.model.display.lengths import length_text, shown_in
 from app.model.text.language import tr
@@ -52,63 +50,17 @@ _WORDS = {
 """What is shown, by the number of axes and whether the size of a pixel is known."""
 
 
-_STEPS = (25, 50, 100, 200, 400, 800, 1600)
-"""Zooms to choose from [%]."""
-
-
-class ZoomField(QComboBox):
-    """Pixels of the screen per pixel of the image; Enter and Esc give the keyboard back to the canvas."""
+class ZoomReadout(QLabel):
+    """Pixels of the screen per pixel of the image."""
 
     def __init__(self, canvas: ImageView) -> None:
         super().__init__()
         self._canvas = canvas
-        self.setObjectName("zoom")
-        self._line = QLineEdit()
-        self.setEditable(True)
-        self.setLineEdit(self._line)
-        self.setInsertPolicy(QComboBox.InsertPolicy.NoInsert)
-        self.setFocusPolicy(Qt.FocusPolicy.ClickFocus)
         self.setAccessibleName(tr("Zoom"))
-        self.setToolTip(tr("Zoom: choose one, or type a number and press Enter. At 100 % pixels are shown one to one."))
-        self.addItem(tr("Fit to window"))
-        self.addItems([f"{step} %" for step in _STEPS])
-        self.setFixedWidth(self.fontMetrics().horizontalAdvance("Fit to window") + 36)
-        self.setCompleter(None)  # type: ignore[arg-type]  # Qt takes none for no completer
-        self.activated.connect(self._choose)
-        self._line.returnPressed.connect(self._take)
-        canvas.view.sigRangeChanged.connect(self.refresh)
-        self.refresh()
+        self.setMinimumWidth(self.fontMetrics().horizontalAdvance("00000 %"))
+        canvas.view.sigRangeChanged.connect(self._show)
 
-    def refresh(self, *_: object) -> None:
-        """Show the present zoom, unless another one is being typed."""
-        shown = self._canvas.shape is not None
-        self.setEnabled(shown)
-        if not self._line.isModified():
-            self.setEditText(f"{_rounded(100.0 * self._canvas.magnification)} %" if shown else "")
-
-    def focusOutEvent(self, event: QFocusEvent) -> None:
-        """Show the present zoom instead of what has been typed."""
-        super().focusOutEvent(event)
-        self._line.setModified(False)
-        self.refresh()
-
-    def _choose(self, index: int) -> None:
-        if index == 0:
-            self._canvas.fit()
-        else:
-            self._canvas.zoom_to(_STEPS[index - 1] / 100.0)
-        self._canvas.setFocus()
-
-    def _take(self) -> None:
-        """Use what has been typed; what is no number fits the image to the window."""
-        typed = self._line.text().replace("%", "").replace(",", ".").strip()
-        try:
-            self._canvas.zoom_to(float(typed) / 100.0)
-        except ValueError:
-            self._canvas.fit()
-        self._canvas.setFocus()
-
-
-def _rounded(percent: float) -> str:
-    """Three digits."""
-    return f"{percent:.0f}" if percent >= 100.0 else f"{percent:.3g}"
+    def _show(self, *_: object) -> None:
+        percent = 100.0 * self._canvas.magnification
+        shown = f"{percent:.0f} %" if percent >= 100.0 else f"{percent:.3g} %"
+        self.setText(shown if self._canvas.shape is not None else "")

@@ -42,7 +42,6 @@ from app.model.text.language import tr, written
 from app.session.session import Session
 from app.session.storage.preferences import Preferences
 from app.views.export.frames import NARROWEST, WIDEST, AnimationPlan, every, frame_size
-from app.views.export.picture import Line, Preview
 from app.views.widgets.containers import AcceptButtons, arrange, wrapped
 from app.views.widgets.fields import DecimalField
 from app.views.window.dialogs import FileDialogs, ask_to_replace
@@ -58,7 +57,7 @@ _FIRST = ["objects:.table.csv", "contours:.svg", "surface:.stl", "skeleton:.svg"
 """Formats that are checked until the user has checked others."""
 
 _PICTURES = frozenset({"pages", "space", "turntable", "run"})
-"""What has no part in the preview."""
+"""What is not counted in words."""
 
 _WIDTH = 430
 _SPACES = {"LPS": tr("Left, back, head (LPS), as in DICOM"), "RAS": tr("Right, front, head (RAS), as in NIfTI")}
@@ -130,7 +129,6 @@ class ExportDialog(QDialog):
         self.summary = wrapped()
         self.summary.setMinimumHeight(2 * self.summary.fontMetrics().lineSpacing())
         self.classes: dict[int, QLineEdit] = {}
-        self.preview = None if scene.display is None else Preview(scene.display)
         self._lay_out()
         self._restore()
         self._fill()
@@ -226,10 +224,10 @@ class ExportDialog(QDialog):
             self.list.itemChanged,
         ):
             changed.connect(self._follow)
-        layout = QHBoxLayout(self)
-        layout.addLayout(arrange(QVBoxLayout(), self.list, form, buttons, wide=self.list))
-        if self.preview is not None:
-            layout.addWidget(self.preview, 1)
+        layout = QVBoxLayout(self)
+        layout.addWidget(self.list, 1)
+        layout.addLayout(form)
+        layout.addWidget(buttons)
         self.export_button.setDefault(True)  # once it is in the dialog, else Tab makes another button the default
 
     def _restore(self) -> None:
@@ -304,8 +302,8 @@ class ExportDialog(QDialog):
         self._show(order)
 
     def _show(self, order: ExportOrder) -> None:
-        """Show what is written, in words and as a picture."""
-        document, parts, lines, vertices = self._session.document, list[str](), list[Line](), [0, 0]
+        """Show what is written, in words."""
+        document, parts, vertices = self._session.document, list[str](), [0, 0]
         trouble = "" if order.files else tr("Choose what to export.")
         for what in dict.fromkeys(file.what for file in order.files):
             suffixes = [file.suffix for file in order.files if file.what == what]
@@ -319,11 +317,6 @@ class ExportDialog(QDialog):
             vertices[0] += sum(len(contour.points) for contour in result.contours)
             if any(map(order.thins, suffixes)):
                 vertices[1] += sum(len(contour.points) for contour in thinned(result, order.tolerance).contours)
-            pale = all(left_out(result, suffix) for suffix in suffixes)
-            lines += [
-                Line(contour, what == "objects" and not contour.hole, pale and not contour.closed)
-                for contour in result.contours
-            ]
         few, many = (written(f"{count:,}") for count in reversed(vertices))
         self._vertices.setText(tr("{few} of {many} vertices").format(few=few, many=many) if vertices[1] else "")
         plan = self.animation
@@ -334,8 +327,6 @@ class ExportDialog(QDialog):
         count = tr("1 file") if len(order.files) == 1 else tr("{count} files").format(count=len(order.files))
         self.summary.setText(trouble or f"{count}: {', '.join(parts)}.")
         self.export_button.setEnabled(not trouble)
-        if self.preview is not None:
-            self.preview.show_lines(lines)
         self.resize(self.size().expandedTo(self.sizeHint()))
 
 

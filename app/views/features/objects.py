@@ -13,17 +13,14 @@ from app.model.document.objects import as_barriers, as_regions, as_starts, class
 from app.model.preferences.table import UNIT
 from app.model.state.situation import Situation, has_contours, has_image
 from app.model.text.language import tr
-from app.session.features.object_list import Key, Kind, Row
-from app.views.canvas.naming import NameField
+from app.session.features.object_list import Key, Kind
 from app.views.panels.objects import ObjectPanel
 from app.views.theme.icons import fill_colors, swatch
 from app.views.widgets.actions import ActionSpec, Submenu, add_choice
 from app.views.window.docks import Panel
 from app.views.window.keyboard import Keys
 from app.views.window.window import Feature, MainWindow
-from cpm_core.contours import middle
 from cpm_core.medial_axis import Outlined
-from cpm_core.numerics import Position
 
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
@@ -44,11 +41,6 @@ class ObjectsFeature(Feature):
         self.panel = ObjectPanel(session, objects, lambda name: window.actions_by_name.get(name))  # noqa: PLW0108  # made later
         self.panels = (Panel("objects", "Objects", self.panel, "Ctrl+Shift+O"),)
         window.preferences.follow(UNIT, self.panel.table.show_items)
-        self.name_field, self.class_field = (
-            NameField(area.canvas, title) for title in (tr("Name of the object"), tr("Name of the class"))
-        )
-        session.image_changed.connect(self.name_field.leave)
-        session.image_changed.connect(self.class_field.leave)
         Keys(area.canvas, self.take_key)
         area.canvas.pointer.doubled.connect(self._open)
         self.panel.table.zoom_wanted.connect(area.zoom_to_selection)
@@ -69,10 +61,6 @@ class ObjectsFeature(Feature):
         def all_are(state: str) -> bool:
             return bool(objects.items) and all(getattr(item, state) for item in objects.items)
 
-        def ask_class(category: int) -> None:
-            for row in objects.selected_rows[:1]:
-                self.class_field.ask(self._place(row), "", partial(objects.name_class, category), above=True)
-
         def ask_color() -> None:
             menu = QMenu(window)
             fill_colors(menu, window, objects.paint, True)
@@ -85,7 +73,7 @@ class ObjectsFeature(Feature):
             else:
                 editing.join_selected(closing=False)
 
-        objects.class_begun.connect(ask_class)
+        objects.class_begun.connect(self.ask_name)
         self.actions = (
             ActionSpec("accept", "Objects", "&Accept",
                        "Accept proposals and closed contours as objects, and keep open contours; Enter "
@@ -161,16 +149,10 @@ class ObjectsFeature(Feature):
         if keys:
             self._list.select((keys[(at + 1) % len(keys)],))
 
-    def ask_name(self) -> None:
-        """Ask for the name of the selected row, in the table if it has the focus, else on the canvas."""
-        chosen = self._list.selected_rows
-        if self.panel.table.hasFocus():
-            self.panel.table.name_selected()
-        elif chosen:
-            row = chosen[0]
-            self.name_field.ask(
-                self._place(row), row.name, partial(self._list.rename, row.key), above=row.contour is None
-            )
+    def ask_name(self, category: int = 0) -> None:
+        """Ask for the name of the selected row, or of a class."""
+        self.window.docks.reveal("objects")
+        self.panel.ask_name(category)
 
     def take_key(self, event: QKeyEvent) -> bool:
         """Handle the keys for what is selected on the canvas; return whether the key was one of them."""
@@ -192,19 +174,6 @@ class ObjectsFeature(Feature):
         """Keys of the rows in the table, without rejected ones unless there are only these."""
         listed = self.panel.table.listed
         return frozenset(row.key for row in [row for row in listed if row.kind != "rejected"] or listed)
-
-    def _place(self, row: Row) -> Position:
-        """The place of a row on the canvas; where the slice does not cut it, the middle of what is seen."""
-        if row.contour is not None:
-            return middle(row.contour.contour)
-        assert row.item is not None
-        canvas = self.window.canvas_area.canvas
-        drawn = (each for each in canvas.drawn.document.objects.items if each.number == row.item.number)
-        shown = row.item if row.item.boundary else next(drawn, None)
-        if shown is None:
-            seen = canvas.view.viewRect().center()
-            return seen.y(), seen.x()
-        return min(at for curve in shown.boundary for at, _ in curve), shown.center[1]
 
     def _open(self) -> None:
         """Rename what has been clicked twice with the tool that selects."""

@@ -360,6 +360,7 @@ class ObjectPanel(QWidget):
         row = arrange(QHBoxLayout(), self.summary, self.shown, spacing=6, wide=self.summary)
         arrange(QVBoxLayout(self), self.name, self.figures, self.histogram, self._classes, self._grid, self.brush, row,
                 self.table, margins=(2, 6, 2, 6), spacing=6, wide=self.table)  # fmt: skip
+        session.image_changed.connect(lambda: self.name.setModified(False))  # what is typed names nothing of the next
         for changed in (object_list.changed, object_list.selection_changed, session.image_changed):
             changed.connect(self.show_chosen)
         self.show_chosen()
@@ -389,6 +390,16 @@ class ObjectPanel(QWidget):
         said = [one if found[kind] == 1 else many.format(count=found[kind]) for kind, one, many in words if found[kind]]
         nothing = with_keys(tr("Nothing yet. Click an object with the Objects tool ({key:objects}), or run."))
         self.summary.setText(", ".join(said) or nothing)
+
+    def ask_name(self, category: int) -> None:
+        """Ask for the name of a class, or for 0 of the chosen row: in the table for several, or if it has the focus."""
+        self.show_chosen()
+        field = self.classes[category].name if category else self.name
+        if not category and (self._row is None or self.table.hasFocus()):
+            self.table.name_selected()
+        else:
+            field.setFocus()
+            field.selectAll()
 
     def showEvent(self, event: QShowEvent) -> None:
         """Make the buttons of the actions, which come after the panels, and show what has changed meanwhile."""

@@ -88,7 +88,6 @@ REPELLING = "#d55e00"
 DIMMED = "#88101216"
 HALO = "#101216"
 FIELD = "#ff9ad5"
-TRAIL = "#7fd0ff"
 THICKNESSES = ("#6a7fd1", "#3f9fd0", "#35bcab", "#8ccf5e", "#f3e04b")
 """From thin to thick: of increasing lightness, distinguishable without distinguishing red from green."""
 DISK = "#70ffffff"
@@ -221,9 +220,6 @@ QWidget#segments QToolButton:checked { background: $chosen; color: $text; font-w
 QWidget#segments QToolButton:focus { border: 1px solid $accent; }
 QStatusBar { border-top: 1px solid $line; }
 QStatusBar::item { border: none; }
-QComboBox#zoom { background: transparent; border: 1px solid transparent; border-radius: 4px; padding: 0 4px; }
-QComboBox#zoom:hover, QComboBox#zoom:focus { background: $base; border-color: $line; }
-QComboBox#zoom QLineEdit { background: transparent; border: none; }
 
 /* Docks with their headings and tabs.
    The line between docks is one pixel wide, the separator that is dragged three: for one of a single pixel Qt makes a

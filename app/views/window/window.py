@@ -24,7 +24,7 @@ from app.session.features.workspace import Workspace
 from app.session.storage.preferences import Preferences
 from app.session.storage.session_file import DocumentFile
 from app.views.canvas.canvas_area import FIRST_TOOL, CanvasArea
-from app.views.canvas.status_fields import PointerReadout, ZoomField
+from app.views.canvas.status_fields import PointerReadout, ZoomReadout
 from app.views.theme import theme
 from app.views.widgets.actions import Actions, ActionSpec, Submenu
 from app.views.widgets.fields import SpeedControl
@@ -142,8 +142,8 @@ class MainWindow(QMainWindow):
         self.addToolBar(ToolBar(self.actions_by_name, self.speed))
         self.addToolBar(Qt.ToolBarArea.LeftToolBarArea, ToolPalette(self.actions_by_name))
         self.pointer_readout = PointerReadout(session, canvas)
-        self.zoom_field = ZoomField(canvas)
-        for field in (self.pointer_readout, self.zoom_field):
+        self.zoom_readout = ZoomReadout(canvas)
+        for field in (self.pointer_readout, self.zoom_readout):
             self.statusBar().addPermanentWidget(field)
         session.status_changed.connect(self._show)
         session.image_changed.connect(self._keep_tool)

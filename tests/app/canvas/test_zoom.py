@@ -1,4 +1,4 @@
-"""The zoom: shown in percent, chosen, typed, and fitted to what is selected."""
+"""The zoom: shown in percent, within bounds, around the pointer."""
 
 from __future__ import annotations
 
@@ -12,23 +12,12 @@ from PySide6.QtWidgets import QApplication
 
 pytestmark = pytest.mark.shared_window
 
-KEY = Qt.Key
 
-
-def test_a_zoom_can_be_typed_and_the_canvas_has_the_keyboard_again(window, hand, qtbot) -> None:
-    field = window.zoom_field
-    qtbot.mouseClick(field.lineEdit(), Qt.MouseButton.LeftButton)
-    field.lineEdit().selectAll()
-    qtbot.keyClicks(field.lineEdit(), "250")
-    qtbot.keyClick(field.lineEdit(), KEY.Key_Return)
-    assert hand.canvas.magnification == pytest.approx(2.5)
-    assert field.currentText() == "250 %"
-    assert hand.canvas.hasFocus()
-    qtbot.mouseClick(field.lineEdit(), Qt.MouseButton.LeftButton)
-    qtbot.keyClicks(field.lineEdit(), "9")
-    qtbot.keyClick(field.lineEdit(), KEY.Key_Escape)
-    assert hand.canvas.magnification == pytest.approx(2.5)
-    assert field.currentText() == "250 %"
+def test_the_status_bar_shows_the_zoom_in_percent(window, hand) -> None:
+    hand.canvas.zoom_to(2.5)
+    assert window.zoom_readout.text() == "250 %"
+    hand.canvas.zoom_to(0.5)
+    assert window.zoom_readout.text() == "50 %"
 
 
 def test_the_wheel_keeps_what_is_under_the_pointer(window, hand) -> None:

@@ -1,4 +1,4 @@
-"""Arrows of the field are as dense as the zoom allows; the potential is constant along its iso-lines."""
+"""Arrows of the field are as dense as the zoom allows and the potential is shown on request."""
 
 from __future__ import annotations
 
@@ -6,28 +6,12 @@ import numpy as np
 import pytest
 
 from app.model.display.display_image import display_of_potential
-from app.model.display.lines import LINES, iso_lines
 from cpm_core.segmentation.engine import Engine
 
 pytestmark = pytest.mark.shared_window
 
 SIDE = 120
 ROW, COL = np.indices((SIDE, SIDE)) - (SIDE - 1) / 2
-
-
-def test_lines_of_equal_potential_of_a_bowl_are_circles():
-    bowl = np.hypot(ROW, COL)
-    points = iso_lines(bowl)
-    ends = np.flatnonzero(np.isnan(points[:, 0]))
-    assert ends[-1] == len(points) - 1
-    levels = []
-    for line in np.split(points, ends):
-        known = line[np.isfinite(line[:, 0])]
-        if len(known):
-            distance = np.hypot(*(known - (SIDE - 1) / 2).T)
-            assert np.ptp(distance) < 0.1
-            levels.append(round(float(distance.mean()), 1))
-    assert len(set(levels)) == LINES
 
 
 def test_where_the_potential_is_higher_it_is_shown_no_darker():
@@ -41,13 +25,10 @@ def test_potential_and_field_are_shown_on_request(ready, hand):
     session, layers = ready.session, hand.canvas.layers
     potential, field = layers["potential"], layers["field"]
     ready.actions_by_name["layer_potential"].trigger()
-    hand.wait(lambda: potential.shades is not None and potential.lines.isVisible())
+    hand.wait(lambda: potential.shades is not None)
     parameters = session.document.parameters
     engine = Engine(session.image, parameters)
     assert np.array_equal(potential.shades, display_of_potential(engine.potential(parameters)))
-    potential.choose("lines", False)
-    hand.wait(lambda: not potential.lines.isVisible() and session.idle)
-    assert potential.shades is not None
     ready.actions_by_name["layer_field"].trigger()
     hand.wait(lambda: len(field.drawn) > 0)
     arrows = field.drawn

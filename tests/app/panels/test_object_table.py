@@ -248,14 +248,14 @@ def test_a_digit_accepts_and_classes_and_the_second_class_asks_for_its_name(wind
     choose(hand, drawn, 2)
     hand.qtbot.keyClick(drawn, KEY.Key_1)
     assert [item.category for item in items(window)] == [1]
-    feature = window.feature(ObjectsFeature)
-    assert not feature.class_field.isVisible()
     choose(hand, drawn, drawn.column("class").index("closed"))
     hand.qtbot.keyClick(drawn, KEY.Key_2)
     assert [item.category for item in items(window)] == [1, 2]
-    hand.wait(feature.class_field.isVisible)
-    hand.qtbot.keyClicks(feature.class_field, "vessel")
-    hand.qtbot.keyClick(feature.class_field, KEY.Key_Return)
+    field = window.feature(ObjectsFeature).panel.classes[2].name
+    hand.wait(field.hasFocus)
+    hand.qtbot.keyClicks(field, "vessel")
+    hand.qtbot.keyClick(field, KEY.Key_Return)
+    assert hand.canvas.hasFocus()
     assert "2 vessel" in drawn.column("class")
     assert "2" not in undo_name(window)
 
@@ -280,7 +280,6 @@ def test_classes_are_listed_once_they_are_used_and_have_names_and_colors_in_the_
 def test_keys_classify_and_remove_the_chosen_objects(window, hand, table) -> None:
     choose(hand, table, 0)
     hand.qtbot.keyClick(table, KEY.Key_4)
-    window.feature(ObjectsFeature).class_field.leave()
     assert [item.category for item in items(window)] == [4, 2]
     hand.qtbot.keyClick(table, KEY.Key_Delete)
     assert items(window) == (DOT,)
@@ -384,11 +383,12 @@ def test_the_layer_draws_objects_in_the_color_of_their_class_and_gaps_dashed(win
 
 
 def test_a_name_that_is_typed_goes_to_no_object_of_another_image(window, hand, table, image_file) -> None:
-    field = window.feature(ObjectsFeature).name_field
+    field = window.feature(ObjectsFeature).panel.name
     choose(hand, table, 0)
     hand.canvas.setFocus()
     hand.key(KEY.Key_F2)
-    hand.wait(field.isVisible)
+    hand.wait(field.hasFocus)
+    hand.qtbot.keyClicks(field, "aorta")
     before = window.session.image_generation
     window.session.open(image_file)
     hand.wait(lambda: window.session.image_generation != before)

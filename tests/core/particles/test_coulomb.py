@@ -71,5 +71,5 @@ def test_what_gives_no_force_is_refused_in_a_sentence():
         coulomb_force(np.zeros((3, 2)), method="magic")
     with pytest.raises(ValueError, match="positions must be finite numbers"):
         coulomb_force([(0.0, np.nan), (1.0, 1.0)])
-    with pytest.raises(ValueError, match=r"positions lie within .* so near to each other"):
+    with pytest.raises(ValueError, match=r"positions lie within .* so close together"):
         coulomb_force(np.eye(4, 2) * 1e-300)

@@ -16,14 +16,13 @@ from app.views.canvas.layers.forces import ForceLayer
 from app.views.canvas.layers.image_layer import ImageLayer
 from app.views.canvas.layers.layer import Layer, LegendEntry, Requests
 from app.views.canvas.layers.objects import ObjectLayer
-from app.views.canvas.layers.particles import ParticleLayer, TrailLayer
+from app.views.canvas.layers.particles import ParticleLayer
 from app.views.canvas.layers.skeleton import SkeletonLayer
 
 L = TypeVar("L", bound=Layer)
 
 LAYERS: tuple[type[Layer], ...] = (
     ParticleLayer,
-    TrailLayer,
     ForceLayer,
     ContourLayer,
     ObjectLayer,

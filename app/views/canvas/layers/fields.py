@@ -8,14 +8,13 @@ from typing import ClassVar
 import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import QRectF
-from PySide6.QtGui import QColor
 
 from app.model.display.display_image import DisplayImage, Shades
 from app.model.text.language import tr
 from app.session.scene import Scene
 from app.views.canvas.items.item import cached, line_pen, to_xy
 from app.views.canvas.items.tiled_image import TiledImage
-from app.views.canvas.layers.layer import Choice, Layer, Switch
+from app.views.canvas.layers.layer import Choice, Layer
 from app.views.theme import color_maps, theme
 from cpm_core.numerics import Array
 
@@ -24,8 +23,6 @@ _STRONGEST = 235
 
 _VEIL = 0.75
 """Opacity of the potential over the image where the layer itself is fully opaque."""
-
-_LINE = "#d8ffffff"
 
 
 def _maps(names: Sequence[str], tip: str) -> Choice:
@@ -101,7 +98,7 @@ class EdgeMapLayer(ScalarOverlay):
 
 
 class PotentialLayer(ScalarOverlay):
-    """The potential in colors, with lines of equal potential."""
+    """The potential in colors."""
 
     name = "potential"
     title = tr("Potential")
@@ -113,44 +110,12 @@ class PotentialLayer(ScalarOverlay):
             ("cividis", "viridis", "magma", "plasma", color_maps.GRAY),
             tr("Colors from low to high potential."),
         ),
-        Switch("lines", tr("Equipotential lines"), True, tr("Lines that are perpendicular to the force.")),
     )
     z = 0.9
-
-    def make(self) -> None:
-        """Make its items."""
-        super().make()
-        pen = line_pen("#ffffff", 1.0)
-        pen.setColor(QColor(_LINE))
-        self.lines = pg.PlotCurveItem(pen=pen, antialias=True, connect="finite")
-        self.lines.setZValue(1.9)
-        self.lines.setVisible(False)
-        cached(self.lines)
-        self.add(self.lines)
-        self.fade()
-
-    def show_or_hide(self) -> None:
-        """Request the lines as well, where they are shown."""
-        self.requests.want_overlay("iso_lines", self.shown and bool(self.chosen["lines"]))
-        super().show_or_hide()
-
-    def _show(self) -> None:
-        super()._show()
-        lines = self.scene.overlays.get("iso_lines") if self.shown else None
-        self.lines.setVisible(lines is not None)
-        if lines is not None:
-            self.lines.setData(*to_xy(np.asarray(lines, dtype=float)))
-
-    def follow_choice(self, name: str) -> None:
-        """Change the colors, or request the lines."""
-        super().follow_choice(name)
-        if name == "lines":
-            self.show_or_hide()
 
     def fade(self) -> None:
         """Set the opacity; the image always remains visible below the colors."""
         self._item.setOpacity(_VEIL * self.opacity)
-        self.lines.setOpacity(self.opacity)
 
 
 ARROW_SPACING = 22.0

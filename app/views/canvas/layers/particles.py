@@ -1,4 +1,4 @@
-"""The layers of the particles and of their trails, and the legend of their colors."""
+"""The layer of the particles, and the legend of their colors."""
 
 from __future__ import annotations
 
@@ -6,18 +6,16 @@ from collections.abc import Sequence
 from typing import ClassVar
 
 import numpy as np
-import pyqtgraph as pg
 from PySide6.QtCore import QUrl
 from PySide6.QtGui import QColor, QTextDocument
 
 from app.model.display.coloring import QUANTITIES, SHADES, colored
-from app.model.display.lines import Trails
 from app.model.text.language import tr, written
 from app.session.exchange.messages import Snapshot
 from app.session.scene import Scene
 from app.views.canvas.items.discs import NO_POSITIONS, Discs
-from app.views.canvas.items.item import Pinned, to_xy
-from app.views.canvas.layers.layer import Amount, Choice, Layer, LegendEntry
+from app.views.canvas.items.item import Pinned
+from app.views.canvas.layers.layer import Choice, Layer, LegendEntry
 from app.views.theme import color_maps, theme
 from cpm_core.numerics import Array
 
@@ -178,77 +176,3 @@ class ParticleLayer(Layer):
 def _palette(name: str) -> list[str]:
     """Colors from low to high, and one for unknown values."""
     return [QColor(*map(int, row)).name() for row in color_maps.table(name, SHADES, BEGIN)] + [UNKNOWN]
-
-
-_TRAIL_Z = 2.9
-_LENGTH = 20.0
-_BANDS = 4
-"""Number of opacities of a trail."""
-
-_MOST = 24_000
-"""Largest number of lines in a frame; beyond it the trails are shorter."""
-
-
-class TrailLayer(Layer):
-    """Lines along the latest positions of each particle, in bands of decreasing opacity: older ones are fainter."""
-
-    name = "trails"
-    title = tr("Trails")
-    tip = tr("The latest positions of each particle.")
-    shortcut = "Alt+2"
-    initially = False
-    in_slices = True
-    colors = (theme.TRAIL,)
-    options = (Amount("length", tr("Length"), 2, 100, 1, _LENGTH, tr("Number of steps that a trail shows.")),)
-
-    def make(self) -> None:
-        """Make its items."""
-        self.trails = Trails(int(_LENGTH))
-        self._bands = [pg.PlotCurveItem(connect="pairs", skipFiniteCheck=True) for _ in range(_BANDS)]
-        for age, item in enumerate(self._bands):
-            color = QColor(theme.TRAIL)
-            color.setAlphaF(0.85 * (1.0 - age / _BANDS) + 0.1)
-            item.setPen(pg.mkPen(color))
-            item.setSegmentedLineMode("on")  # thousands of lines take the painter much longer as a path
-            item.setZValue(_TRAIL_Z - 0.01 * age)
-            item.setVisible(False)
-        self.add(*self._bands)
-
-    def show_or_hide(self) -> None:
-        """Store positions only while the layer is shown."""
-        super().show_or_hide()
-        if not self.shown:
-            self.trails.forget()
-        self._draw()
-
-    def follow_choice(self, name: str) -> None:
-        """Change the length."""
-        self.trails.keep(int(self.number("length")))
-        self._draw()
-
-    def follow(self, before: Scene) -> None:
-        """Add the newest positions."""
-        snapshot = self.scene.snapshot
-        if snapshot is before.snapshot:
-            return
-        now, then = self.scene.slices, before.slices
-        if snapshot is None or (now is not None and then is not None and now.current != then.current):
-            self.trails.forget()  # those of another slice are not seen in this one
-        if snapshot is not None and self.shown:
-            near, identity = self.scene.near, snapshot.state.particles.identity
-            self.trails.add(snapshot.state.step, identity if near is None else identity[near.index], snapshot.position)
-        if self.shown:
-            self._draw()
-
-    def _draw(self) -> None:
-        newest_first: list[Array] = []
-        room = _MOST
-        for pairs in self.trails:
-            if len(pairs) > room and newest_first:
-                break
-            newest_first.append(pairs[:: len(pairs) // _MOST + 1].reshape(-1, 2))
-            room -= len(pairs)
-        # A thousand lines look better with antialiasing; for ten thousand it would take several frames.
-        few = room > _MOST - _MOST // 10
-        for item, band in zip(self._bands, np.array_split(np.arange(len(newest_first)), _BANDS), strict=True):
-            item.setData(*to_xy(np.concatenate([NO_POSITIONS, *(newest_first[i] for i in band)])), antialias=few)

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
-from app.model.volume.sampled_volumes import SampledForce
-from app.model.volume.slices import Slice
+from app.model.volume.slices import SampledForce, Slice
 from app.views.features.volumes import SlicesFeature
 
 pytestmark = pytest.mark.shared_window
