@@ -168,6 +168,13 @@ def parameters_of(arguments: argparse.Namespace, base: Parameters) -> Parameters
     return replace(base, **{name: value for name, value in given.items() if value is not None})
 
 
+def refuse(arguments: argparse.Namespace, names: Iterable[str], why: str) -> None:
+    """Raise ValueError when one of some options is given that has no meaning here."""
+    for name in names:
+        if getattr(arguments, name):
+            raise ValueError(f"--{name.replace('_', '-')} is for {why}: leave it out.")
+
+
 _READ = ("image", "session", "source", "start", "points", "truth", "within")
 """Arguments that name files to read."""
 

@@ -18,6 +18,7 @@ from cpm_core.cli.arguments import (
     numbers_of,
     part_of,
     places_in,
+    refuse,
 )
 from cpm_core.cli.inputs import fitted, image_of, session_of, starts_from_file, truth_for
 from cpm_core.cli.output import Files, announce_compilation, report, say
@@ -108,9 +109,8 @@ def run(arguments: argparse.Namespace) -> int:
     session = session_of(arguments)
     compared = Compared(()) if session.comparison == Compared() else session.comparison
     ndim = 3 if arguments.sphere else 2
-    for name in ("circle", "polygon", "start", "session") if ndim == 3 else ():
-        if getattr(arguments, name):
-            raise ValueError(f"--{name} is for images, but --sphere is for volumes: leave one out.")
+    if ndim == 3:
+        refuse(arguments, ("circle", "polygon", "start", "session"), "images, but --sphere is for volumes")
     named = arguments.methods or [name for name in compared.methods if name]
     for method in map(method_named, named):
         if ndim == 3 and not method.in_volumes:

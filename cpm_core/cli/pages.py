@@ -10,7 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from cpm_core.cli.arguments import check_targets
+from cpm_core.cli.arguments import check_targets, refuse
 from cpm_core.cli.inputs import notes_on
 from cpm_core.cli.output import (
     IN_PART,
@@ -40,10 +40,7 @@ _NOT_OF_PAGES = ("page", "object", "close", "truth", "save_session")
 
 def check_pages(arguments: argparse.Namespace, image: Path) -> None:
     """Raise ValueError for options that do not belong together, and for files that cannot be written."""
-    for name in _NOT_OF_PAGES:
-        if getattr(arguments, name):
-            given = f"--{name.replace('_', '-')}"
-            raise ValueError(f"{given} is for one image, but --pages runs several: leave one of them out.")
+    refuse(arguments, _NOT_OF_PAGES, "one image, but --pages runs several")
     for path in arguments.export:
         check_target(path, FOR_STACKS, "for all pages of a stack")
     check_targets(arguments.export, arguments, image)

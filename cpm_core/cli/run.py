@@ -22,6 +22,7 @@ from cpm_core.cli.arguments import (
     parameters_of,
     part_of,
     places_in,
+    refuse,
 )
 from cpm_core.cli.inputs import (
     fitted,
@@ -267,11 +268,10 @@ def _run_image(
 
 def _check_options(arguments: argparse.Namespace, session: SessionFile, volume: bool) -> None:
     """Raise ValueError for options that have no meaning for this run."""
-    others = ("circle", "close", "pages", "save_session") if volume else ("space",)
-    for name in others:
-        if getattr(arguments, name):
-            kind, here = ("images", "a volume is run") if volume else ("volumes", "an image is run")
-            raise ValueError(f"--{name.replace('_', '-')} is for {kind}, but {here}: leave it out.")
+    if volume:
+        refuse(arguments, ("circle", "close", "pages", "save_session"), "images, but a volume is run")
+    else:
+        refuse(arguments, ("space",), "volumes, but an image is run")
     given = [*arguments.circle, *arguments.sphere, *arguments.stroke, *arguments.points, *arguments.start]
     if not (given or arguments.auto or starts_of(session.shapes) or (arguments.object and not volume)):
         if session.mode == "skeleton":

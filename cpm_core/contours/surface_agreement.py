@@ -103,7 +103,7 @@ def triangles_of(surface: Surface, shape: tuple[int, ...]) -> Triangles:
 
 def within_border(voxels: Array, shape: tuple[int, ...]) -> Mask:
     """Which of positions, shape (N, 3) [voxels], lie between the centers of the outermost voxels of a volume."""
-    return ((voxels >= 0.0) & (voxels <= np.array(shape) - 1.0)).all(axis=1)
+    return np.asarray(((voxels >= 0.0) & (voxels <= np.array(shape) - 1.0)).all(axis=1))
 
 
 def _from_triangles(points: Array, corners: Array) -> Array:

@@ -176,7 +176,8 @@ def centerlines(
         return Centerlines((), tuple(spacing), unit)
     low = np.argwhere(mask).min(0)
     part = np.pad(mask[tuple(slice(a, b + 1) for a, b in zip(low, np.argwhere(mask).max(0), strict=True))], 1)
-    depth = _depth(part, size)
+    # from the surface, halfway between voxels inside and outside
+    depth = np.maximum(scipy.ndimage.distance_transform_edt(part, sampling=size) - 0.5 * size.min(), 0.0)
     chains = _pruned(thinned(part, depth), depth, size, pruning)
     walls = scipy.spatial.KDTree(np.argwhere(~part & scipy.ndimage.binary_dilation(part)) * size)
     sides = depth / size.min()
@@ -184,12 +185,6 @@ def centerlines(
     found = Centerlines(tuple(branches), tuple(spacing), unit)
     order = np.argsort(-found.lengths, kind="stable")
     return Centerlines(tuple(branches[k] for k in order), tuple(spacing), unit)
-
-
-def _depth(inside: Mask, size: Array) -> Array:
-    """Distance of each voxel inside from the surface, halfway between voxels inside and outside."""
-    distance = scipy.ndimage.distance_transform_edt(inside, sampling=size)
-    return np.maximum(distance - 0.5 * size.min(), 0.0)
 
 
 def _pruned(lines: Mask, depth: Array, size: Array, pruning: float) -> list[Chain]:

@@ -73,7 +73,7 @@ class Axis:
 
     def inside(self, low: Array, high: Array) -> Mask:
         """Which vertices lie in a rectangle, shape (N,)."""
-        return ((self.points >= low) & (self.points <= high)).all(axis=1)
+        return np.asarray(((self.points >= low) & (self.points <= high)).all(axis=1))
 
     def within(self, low: Array, high: Array) -> Axis:
         """The part of the axis in a rectangle; edges are clipped."""

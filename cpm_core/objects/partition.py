@@ -75,7 +75,7 @@ class _Found(NamedTuple):
     """Pixels of an object, shape (H, W), what the prior says of it, where that is known, and whether it is certain."""
 
     mask: Mask
-    signs: Signs | None
+    signs: Signs | None = None
     certain: bool = False
 
 
@@ -309,7 +309,7 @@ class Partition(drawing.Pictured):
             wrong = [(place, True) for place in prompt.inside if not mask[tuple(place)]]
             wrong += [(place, False) for place in prompt.outside if mask[tuple(place)]]
             if not wrong:
-                return _Found(self._tied(mask, prompt), None, certain)
+                return _Found(self._tied(mask, prompt), certain=certain)
             kept = prompt.outside, prompt.inside
             changed = (self._closed.changed(mask, place, adds, kept[not adds]) for place, adds in wrong)
             better = next((found for found in changed if found is not None), None)
@@ -317,7 +317,7 @@ class Partition(drawing.Pictured):
                 answers = self._answers(replace(prompt, former=mask), areas)
                 break
             mask, certain = better, True
-        found = next(answers, None) or _Found(np.zeros(self.shape, np.bool_) if mask is None else mask.copy(), None)
+        found = next(answers, None) or _Found(np.zeros(self.shape, np.bool_) if mask is None else mask.copy())
         if mask is not None:  # places inside only add, and those outside only take away
             adds, takes = not mask[tuple(prompt.inside.T)].all(), mask[tuple(prompt.outside.T)].any()
             if adds != takes:
@@ -330,7 +330,7 @@ class Partition(drawing.Pictured):
             return
         tree = vessel_tree(self.values, prompt.inside) if prompt.places_alone else None
         if tree is not None:
-            yield _Found(tree, None)
+            yield _Found(tree)
         for likely in self._prior.objects_of(prompt, np.asarray(areas, float)):
             mask = likely.mask
             if likely.coarseness > 1.0 and self.contours:  # what particles found is more exact
@@ -344,7 +344,7 @@ class Partition(drawing.Pictured):
         """What else may be meant than an object: what is closed around it, a body of it alone, or more than it."""
         pixels = prompt.inside if prompt.drawn is None else np.argwhere(prompt.drawn)
         for other in itertools.islice(self._closed.nested(pixels), _MOST_CLOSED) if len(pixels) else ():
-            yield _Found(other, None)
+            yield _Found(other)
         box, corner = _box_of(mask)
         if len(pixels):
             parts = bodies(mask[box])
@@ -353,7 +353,7 @@ class Partition(drawing.Pictured):
             held[0] = False
             body = np.zeros_like(mask)
             body[box] = held[parts]
-            yield _Found(body, None)
+            yield _Found(body)
         wide = tuple(
             slice(max(side.start - length, 0), side.stop + length)
             for side in box
@@ -362,7 +362,7 @@ class Partition(drawing.Pictured):
         more = np.zeros_like(mask)
         more[wide] = _linked(alike(self.values[wide], mask[wide], self.interest[wide]), np.argwhere(mask[wide]))
         if _LARGER < np.count_nonzero(more) / np.count_nonzero(mask) < _LARGEST:
-            yield _Found(more, None)
+            yield _Found(more)
 
     def _tied(self, mask: Mask, prompt: Prompt) -> Mask:
         """What of a mask is linked with what a prompt holds inside; with all places inside, and none outside."""

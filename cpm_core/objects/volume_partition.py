@@ -56,8 +56,6 @@ class VolumePartition:
     surface: Surface
 
     def __post_init__(self) -> None:
-        if not isinstance(self.image, Image) or not isinstance(self.surface, Surface):
-            raise ValueError("a partition of a volume needs its image and the surface of a result: use `partition`.")
         if not self.surface.closed:
             raise ValueError(
                 f"{self.image.source} has no closed surface, so nothing is enclosed: run until the particles are "

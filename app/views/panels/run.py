@@ -14,11 +14,12 @@ from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QToolButton, QVB
 
 from app.model.display.plots import PLOTS, Plot, RunMetrics
 from app.model.state.resolve import Resolved
+from app.model.state.surface_figures import SURFACE
 from app.model.text.language import tr
 from app.views.panels.parameters import ParametersPanel
 from app.views.widgets.containers import ElidedLabel, Scrolled, Section, arrange
 
-_WIDE = (tr("Contours"), tr("Bridged"), tr("Skeleton of"))
+_WIDE = (tr("Contours"), tr("Bridged"), tr("Skeleton of"), SURFACE)
 """Numbers that need a row of their own."""
 
 _LOWEST = 120

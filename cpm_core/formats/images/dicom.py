@@ -31,8 +31,7 @@ _LONGEST_FIRST = 64
 
 _JPEG = "1.2.840.10008.1.2.4."
 _CODECS = {
-    **dict.fromkeys(("50", "51"), "jpeg8_decode"),
-    **dict.fromkeys(("57", "70"), "ljpeg_decode"),
+    **dict.fromkeys(("50", "51", "57", "70"), "jpeg_decode"),
     **dict.fromkeys(("80", "81"), "jpegls_decode"),
     **dict.fromkeys(("90", "91", "201", "202", "203"), "jpeg2k_decode"),
 }

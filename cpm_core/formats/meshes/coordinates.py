@@ -130,7 +130,7 @@ class Place:
 
     def voxels(self, positions: Array) -> Array:
         """Positions (x, y, z) as places (plane, row, col) [voxels]."""
-        return np.linalg.solve(self.matrix[:3, :3], (positions - self.matrix[:3, 3]).T).T
+        return np.asarray(np.linalg.solve(self.matrix[:3, :3], (positions - self.matrix[:3, 3]).T).T)
 
 
 def place_of(head: str, image: Image | None, space: Convention | None) -> tuple[Place, tuple[str, ...]]:

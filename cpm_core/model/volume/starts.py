@@ -192,7 +192,7 @@ def on_strong_edges(volume: Image | ArrayLike, fraction: float = STRONG, smoothi
 def strength_of(volume: Image, smoothing: float) -> Array:
     """Edge strength of every voxel; `smoothing` as for `on_strong_edges`."""
     pitch = pitch_of(volume.spacing)
-    return edge_strength(smoothed_volume(volume.values, [smoothing / side for side in pitch]), pitch)
+    return np.asarray(edge_strength(smoothed_volume(volume.values, [smoothing / side for side in pitch]), pitch))
 
 
 def at_centers(volume: Image | ArrayLike, smoothing: float = 2.0, spacing: float = 4.0) -> Array:

@@ -26,15 +26,10 @@ def snapped(mask: Mask, lines: Crossings, width: float) -> Mask:
     most = int(2.0 * width + 2.0)
     free = np.full(mask.shape, -1.0, np.float32)
     wanted, plain = (
-        _nearer(_steps(within, right, down, most), _steps(beyond, right, down, most))
+        np.sign(_steps(beyond, right, down, most) - _steps(within, right, down, most))
         for right, down in ((lines.right, lines.down), (free, free))
     )
     return np.where(wanted == plain, mask, wanted > 0)
-
-
-def _nearer(own: Index, other: Index) -> Index:
-    """1 where the first of two numbers of steps is smaller, -1 where the second is, 0 where they are equal."""
-    return np.sign(other - own)
 
 
 @compiled

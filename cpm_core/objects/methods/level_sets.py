@@ -55,9 +55,6 @@ _FASTEST, _SMOOTHEST = 0.5, 0.2
 _AGAIN = 5
 """Steps after which the function is made a signed distance again."""
 
-_EVERY, _REST = 40, 0.002
-"""A front is at rest when within so many steps it has changed less than this fraction of its pixels."""
-
 
 def evolution(inside: Mask, curvature: Array, pressure: Array, velocity: Array) -> Iterator[ContourState]:
     """States of a front that begins around a region, until it is at rest or vanishes.
@@ -76,7 +73,7 @@ def evolution(inside: Mask, curvature: Array, pressure: Array, velocity: Array) 
             if step % _AGAIN == 0:
                 phi = signed_distance(phi)
 
-    return until_at_rest(fronts(), 0.0, _EVERY, _REST, MOST_STEPS)
+    return until_at_rest(fronts(), 0.0, MOST_STEPS)
 
 
 @compiled

@@ -294,14 +294,12 @@ def boundary(values: NDArray[Any], level: float) -> Found:
     return tuple(sorted((Contour(ring, closed=True) for ring in rings), key=lambda contour: -contour.length)), None
 
 
-def until_at_rest(
-    functions: Iterable[NDArray[Any]], level: float, every: int, least: float, most_steps: int
-) -> Iterator[ContourState]:
-    """States of a front, where functions cross a level, until it is at rest, vanishes, or has done `most_steps`.
+_EVERY, _REST = 40, 0.002
+"""A front is at rest when within so many steps it has changed less than this fraction of its pixels."""
 
-    It is at rest when within `every` steps the pixels that have changed sides are fewer than `least` of those on the
-    front.
-    """
+
+def until_at_rest(functions: Iterable[NDArray[Any]], level: float, most_steps: int) -> Iterator[ContourState]:
+    """States of a front, where functions cross a level, until it is at rest, vanishes, or has done `most_steps`."""
     before: NDArray[np.bool_] | None = None
     for step, values in enumerate(functions):
         inside = np.asarray(values > level)
@@ -312,9 +310,9 @@ def until_at_rest(
             reason = "the contour has left the image"
         elif step >= most_steps:
             reason = f"stopped after {step} steps"
-        elif step % every == 0:
+        elif step % _EVERY == 0:
             front = sum(np.diff(inside, axis=axis).sum() for axis in range(inside.ndim))
-            at_rest = before is not None and bool((inside != before).sum() <= least * front)
+            at_rest = before is not None and bool((inside != before).sum() <= _REST * front)
             reason, before = "the contour is at rest" if at_rest else "", inside
         yield region_state(values, level, step, reason, at_rest)
         if reason:

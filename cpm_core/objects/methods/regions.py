@@ -27,9 +27,6 @@ from cpm_core.objects.methods.method import (
     until_at_rest,
 )
 
-_EVERY, _REST = 40, 0.002
-"""A front is at rest when within so many steps it has changed less than this fraction of its pixels."""
-
 _CHAN_VESE_STEPS = 500
 
 
@@ -75,7 +72,7 @@ def chan_vese(image: Image, start: Start, settings: ChanVeseSettings) -> Iterato
                 gray, settings.mu, settings.lambda1, settings.lambda2, 0.0, 1, 0.5, phi, True
             )
 
-    return until_at_rest(functions(), 0.0, _EVERY, _REST, _CHAN_VESE_STEPS)
+    return until_at_rest(functions(), 0.0, _CHAN_VESE_STEPS)
 
 
 CHAN_VESE = ContourMethod(
@@ -154,7 +151,7 @@ def _morphological(image: Image, start: Start, advance: Callable[[Bits, Any], ob
             some = after(some[-1])
             yield from some[1:]
 
-    return until_at_rest(masks(), 0.5, _EVERY, _REST, _MORPHOLOGICAL_STEPS)
+    return until_at_rest(masks(), 0.5, _MORPHOLOGICAL_STEPS)
 
 
 def morph_gac(image: Image, start: Start, settings: MorphologicalGacSettings) -> Iterator[ContourState]:

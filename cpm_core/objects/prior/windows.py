@@ -97,7 +97,8 @@ class Views:
 
     def through(self, window: Window) -> Single:
         """Brightness and two differences of colors in a window, shape (3, SIDE, SIDE), of about unit variance."""
-        number = int(np.clip(np.log2(max(window.scale, 1.0)), 0, self._coarsest))
+        coarsest = max(int(np.log2(min(self.values.shape[:2]) / SIDE)), 0)
+        number = int(np.clip(np.log2(max(window.scale, 1.0)), 0, coarsest))
         level, coarseness = self._level(number), window.scale / 2**number
         rows, cols = ((line + 0.5) / 2**number - 0.5 for line in window.lines)
         top, left = (max(int(line[0]) - 3, 0) for line in (rows, cols))
@@ -114,11 +115,6 @@ class Views:
         colors = red - green, 0.5 * (red + green) - blue
         deviation = max(gray.std() + _LEAST_DEVIATION, *(_MOST_COLOR * color.std() for color in colors))
         return np.stack([gray - gray.mean(), *colors]) / deviation
-
-    @property
-    def _coarsest(self) -> int:
-        """Number of the coarsest level; each has half as many pixels along each side as the one before."""
-        return max(int(np.log2(min(self.values.shape[:2]) / SIDE)), 0)
 
     def _level(self, number: int) -> NDArray[Any]:
         """The image for 0, shape (H, W, C); else normalized means of 2 x 2 pixels of the level before."""

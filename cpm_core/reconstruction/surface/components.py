@@ -20,7 +20,7 @@ and if this share of its vertices has a particle near."""
 
 def support(vertices: Array, points: Array, distance: float) -> Mask:
     """Which vertices have a point within a distance."""
-    return scipy.spatial.KDTree(points).query(vertices)[0] <= distance
+    return np.asarray(scipy.spatial.KDTree(points).query(vertices)[0] <= distance)
 
 
 def well_supported(

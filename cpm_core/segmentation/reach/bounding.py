@@ -149,7 +149,9 @@ def _bounds(values: Array, area: Mask, hollow: Mask, closed: Mask, beta: float) 
     own = np.zeros(labels.max() + 1, bool)
     own[touched[1]] = True
     beside = _beside(np.where(own[labels], labels, 0)) & ~_rim(shut)
-    beside, inside = (_enlarged(mask, stride, values.shape) for mask in (beside, own[labels]))
+    sides = zip(values.shape, beside.shape, strict=True)
+    grid = np.ix_(*(np.minimum((np.arange(n) + stride // 2) // stride, m - 1) for n, m in sides))
+    beside, inside = beside[grid], own[labels][grid]
     whole = touched.shape[1] == len(np.unique(touched[0])) > 0
     return Bounds(area, beside, inside, sigma, whole, bool(things.any()))
 
@@ -300,11 +302,3 @@ def _beside(labels: Labels) -> Mask:
 def _rim(shut: Mask) -> Mask:
     """Pixels of a mask and those next to it."""
     return scipy.ndimage.binary_dilation(shut)
-
-
-def _enlarged(mask: Mask, stride: int, shape: tuple[int, ...]) -> Mask:
-    """A mask on a coarser grid, on the pixels of an image."""
-    row, col = (
-        np.minimum((np.arange(n) + stride // 2) // stride, m - 1) for n, m in zip(shape, mask.shape, strict=True)
-    )
-    return mask[np.ix_(row, col)]
