@@ -10,7 +10,7 @@ import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import QEvent, QPoint, Qt, QTimer, Signal
 from PySide6.QtGui import QColor, QPalette
-from PySide6.QtWidgets import QGridLayout, QHBoxLayout, QLabel, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QGridLayout, QLabel, QToolButton, QVBoxLayout, QWidget
 
 from app.model.display.plots import PLOTS, Plot, RunMetrics
 from app.model.state.resolve import Resolved
@@ -69,7 +69,7 @@ class Numbers(QWidget):
         self._values = {}
         place = 0
         for name, _, explanation in numbers:
-            label, value = QLabel(name), QLabel()
+            label, value = QLabel(name), ElidedLabel()
             label.setObjectName("dim")
             label.setToolTip(explanation)
             value.setToolTip(explanation)
@@ -180,7 +180,9 @@ class PlotPanel(QWidget):
         super().__init__()
         self.chart = Chart()
         self.buttons: dict[str, QToolButton] = {}
-        for plot in PLOTS:
+        grid = QGridLayout()
+        grid.setSpacing(2)
+        for index, plot in enumerate(PLOTS):
             self.buttons[plot.name] = button = QToolButton()
             button.setObjectName("chip")
             button.setText(plot.title)
@@ -189,8 +191,8 @@ class PlotPanel(QWidget):
             button.setToolTip(plot.tip)
             button.setAccessibleName(tr("Plot: {title}").format(title=plot.title))
             button.toggled.connect(self._choose)
-        row = arrange(QHBoxLayout(), *self.buttons.values(), None, spacing=2)
-        arrange(QVBoxLayout(self), row, self.chart, spacing=4, wide=self.chart)
+            grid.addWidget(button, *divmod(index, 3))
+        arrange(QVBoxLayout(self), grid, self.chart, spacing=4, wide=self.chart)
 
     @property
     def shown(self) -> tuple[str, ...]:
