@@ -30,12 +30,8 @@ class Signs(NamedTuple):
     ----------
     overlap, clarity, steadiness, agreement : float
         What the prior says of it; see `prior.Likely`.
-    support : float
-        How well the image supports its boundary, 0 to 1; see `outline.support_of`.
     places : int
         Number of places that it has been chosen by, 0 where it was found without any.
-    pixels : int
-        Its area.
     certain : bool
         Whether a contour that is certain encloses it.
     """
@@ -44,9 +40,7 @@ class Signs(NamedTuple):
     clarity: float = 0.5
     steadiness: float = 0.5
     agreement: float = 0.5
-    support: float = 0.0
     places: int = 1
-    pixels: int = 0
     certain: bool = False
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import NamedTuple
@@ -200,18 +199,10 @@ class Outline:
         The boundary.
     bridged : ndarray of bool, shape (K,)
         Whether the side from each vertex to the next one follows no contour.
-    bordering : ndarray of bool, shape (K,)
-        Whether it lies on the border of the image or of a region of interest.
     """
 
     contour: Contour
     bridged: Mask
-    bordering: Mask
-
-    @property
-    def lengths(self) -> Array:
-        """Length of each side, shape (K,) [px]."""
-        return np.linalg.norm(np.diff(self.contour.path, axis=0), axis=1)
 
     @property
     def gaps(self) -> tuple[Array, ...]:
@@ -236,8 +227,7 @@ def outlines(mask: Mask, ground: Ground) -> tuple[Outline, ...]:
         part = slice(begin, end)
         row, col, way = steps.row[part], steps.col[part], steps.way[part]
         beyond = np.clip(np.stack([row + STEPS[0][way], col + STEPS[1][way]]), 0, limit)
-        bordering = (kind[part] == ON_BORDER) | ~ground.interest[beyond[0], beyond[1]]
-        free = (kind[part] == FREE) & ~ground.near[row, col] & ~bordering
+        free = (kind[part] == FREE) & ~ground.near[row, col] & ground.interest[beyond[0], beyond[1]]
         vertices = points[part]
         edge = kind[part] == ON_BORDER
         corner = edge & np.roll(edge, -1) & (way != np.roll(way, -1))
@@ -246,12 +236,12 @@ def outlines(mask: Mask, ground: Ground) -> tuple[Outline, ...]:
             places = vertices + np.roll(vertices, -1, axis=0) - pixel
             after = np.flatnonzero(corner) + 1
             vertices = np.insert(vertices, after, places[corner], axis=0)
-            free, bordering = np.insert(free, after, False), np.insert(bordering, after, True)
-        found.append(_outline(vertices, free, bordering, ground))
+            free = np.insert(free, after, False)
+        found.append(_outline(vertices, free, ground))
     return tuple(sorted(found, key=lambda outline: -outline.contour.length))
 
 
-def _outline(points: Array, free: Mask, bordering: Mask, ground: Ground) -> Outline:
+def _outline(points: Array, free: Mask, ground: Ground) -> Outline:
     path = np.concatenate([points, points[:1]])
     lengths = np.linalg.norm(np.diff(path, axis=0), axis=1)
     middle = 0.5 * (path[1:] + path[:-1])
@@ -262,21 +252,5 @@ def _outline(points: Array, free: Mask, bordering: Mask, ground: Ground) -> Outl
     row, col = points.T
     hole = float(col @ np.roll(row, -1) - np.roll(col, -1) @ row) < 0.0  # the pixels are on the right hand
     contour = Contour(points, True, strength, sides=sides, hole=hole)
-    found = Outline(contour, bridged, bordering & np.roll(bordering, -1))
+    found = Outline(contour, bridged)
     return replace(found, contour=replace(contour, bridged=sum(map(polyline.length, found.gaps))))
-
-
-def support_of(outlines: Sequence[Outline], ground: Ground) -> float:
-    """How well the image supports a boundary: mean over its length.
-
-    A stretch that follows a contour counts 1, one on the border of the image a half, and one across a gap
-    ``1 - exp(-s / strong)`` with the edge strength s there. 0 when there is no boundary.
-    """
-    support = length = 0.0
-    for outline in outlines:
-        path = outline.contour.path
-        edge = interpolate(ground.strength[None], 0.5 * (path[1:] + path[:-1]))[:, 0]
-        each = np.where(outline.bridged, 1.0 - np.exp(-edge / ground.strong), 1.0)
-        support += float(np.where(outline.bordering, 0.5, each) @ outline.lengths)
-        length += float(outline.lengths.sum())
-    return support / length if length else 0.0

@@ -37,7 +37,7 @@ from cpm_core.objects.boundaries.ground import Ground, ground
 from cpm_core.objects.boundaries.necks import bodies
 from cpm_core.objects.boundaries.snapping import snapped
 from cpm_core.objects.confidence import Signs, probability
-from cpm_core.objects.outline import SMOOTHING, outlines, support_of
+from cpm_core.objects.outline import SMOOTHING, outlines
 from cpm_core.objects.prior.prior import Likely, Prior, Prompt
 from cpm_core.objects.selection import Selection
 from cpm_core.objects.vessels import vessel_tree
@@ -399,13 +399,11 @@ class Partition(drawing.Pictured):
         if not mask.any():
             return Selection(mask, (), (), 0.0, inside, outside, remark)
         box, corner = _box_of(mask)
-        there = self._ground(box, corner)
-        found = outlines(mask[box], there)
+        found = outlines(mask[box], self._ground(box, corner))
         if signs is None:
             places = len(inside) + len(outside)
             signs = Signs(*self.judged(mask, inside)[2:], places=places) if self.prior else Signs(places=places)
-        pixels = int(np.count_nonzero(mask))
-        signs = signs._replace(support=support_of(found, there), pixels=pixels, certain=certain)
+        signs = signs._replace(certain=certain)
         found = tuple(replace(one, contour=replace(one.contour, points=one.contour.points + corner)) for one in found)
         contours = tuple(outline.contour for outline in found)
         gaps = tuple(gap for outline in found for gap in outline.gaps)
