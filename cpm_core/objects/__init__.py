@@ -6,6 +6,7 @@ from cpm_core.objects.partition import EVERYWHERE as EVERYWHERE
 from cpm_core.objects.partition import Partition, partition
 from cpm_core.objects.select import select, select_all
 from cpm_core.objects.selection import Selection
+from cpm_core.objects.selection import overlap as overlap
 from cpm_core.objects.volume_partition import VolumePartition, VolumeSelection
 
 __all__ = [

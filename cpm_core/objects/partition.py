@@ -39,7 +39,7 @@ from cpm_core.objects.boundaries.snapping import snapped
 from cpm_core.objects.confidence import Signs, probability
 from cpm_core.objects.outline import SMOOTHING, outlines
 from cpm_core.objects.prior.prior import Likely, Prior, Prompt
-from cpm_core.objects.selection import Selection
+from cpm_core.objects.selection import Selection, overlap
 from cpm_core.objects.vessels import vessel_tree
 from cpm_core.objects.volume_partition import VolumePartition
 from cpm_core.parameters import PRESETS, Parameters
@@ -262,7 +262,7 @@ class Partition(drawing.Pictured):
         known = [first.mask]
         for found in itertools.chain(answers, self._otherwise(first.mask, afresh)):
             tied = self._tied(found.mask, afresh)
-            if tied.any() and all(_overlap(tied, other) < _SAME for other in known):
+            if tied.any() and all(overlap(tied, other) < _SAME for other in known):
                 known.append(tied)
                 yield self.selection_of(tied, within, beyond, remark, found.signs)
 
@@ -507,8 +507,3 @@ def _not_around(inside: Array, before: Selection) -> Array:
     depth = scipy.ndimage.distance_transform_edt(parts > 0)
     middles = np.array(scipy.ndimage.maximum_position(depth, parts, empty), float).reshape(-1, 2) - 1.0
     return np.concatenate([middles, rest])
-
-
-def _overlap(one: Mask, other: Mask) -> float:
-    """Intersection over union of two masks, one of which has a pixel."""
-    return float(np.count_nonzero(one & other) / np.count_nonzero(one | other))

@@ -86,3 +86,9 @@ class Selection(drawing.Pictured):
         drawing.show_image(ax, self.mask.astype(float))
         drawing.show_curves(ax, self.contours)
         return ax
+
+
+def overlap(one: Mask, other: Mask) -> float:
+    """Intersection over union of two masks; 0 when both are empty."""
+    whole = np.count_nonzero(one | other)
+    return np.count_nonzero(one & other) / whole if whole else 0.0

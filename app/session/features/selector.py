@@ -9,7 +9,6 @@ from functools import cached_property
 from typing import Any, cast
 
 import numpy as np
-import scipy
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from app.model.document.document import Document
@@ -34,8 +33,8 @@ from cpm_core import (
     uniform_grid,
 )
 from cpm_core.image import AnyRegions, of_plane
-from cpm_core.numerics import Array, Mask
-from cpm_core.objects import EVERYWHERE
+from cpm_core.numerics import Array
+from cpm_core.objects import EVERYWHERE, overlap
 from cpm_core.objects.everywhere import everywhere
 from cpm_core.objects.segmented import Click, SegmentedObject, places_of, selection_of
 from cpm_core.shapes import Box, BoxGrid, Circle, Ellipse, Grid, Points, Polygon, Sphere, Stroke
@@ -376,14 +375,8 @@ class Selector:
 
 def all_objects(partition: Partition, task: Task) -> tuple[Proposal, ...]:
     """All objects of an image, each as what a click where it is widest means."""
-    proposals = []
-    for index, found in enumerate(everywhere(partition, task.check_cancelled)):
-        box = _box_of(found)
-        depth = scipy.ndimage.distance_transform_edt(np.pad(found.mask[box], 1))
-        row, col = np.unravel_index(int(depth.argmax()), depth.shape)
-        widest = float(row - 1 + box[0].start), float(col - 1 + box[1].start)
-        proposals.append(Proposal(found, (Click((widest,)),), key=~index))
-    return tuple(proposals)
+    found = enumerate(everywhere(partition, task.check_cancelled))
+    return tuple(Proposal(one, (Click(tuple(map(tuple, one.inside.tolist()))),), key=~index) for index, one in found)
 
 
 def _uncovered(found: Sequence[Proposal], items: Sequence[SegmentedObject]) -> list[Proposal]:
@@ -414,9 +407,3 @@ def _places_in(selection: Selection) -> Array:
 def extent(selection: AnySelection) -> float:
     """Volume of a selection; its area [px²] in an image."""
     return selection.volume if isinstance(selection, VolumeSelection) else float(np.count_nonzero(selection.mask))
-
-
-def overlap(one: Mask, other: Mask) -> float:
-    """Intersection over union of two masks; 0 when both are empty."""
-    whole = np.count_nonzero(one | other)
-    return np.count_nonzero(one & other) / whole if whole else 0.0

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from cpm_core.objects.confidence import Signs, probability
 
 SHARE = st.floats(0.0, 1.0)
-SIGNS = st.builds(Signs, SHARE, SHARE, SHARE, SHARE, SHARE, st.integers(0, 20), st.integers(0, 10**6), st.booleans())
+SIGNS = st.builds(Signs, SHARE, SHARE, SHARE, SHARE, st.integers(0, 20), st.booleans())
 
 
 @pytest.mark.parametrize("sign", ["overlap", "clarity", "steadiness", "agreement"])
