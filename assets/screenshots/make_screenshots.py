@@ -160,7 +160,7 @@ def branches(stand: Stand) -> None:
     compared = stand.window.workspace.comparison
     compared.add_branch(navigation.outline.branches[0].identity)
     compared.choose(max(compared.rows))
-    wait(lambda: compared.idle and len(compared.agreed) == 1)
+    wait(lambda: len(compared.agreed) == 1)
     stand.window.docks.reveal("compare")
     stand.settle()
     stand.take("branches")
@@ -180,11 +180,11 @@ def trust(stand: Stand) -> None:
         Picture.fromarray((values > np.percentile(values, 88)).astype(np.uint8) * 255).save(mask)
         compared.load(mask)
         stand.settle()
-        wait(lambda: compared.idle and len(compared.rows) == 2)
+        wait(lambda: len(compared.rows) == 2)
     compared.choose(max(compared.rows))
     window.docks.reveal("compare")
     stand.settle()
-    wait(lambda: compared.idle and bool(compared.agreed))
+    wait(lambda: bool(compared.agreed))
     stand.take("trust")
 
 
