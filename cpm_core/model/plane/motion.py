@@ -59,25 +59,28 @@ def is_on_edge(squared: float, strength: float, floor: float) -> bool:
     return squared < GATE**2 and strength >= floor
 
 
-def contact_at(positions: Array, scale_field: ScaleField) -> tuple[Array, Mask]:
-    """Edge strength at particles, shape (N, 2), and which of them are on an edge."""
-    strength, on_edge = np.empty(len(positions)), np.empty(len(positions), np.bool_)
-    _contact_at(scale_field.packed, scale_field.floor, positions, strength, on_edge)
-    return strength, on_edge
+def contact_at(positions: Array, scale_field: ScaleField) -> tuple[Array, Mask, Array]:
+    """Edge strength at particles, shape (N, 2), which of them are on an edge, and the image gradient there."""
+    count = len(positions)
+    strength, on_edge, normal = np.empty(count), np.empty(count, np.bool_), np.empty((count, 2))
+    _contact_at(scale_field.packed, scale_field.floor, positions, strength, on_edge, normal)
+    return strength, on_edge, normal
 
 
 @compiled
-def _contact_at(packed: Single, floor: float, position: Array, strength: Array, on_edge: Mask) -> None:
+def _contact_at(packed: Single, floor: float, position: Array, strength: Array, on_edge: Mask, normal: Array) -> None:
     for i in range(len(position)):
-        strength[i], on_edge[i] = on_edge_at(packed, position[i, 0], position[i, 1], floor)
+        found = edge_at(packed, position[i, 0], position[i, 1], floor)
+        strength[i], on_edge[i], normal[i, 0], normal[i, 1] = found
 
 
 @compiled
-def on_edge_at(packed: Single, y: float, x: float, floor: float) -> tuple[float, bool]:
-    """Edge strength at a position, and whether a particle there is on an edge."""
+def edge_at(packed: Single, y: float, x: float, floor: float) -> tuple[float, bool, float, float]:
+    """Edge strength at a position, whether a particle there is on an edge, and the image gradient."""
     place = between(packed, y, x)
     f_y, f_x, strength = component(packed, 0, place), component(packed, 1, place), component(packed, 4, place)
-    return strength, is_on_edge(f_y**2 + f_x**2, strength, floor)
+    on_edge = is_on_edge(f_y**2 + f_x**2, strength, floor)
+    return strength, on_edge, component(packed, 2, place), component(packed, 3, place)
 
 
 REACH = 2.0
@@ -153,10 +156,14 @@ def move(particles: Particles, idle: Index, mesh: MeshForce, scale_field: ScaleF
     moved = Moved.unset(particles)
     before, after = (particles.velocity, particles.force, particles.distance), moved.particles
     motion = (after.position, after.velocity, after.force, after.distance, moved.motion)
-    contact, packed = (moved.strength, moved.on_edge), scale_field.packed
+    contact, packed = (moved.strength, moved.on_edge, moved.normal), scale_field.packed
     work = partial(_move, cells, packed, idle, mesh, damped, law, before, motion, contact, scale_field.floor)
     share(work, len(particles), _WORTH_A_THREAD)
     return moved
+
+
+_AHEAD = 64
+"""Particles whose field is read ahead."""
 
 
 @compiled
@@ -169,7 +176,7 @@ def _move(
     law: Law,
     before: tuple[Array, Array, Array],
     after: tuple[Array, Array, Array, Array, Array],
-    contact: tuple[Array, Mask],
+    contact: tuple[Array, Mask, Array],
     floor: float,
     first: int,
     last: int,
@@ -177,10 +184,18 @@ def _move(
     """Move some of the sorted particles."""
     velocity, force, distance = before
     to_position, to_velocity, to_force, to_distance, motion = after
-    strength, on_edge = contact
+    strength, on_edge, normal = contact
     coulomb = np.zeros((last - first, 2))
     _repel(cells, idle, mesh, law, coulomb, first, last)
     for k in range(first, last):
+        if (k - first) % _AHEAD == 0:
+            for n in range(k, min(k + _AHEAD, last)):
+                row, col, _, _ = between(packed, cells.y[n], cells.x[n])
+                upper, lower = (
+                    packed[row, col, 0] + packed[row, col + 1, 4],
+                    packed[row + 1, col, 0] + packed[row + 1, col + 1, 4],
+                )
+                strength[cells.order[n]] = upper + lower
         i, y, x = cells.order[k], cells.y[k], cells.x[k]
         v_y, v_x = velocity[i, 0], velocity[i, 1]
         to_y, to_x = y, x
@@ -197,7 +212,8 @@ def _move(
         to_distance[i, 1], to_distance[i, 2], to_distance[i, 3] = distance[i, 0], distance[i, 1], distance[i, 2]
         to_distance[i, 0] = np.sqrt(to_y**2 + to_x**2)
         motion[i] = np.sqrt((to_y - y) ** 2 + (to_x - x) ** 2)
-        strength[i], on_edge[i] = on_edge_at(packed, to_y, to_x, floor)
+        found = edge_at(packed, to_y, to_x, floor)
+        strength[i], on_edge[i], normal[i, 0], normal[i, 1] = found
 
 
 @compiled
@@ -222,9 +238,7 @@ def _repel(cells: Cells, idle: Index, mesh: MeshForce, law: Law, coulomb: Array,
             y, x, left = cells.y[n], cells.x[n], repulsion_left(idle[cells.order[n]])
             c_y, c_x, one, other = sums[n - k, 0], sums[n - k, 1], sums[n - k, 2], sums[n - k, 3]
             if len(smooth):
-                far_y, far_x = mesh_force_at(
-                    smooth, (y - mesh.first[0]) / mesh.pitch, (x - mesh.first[1]) / mesh.pitch
-                )
+                far_y, far_x = mesh_force_at(smooth, (y - mesh.first[0]) / mesh.pitch, (x - mesh.first[1]) / mesh.pitch)
                 c_y, c_x = c_y + far_y, c_x + far_x
             if other > cells.size**2:  # a particle outside the list may be nearer
                 one, other = two_nearest_of_many(cells, y, x, law.neighbor_range)
