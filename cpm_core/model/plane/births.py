@@ -24,7 +24,7 @@ from cpm_core.field.scale_field import FAINTEST, ScaleField
 from cpm_core.image.regions import BarrierMap, crosses
 from cpm_core.model.coverage import cell_of
 from cpm_core.model.equations import NEAR, STRIDE, STRIDE_ROOM, first_of
-from cpm_core.model.plane.repulsion import Cells, build_cells, cells_around, row_of_cells
+from cpm_core.model.plane.repulsion import FILLER, LANES, Cells, build_cells, cells_around, row_of_cells
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Index, Mask, Single
@@ -255,7 +255,7 @@ def _find_places(
     """Let some of the sorted particles search for positions, each as if alone; `present` is in their order."""
     # a wider range contains more particles
     most = min(int(_MOST_NEAR * max(1.0, rule.range / (_NEAR_RANGE * rule.d_min)) ** 2), len(cells.order) + 1)
-    near_y, near_x, index = np.empty(most + 1), np.empty(most + 1), np.empty(most + 1, np.int64)
+    near, index = np.empty((2, most + 1 + LANES)), np.empty(most + 1, np.int64)
     here, there = np.empty(2), np.empty(2)
     present, thorough = search.present, search.thorough
     for k in range(first, last):
@@ -266,23 +266,24 @@ def _find_places(
         n_y, n_x = normal[i, 0], normal[i, 1]
         if not thorough[i] and _is_flanked(cells, present, y, x, n_y, n_x, _FLANK * rule.d_min):
             continue
-        length = _list_near(cells, present, y, x, rule.range, near_y, near_x, index)
+        length = _list_near(cells, present, y, x, rule.range, near, index)
         if length == most:
             continue
         faintest = max(rule.floor, FAINTEST * strength[i])
         for n in range(length + len(turns) if search.ahead[i] else length):
             j, far_y, far_x = i, y, x
             if n < length:
-                j, far_y, far_x = index[n], near_y[n], near_x[n]
-                if not (eligible[j] and (j > i or not thorough[j])):
+                j, far_y, far_x = index[n], near[0, n], near[1, n]
+                apart = rule.d_min**2 < (far_y - y) ** 2 + (far_x - x) ** 2 <= rule.reach**2
+                if not (apart and eligible[j] and (j > i or not thorough[j])):
                     continue
-                found = _halfway(near_y, near_x, length, y, x, far_y, far_x, packed, faintest, rule)
+                found = _halfway(near, length, y, x, far_y, far_x, packed, faintest, rule)
             else:
                 down, right = turns[n - length, 0], turns[n - length, 1]
                 across = (down * n_y + right * n_x) ** 2
                 if (n - length - turn) % (len(turns) // 2) and not across <= _ALONG * (n_y**2 + n_x**2):
                     continue
-                found = _ahead(near_y, near_x, length, y, x, down, right, packed, faintest, rule)
+                found = _ahead(near, length, y, x, down, right, packed, faintest, rule)
                 far_y, far_x = found[1], found[2]
             if not found[0] or offers.number[i] == _MOST_PLACES:
                 continue
@@ -302,8 +303,7 @@ def _offer(offers: _Offers, i: int, j: int, found: Place) -> None:
 
 @compiled
 def _halfway(
-    near_y: Array,
-    near_x: Array,
+    near: Array,
     length: int,
     y: float,
     x: float,
@@ -314,23 +314,21 @@ def _halfway(
     rule: Rule,
 ) -> Place:
     """Midpoint of two particles, if it is free and the ridge next to it does not belong to another row."""
-    squared = (far_y - y) ** 2 + (far_x - x) ** 2
-    if not rule.d_min**2 < squared <= rule.reach**2:
-        return False, y, x, 0.0, _FULL
-    keep = 0.5 * np.sqrt(squared) - 1e-9  # nothing between: no particle in the circle over the pair
+    keep = (
+        0.5 * np.sqrt((far_y - y) ** 2 + (far_x - x) ** 2) - 1e-9
+    )  # nothing between: no particle in the circle over the pair
     p_y, p_x = 0.5 * (y + far_y), 0.5 * (x + far_x)
-    about = _crowd(near_y, near_x, length, p_y, p_x, keep, rule.d_min)
+    about = _crowd(near, length, p_y, p_x, keep, rule.d_min)
     free = about <= CROWD
     if free:
         free, c_y, c_x = _relax(packed, faintest, 0.5 * rule.d_min, p_y, p_x)
-        free = free and _crowd(near_y, near_x, length, c_y, c_x, keep, rule.d_min) <= CROWD
+        free = free and _crowd(near, length, c_y, c_x, keep, rule.d_min) <= CROWD
     return free, p_y, p_x, keep, about
 
 
 @compiled
 def _ahead(
-    near_y: Array,
-    near_x: Array,
+    near: Array,
     length: int,
     y: float,
     x: float,
@@ -343,11 +341,11 @@ def _ahead(
     """Position one stride from a particle, if its edge, or one that meets it, continues there and is free."""
     keep, about = STRIDE_ROOM * rule.d_min, _FULL
     p_y, p_x = y + STRIDE * rule.d_min * down, x + STRIDE * rule.d_min * right
-    free = _crowd(near_y, near_x, length, p_y, p_x, keep, rule.d_min) < _FULL  # cheap, and few directions pass
+    free = _crowd(near, length, p_y, p_x, keep, rule.d_min) < _FULL  # cheap, and few directions pass
     if free:
         free, p_y, p_x = _relax(packed, faintest, 0.5 * rule.d_min, p_y, p_x)
     if free:
-        about = _crowd(near_y, near_x, length, p_y, p_x, keep, rule.d_min)
+        about = _crowd(near, length, p_y, p_x, keep, rule.d_min)
         free = about <= CROWD
     return free, p_y, p_x, keep, about
 
@@ -369,28 +367,26 @@ def _is_flanked(cells: Cells, present: Mask, y: float, x: float, n_y: float, n_x
 
 
 @compiled
-def _list_near(
-    cells: Cells, present: Mask, y: float, x: float, distance: float, near_y: Array, near_x: Array, index: Index
-) -> int:
-    """List the particles around a position; return how many they are, or one less than fit in if they are more."""
+def _list_near(cells: Cells, present: Mask, y: float, x: float, distance: float, near: Array, index: Index) -> int:
+    """List the particles around a position, filled up to lanes; return how many they are, or one less than fit in."""
     length = 0
     top, bottom, left, right = cells_around(cells, y, x, distance)
     for row in range(top, bottom + 1):
         first, last = row_of_cells(cells, row, left, right)
         for k in range(first, last):
-            near_y[length], near_x[length], index[length] = cells.y[k], cells.x[k], cells.order[k]
+            near[0, length], near[1, length], index[length] = cells.y[k], cells.x[k], cells.order[k]
             # what does not count is overwritten by the next one, which is cheaper than a branch
             counts = ((cells.y[k] - y) ** 2 + (cells.x[k] - x) ** 2 < distance**2) & present[k]
-            length += counts & (length < len(near_y) - 1)
+            length += counts & (length < len(index) - 1)
     return length
 
 
 @compiled
-def _crowd(near_y: Array, near_x: Array, length: int, y: float, x: float, room: float, d_min: float) -> int:
+def _crowd(near: Array, length: int, y: float, x: float, room: float, d_min: float) -> int:
     """Number of particles around a position; more than any number if one is nearer than `room`."""
     crowd = 0
     for n in range(length):
-        squared = (near_y[n] - y) ** 2 + (near_x[n] - x) ** 2
+        squared = (near[0, n] - y) ** 2 + (near[1, n] - x) ** 2
         crowd += 1 if squared < (CROWD_RANGE * d_min) ** 2 else 0
         crowd += _FULL if squared < room * room else 0
     return crowd

@@ -223,16 +223,20 @@ def _repel(cells: Cells, idle: Index, mesh: MeshForce, law: Law, coulomb: Array,
     room = len(cells.order) + LANES
     near, sums = np.empty((3, room), np.float32), np.empty((room, 4))
     bits, reach = near[2].view(np.int32), np.float32(mesh.reach)
-    end = first
+    end, listed, length, own = first, -1, 0, 0
     while end < last:
         k = end
-        row, col = cell_of(cells.y[k], cells.size, cells.rows), cell_of(cells.x[k], cells.size, cells.cols)
-        end, awake = min(cells.start[row * cells.cols + col + 1], last), False
-        for n in range(k, end):
-            awake |= repulsion_left(idle[cells.order[n]]) > 0.0
-        if not awake:
+        if repulsion_left(idle[cells.order[k]]) == 0.0:
+            end += 1
             continue
-        length, own = gather(cells, row, col, near)
+        row, col = cell_of(cells.y[k], cells.size, cells.rows), cell_of(cells.x[k], cells.size, cells.cols)
+        cell = row * cells.cols + col
+        if cell != listed:
+            listed = cell
+            length, own = gather(cells, row, col, near)
+        beyond = min(cells.start[cell + 1], last)
+        while end < beyond and repulsion_left(idle[cells.order[end]]) > 0.0:
+            end += 1
         pair_sums(near, bits, length, own + k, own + end, reach, softening, sums)
         for n in range(k, end):
             y, x, left = cells.y[n], cells.x[n], repulsion_left(idle[cells.order[n]])
