@@ -184,7 +184,7 @@ _MOST_NEAR, _NEAR_RANGE = 64, 2.75
 _FULL = 1_000_000
 """More than any number of particles: the count around a position where a particle is too near."""
 
-_SEARCHES_A_THREAD = 400
+_SEARCHES_A_THREAD = 600
 """Particles from which a second thread makes the search faster."""
 
 

@@ -123,7 +123,7 @@ Four = tuple[float, float, float, float]
 _PAIRS_A_NODE = 28
 """Pairs that are summed in the time of one node of the padded mesh, divided by the steps for which the mesh is used."""
 
-_WORTH_A_THREAD = 400
+_WORTH_A_THREAD = 800
 """Particles from which a second thread makes the step faster."""
 
 
