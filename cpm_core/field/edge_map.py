@@ -12,6 +12,7 @@ import scipy
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from cpm_core.image.denoising import Cleaned, clean, noise_level
+from cpm_core.numerics.grids import in_bands, smoothed_rows
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.real_numbers import checked_number, grid_of_numbers, real_numbers
 from cpm_core.numerics.types import Array
@@ -52,12 +53,27 @@ def gradient(values: ArrayLike, smoothing: float, precision: DTypeLike = np.floa
     `precision` is the type of the result.
     """
     image = real_numbers(values)
+    out = np.empty((image.ndim, *image.shape), precision)
+    if image.ndim == 2 and smoothing > NO_SMOOTHING:
+
+        def work(first: int, end: int) -> None:
+            smooth = smoothed_rows(image, smoothing, first - 1, end + 1)
+            out[:, first:end] = _differences(smooth, np.empty((2, *smooth.shape), out.dtype))[:, min(first, 1) :][
+                :, : end - first
+            ]
+
+        in_bands(work, len(image))
+        return out
     if smoothing > NO_SMOOTHING:
         for axis in range(image.ndim):
             image = smoothed_along(image, smoothing, axis)
-    out = np.empty((image.ndim, *image.shape), precision)
+    return _differences(image, out)
+
+
+def _differences(values: Array, out: Array) -> Array:
+    r"""Central differences of values, shape (\*shape), along each axis, and of two values at the border."""
     for axis, part in enumerate(out):
-        line, slope = np.moveaxis(image, axis, 0), np.moveaxis(part, axis, 0)
+        line, slope = np.moveaxis(values, axis, 0), np.moveaxis(part, axis, 0)
         np.subtract(line[2:], line[:-2], out=slope[1:-1])
         np.subtract(line[1:2], line[:1], out=slope[:1])
         np.subtract(line[-1:], line[-2:-1], out=slope[-1:])

@@ -10,13 +10,13 @@ from functools import cache, cached_property, partial
 import numpy as np
 import scipy
 
-from cpm_core.field.convolution import convolved_field, convolved_potential
+from cpm_core.field.convolution import WindowedField, convolved_field, convolved_potential
 from cpm_core.field.edge_map import background_strength, gradient, magnitude
 from cpm_core.field.interpolation import interpolate
 from cpm_core.field.region_contrast import region_contrast
 from cpm_core.image.border import inside_border, within
 from cpm_core.image.regions import NO_BARRIERS, BarrierMap, Regions, build_barrier_map
-from cpm_core.numerics.grids import running_maximum
+from cpm_core.numerics.grids import Window, around, relative, running_maximum, tiles
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Mask, Single
 
@@ -47,6 +47,9 @@ _OVERLAP = _SUMMIT_REACH + 1
 
 _PART, _LEAST_LINES = 2**15, 16
 """Pixels of a part of the image, so that intermediate results stay in the cache, and its least number of lines."""
+
+_TILE = 1024
+"""Side of the windows in which the field of a large image is made [px]."""
 
 FIELD_PRECISION = np.float32
 """The transforms of the field are done in single precision: only its direction and its values near edges are used. The
@@ -89,6 +92,12 @@ class ScaleField:
         Barriers, which particles do not cross.
     reached : ndarray of bool, shape (\*shape), or None
         Where contours may run; None for everywhere.
+    cut : bool
+        Whether the edge map has been cut: the force is that of the uncut one, the magnitude of the gradient.
+    corner : tuple of int
+        First pixel of the window of the image that the field is of.
+    whole : ScaleField or None
+        The field of the whole image, where this one is a part of it.
     """
 
     force: Callable[[], Single]
@@ -102,6 +111,28 @@ class ScaleField:
     exponent: float | None = None
     barrier_map: BarrierMap = NO_BARRIERS
     reached: Mask | None = None
+    cut: bool = False
+    corner: tuple[int, ...] = (0, 0)
+    whole: ScaleField | None = None
+
+    def part(self, window: Window) -> ScaleField:
+        """The same field in a window of the image; its force, made for the window alone, is that of all charges."""
+        made_of = self._windowed, self.gradient, self.edge_map, self.strongest, self.cut
+        return replace(
+            self,
+            force=cache(partial(_packed_within, *made_of, window)),
+            gradient=self.gradient[(slice(None), *window)],
+            edge_map=self.edge_map[window],
+            values=self.values[window],
+            fixed_charges=self.fixed_charges[window],
+            barrier_map=self.barrier_map.within(window),
+            corner=tuple(side.start for side in window),
+            whole=self,
+        )
+
+    @cached_property
+    def _windowed(self) -> WindowedField:
+        return WindowedField(self.fixed_charges, self.exponent)
 
     @property
     def packed(self) -> Single:
@@ -137,12 +168,17 @@ class ScaleField:
 
     @cached_property
     def potential(self) -> Array:
-        r"""Potential of the fixed charges, shape (\*shape) [gray levels]."""
+        r"""Potential of all fixed charges of the image, shape (\*shape) [gray levels]."""
+        if self.whole is not None:
+            window = tuple(slice(at, at + n) for at, n in zip(self.corner, self.shape, strict=True))
+            return self.whole.potential[window]
         return convolved_potential(self.fixed_charges, exponent=self.exponent)
 
     @cached_property
     def slope(self) -> float:
         """Mean slope of the potential [gray levels / px]; 1 where it is flat."""
+        if self.whole is not None:
+            return self.whole.slope
         slope = float(magnitude(gradient(self.potential, 0.0)).mean())
         return slope if slope > 0.0 else 1.0
 
@@ -203,22 +239,41 @@ def build_scale_field(
         charged = np.where(inside & (strength >= edge_floor * strongest), strength, strength.dtype.type(0))
     if not everywhere:
         strength[~within(inside, _MARGIN)] = 0.0
-    made_of = charged, grad, strength, strongest, exponent, None if everywhere else grad
+    made_of = charged, grad, strength, strongest, exponent, not everywhere
     force = cache(partial(packed_force, *made_of))
     floor = _weakest_edge(strength if everywhere else strength[inside], strongest, edge_floor)
-    return ScaleField(force, grad, strength, values, strongest, charged, floor, smoothing, exponent, barrier_map)
+    known = smoothing, exponent, barrier_map, None, not everywhere
+    return ScaleField(force, grad, strength, values, strongest, charged, floor, *known)
 
 
 def packed_force(
-    charged: Array, grad: Array, strength: Array, strongest: float, exponent: float | None, whole: Array | None = None
+    charged: Array, grad: Array, strength: Array, strongest: float, exponent: float | None, cut: bool = False
 ) -> Single:
-    """`ScaleField.packed` of fixed charges, image gradient, edge map, largest edge strength, and exponent.
+    """`ScaleField.packed` of fixed charges, image gradient, edge map, largest edge strength, exponent, and `cut`."""
+    if strength.size <= LARGE or strength.ndim > 2:
+        felt = magnitude(grad) if cut else strength
+        force = lorentz_force(convolved_field(charged, exponent, FIELD_PRECISION), grad, felt, strongest)
+        return np.stack([*force, *grad, strength], axis=-1, dtype=np.float32)
+    packed, field = np.empty((*strength.shape, 5), np.float32), WindowedField(charged, exponent)
+    parts = tiles(strength.shape, _TILE)
 
-    Where the edge map has been cut, the force is that of the uncut one, the magnitude of the gradient `whole`.
-    """
-    felt = strength if whole is None else magnitude(whole)
-    force = lorentz_force(convolved_field(charged, exponent, FIELD_PRECISION), grad, felt, strongest)
-    return np.stack([*force, *grad, strength], axis=-1, dtype=np.float32)
+    def work(first: int, end: int) -> None:
+        for tile in parts[first:end]:
+            packed[tile] = _packed_within(field, grad, strength, strongest, cut, tile)
+
+    share(work, len(parts), 1)
+    return packed
+
+
+def _packed_within(
+    field: WindowedField, grad: Array, strength: Array, strongest: float, cut: bool, window: Window
+) -> Single:
+    """`packed_force` in a window of a large image."""
+    outer = around(window, _OVERLAP, strength.shape)
+    slope, length = grad[(slice(None), *outer)], strength[outer]
+    force = lorentz_force(field.within(outer), slope, magnitude(slope) if cut else length, strongest)
+    whole = np.stack([*force, *slope, length], axis=-1, dtype=np.float32)
+    return whole[relative(window, outer)].copy()
 
 
 def _weakest_edge(strength: Array, strongest: float, edge_floor: float) -> float:
@@ -330,4 +385,6 @@ def limited_to(scale_field: ScaleField, ridge: Mask) -> ScaleField:
         fixed_charges=charged,
         floor=min(scale_field.floor, _MOST_BACKGROUND * strongest if strongest > 0.0 else np.inf),
         reached=away <= _ALONG,
+        cut=False,
+        whole=None,
     )

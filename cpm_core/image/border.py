@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 import scipy
 
-from cpm_core.numerics.grids import running_maximum
+from cpm_core.numerics.grids import around, relative, tiles
 from cpm_core.numerics.types import Array, Mask
 
 _FAINT = 0.1
@@ -24,6 +24,9 @@ _STRAIGHT = 0.02
 
 _COVER = 0.5
 """Fraction of a side along which its edge must be visible."""
+
+_TILE = 512
+"""Side of the parts in which distances are measured, where any are asked for [px]."""
 
 _FLANK = 3.0
 """Width of an edge's flank, in sigma."""
@@ -60,7 +63,8 @@ def _edge_of_border(edge: Array, stray: int) -> int:
     ridge = (steepest >= np.abs(edge[:-2])) & (steepest > np.abs(edge[2:]))
     farthest = -1
     for sign in (-1.0, 1.0):
-        near = running_maximum(ridge & (edge[1:-1] * sign > 0.0), stray, axes=(0,))
+        on = (ridge & (edge[1:-1] * sign > 0.0)).view(np.uint8)
+        near = scipy.ndimage.maximum_filter1d(on, 2 * stray + 1, axis=0, mode="nearest")
         lines = np.flatnonzero(near.reshape(len(near), -1).mean(axis=1) > _COVER)
         if len(lines):
             farthest = max(farthest, int(lines[-1]) + 1)
@@ -69,4 +73,10 @@ def _edge_of_border(edge: Array, stray: int) -> int:
 
 def within(inside: Mask, reach: int) -> Mask:
     r"""Pixels whose centers are at most `reach` px from the center of a pixel of the mask `inside`, shape (\*shape)."""
-    return scipy.ndimage.distance_transform_edt(~inside) <= reach if inside.any() else inside
+    found = inside.copy()
+    for tile in tiles(inside.shape, _TILE):
+        outer = around(tile, reach, inside.shape)
+        if inside[outer].any() and not inside[tile].all():
+            near = scipy.ndimage.distance_transform_edt(~inside[outer]) <= reach
+            found[tile] = near[relative(tile, outer)]
+    return found
