@@ -45,7 +45,7 @@ def pyramid(values: Array, scales: int) -> tuple[Array, ...]:
     if scales > most:
         size = " x ".join(map(str, values.shape))
         raise ValueError(f"scales is {scales} but must be from 1 to {most} for an image of {size} pixels.")
-    images = [values]
+    images = [np.ascontiguousarray(values)]
     for scale in range(1, scales):
         fine, coarse = images[-1], np.empty(shape_of_scale(values.shape, scale))
         if values.ndim == 2:

@@ -22,6 +22,11 @@ Window = tuple[slice, ...]
 """Pixels of a grid, a range along each axis."""
 
 
+def whole_window(shape: tuple[int, ...]) -> Window:
+    """All pixels of a grid of this shape."""
+    return tuple(slice(0, n) for n in shape)
+
+
 def around(window: Window, margin: int, shape: tuple[int, ...]) -> Window:
     """A window with so many pixels around it, as far as a grid of this shape has them."""
     return tuple(
@@ -171,17 +176,22 @@ def in_bands(work: Callable[[int, int], object], rows: int) -> None:
     share(some, -(-rows // _LINES), 1)
 
 
+def gaussian_reach(sigma: float) -> int:
+    """Distance after which a Gaussian of a standard deviation ends [px]."""
+    return int(_REACH * sigma + 0.5)
+
+
 def smoothed_rows(values: Array, sigma: float, first: int, end: int) -> Array:
     """Rows of an image, shape (H, W), after a Gaussian of a standard deviation along both axes [px].
 
     The image continues beyond its border by its outermost pixels. Rows outside the image are left out. The sums are
     those of `scipy.ndimage.gaussian_filter`, bit for bit, in a tenth of its time.
     """
-    weights = np.exp(-0.5 / (sigma * sigma) * np.arange(int(_REACH * sigma + 0.5), -1, -1) ** 2)
+    weights = np.exp(-0.5 / (sigma * sigma) * np.arange(gaussian_reach(sigma), -1, -1) ** 2)
     weights /= np.concatenate([weights, weights[-2::-1]]).sum()
     first, end = max(first, 0), min(end, len(values))
     smooth = np.empty((end - first, values.shape[1]))
-    _smooth(np.ascontiguousarray(values), weights[::-1].copy(), first, smooth)
+    _smooth(values, weights[::-1].copy(), first, smooth)
     return smooth
 
 
