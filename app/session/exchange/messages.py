@@ -209,8 +209,9 @@ class Opened(Report):
     """An image is opened: it has been read, and a method is ready.
 
     `parameters` have as many of the requested `scales` as the image has room for. `folder` are the images next to it,
-    itself among them, and `beside` is a session of it that has not been opened with it. A volume has no `display`, which
-    each view makes of the slice that it shows. `parts` are what the file holds, None where that is not known, and `reading` says which of them is open.
+    itself among them, and `beside` is a session of it that has not been opened with it. A volume has no `display`,
+    which each view makes of the slice that it shows. `parts` are what the file holds, None where that is not known, and
+    `reading` says which of them is open.
     """
 
     image: Image
