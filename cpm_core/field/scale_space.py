@@ -12,10 +12,8 @@ from functools import lru_cache
 from threading import RLock
 from typing import Any, Literal, NamedTuple
 
-import numpy as np
-
-from cpm_core.field.edge_map import automatic_smoothing, gradient, prepared
-from cpm_core.field.scale_field import LARGE, ScaleField, build_scale_field
+from cpm_core.field.edge_map import automatic_smoothing, prepared
+from cpm_core.field.scale_field import ScaleField, Slopes, build_scale_field, slopes_of
 from cpm_core.image.denoising import Cleaned
 from cpm_core.image.gray_levels import toned
 from cpm_core.image.image import Image
@@ -60,8 +58,8 @@ class SourceImages:
         The gray levels at all scales.
     at : callable
         Gives the `Source` of a scale, from what to take edges and how, and the smoothing.
-    gradient : callable
-        Gives the gradient of a source after its smoothing.
+    slopes : callable
+        Gives the `Slopes` of a source after its smoothing.
     """
 
     def __init__(self, image: Image, scales: int) -> None:
@@ -99,11 +97,11 @@ class SourceImages:
                 return Source(clean[scale], ready.sigma if same else automatic_smoothing(clean[scale]), ready.floor)
 
         @lru_cache(_KEPT_SETTINGS * scales)
-        def slope_of(*key: Any) -> Array:
+        def slope_of(*key: Any) -> Slopes:
             found = at(*key)
-            return gradient(found.values, found.smoothing, np.float32 if found.values.size > LARGE else np.float64)
+            return slopes_of(found.values, found.smoothing)
 
-        self.at, self.gradient = at, slope_of
+        self.at, self.slopes = at, slope_of
 
 
 def plane_fields(
@@ -120,7 +118,7 @@ def plane_fields(
     def build(scale: int, edge_floor: float, max_border: float, exponent: float, *key: Any) -> ScaleField:
         source = sources.at(scale, *key)
         interest = regions and Regions(regions.interest).at_scale(scale, shape)
-        floor, slope = max(edge_floor, source.floor), sources.gradient(scale, *key)
+        floor, slope = max(edge_floor, source.floor), sources.slopes(scale, *key)
         return build_scale_field(
             source.values, source.smoothing, floor, interest, max_border, exponent, slope, NO_BARRIERS
         )
