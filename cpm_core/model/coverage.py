@@ -93,30 +93,53 @@ def cover(coverage: Coverage, positions: Array, on_edge: Mask, step: int) -> tup
     `positions`, shape (N, 2) [px], are the particles, `on_edge`, shape (N,), is their edge contact. Returns the
     coverage after it, the same one if no cell is new, and the number of newly covered cells.
     """
-    cells = cells_at(positions[on_edge], CELL, coverage.found.shape)
-    fresh = cells[coverage.found[tuple(cells.T)] == NEVER]
-    if not len(fresh):
+    first = _first_new(coverage.found, positions, on_edge)
+    if first == len(positions):
         return coverage, 0
-    cells = np.argwhere(np.bincount(np.ravel_multi_index(tuple(fresh.T), coverage.found.shape)))
-    cells = np.stack(np.unravel_index(cells[:, 0], coverage.found.shape), axis=1)
     found, latest = coverage.found.copy(), coverage.latest.copy()
-    found[tuple(cells.T)] = step
-    _mark_near(latest, cells, step)
-    return Coverage(found, latest, coverage.size + len(cells)), len(cells)
+    new = _mark(found, latest, positions, on_edge, first, step)
+    return Coverage(found, latest, coverage.size + new), new
 
 
 @compiled
-def _mark_near(latest: Steps, cells: Index, step: int) -> None:
-    """Set the step of all cells near some, shape (K, 2)."""
-    for k in range(len(cells)):
-        row, col = cells[k]
-        latest[max(row - REACH, 0) : row + REACH + 1, max(col - REACH, 0) : col + REACH + 1] = step
+def _cell_at(steps: Steps, position: Array, i: int) -> tuple[int, int]:
+    return cell_of(position[i, 0], CELL, steps.shape[0]), cell_of(position[i, 1], CELL, steps.shape[1])
+
+
+@compiled
+def _first_new(found: Steps, position: Array, on_edge: Mask) -> int:
+    """The first particle on an edge in a cell that is not covered, or their number."""
+    for i in range(len(position)):
+        if on_edge[i] and found[_cell_at(found, position, i)] == NEVER:
+            return i
+    return len(position)
+
+
+@compiled
+def _mark(found: Steps, latest: Steps, position: Array, on_edge: Mask, first: int, step: int) -> int:
+    """Mark the cells of all particles on edges from a first one, and those near, as covered; return their number."""
+    new = 0
+    for i in range(first, len(position)):
+        if on_edge[i] and found[_cell_at(found, position, i)] == NEVER:
+            row, col = _cell_at(found, position, i)
+            found[row, col] = step
+            latest[max(row - REACH, 0) : row + REACH + 1, max(col - REACH, 0) : col + REACH + 1] = step
+            new += 1
+    return new
 
 
 def idle_at(coverage: Coverage, positions: Array, step: int, elsewhere: int) -> Index:
     """Steps since cells around each particle were newly covered, shape (N,); `elsewhere` far from all covered cells."""
-    newest = coverage.latest[tuple(cells_at(positions, CELL, coverage.latest.shape).T)]
-    return np.where(newest == NEVER, elsewhere, step - newest.astype(np.int64))
+    return _idle_at(coverage.latest, positions, step, elsewhere)
+
+
+@compiled
+def _idle_at(latest: Steps, position: Array, step: int, elsewhere: int) -> Index:
+    idle = np.empty(len(position), np.int64)
+    for i in range(len(position)):
+        newest = latest[_cell_at(latest, position, i)]
+        idle[i] = elsewhere if newest == NEVER else step - newest
+    return idle
 
 
 def with_times_reset(coverage: Coverage, step: int) -> Coverage:

@@ -231,12 +231,15 @@ class Moved:
         Edge strength at each.
     on_edge : ndarray of bool, shape (N,)
         Which of them are on an edge.
+    normal : ndarray, shape (N, D)
+        Gradient of the smoothed image at each, or its direction.
     """
 
     particles: Particles
     motion: Array
     strength: Array
     on_edge: Mask
+    normal: Array
 
     @classmethod
     def unset(cls, particles: Particles) -> Moved:
@@ -249,14 +252,21 @@ class Moved:
             np.empty_like(particles.distance),
             particles.identity,
         )
-        return cls(after, np.empty(count), np.empty(count), np.empty(count, np.bool_))
+        normal = np.empty_like(particles.position)
+        return cls(after, np.empty(count), np.empty(count), np.empty(count, np.bool_), normal)
 
     def where(self, kept: Mask) -> Moved:
         """The particles for which `kept`, shape (N,), is true."""
-        return Moved(self.particles.where(kept), self.motion[kept], self.strength[kept], self.on_edge[kept])
+        return Moved(
+            self.particles.where(kept),
+            self.motion[kept],
+            self.strength[kept],
+            self.on_edge[kept],
+            self.normal[kept],
+        )
 
     @classmethod
-    def held_at(cls, particles: Particles, start: Array, contact: tuple[Array, Mask]) -> Moved:
+    def held_at(cls, particles: Particles, start: Array, contact: tuple[Array, Mask, Array]) -> Moved:
         """Particles that barriers held back on their way from `start`, shape (N, D), with their edge contact."""
         particles.distance[:, 0] = np.linalg.norm(particles.position, axis=1)
         return cls(particles, np.linalg.norm(particles.position - start, axis=1), *contact)

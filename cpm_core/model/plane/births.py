@@ -41,12 +41,15 @@ class EdgeContact:
         Edge strength at each.
     on_edge : ndarray of bool, shape (N,)
         Which are on an edge; see `is_on_edge`.
+    normal : ndarray, shape (N, 2)
+        Image gradient at each.
     cells : Cells
         The particles sorted into cells, for neighbors up to a distance.
     """
 
     strength: Array
     on_edge: Mask
+    normal: Array
     cells: Cells
 
 
@@ -65,21 +68,20 @@ def deletion(positions: Array, strength: Array, shape: tuple[int, ...], d_min: f
     """
     places = np.ascontiguousarray(positions, dtype=float)
     cells = build_cells(places, shape, max(d_min, _LEAST_CELL))
-    every = np.ones(len(places), np.bool_)
-    return thinned(places, EdgeContact(strength, every, cells), every, d_min)
+    return thinned(places, strength, cells, np.ones(len(places), np.bool_), d_min)
 
 
-def thinned(position: Array, contact: EdgeContact, has_moved: Mask, d_min: float) -> Mask:
+def thinned(position: Array, strength: Array, cells: Cells, has_moved: Mask, d_min: float) -> Mask:
     """Which particles stay, shape (N,), by the rule of `deletion`, where only some have moved since its last use.
 
     `position`, shape (N, 2), are all of them; `has_moved`, shape (N,), marks the particles that have moved or are new.
     """
-    count = len(contact.strength)
+    count = len(position)
     kept = np.ones(count, np.bool_)
-    share(partial(_find_close, contact.cells, has_moved, NEAR * d_min, kept), count, _WORTH_A_THREAD)
+    share(partial(_find_close, cells, has_moved, NEAR * d_min, kept), count, _WORTH_A_THREAD)
     close = np.flatnonzero(~kept)
     if len(close):
-        order = close[np.argsort(-contact.strength[close], kind="stable")]
+        order = close[np.argsort(-strength[close], kind="stable")]
         kept[order] = first_of(position[order], NEAR * d_min)
     return kept
 
@@ -225,7 +227,8 @@ def insertion(
     offers = _Offers(np.empty(count, np.int64), np.empty((*room.shape, 2)), other, room, crowd)
     eligible, there = contact.on_edge & search.present, search.present[contact.cells.order]
     asked = search._replace(present=there, thorough=search.thorough & search.looking)
-    seen = (contact.cells, contact.strength, asked, eligible, scale_field.packed, scale_field.barrier_map)
+    edge = (contact.strength, contact.normal)
+    seen = (contact.cells, *edge, asked, eligible, scale_field.packed, scale_field.barrier_map)
     share(partial(_find_places, *seen, rule, _TURNS, turn, offers), count, _SEARCHES_A_THREAD)
     most = int(offers.number.sum())
     position, parents = np.empty((most, 2)), np.empty((most, 2), np.int64)
@@ -237,6 +240,7 @@ def insertion(
 def _find_places(
     cells: Cells,
     strength: Array,
+    normal: Array,
     search: Search,
     eligible: Mask,
     packed: Single,
@@ -259,12 +263,13 @@ def _find_places(
         offers.number[i] = 0
         if not (eligible[i] and search.looking[i]):
             continue
-        if not thorough[i] and _is_flanked(cells, present, y, x, packed, _FLANK * rule.d_min):
+        n_y, n_x = normal[i, 0], normal[i, 1]
+        if not thorough[i] and _is_flanked(cells, present, y, x, n_y, n_x, _FLANK * rule.d_min):
             continue
         length = _list_near(cells, present, y, x, rule.range, near_y, near_x, index)
         if length == most:
             continue
-        faintest, at = max(rule.floor, FAINTEST * strength[i]), between(packed, y, x)
+        faintest = max(rule.floor, FAINTEST * strength[i])
         for n in range(length + len(turns) if search.ahead[i] else length):
             j, far_y, far_x = i, y, x
             if n < length:
@@ -274,7 +279,6 @@ def _find_places(
                 found = _halfway(near_y, near_x, length, y, x, far_y, far_x, packed, faintest, rule)
             else:
                 down, right = turns[n - length, 0], turns[n - length, 1]
-                n_y, n_x = component(packed, 2, at), component(packed, 3, at)
                 across = (down * n_y + right * n_x) ** 2
                 if (n - length - turn) % (len(turns) // 2) and not across <= _ALONG * (n_y**2 + n_x**2):
                     continue
@@ -349,10 +353,8 @@ def _ahead(
 
 
 @compiled
-def _is_flanked(cells: Cells, present: Mask, y: float, x: float, packed: Single, distance: float) -> bool:
+def _is_flanked(cells: Cells, present: Mask, y: float, x: float, n_y: float, n_x: float, distance: float) -> bool:
     """Whether a particle has others on both sides along its edge, so near that there is no position ahead of it."""
-    at = between(packed, y, x)
-    n_y, n_x = component(packed, 2, at), component(packed, 3, at)
     before, behind = 0, 0
     top, bottom, left, right = cells_around(cells, y, x, distance)
     for row in range(top, bottom + 1):

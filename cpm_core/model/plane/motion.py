@@ -38,8 +38,7 @@ from cpm_core.model.plane.repulsion import (
     mesh_force,
     mesh_force_at,
     nodes,
-    pair_sum,
-    two_nearest,
+    pair_sums,
     two_nearest_of_many,
 )
 from cpm_core.model.state import MEMORY, MESH_EVERY, MeshForce, Particles, State
@@ -60,25 +59,28 @@ def is_on_edge(squared: float, strength: float, floor: float) -> bool:
     return squared < GATE**2 and strength >= floor
 
 
-def contact_at(positions: Array, scale_field: ScaleField) -> tuple[Array, Mask]:
-    """Edge strength at particles, shape (N, 2), and which of them are on an edge."""
-    strength, on_edge = np.empty(len(positions)), np.empty(len(positions), np.bool_)
-    _contact_at(scale_field.packed, scale_field.floor, positions, strength, on_edge)
-    return strength, on_edge
+def contact_at(positions: Array, scale_field: ScaleField) -> tuple[Array, Mask, Array]:
+    """Edge strength at particles, shape (N, 2), which of them are on an edge, and the image gradient there."""
+    count = len(positions)
+    strength, on_edge, normal = np.empty(count), np.empty(count, np.bool_), np.empty((count, 2))
+    _contact_at(scale_field.packed, scale_field.floor, positions, strength, on_edge, normal)
+    return strength, on_edge, normal
 
 
 @compiled
-def _contact_at(packed: Single, floor: float, position: Array, strength: Array, on_edge: Mask) -> None:
+def _contact_at(packed: Single, floor: float, position: Array, strength: Array, on_edge: Mask, normal: Array) -> None:
     for i in range(len(position)):
-        strength[i], on_edge[i] = on_edge_at(packed, position[i, 0], position[i, 1], floor)
+        found = edge_at(packed, position[i, 0], position[i, 1], floor)
+        strength[i], on_edge[i], normal[i, 0], normal[i, 1] = found
 
 
 @compiled
-def on_edge_at(packed: Single, y: float, x: float, floor: float) -> tuple[float, bool]:
-    """Edge strength at a position, and whether a particle there is on an edge."""
+def edge_at(packed: Single, y: float, x: float, floor: float) -> tuple[float, bool, float, float]:
+    """Edge strength at a position, whether a particle there is on an edge, and the image gradient."""
     place = between(packed, y, x)
     f_y, f_x, strength = component(packed, 0, place), component(packed, 1, place), component(packed, 4, place)
-    return strength, is_on_edge(f_y**2 + f_x**2, strength, floor)
+    on_edge = is_on_edge(f_y**2 + f_x**2, strength, floor)
+    return strength, on_edge, component(packed, 2, place), component(packed, 3, place)
 
 
 REACH = 2.0
@@ -154,10 +156,14 @@ def move(particles: Particles, idle: Index, mesh: MeshForce, scale_field: ScaleF
     moved = Moved.unset(particles)
     before, after = (particles.velocity, particles.force, particles.distance), moved.particles
     motion = (after.position, after.velocity, after.force, after.distance, moved.motion)
-    contact, packed = (moved.strength, moved.on_edge), scale_field.packed
+    contact, packed = (moved.strength, moved.on_edge, moved.normal), scale_field.packed
     work = partial(_move, cells, packed, idle, mesh, damped, law, before, motion, contact, scale_field.floor)
     share(work, len(particles), _WORTH_A_THREAD)
     return moved
+
+
+_AHEAD = 64
+"""Particles whose field is read ahead."""
 
 
 @compiled
@@ -170,64 +176,75 @@ def _move(
     law: Law,
     before: tuple[Array, Array, Array],
     after: tuple[Array, Array, Array, Array, Array],
-    contact: tuple[Array, Mask],
+    contact: tuple[Array, Mask, Array],
     floor: float,
     first: int,
     last: int,
 ) -> None:
-    """Move some of the sorted particles.
-
-    One function, although long: with the Coulomb force in a function of its own, compiled or inlined, it takes 40 %
-    longer.
-    """
+    """Move some of the sorted particles."""
     velocity, force, distance = before
     to_position, to_velocity, to_force, to_distance, motion = after
-    strength, on_edge = contact
-    smooth, softening = mesh.force, mesh.softening  # taking an array out of a tuple is too slow for every particle
-    room = len(cells.order) + LANES
-    near_y, near_x, squared = np.empty(room, np.float32), np.empty(room, np.float32), np.empty(room, np.float32)
-    bits, reach = squared.view(np.int32), np.float32(mesh.reach)
-    listed, length, own = -1, 0, 0
+    strength, on_edge, normal = contact
+    coulomb = np.zeros((last - first, 2))
+    _repel(cells, idle, mesh, law, coulomb, first, last)
     for k in range(first, last):
+        if (k - first) % _AHEAD == 0:
+            for n in range(k, min(k + _AHEAD, last)):
+                row, col, _, _ = between(packed, cells.y[n], cells.x[n])
+                upper, lower = (
+                    packed[row, col, 0] + packed[row, col + 1, 4],
+                    packed[row + 1, col, 0] + packed[row + 1, col + 1, 4],
+                )
+                strength[cells.order[n]] = upper + lower
         i, y, x = cells.order[k], cells.y[k], cells.x[k]
-        left = repulsion_left(idle[i])
         v_y, v_x = velocity[i, 0], velocity[i, 1]
-        for t in range(MEMORY - 1):
-            to_distance[i, t + 1] = distance[i, t]
         to_y, to_x = y, x
         history = (force[i, 0, 0], force[i, 0, 1], force[i, 1, 0], force[i, 1, 1])
-        if left == 0.0 and v_y**2 + v_x**2 < REST_SPEED**2 and not np.isnan(distance[i, MEMORY - 1]):
+        if idle[i] >= FADED and v_y**2 + v_x**2 < REST_SPEED**2 and not np.isnan(distance[i, MEMORY - 1]):
             v_y, v_x = 0.0, 0.0
         else:
-            c_y, c_x = 0.0, 0.0
-            if left > 0.0:
-                row, col = cell_of(y, cells.size, cells.rows), cell_of(x, cells.size, cells.cols)
-                if row * cells.cols + col != listed:
-                    listed = row * cells.cols + col
-                    length, own = gather(cells, row, col, near_y, near_x)
-                # from the list: with a difference that is rounded in another way, a particle would act on itself
-                here_y, here_x = near_y[own + k], near_x[own + k]
-                c_y, c_x = pair_sum(near_y, near_x, squared, length, here_y, here_x, reach, softening)
-                if len(smooth):
-                    far_y, far_x = mesh_force_at(
-                        smooth, (y - mesh.first[0]) / mesh.pitch, (x - mesh.first[1]) / mesh.pitch
-                    )
-                    c_y, c_x = c_y + far_y, c_x + far_x
-                one, other = two_nearest(squared, bits, length)
-                if other > cells.size**2:  # a particle outside the list may be nearer
-                    one, other = two_nearest_of_many(cells, y, x, law.neighbor_range)
-                spacing = 0.5 * (min(np.sqrt(one), law.neighbor_range) + min(np.sqrt(other), law.neighbor_range))
-                scale = coulomb_scale(np.sqrt(c_y**2 + c_x**2), spacing, law.d_min)
-                c_y, c_x = c_y * scale, c_x * scale
-                c_y, c_x = left * c_y, left * c_x
             late = min(idle[i], len(damped) - 1)
             series = (damped[late, 0], damped[late, 1], damped[late, 2], damped[late, 3])
+            c_y, c_x = coulomb[k - first, 0], coulomb[k - first, 1]
             to_y, to_x, v_y, v_x, history = _step(packed, law, idle[i], series, y, x, v_y, v_x, c_y, c_x, history)
         to_position[i, 0], to_position[i, 1], to_velocity[i, 0], to_velocity[i, 1] = to_y, to_x, v_y, v_x
         to_force[i, 0, 0], to_force[i, 0, 1], to_force[i, 1, 0], to_force[i, 1, 1] = history
+        to_distance[i, 1], to_distance[i, 2], to_distance[i, 3] = distance[i, 0], distance[i, 1], distance[i, 2]
         to_distance[i, 0] = np.sqrt(to_y**2 + to_x**2)
         motion[i] = np.sqrt((to_y - y) ** 2 + (to_x - x) ** 2)
-        strength[i], on_edge[i] = on_edge_at(packed, to_y, to_x, floor)
+        found = edge_at(packed, to_y, to_x, floor)
+        strength[i], on_edge[i], normal[i, 0], normal[i, 1] = found
+
+
+@compiled
+def _repel(cells: Cells, idle: Index, mesh: MeshForce, law: Law, coulomb: Array, first: int, last: int) -> None:
+    """Write the normalized Coulomb force on some of the sorted particles, shape (`last` - `first`, 2), cell by cell."""
+    smooth, softening = mesh.force, mesh.softening  # taking an array out of a tuple is too slow for every particle
+    room = len(cells.order) + LANES
+    near, sums = np.empty((3, room), np.float32), np.empty((room, 4))
+    bits, reach = near[2].view(np.int32), np.float32(mesh.reach)
+    end = first
+    while end < last:
+        k = end
+        row, col = cell_of(cells.y[k], cells.size, cells.rows), cell_of(cells.x[k], cells.size, cells.cols)
+        end, awake = min(cells.start[row * cells.cols + col + 1], last), False
+        for n in range(k, end):
+            awake |= repulsion_left(idle[cells.order[n]]) > 0.0
+        if not awake:
+            continue
+        length, own = gather(cells, row, col, near)
+        pair_sums(near, bits, length, own + k, own + end, reach, softening, sums)
+        for n in range(k, end):
+            y, x, left = cells.y[n], cells.x[n], repulsion_left(idle[cells.order[n]])
+            c_y, c_x, one, other = sums[n - k, 0], sums[n - k, 1], sums[n - k, 2], sums[n - k, 3]
+            if len(smooth):
+                far_y, far_x = mesh_force_at(smooth, (y - mesh.first[0]) / mesh.pitch, (x - mesh.first[1]) / mesh.pitch)
+                c_y, c_x = c_y + far_y, c_x + far_x
+            if other > cells.size**2:  # a particle outside the list may be nearer
+                one, other = two_nearest_of_many(cells, y, x, law.neighbor_range)
+            spacing = 0.5 * (min(np.sqrt(one), law.neighbor_range) + min(np.sqrt(other), law.neighbor_range))
+            scale = coulomb_scale(np.sqrt(c_y**2 + c_x**2), spacing, law.d_min)
+            coulomb[n - first, 0], coulomb[n - first, 1] = left * (c_y * scale), left * (c_x * scale)
 
 
 @compiled

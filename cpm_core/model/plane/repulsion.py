@@ -22,7 +22,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from cpm_core.model.coverage import cell_of, cells_at, sorted_by
+from cpm_core.model.coverage import cell_of
 from cpm_core.model.state import MeshForce
 from cpm_core.numerics.jit import compiled, reordered
 from cpm_core.numerics.types import Array, Index, Single
@@ -60,9 +60,29 @@ class Cells(NamedTuple):
 def build_cells(position: Array, shape: tuple[int, ...], size: float) -> Cells:
     """Sort the particles `position`, shape (N, 2), on an image of this shape into cells of side `size` [px]."""
     rows, cols = (int(n / size) + 1 for n in shape)
-    row, col = cells_at(position, size, (rows, cols)).T
-    order, start = sorted_by(row * cols + col, rows * cols)
-    return Cells(size, rows, cols, start, order, *np.ascontiguousarray(position[order].T))
+    return Cells(size, rows, cols, *_sorted_into(position, size, rows, cols))
+
+
+@compiled
+def _sorted_into(position: Array, size: float, rows: int, cols: int) -> tuple[Index, Index, Array, Array]:
+    """Where the particles of each cell begin, and the particles of all cells with their coordinates; see `Cells`."""
+    count = len(position)
+    cell, start = np.empty(count, np.int64), np.zeros(rows * cols + 1, np.int64)
+    for i in range(count):
+        cell[i] = cell_of(position[i, 0], size, rows) * cols + cell_of(position[i, 1], size, cols)
+        start[cell[i]] += 1
+    first = 0
+    for c in range(rows * cols + 1):
+        start[c], first = first, first + start[c]
+    order, y, x = np.empty(count, np.int64), np.empty(count), np.empty(count)
+    for i in range(count):
+        k = start[cell[i]]
+        order[k], y[k], x[k] = i, position[i, 0], position[i, 1]
+        start[cell[i]] = k + 1
+    for c in range(rows * cols, 0, -1):
+        start[c] = start[c - 1]
+    start[0] = 0
+    return start, order, y, x
 
 
 @compiled
@@ -102,28 +122,7 @@ _INFINITE = np.float32(np.inf).view(np.int32)
 
 
 @compiled
-def two_nearest(squared: Single, bits: Bits, length: int) -> tuple[float, float]:
-    """Least two of some squared distances, other than zero; `bits` views the same memory, which is overwritten.
-
-    The bits of positive numbers have the order of the numbers, and integers are compared many at once.
-    """
-    first = _INFINITE
-    for j in range(length):
-        here = bits[j]
-        here = here if here > 0 else _INFINITE
-        first = here if here < first else first
-    second, ties = _INFINITE, 0
-    for j in range(length):
-        here = bits[j]
-        ties += 1 if here == first else 0
-        here = here if here > first else _INFINITE
-        second = here if here < second else second
-    bits[0], bits[1] = first, first if ties > 1 else second
-    return squared[0], squared[1]
-
-
-@compiled
-def gather(cells: Cells, row: int, col: int, near_y: Single, near_x: Single) -> tuple[int, int]:
+def gather(cells: Cells, row: int, col: int, near: Single) -> tuple[int, int]:
     """List the particles in a cell and around it, relative to the corner of the cell.
 
     Return how many they are, filled up to lanes, and the offset of the particles of the cell from their sorted order.
@@ -135,39 +134,63 @@ def gather(cells: Cells, row: int, col: int, near_y: Single, near_x: Single) -> 
         first, last = row_of_cells(cells, r, left, right)
         own = length - first if r == row else own
         for k in range(first, last):
-            near_y[length] = cells.y[k] - origin_y
-            near_x[length] = cells.x[k] - origin_x
+            near[0, length] = cells.y[k] - origin_y
+            near[1, length] = cells.x[k] - origin_x
             length += 1
     while length % LANES:
-        near_y[length] = near_x[length] = FILLER
+        near[0, length] = near[1, length] = FILLER
         length += 1
     return length, own
 
 
 @reordered
-def pair_sum(
-    near_y: Single,
-    near_x: Single,
-    squares: Single,
-    length: int,
-    y: np.float32,
-    x: np.float32,
-    reach: np.float32,
-    softening: Single,
-) -> tuple[float, float]:
-    """Sum what the mesh leaves out of eq. (9), in single precision, and keep the squared distances."""
+def pair_sums(
+    near: Single, bits: Bits, length: int, first: int, last: int, reach: np.float32, softening: Single, sums: Array
+) -> None:
+    """Sum what the mesh leaves out of eq. (9), and find the two nearest neighbors, for some of the listed particles.
+
+    Parameters
+    ----------
+    near : ndarray of float32, shape (3, M)
+        Coordinates of the listed particles, of which there are `length`, and room for their squared distances.
+    bits : ndarray of int32, shape (M,)
+        View of this room: the bits of positive numbers have the order of the numbers, and integers are compared many
+        at once.
+    first, last : int
+        The first particle to sum for, and the one behind the last.
+    reach, softening
+        See `MeshForce`.
+    sums : ndarray, shape (last - first, 4)
+        Force on each, and squared distances of its two nearest neighbors, other than zero; infinite for none.
+    """
     one, nothing, tiny = np.float32(1.0), np.float32(0.0), np.float32(SAME_SPOT)
-    f_y, f_x, a, b, c = nothing, nothing, softening[0], softening[1], softening[2]
-    for j in range(length):
-        d_y, d_x = y - near_y[j], x - near_x[j]
-        squared = d_y * d_y + d_x * d_x
-        squares[j] = squared
-        bounded = max(squared, tiny)
-        weight = one / (bounded * np.sqrt(bounded)) - (a + squared * (b + squared * c))
-        weight = weight if squared < reach * reach else nothing
-        f_y += weight * d_y
-        f_x += weight * d_x
-    return float(f_y), float(f_x)
+    a, b, c = softening[0], softening[1], softening[2]
+    for i in range(first, last):
+        # from the list: with a difference that is rounded in another way, a particle would act on itself
+        y, x, f_y, f_x = near[0, i], near[1, i], nothing, nothing
+        for j in range(length):
+            d_y, d_x = y - near[0, j], x - near[1, j]
+            squared = d_y * d_y + d_x * d_x
+            near[2, j] = squared
+            bounded = max(squared, tiny)
+            weight = one / (bounded * np.sqrt(bounded)) - (a + squared * (b + squared * c))
+            weight = weight if squared < reach * reach else nothing
+            f_y += weight * d_y
+            f_x += weight * d_x
+        nearest = _INFINITE
+        for j in range(length):
+            here = bits[j]
+            here = here if here > 0 else _INFINITE
+            nearest = here if here < nearest else nearest
+        second, ties = _INFINITE, 0
+        for j in range(length):
+            here = bits[j]
+            ties += 1 if here == nearest else 0
+            here = here if here > nearest else _INFINITE
+            second = here if here < second else second
+        bits[0], bits[1] = nearest, nearest if ties > 1 else second
+        n = i - first
+        sums[n, 0], sums[n, 1], sums[n, 2], sums[n, 3] = f_y, f_x, near[2, 0], near[2, 1]
 
 
 @compiled

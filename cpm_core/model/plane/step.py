@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.field.interpolation import interpolate
-from cpm_core.field.placed_charges import at_scale, near_charges, placed_force_at, placed_potential, radius_at
+from cpm_core.field.placed_charges import near_charges, placed_force_at, placed_potential, radius_at
 from cpm_core.field.scale_field import GATE, ScaleField
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.coverage import cover, idle_at
@@ -33,8 +33,9 @@ from cpm_core.model.plane.enclosed_regions import RESEEDINGS, reseeding_places
 from cpm_core.model.plane.motion import contact_at, held_back, is_at_rest, mesh_force_of, move
 from cpm_core.model.plane.repulsion import build_cells, pair_energy
 from cpm_core.model.starts import inside_image
-from cpm_core.model.state import State
-from cpm_core.numerics.types import Index
+from cpm_core.model.state import MEMORY, State
+from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.types import Array, Index, Mask
 from cpm_core.parameters import Parameters
 
 _PATIENCE = 2
@@ -88,7 +89,7 @@ def _let_gather(state: State, scale_field: ScaleField, idle: Index) -> None:
     If the repulsion faded first, they would all move to one position, and all but one would be deleted.
     """
     near = np.flatnonzero(_drawn(state))
-    strength, _ = contact_at(state.particles.position[near], scale_field)
+    strength, _, _ = contact_at(state.particles.position[near], scale_field)
     near = near[strength < scale_field.floor]
     velocity = state.particles.velocity[near]
     slow = np.einsum("ni,ni->n", velocity, velocity) < _GATHERED**2
@@ -98,9 +99,8 @@ def _let_gather(state: State, scale_field: ScaleField, idle: Index) -> None:
 
 def _drawn(state: State) -> NDArray[np.bool_]:
     """Which particles are within reach of a charge that attracts them, shape (N,)."""
-    attracting = [charge for charge in state.charges if charge.strength > 0.0]
-    placed = at_scale(attracting, state.scale, state.shape)
-    return near_charges(placed, radius_at(state.scale), state.particles.position)
+    attracting = state.placed[state.placed[:, -1] > 0.0]
+    return near_charges(attracting, radius_at(state.scale), state.particles.position)
 
 
 def reseeded(state: State, scale_field: ScaleField) -> State | None:
@@ -137,7 +137,7 @@ def without_resting_off_edge(state: State, scale_field: ScaleField) -> State:
     Particles around an attracting charge stay.
     """
     position = state.particles.position
-    strength, on_edge = contact_at(position, scale_field)
+    strength, on_edge, _ = contact_at(position, scale_field)
     found = on_edge | (strength >= _CERTAIN * scale_field.floor)
     if not found.any():
         return state
@@ -152,7 +152,7 @@ def without_off_edge(state: State, scale_field: ScaleField, and_drawn: bool = Fa
 
     Those within reach of an attracting charge can be kept.
     """
-    _, found = contact_at(state.particles.position, scale_field)
+    _, found, _ = contact_at(state.particles.position, scale_field)
     if and_drawn:
         found |= _drawn(state)
     return replace(state, particles=state.particles.where(found))
@@ -204,17 +204,13 @@ def populated(
         return replace(state, annealed=annealed, idle=state.idle + 1)
     particles, step, has_moved = state.particles, state.step_of_scale, moved.motion > 0.0
     cells = build_cells(particles.position, scale_field.shape, search_range(parameters))
-    contact = EdgeContact(moved.strength, moved.on_edge, cells)
-    kept = thinned(particles.position, contact, has_moved, parameters.d_min)
+    contact = EdgeContact(moved.strength, moved.on_edge, moved.normal, cells)
+    kept = thinned(particles.position, moved.strength, cells, has_moved, parameters.d_min)
     coverage, new = cover(state.coverage, particles.position, contact.on_edge & kept, step)
     round_ = state.step // every
-    turn = particles.identity + round_
     front = idle_at(coverage, particles.position, step, state.idle) < _FRONT
-    thorough = (turn % _SEARCH_EVERY == 0) | particles.young | repulsion_gone
-    looking = (thorough | front) & has_moved
-    ahead = (turn % _AHEAD_EVERY == 0) | front
+    search = Search(kept, *_in_turn(particles.identity, particles.distance, has_moved, front, round_, repulsion_gone))
     d_max = state.annealed * parameters.d_max
-    search = Search(kept, looking, thorough, ahead)
     births = insertion(contact, search, scale_field, d_max, parameters, round_)
     born, deleted = len(births.position), len(kept) - int(np.count_nonzero(kept))
     if born:
@@ -232,6 +228,21 @@ def populated(
         coverage=coverage,
         idle=state.idle + 1 if is_idle(new, coverage.size) else 0,
     )
+
+
+@compiled
+def _in_turn(
+    identity: Index, distance: Array, has_moved: Mask, front: Mask, turn: int, everywhere: bool
+) -> tuple[Mask, Mask, Mask]:
+    """Which particles search in a turn, which of them thoroughly, and which ahead; see `Search`."""
+    count = len(identity)
+    looking, thorough, ahead = np.empty(count, np.bool_), np.empty(count, np.bool_), np.empty(count, np.bool_)
+    for i in range(count):
+        number = identity[i] + turn
+        thorough[i] = number % _SEARCH_EVERY == 0 or np.isnan(distance[i, MEMORY - 1]) or everywhere
+        looking[i] = (thorough[i] or front[i]) and has_moved[i]
+        ahead[i] = number % _AHEAD_EVERY == 0 or front[i]
+    return looking, thorough, ahead
 
 
 _STEPS_A_PIXEL = 2.0

@@ -22,9 +22,9 @@ from cpm_core.field.placed_charges import NOTHING_PLACED, Placed, torn_off
 from cpm_core.field.scale_field import FAINTEST
 from cpm_core.field.volume_field import VolumeField
 from cpm_core.field.volume_surface import faces_alike, is_ridge, on_ridge
-from cpm_core.model.equations import NEAR, STRIDE, first_of
+from cpm_core.model.equations import NEAR, STRIDE
 from cpm_core.model.state import Particles
-from cpm_core.model.volume.motion import Cells, near, on_one_sheet
+from cpm_core.model.volume.motion import LEAST_CELL, Cells, build_cells, near, on_one_sheet, room_for
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Index, Mask, Single
@@ -65,13 +65,12 @@ def _find_close(
     last: int,
 ) -> None:
     """Mark the particles with another one nearer than a distance as not alone; one of each pair has its turn."""
+    found = room_for(cells)
     for q in range(first, last):
         i = turn[q]
-        place = row_of(position, i)
-        for k in near(cells, place, distance):
-            j = cells.order[k]
-            away = length(difference(place, (cells.z[k], cells.y[k], cells.x[k])))
-            if away < distance and j != i and on_one_sheet(i, j, normals, seated):
+        for n in range(near(cells, row_of(position, i), distance, found)):
+            j = cells.order[found[n]]
+            if j != i and on_one_sheet(i, j, normals, seated):
                 alone[i] = alone[j] = False
 
 
@@ -170,11 +169,14 @@ def _search(
     last: int,
 ) -> None:
     """Find the places that some particles offer, up to `_MOST` each."""
-    angles = np.empty(_MOST_NEIGHBORS)
+    angles, around = np.empty(_MOST_NEIGHBORS), room_for(cells)
+    farthest = max(_FARTHEST * STRIDE * d_min + ROOM * d_min, 1.5 * reach)  # what can be in the way of an offer
     for q in range(first, last):
+        i = looking[q]
+        crowd = around[: near(cells, row_of(sheets[0], i), farthest, around)]
         if reach > d_min:
-            _look_between(q, looking[q], looks, cells, sheets, edge, d_min, reach, found, count)
-        _look_ahead(q, looking[q], cells, sheets, edge, d_min, angles, found, count)
+            _look_between(q, i, looks, cells, crowd, sheets, edge, d_min, reach, found, count)
+        _look_ahead(q, i, cells, crowd, sheets, edge, d_min, angles, found, count)
 
 
 @compiled
@@ -183,6 +185,7 @@ def _look_between(
     i: int,
     looks: Mask,
     cells: Cells,
+    crowd: Index,
     sheets: _Sheets,
     edge: _Edge,
     d_min: float,
@@ -193,7 +196,7 @@ def _look_between(
     """Offer the midpoints of a particle and others of its sheet, with nothing between the two."""
     position, normals, seated, _ = sheets
     place, normal = row_of(position, i), row_of(normals, i)
-    for k in near(cells, place, reach):
+    for k in crowd:
         j = cells.order[k]
         if not seated[j] or (looks[j] and j <= i) or not faces_alike(normal, row_of(normals, j)):
             continue
@@ -201,8 +204,8 @@ def _look_between(
         distance = length(away)
         if d_min < distance <= reach:
             middle, room = moved(place, 0.5, away), 0.5 * distance - _ROUNDING_ERROR
-            if not _is_taken(cells, middle, normal, normals, room):
-                _offer(q, i, middle, 0.0, distance, room, cells, sheets, edge, found, count)
+            if not _is_taken(cells, crowd, middle, normal, normals, room):
+                _offer(q, i, middle, 0.0, distance, room, cells, crowd, sheets, edge, found, count)
 
 
 @compiled
@@ -210,6 +213,7 @@ def _look_ahead(
     q: int,
     i: int,
     cells: Cells,
+    crowd: Index,
     sheets: _Sheets,
     edge: _Edge,
     d_min: float,
@@ -221,11 +225,11 @@ def _look_ahead(
     position, normals, seated, _ = sheets
     place, stride, room = row_of(position, i), STRIDE * d_min, ROOM * d_min
     one, other = tangents(row_of(normals, i))
-    start, gap, steps = _widest_gap(cells, place, i, normals, seated, one, other, _NEIGHBORS * stride, angles)
+    start, gap, steps = _widest_gap(cells, crowd, place, i, normals, seated, one, other, _NEIGHBORS * stride, angles)
     for step in range(1, steps):
         angle = start + gap * step / steps
         ahead = moved(moved(place, stride * np.cos(angle), one), stride * np.sin(angle), other)
-        _offer(q, i, ahead, room, _FARTHEST * stride, room, cells, sheets, edge, found, count)
+        _offer(q, i, ahead, room, _FARTHEST * stride, room, cells, crowd, sheets, edge, found, count)
 
 
 @compiled
@@ -237,6 +241,7 @@ def _offer(
     farthest: float,
     room: float,
     cells: Cells,
+    crowd: Index,
     sheets: _Sheets,
     edge: _Edge,
     found: Array,
@@ -252,7 +257,7 @@ def _offer(
     fits = nearest <= away <= farthest and here >= max(floor, FAINTEST * strength[i])
     fits = fits and dot(turned, row_of(normals, i)) >= _TURNED and _inside(place, edges.shape, pitch)
     fits = fits and count[q] < _MOST and is_ridge(smoothed, edges, pitch, place, _RIDGE)
-    if fits and not _is_taken(cells, place, turned, normals, room):
+    if fits and not _is_taken(cells, crowd, place, turned, normals, room):
         entry = found[q, count[q]]
         for axis in range(3):
             entry[axis], entry[3 + axis] = place[axis], turned[axis]
@@ -277,6 +282,7 @@ def tangents(normal: Vector) -> tuple[Vector, Vector]:
 @compiled
 def _widest_gap(
     cells: Cells,
+    crowd: Index,
     place: Vector,
     i: int,
     normals: Array,
@@ -291,20 +297,23 @@ def _widest_gap(
     Without room for a particle there is one step, and without neighbors there are seven: six particles around.
     """
     own, count = row_of(normals, i), 0
-    for k in near(cells, place, reach):
+    for k in crowd:
+        away = difference((cells.z[k], cells.y[k], cells.x[k]), place)
         j = cells.order[k]
-        if j != i and seated[j] and count < _MOST_NEIGHBORS and faces_alike(own, row_of(normals, j)):
-            away = difference((cells.z[k], cells.y[k], cells.x[k]), place)
-            if dot(away, away) < reach * reach:
-                angles[count] = np.arctan2(dot(away, other), dot(away, one))
-                count += 1
+        near_it = dot(away, away) < reach * reach and j != i and seated[j] and count < _MOST_NEIGHBORS
+        if near_it and faces_alike(own, row_of(normals, j)):
+            angle, at = np.arctan2(dot(away, other), dot(away, one)), count
+            while at > 0 and angles[at - 1] > angle:
+                angles[at] = angles[at - 1]
+                at -= 1
+            angles[at] = angle
+            count += 1
     if count == 0:
         return 0.0, 7.0 * _STEP, 7
-    around = np.sort(angles[:count])
-    begin, gap = around[count - 1], around[0] + 2.0 * np.pi - around[count - 1]
+    begin, gap = angles[count - 1], angles[0] + 2.0 * np.pi - angles[count - 1]
     for n in range(count - 1):
-        if around[n + 1] - around[n] > gap:
-            begin, gap = around[n], around[n + 1] - around[n]
+        if angles[n + 1] - angles[n] > gap:
+            begin, gap = angles[n], angles[n + 1] - angles[n]
     if gap < _WIDEST_GAP:
         return 0.0, 0.0, 1
     return begin, gap, max(2, int(gap / _STEP + _ROUNDING))
@@ -320,14 +329,12 @@ def _inside(place: Vector, shape: tuple[int, int, int], pitch: Vector) -> bool:
 
 
 @compiled
-def _is_taken(cells: Cells, place: Vector, normal: Vector, normals: Array, room: float) -> bool:
-    """Whether a particle is too near to a place: one of its sheet, or one at nearly the same place."""
-    for k in near(cells, place, room):
+def _is_taken(cells: Cells, crowd: Index, place: Vector, normal: Vector, normals: Array, room: float) -> bool:
+    """Whether one of a crowd is too near to a place: one of its sheet, or one at nearly the same place."""
+    for k in crowd:
         away = length(difference((cells.z[k], cells.y[k], cells.x[k]), place))
-        if away < room:
-            alike = faces_alike(normal, row_of(normals, cells.order[k]))
-            if alike or away < _SAME_PLACE:
-                return True
+        if away < room and (away < _SAME_PLACE or faces_alike(normal, row_of(normals, cells.order[k]))):
+            return True
     return False
 
 
@@ -336,9 +343,19 @@ def apart(position: Array, normal: Array, room: float, seated: Mask | None = Non
 
     `seated` are those that lie on a sheet, by default all; others are in the way of any.
     """
+    kept = np.ones(len(position), np.bool_)
+    if len(position):
+        cells = build_cells(position, tuple(position.max(axis=0)), max(room, LEAST_CELL))
+        _keep_apart(cells, position, normal, kept.copy() if seated is None else seated, room, kept)
+    return kept
 
-    def on_two_sheets(one: Index, other: Index) -> Mask:
-        two: Mask = (normal[one] * normal[other]).sum(axis=1) <= 0.0
-        return two if seated is None else two & seated[one] & seated[other]
 
-    return first_of(position, room, on_two_sheets)
+@compiled
+def _keep_apart(cells: Cells, position: Array, normal: Array, seated: Mask, room: float, kept: Mask) -> None:
+    """Mark in turn the places with an earlier one of their sheet that stays as those that do not stay."""
+    found = room_for(cells)
+    for i in range(len(position)):
+        for n in range(near(cells, row_of(position, i), room, found)):
+            j = cells.order[found[n]]
+            if j < i and kept[j] and on_one_sheet(i, j, normal, seated):
+                kept[i] = False

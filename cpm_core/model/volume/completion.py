@@ -19,7 +19,7 @@ from cpm_core.image.volume_regions import Walls
 from cpm_core.model.state import State, SurfaceContact
 from cpm_core.model.volume.births import apart
 from cpm_core.model.volume.inseparable import inseparable
-from cpm_core.model.volume.motion import Cells, build_cells, near
+from cpm_core.model.volume.motion import Cells, build_cells, near, room_for
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Index
@@ -119,11 +119,13 @@ def _find_cover(
     cells: Cells, normals: Array, place: Array, facing: Array, reach: float, cover: Index, first: int, last: int
 ) -> None:
     """Find how the particles of the same sheet cover some voxels."""
+    found = room_for(cells)
     for q in range(first, last):
         here, normal = row_of(place, q), row_of(facing, q)
-        for k in near(cells, here, reach):
-            away = length(difference((cells.z[k], cells.y[k], cells.x[k]), here))
-            if away < reach and cover[q] < _ON and faces_alike(normal, row_of(normals, cells.order[k])):
+        for n in range(near(cells, here, reach, found)):
+            k = found[n]
+            if cover[q] < _ON and faces_alike(normal, row_of(normals, cells.order[k])):
+                away = length(difference((cells.z[k], cells.y[k], cells.x[k]), here))
                 cover[q] = max(cover[q], _ON if away < _TOUCHED else _NEAR)
 
 

@@ -23,7 +23,7 @@ from cpm_core.field.placed_charges import NOTHING_PLACED, Placed, placed_at
 from cpm_core.field.volume_field import VolumeField
 from cpm_core.field.volume_surface import GATE, faces_alike, force_at
 from cpm_core.image.volume_regions import Walls
-from cpm_core.model.coverage import cell_of, cells_at, sorted_by
+from cpm_core.model.coverage import cell_of, sorted_by
 from cpm_core.model.equations import Moved, advance, damped_series, damping, is_stuck, repulsion_left
 from cpm_core.model.state import Particles, SurfaceContact
 from cpm_core.numerics.jit import compiled
@@ -66,41 +66,67 @@ class Cells(NamedTuple):
     x: Array
 
 
+LEAST_CELL = 4.0
+"""Least side of a cell, which limits the memory however small the distances [units]."""
+
+
 def build_cells(position: Array, shape: Vector, size: float) -> Cells:
     """Sort the particles `position`, shape (N, 3), in a volume of this size into cells of side `size` [px]."""
     planes, rows, cols = (int(n / size) + 1 for n in shape)
-    plane, row, col = cells_at(position, size, (planes, rows, cols)).T
-    by_col, _ = sorted_by(col, cols)
-    by_line, start = sorted_by((plane * rows + row)[by_col], planes * rows)
-    order = by_col[by_line]
-    return Cells(size, planes, rows, cols, start, col[order], order, *np.ascontiguousarray(position[order].T))
+    return Cells(size, planes, rows, cols, *_in_cells(position, size, planes, rows, cols))
 
 
 @compiled
-def near(cells: Cells, place: Vector, reach: float) -> Index:
-    """The sorted particles in the cells that contain all nearer to a place than a reach."""
+def _in_cells(
+    position: Array, size: float, planes: int, rows: int, cols: int
+) -> tuple[Index, Index, Index, Array, Array, Array]:
+    """What `Cells` contains of particles in a grid of so many cells, from `start` on."""
+    count = len(position)
+    col, line = np.empty(count, np.int64), np.empty(count, np.int64)
+    for i in range(count):
+        col[i] = cell_of(position[i, 2], size, cols)
+    by_col, _ = sorted_by(col, cols)
+    for n in range(count):
+        place = row_of(position, by_col[n])
+        line[n] = cell_of(place[0], size, planes) * rows + cell_of(place[1], size, rows)
+    order, start = sorted_by(line, planes * rows)
+    z, y, x = np.empty(count), np.empty(count), np.empty(count)
+    for n in range(count):
+        order[n] = by_col[order[n]]
+        z[n], y[n], x[n] = row_of(position, order[n])
+        line[n] = col[order[n]]
+    return start, line, order, z, y, x
+
+
+@compiled
+def near(cells: Cells, place: Vector, reach: float, found: Index) -> int:
+    """Write the sorted particles that are nearer to a place than a reach into `found`; return their number.
+
+    `found` has room for one more than there are particles.
+    """
     front = cell_of(place[1] - reach, cells.size, cells.rows)
     back = cell_of(place[1] + reach, cells.size, cells.rows)
     left = cell_of(place[2] - reach, cells.size, cells.cols)
     right = cell_of(place[2] + reach, cells.size, cells.cols)
     first = cell_of(place[0] - reach, cells.size, cells.planes)
     last = cell_of(place[0] + reach, cells.size, cells.planes)
-    spans = np.empty(((last - first + 1) * (back - front + 1), 2), np.int64)
-    lines, count = 0, 0
+    count = 0
     for plane in range(first, last + 1):
         for line in range(plane * cells.rows + front, plane * cells.rows + back + 1):
-            start, end = cells.start[line], cells.start[line + 1]
-            spans[lines, 0] = _first_from(cells.col, left, start, end)
-            spans[lines, 1] = _first_from(cells.col, right + 1, spans[lines, 0], end)
-            count += spans[lines, 1] - spans[lines, 0]
-            lines += 1
-    found = np.empty(count, np.int64)
-    count = 0
-    for line in range(lines):
-        for k in range(spans[line, 0], spans[line, 1]):
-            found[count] = k
-            count += 1
-    return found
+            end = cells.start[line + 1]
+            k = _first_from(cells.col, left, cells.start[line], end)
+            while k < end and cells.col[k] <= right:
+                away = difference(place, (cells.z[k], cells.y[k], cells.x[k]))
+                found[count] = k  # the next one takes its place unless it is near: no branch to mispredict
+                count += dot(away, away) < reach * reach
+                k += 1
+    return count
+
+
+@compiled
+def room_for(cells: Cells) -> Index:
+    """Room for what `near` finds."""
+    return np.empty(len(cells.order) + 1, np.int64)
 
 
 @compiled
@@ -183,7 +209,8 @@ def move(
     work = partial(_move, turn, cells, idle, before, old.seated, (*moving, new.normal, new.strength), new.seated, *felt)
     share(work, len(turn), _WORTH_A_THREAD)
     distance[:, 0] = np.linalg.norm(after.position, axis=1)
-    return Moved(after, np.linalg.norm(after.position - particles.position, axis=1), new.strength, new.seated)
+    motion = np.linalg.norm(after.position - particles.position, axis=1)
+    return Moved(after, motion, new.strength, new.seated, new.normal)
 
 
 def parts_of_force(
@@ -237,12 +264,12 @@ def _move(
     """Move some of the particles that have their turn."""
     position, velocity, force, normals = before
     to_position, to_velocity, to_force, to_normal, strength = after
-    beta, dt = law[2], law[3]
+    beta, dt, found = law[2], law[3], room_for(cells)
     for q in range(first, last):
         i = turn[q]
         place, speed = row_of(position, i), row_of(velocity, i)
         coulomb, lorentz, placed, held, normal, here, on_edge = _forces_on(
-            i, place, cells, idle[i], normals, was_seated, fields, grid, charges, law
+            i, place, cells, found, idle[i], normals, was_seated, fields, grid, charges, law
         )
         total = moved(moved(coulomb, 1.0, lorentz), 1.0, placed)
         if held:
@@ -265,6 +292,7 @@ def _forces_on(
     i: int,
     place: Vector,
     cells: Cells,
+    found: Index,
     idle: int,
     normals: Array,
     was_seated: Mask,
@@ -281,7 +309,7 @@ def _forces_on(
     coulomb = (0.0, 0.0, 0.0)
     left = repulsion_left(idle)
     if left > 0.0:
-        coulomb = scaled(_repulsion(cells, place, i, normals, was_seated, d_min), w1 * left)
+        coulomb = scaled(_repulsion(cells, found, place, i, normals, was_seated, d_min), w1 * left)
     pull, normal, here, slope, near = force_at(*fields, grid[0], grid[1], grid[2], place)
     drawn = placed_at(charges, grid[3], place)
     placed = scaled(drawn, w2)
@@ -308,11 +336,12 @@ def _parts(
     parts: Array,
 ) -> None:
     """Write the forces on some particles."""
+    found = room_for(cells)
     for q in range(len(which)):
         i = which[q]
         place = row_of(position, i)
         coulomb, lorentz, placed, held, normal, _, _ = _forces_on(
-            i, place, cells, idle[i], normals, seated, fields, grid, charges, law
+            i, place, cells, found, idle[i], normals, seated, fields, grid, charges, law
         )
         along = moved(coulomb, 1.0, placed)
         friction = scaled(moved(along, -dot(along, normal), normal), -1.0 if held else 0.0)
@@ -322,17 +351,16 @@ def _parts(
 
 
 @compiled
-def _repulsion(cells: Cells, place: Vector, i: int, normals: Array, seated: Mask, d_min: float) -> Vector:
+def _repulsion(cells: Cells, found: Index, place: Vector, i: int, normals: Array, seated: Mask, d_min: float) -> Vector:
     """Normalized Coulomb force on a particle from those near it, except for those on other sheets."""
-    reach = REACH * d_min
     total = (0.0, 0.0, 0.0)
     nearest, second = np.inf, (_FAR_NEIGHBOR * d_min) ** 2
-    for k in near(cells, place, reach):
-        away = difference(place, (cells.z[k], cells.y[k], cells.x[k]))
-        squared = dot(away, away)
+    for n in range(near(cells, place, REACH * d_min, found)):
+        k = found[n]
         j = cells.order[k]
-        if squared < reach * reach and j != i and on_one_sheet(i, j, normals, seated):
-            squared = max(squared, _NEAREST)
+        if j != i and on_one_sheet(i, j, normals, seated):
+            away = difference(place, (cells.z[k], cells.y[k], cells.x[k]))
+            squared = max(dot(away, away), _NEAREST)
             total = moved(total, 1.0 / (squared * squared), away)
             if squared < nearest:
                 nearest, second = squared, min(nearest, second)

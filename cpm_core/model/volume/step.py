@@ -23,6 +23,7 @@ from cpm_core.model.state import Particles, SpaceState, State, SurfaceContact
 from cpm_core.model.volume.births import ROOM, Births, insertion, thinned
 from cpm_core.model.volume.completion import drop_unseated, reseed_surface
 from cpm_core.model.volume.motion import (
+    LEAST_CELL,
     REACH,
     Cells,
     build_cells,
@@ -31,6 +32,7 @@ from cpm_core.model.volume.motion import (
     near,
     on_one_sheet,
     parts_of_force,
+    room_for,
 )
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask
@@ -45,9 +47,6 @@ _OLD_GROUND = 6
 
 _WOKEN = 3.0
 """Distance from new ground up to which others wake, in the least distances of new particles."""
-
-_LEAST_CELL = 4.0
-"""Least side of a cell, which limits the memory however small the distances [units]."""
 
 _FEW_NEW, _FEW_AWAKE, _LONG = 0.0005, 0.02, 15
 """Fractions of the particles that may find new ground in a quiet step, and be awake in it, unless nothing new has been
@@ -104,7 +103,7 @@ def moved_on(state: State, field: VolumeField, parameters: Parameters) -> State:
 
 def cells_of(particles: Particles, field: VolumeField, d_min: float) -> Cells:
     """The particles in cells, for the search for those that repel each other."""
-    return build_cells(particles.position, field.extent, max(REACH * d_min, _LEAST_CELL))
+    return build_cells(particles.position, field.extent, max(REACH * d_min, LEAST_CELL))
 
 
 def _contact(particles: Particles) -> SurfaceContact:
@@ -167,12 +166,10 @@ def _joined(
 @compiled
 def _wake(cells: Cells, places: Array, reach: float, woken: Mask) -> None:
     """Mark the particles that are within reach of places."""
+    found = room_for(cells)
     for q in range(len(places)):
-        z, y, x = places[q, 0], places[q, 1], places[q, 2]
-        for k in near(cells, (z, y, x), reach):
-            away = (cells.z[k] - z) ** 2 + (cells.y[k] - y) ** 2 + (cells.x[k] - x) ** 2
-            if away < reach * reach:
-                woken[cells.order[k]] = True
+        for n in range(near(cells, row_of(places, q), reach, found)):
+            woken[cells.order[found[n]]] = True
 
 
 _QUIET, _ENDED = 2, 4
@@ -238,12 +235,12 @@ def energies(state: State, field: VolumeField, parameters: Parameters) -> Energi
 @compiled
 def _pair_energy(cells: Cells, position: Array, normals: Array, seated: Mask, reach: float) -> float:
     """Sum of ``(1/r^2 - 1/R^2) / 2`` over the pairs nearer than the reach R, except for those on different sheets."""
-    total = 0.0
+    total, found = 0.0, room_for(cells)
     for i in range(len(position)):
         place = row_of(position, i)
-        for k in near(cells, place, reach):
+        for n in range(near(cells, place, reach, found)):
+            k = found[n]
             away = difference(place, (cells.z[k], cells.y[k], cells.x[k]))
-            squared, j = dot(away, away), cells.order[k]
-            if j < i and squared < reach * reach and on_one_sheet(i, j, normals, seated):
-                total += 0.5 * (1.0 / max(squared, _LEAST_SQUARE) - 1.0 / (reach * reach))
+            if cells.order[k] < i and on_one_sheet(i, cells.order[k], normals, seated):
+                total += 0.5 * (1.0 / max(dot(away, away), _LEAST_SQUARE) - 1.0 / (reach * reach))
     return total

@@ -95,7 +95,7 @@ def test_among_thinned_particles_only_those_that_have_moved_need_a_search(points
         edge_contact(every, even_scale_field(SHAPE, (0.0, 0.0)), search_range(Parameters())), strength=strength
     )
     truth = deletion(every, strength, SHAPE, 2.0)
-    np.testing.assert_array_equal(thinned(every, contact, has_moved, 2.0), truth)
+    np.testing.assert_array_equal(thinned(every, strength, contact.cells, has_moved, 2.0), truth)
 
 
 def test_edge_contact_follows_the_field_between_the_pixels(edge):
