@@ -1,12 +1,12 @@
 """How many different pictures come a second while particles flow, in the worst second, and what each of them costs.
 
 Run by itself: ``python tests/benchmarks/frames.py [seconds [steps a second, 0 for no limit]]``, in a window of
-1600 x 1000. In an image of 1400 x 1400 px with a disc, 20,000 particles start from a grid, until half of them rest; in a volume of 256^3
-voxels with eight balls, which canvas, both slices next to it and the view in space show, a grid of points grows to
-26,000 particles, and pictures count from 20,000 on. A picture counts when it is painted with other positions than the
-one before it. The worst second is that with the fewest pictures of all seconds that begin with one. The processor time
-of the window's thread, of the engine's and of all is divided by their number: unlike the rate, it depends little on
-what else the computer does.
+1600 x 1000. In an image of 1400 x 1400 px with a disc, 20,000 particles start from a grid, until half of them rest; in
+a volume of 256^3 voxels with eight balls, which canvas, both slices next to it and the view in space show, a grid of
+points grows to 26,000 particles, and pictures count from 20,000 on. A picture counts when it is painted with other
+positions than the one before it. The worst second is that with the fewest pictures of all seconds that begin with one.
+The processor time of the window's thread, of the engine's and of all is divided by their number: unlike the rate, it
+depends little on what else the computer does.
 """
 
 from __future__ import annotations
@@ -76,7 +76,9 @@ class Pictures(QObject):
         times = np.array(self.times)
         whole = times[times <= times[-1] - 1.0]
         worst = (np.searchsorted(times, whole + 1.0) - np.searchsorted(times, whole)).min(initial=len(times))
-        return f"worst second {worst}, mean {len(times) / np.ptp(times):.1f}, longest {1e3 * np.diff(times).max():.0f} ms"
+        return (
+            f"worst second {worst}, mean {len(times) / np.ptp(times):.1f}, longest {1e3 * np.diff(times).max():.0f} ms"
+        )
 
 
 def wait(application: QCoreApplication, condition) -> None:
