@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from cpm_core.numerics.jit import compiled, reordered
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.real_numbers import real_numbers
-from cpm_core.numerics.types import Array, Index
+from cpm_core.numerics.types import Array, Index, Single
 from cpm_core.parameters.quotation import shown
 
 METHODS = ("auto", "exact", "tree")
@@ -142,8 +142,8 @@ def _sum_pairs(sites: Array, force: Array, first: int, last: int) -> None:
 
 
 @reordered
-def _near_force(near: Array, count: int, z: float, y: float, x: float) -> tuple[float, float, float]:
-    """Eq. (9) for a particle at (z, y, x) and those of a list, in single precision."""
+def _near_force(near: Array, copies: Single, count: int, z: float, y: float, x: float) -> tuple[float, float, float]:
+    """Eq. (9) for a particle at (z, y, x) and the copies of those of a list, in single precision."""
     one, nothing, axes = np.float32(1.0), np.float32(0.0), len(near)
     f_z, f_y, f_x, space = nothing, nothing, nothing, axes == 3
     for j in range(count):
@@ -154,19 +154,19 @@ def _near_force(near: Array, count: int, z: float, y: float, x: float) -> tuple[
             squared += d_z * d_z
             squared = squared if squared > np.float32(_SAME_SPOT) else one
             root = one / np.sqrt(squared)
-            f_z += _push(d_z, root)
+            f_z += _push(d_z, root, copies[j])
         else:
             squared = squared if squared > np.float32(_SAME_SPOT) else one
             root = one / np.sqrt(squared)
-        f_y += _push(d_y, root)
-        f_x += _push(d_x, root)
+        f_y += _push(d_y, root, copies[j])
+        f_x += _push(d_x, root, copies[j])
     return float(f_z), float(f_y), float(f_x)
 
 
 @compiled
-def _push(way: np.float32, root: np.float32) -> np.float32:
+def _push(way: np.float32, root: np.float32, copies: np.float32) -> np.float32:
     """Component of the inverse square, of factors that stay finite: the cube of the root may not."""
-    pushed: np.float32 = way * root * (root * root)
+    pushed: np.float32 = way * root * copies * (root * root)
     return pushed
 
 
@@ -213,6 +213,9 @@ class _Tree(NamedTuple):
         The first of its halves, which the other one follows; 0 for a leaf.
     place : ndarray, shape (B, 4)
         Center and radius; the center in the plane is followed by a zero.
+    spots : ndarray of int64, shape (B,)
+        Positions in it that differ; negative in a box of no more than fit into a leaf, within which nothing acts by
+        series: where particles share few positions, no near pair would outweigh the error.
     moments, series : ndarray, shape (B, T)
         Sum of the terms of the vectors from its particles to its center, and derivatives there of the potential of all
         that is far from it or from a box that contains it.
@@ -221,6 +224,7 @@ class _Tree(NamedTuple):
     span: Index
     half: Index
     place: Array
+    spots: Index
     moments: Array
     series: Array
 
@@ -228,13 +232,15 @@ class _Tree(NamedTuple):
 def _sum_by_tree(sites: Array, force: Array) -> None:
     """The sums of `_sum_pairs` for all, nearly; sorts `sites`."""
     count, terms = len(force), _terms(len(sites))
-    order, levels, begin, span = np.arange(count), [], [0], np.array([(0, count)])
+    order, copies = np.arange(count), np.zeros(count, np.float32)
+    levels, begin, span = [], [0], np.array([(0, count)])
     while len(span):
-        place, middle = np.zeros((len(span), 4)), np.zeros(len(span), np.int64)
-        share(partial(_halve, sites, order, span, place, middle), len(span), _WORTH_A_THREAD * len(span) // count + 1)
+        place, (middle, spots) = np.zeros((len(span), 4)), np.zeros((2, len(span)), np.int64)
+        halve = partial(_halve, sites, order, copies, span, place, middle, spots)
+        share(halve, len(span), _WORTH_A_THREAD * len(span) // count + 1)
         begin.append(begin[-1] + len(span))
         halved = middle > 0
-        levels.append((span, np.where(halved, begin[-1] + 2 * np.cumsum(halved) - 2, 0), place))
+        levels.append((span, np.where(halved, begin[-1] + 2 * np.cumsum(halved) - 2, 0), place, spots))
         middle = middle[halved]
         span = np.stack([span[halved, 0], middle, middle, span[halved, 1]], axis=1).reshape(-1, 2)
     tree = _Tree(*map(np.concatenate, zip(*levels, strict=True)), *np.zeros((2, begin[-1], len(terms.degree))))
@@ -243,12 +249,25 @@ def _sum_by_tree(sites: Array, force: Array) -> None:
     large = (tree.half > 0) & (_SUBTREES * (tree.span[:, 1] - tree.span[:, 0]) > count)
     below = np.add.outer(tree.half[large], (0, 1)).ravel()
     roots = below[~large[below]] if len(below) else np.zeros(1, np.int64)
-    share(partial(_sum_below, sites, order, tree, terms, roots, force), len(roots), 1)
+    share(partial(_sum_below, sites, order, copies, tree, terms, roots, force), len(roots), 1)
 
 
 @compiled
-def _halve(sites: Array, order: Index, span: Index, place: Array, middle: Index, first: int, last: int) -> None:
-    """Place some boxes, sort the particles of each into its halves, and write where the second half begins."""
+def _halve(
+    sites: Array,
+    order: Index,
+    copies: Single,
+    span: Index,
+    place: Array,
+    middle: Index,
+    spots: Index,
+    first: int,
+    last: int,
+) -> None:
+    """Place some boxes, sort the particles of each into its halves, and write where the second half begins.
+
+    In a leaf those come first whose positions differ, each with the number of particles there.
+    """
     axes = len(sites)
     for k in range(first, last):
         start, end = span[k]
@@ -273,6 +292,28 @@ def _halve(sites: Array, order: Index, span: Index, place: Array, middle: Index,
                 order[behind], order[n] = order[n], order[behind]
                 behind += before
             middle[k] = behind
+        else:
+            spots[k] = _distinct(sites, order, copies, start, end) if squared > _SAME_SPOT else 1
+            copies[start] += (end - start) * (squared <= _SAME_SPOT)
+
+
+@compiled
+def _distinct(sites: Array, order: Index, copies: Single, start: int, end: int) -> int:
+    """Sort some particles so that those come first whose positions differ, count the copies, return how many differ."""
+    axes, behind = len(sites), start
+    for n in range(start, end):
+        y, x, same = sites[axes - 2, n], sites[axes - 1, n], start
+        while same < behind and not (
+            sites[axes - 1, same] == x and sites[axes - 2, same] == y and sites[0, same] == sites[0, n]
+        ):
+            same += 1
+        copies[same] += np.float32(1.0)
+        if same == behind:
+            for axis in range(axes):
+                sites[axis, behind], sites[axis, n] = sites[axis, n], sites[axis, behind]
+            order[behind], order[n] = order[n], order[behind]
+            behind += 1
+    return behind - start
 
 
 @compiled
@@ -342,6 +383,9 @@ def _add_moments(sites: Array, tree: _Tree, terms: _Terms, level: int, first: in
                     tree.moments[k, t] += tree.moments[half + n, t]
                 for p in range(len(terms.whole)):
                     tree.moments[k, terms.whole[p]] += tree.moments[half + n, terms.one[p]] * table[terms.other[p], n]
+            tree.spots[k] = tree.spots[half] + tree.spots[half + 1]
+            if tree.spots[k] <= _FULLEST:
+                tree.spots[half], tree.spots[half + 1] = -tree.spots[half], -tree.spots[half + 1]
             continue
         for begin in range(start, end, _LANES):
             lanes = _filled_up(end - begin)
@@ -364,7 +408,8 @@ class _Desk(NamedTuple):
     rest, far : ndarray of int64, shape (B,)
         Boxes to be looked at, and those found to be far.
     near : ndarray, shape (D, N + some)
-        Particles of near leaves.
+    copies : ndarray of float32, shape (N + some,)
+        Positions in near leaves, and the number of particles at each.
     vectors : ndarray, shape (D + 1, lanes)
     table, moments : ndarray, shape (T, lanes)
     """
@@ -372,6 +417,7 @@ class _Desk(NamedTuple):
     rest: Index
     far: Index
     near: Array
+    copies: Single
     vectors: Array
     table: Array
     moments: Array
@@ -379,7 +425,15 @@ class _Desk(NamedTuple):
 
 @compiled
 def _sum_below(
-    sites: Array, order: Index, tree: _Tree, terms: _Terms, roots: Index, force: Array, first: int, last: int
+    sites: Array,
+    order: Index,
+    copies: Single,
+    tree: _Tree,
+    terms: _Terms,
+    roots: Index,
+    force: Array,
+    first: int,
+    last: int,
 ) -> None:
     """Force on the particles in some boxes, in the order of all.
 
@@ -392,6 +446,7 @@ def _sum_below(
         np.empty(boxes, np.int64),
         np.empty(boxes, np.int64),
         np.empty((axes, len(order) + _FILL)),
+        np.empty(len(order) + _FILL, np.float32),
         np.empty((axes + 1, _LANES)),
         np.empty((size, _LANES)),
         np.empty((size, _LANES)),
@@ -401,7 +456,7 @@ def _sum_below(
         while top > 0:
             top -= 1
             k, begin, end = stack[top]
-            lists, kept, distant, listed = _sort_out(sites, tree, desk, k, lists, begin, end)
+            lists, kept, distant, listed = _sort_out(sites, copies, tree, desk, k, lists, begin, end)
             for block in range(0, distant, _LANES):
                 _take_in(tree, terms, desk, k, desk.far[block : min(block + _LANES, distant)])
             if tree.half[k]:
@@ -415,7 +470,7 @@ def _sum_below(
 
 @compiled
 def _sort_out(
-    sites: Array, tree: _Tree, desk: _Desk, k: int, lists: Index, begin: int, end: int
+    sites: Array, copies: Single, tree: _Tree, desk: _Desk, k: int, lists: Index, begin: int, end: int
 ) -> tuple[Index, int, int, int]:
     """Sort the boxes of a list: far from a box, to be left to its halves, and near a leaf.
 
@@ -433,10 +488,10 @@ def _sort_out(
         there, larger = tree.half[other], tree.place[other, 3] > radius
         squared = (tree.place[other, 0] - z) ** 2 + (tree.place[other, 1] - y) ** 2 + (tree.place[other, 2] - x) ** 2
         radii = (tree.place[other, 3] + radius) ** 2
-        if radii < _OPENING**2 * squared and squared > _SAME_SPOT:
+        if radii < _OPENING**2 * squared and tree.spots[k] > 0 and tree.spots[other] > 0:
             desk.far[distant] = other
             distant += 1
-        elif there and (larger or not half):
+        elif there and (not half or (tree.spots[other] > _FULLEST and (larger or tree.spots[k] <= _FULLEST))):
             desk.rest[left], desk.rest[left + 1] = there, there + 1
             left += 2
         elif half:
@@ -444,8 +499,10 @@ def _sort_out(
                 lists = np.append(lists, lists)
             lists[kept] = other
             kept += 1
-        elif radii + squared > _SAME_SPOT:
-            start, many = tree.span[other, 0], tree.span[other, 1] - tree.span[other, 0]
+        else:
+            start, many = tree.span[other, 0], abs(tree.spots[other])
+            for n in range(many):
+                desk.copies[listed + n] = copies[start + n]
             for axis in range(axes):
                 for n in range(many):
                     desk.near[axis, listed + n] = sites[axis, start + n]
@@ -454,6 +511,7 @@ def _sort_out(
         for axis in range(axes):
             for n in range(listed, listed + _FILL):
                 desk.near[axis, n] = _NOWHERE
+                desk.copies[n] = 0.0
     return lists, kept, distant, listed
 
 
@@ -513,7 +571,12 @@ def _sum_leaf(
         for n in range(min(_LANES, end - begin)):
             i = begin + n
             pushes = _near_force(
-                desk.near, (listed + _FILL - 1) // _FILL * _FILL, sites[0, i], sites[axes - 2, i], sites[axes - 1, i]
+                desk.near,
+                desk.copies,
+                (listed + _FILL - 1) // _FILL * _FILL,
+                sites[0, i],
+                sites[axes - 2, i],
+                sites[axes - 1, i],
             )
             for axis in range(axes):
                 force[order[i], axis] = pushes[3 - axes + axis] + desk.vectors[axis, n]
