@@ -1,23 +1,31 @@
-"""The electric field of eq. (8) and the potential of eq. (7), exact, by zero-padded convolutions."""
+"""The electric field of eq. (8) and the potential of eq. (7), exact, by zero-padded convolutions.
+
+Of a large image the field is computed in windows, where particles are (`WindowedField`).
+"""
 
 from __future__ import annotations
 
 import math
-from functools import lru_cache, reduce
+from dataclasses import dataclass
+from functools import cached_property, lru_cache, partial, reduce
 from typing import Any, TypeVar
 
 import numpy as np
 import scipy
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
+from cpm_core.numerics.grids import Window, around, in_bands, relative, sides_of
 from cpm_core.numerics.parallel import cores
 from cpm_core.numerics.real_numbers import checked_number
 from cpm_core.numerics.types import Array, Single
 
 _Grid = TypeVar("_Grid", Single, Array)
 
-_MOST_KEPT = 2**23
-"""Samples of a padded image up to which the spectra of its kernels are kept for the next image of the same size."""
+_MOST_KEPT = 2**21
+"""Pixels of an image up to which the spectra of its kernels are kept for the next image of the same size."""
+
+_AT_ONCE = 2**19
+"""Pixels whose spectrum is multiplied with the kernels at once."""
 
 _MOST_IN_DOUBLE = 2**22
 """Pixels up to which kernels are transformed in double precision."""
@@ -39,46 +47,213 @@ def convolved_field(
     """
     f = np.asarray(edge_map, dtype=precision)
     power = checked_number("exponent", f.ndim if exponent is None else exponent, lambda number: number > 0.0, "above 0")
-    padded = tuple(scipy.fft.next_fast_len(2 * n, real=axis == f.ndim - 1) for axis, n in enumerate(f.shape))
-    kept = math.prod(padded) <= _MOST_KEPT
-    kernel_of = _kernel_spectrum if kept else _kernel_spectrum.__wrapped__
+    half = tuple(scipy.fft.next_fast_len(max(n, 2)) for n in f.shape)
+    kernel_of = _kernel_spectrum if math.prod(half) <= _MOST_KEPT else _kernel_spectrum.__wrapped__
     # in single precision only where double takes too much memory
     made_in = np.dtype(float) if f.size <= _MOST_IN_DOUBLE else f.dtype
-    spectrum = scipy.fft.rfft(f, padded[-1], workers=cores())
-    for axis in reversed(range(f.ndim - 1)):  # axis by axis: rows of zeros are not transformed
-        spectrum = scipy.fft.fft(spectrum, padded[axis], axis, overwrite_x=True, workers=cores())
-    spectrum *= spectrum.dtype.type(1j)  # the kernels' spectra are imaginary
+    kernels = [kernel_of(k, half, power, made_in, f.dtype, pitch or (1.0,) * f.ndim) for k in range(f.ndim)]
+    spectrum = scipy.fft.rfft(f, 2 * half[-1], workers=cores())
+    fields = [*(np.empty_like(spectrum) for _ in half[1:]), spectrum]
+    at_once = max(_AT_ONCE // math.prod(half[:-1]), 1)
+    for first in range(0, spectrum.shape[-1], at_once):
+        some = (..., slice(first, first + at_once))
+        charges: NDArray[Any] = spectrum[some] * spectrum.dtype.type(1j)  # the kernels' spectra are imaginary
+        for axis in reversed(range(f.ndim - 1)):  # axis by axis: rows of zeros are not transformed
+            charges = scipy.fft.fft(charges, 2 * half[axis], axis, overwrite_x=True, workers=cores())
+        for component, kernel in enumerate(kernels):
+            back = _times(charges, kernel[some], component)
+            for axis, n in enumerate(f.shape[:-1]):
+                back = scipy.fft.ifft(back, axis=axis, overwrite_x=True, workers=cores())
+                back = back[(slice(None),) * axis + (slice(n),)]
+            fields[component][some] = back
+    del kernels
     out = np.empty((f.ndim, *f.shape), f.dtype)
     for component in range(f.ndim):
-        back: NDArray[Any] = spectrum * kernel_of(component, padded, power, made_in, f.dtype, pitch or (1.0,) * f.ndim)
-        for axis, n in enumerate(f.shape[:-1]):
-            back = scipy.fft.ifft(back, axis=axis, overwrite_x=True, workers=cores())
-            back = back[(slice(None),) * axis + (slice(n),)]
-        out[component] = scipy.fft.irfft(back, padded[-1], workers=cores())[..., : f.shape[-1]]
+        in_bands(partial(_inverse, fields.pop(0), out[component]), len(f))
     return out
+
+
+def _inverse(spectrum: NDArray[Any], out: Array, first: int, end: int) -> None:
+    """Transform the last axis of some planes back, without what it was padded with."""
+    out[first:end] = scipy.fft.irfft(spectrum[first:end])[..., : out.shape[-1]]
+
+
+def _times(spectrum: NDArray[Any], kernel: Array, component: int) -> NDArray[Any]:
+    """A spectrum times that of a component of the kernel, which is even along all axes except its own: there it is odd.
+
+    The kernel has the frequencies from zero up to the largest one, along all axes.
+    """
+    product = np.empty_like(spectrum)
+    for mirrored in np.ndindex((2,) * (spectrum.ndim - 1)):
+        here = tuple(
+            slice(n, None) if other else slice(n) for n, other in zip(kernel.shape[:-1], mirrored, strict=True)
+        )
+        there = tuple(slice(-2, 0, -1) if other else slice(None) for other in mirrored)
+        np.multiply(spectrum[here], kernel[there], out=product[here])
+        if component < len(mirrored) and mirrored[component]:
+            np.negative(product[here], out=product[here])
+    return product
 
 
 @lru_cache(maxsize=12)
 def _kernel_spectrum(
     component: int,
-    padded: tuple[int, ...],
+    half: tuple[int, ...],
     power: float,
     made_in: np.dtype,
     precision: np.dtype,
     pitch: tuple[float, ...],
 ) -> Array:
-    """Fourier transform, over i, of a component of the field of one unit charge at the origin: it is odd and real."""
-    steps = [(side * (size * np.fft.fftfreq(size))).astype(made_in) for size, side in zip(padded, pitch, strict=True)]
+    """Fourier transform, over i, of a component of the field of one unit charge at the origin: it is odd and real.
+
+    Of a grid of twice `half`, up to the largest frequency along each axis.
+    """
+    steps = [side * np.arange(n + 1.0, dtype=made_in) for n, side in zip(half, pitch, strict=True)]
     grid = np.meshgrid(*steps, indexing="ij", sparse=True)
     squared = reduce(np.add, [along**2 for along in grid])
-    squared[(0,) * len(padded)] = np.inf  # no charge acts on itself
+    squared[(0,) * len(half)] = np.inf  # no charge acts on itself
     # roots are several times faster than powers
     decay = squared * np.sqrt(squared) if power == 2.0 else squared ** (0.5 * (power + 1.0))
-    kernel = -grid[component] / decay
+    kernel = np.divide(grid[component], decay, out=decay)
+    inner = (slice(None),) * component + (slice(1, -1),)
+    for axis in range(len(half)):
+        if axis == component:
+            kernel[inner] = scipy.fft.dst(kernel[inner], 1, axis=axis, workers=cores())
+            np.moveaxis(kernel, axis, 0)[-1] = 0.0
+        else:
+            kernel = scipy.fft.dct(kernel, 1, axis=axis, overwrite_x=True, workers=cores())
+    return kernel.astype(precision, copy=False)
+
+
+_NEAR, _BLOCK = 64, 8
+"""Distance up to which charges act one by one, and the distance of the nodes that carry the rest of the field [px]."""
+
+_TERMS, _SPLINES = 4, 8
+"""Terms of the polynomial that replaces the law of force up to `_NEAR`, and the power of the sinc by which two cubic
+splines, one that spreads charges over nodes and one between the nodes, smooth their field."""
+
+_BEYOND = 3
+"""Nodes beyond the image on each side, over which its outermost charges are spread."""
+
+
+@dataclass(frozen=True, eq=False)
+class WindowedField:
+    """The electric field of the fixed charges of a large image in any window of it.
+
+    Up to a distance of 64 px the sum of eq. (8) runs over charges, less a polynomial that joins the law of force there
+    smoothly. The polynomial and all beyond it make a smooth field, which is computed once for the whole image, on nodes
+    8 px apart: cubic splines spread the charges over them and run between them. The error is 1e-5 of the largest
+    vector.
+
+    Attributes
+    ----------
+    charges : ndarray, shape (H, W)
+        Edge strength ``f`` of every pixel.
+    exponent : float or None
+        As for `convolved_field`.
+    """
+
+    charges: Array
+    exponent: float | None
+
+    def within(self, window: Window) -> Single:
+        r"""Field in a window, shape (2, \*sides of the window)."""
+        outer = around(window, _NEAR, self.charges.shape)
+        padded = tuple(scipy.fft.next_fast_len(n + 3 * _NEAR, axis == 1) for axis, n in enumerate(sides_of(window)))
+        spectrum = scipy.fft.rfft2(self.charges[outer].astype(np.float32, copy=False), padded) * np.complex64(1j)
+        field: Single = scipy.fft.irfft2(spectrum * _near_kernels(padded, self._power), padded)
+        field = field[(slice(None), *relative(window, outer))]
+        rows, cols = (_splines((np.arange(side.start, side.stop) + 0.5) / _BLOCK - 0.5) for side in window)
+        down, right = (slice(side.start // _BLOCK, -(-side.stop // _BLOCK) + 2 * _BEYOND) for side in window)
+        field += rows[:, down] @ self._nodes[:, down, right] @ cols[:, right].T
+        return field
+
+    @property
+    def _power(self) -> float:
+        return 2.0 if self.exponent is None else self.exponent
+
+    @cached_property
+    def _nodes(self) -> Single:
+        """Smooth part of the field on the nodes, before the splines between them; shape (2, rows, columns)."""
+        spread = np.empty((len(self.charges), -(-self.charges.shape[1] // _BLOCK) + 2 * _BEYOND), np.float32)
+
+        def work(first: int, end: int) -> None:
+            spread[first:end] = _spread(self.charges[first:end])
+
+        in_bands(work, len(spread))
+        charges = _spread(spread.T).T
+        padded = tuple(scipy.fft.next_fast_len(2 * n, axis == 1) for axis, n in enumerate(charges.shape))
+        spectrum = scipy.fft.rfft2(charges, padded, workers=cores()) * np.complex64(1j)
+        smooth = scipy.fft.irfft2(spectrum * _far_kernels(padded, self._power), padded, workers=cores())
+        return smooth[:, : charges.shape[0], : charges.shape[1]]
+
+
+def _splines(places: Array) -> Single:
+    """Weights of the nodes in a cubic spline at places in units of their distance."""
+    away = np.abs(places[:, None] - np.arange(-_BEYOND, int(places[-1]) + 2 + _BEYOND))
+    beyond = np.clip(2.0 - away, 0.0, None) ** 3 / 6.0
+    return np.where(away < 1.0, 2.0 / 3.0 - away**2 + 0.5 * away**3, beyond).astype(np.float32)
+
+
+def _spread(lines: NDArray[Any]) -> Single:
+    """Charges along lines, shape (K, N), on nodes, each spread by a cubic spline."""
+    blocks = np.pad(lines, ((0, 0), (0, -lines.shape[1] % _BLOCK))).reshape(len(lines), -1, _BLOCK)
+    weights = _splines((np.arange(_BLOCK) + 0.5) / _BLOCK - 0.5)[:, 1:6]
+    shares = blocks.astype(np.float32, copy=False) @ weights
+    nodes = np.zeros((len(lines), blocks.shape[1] + 2 * _BEYOND), np.float32)
+    for k in range(weights.shape[1]):
+        nodes[:, k + 1 : k + 1 + blocks.shape[1]] += shares[..., k]
+    return nodes
+
+
+def _decay(squared: Single, power: float) -> Single:
+    """Law of force over distance, ``1 / r^(n + 1)``, by the squared distance; roots are faster than powers."""
+    return 1.0 / (squared * np.sqrt(squared)) if power == 2.0 else squared ** (-0.5 * (power + 1.0))
+
+
+def _smooth_decay(squared: Single, power: float) -> Single:
+    """The same made smooth up to `_NEAR`."""
+    decay, near, half, factor = (
+        _decay(np.maximum(squared, _NEAR**2), power),
+        squared < _NEAR**2,
+        0.5 * (power + 1.0),
+        1.0,
+    )
+    inside = np.zeros(np.count_nonzero(near))
+    for term in range(_TERMS):
+        inside += factor * (squared[near] / _NEAR**2 - 1.0) ** term
+        factor *= -(half + term) / (term + 1)
+    decay[near] = inside * _NEAR ** (-2.0 * half)
+    return decay
+
+
+def _offsets(padded: tuple[int, ...], pitch: int) -> tuple[Single, Single]:
+    """Offsets between two nodes of a padded grid, shape (2, rows, columns) [px], and their squared length."""
+    steps = (np.float32(pitch * size) * np.fft.fftfreq(size).astype(np.float32) for size in padded)
+    offsets = np.stack(np.meshgrid(*steps, indexing="ij")).round()
+    return offsets, offsets[0] ** 2 + offsets[1] ** 2
+
+
+@lru_cache(maxsize=8)
+def _near_kernels(padded: tuple[int, ...], power: float) -> Single:
+    """Transforms, over i, of the components of the field of one unit charge, less its smooth part."""
+    offsets, squared = _offsets(padded, 1)
+    squared[0, 0] = _NEAR**2  # no charge acts on itself
+    decay = _decay(squared, power) - _smooth_decay(squared, power)
+    decay[squared >= _NEAR**2] = 0.0
+    return scipy.fft.rfft2(-decay * offsets, workers=cores()).imag.astype(np.float32)
+
+
+@lru_cache(maxsize=8)
+def _far_kernels(padded: tuple[int, ...], power: float) -> Single:
+    """Transforms, over i, of the smooth part on nodes, such that splines to and between them leave it as it is."""
+    offsets, squared = _offsets(padded, _BLOCK)
+    decay = _smooth_decay(squared, power)
     for axis, size in enumerate(padded):
-        if size % 2 == 0:  # farther than any two pixels; without it the kernel is odd
-            np.moveaxis(kernel, axis, 0)[size // 2] = 0.0
-    return scipy.fft.rfftn(kernel, workers=cores()).imag.astype(precision)
+        if size % 2 == 0:  # farther than any two nodes; without it the kernel is odd
+            np.moveaxis(decay, axis, 0)[size // 2] = 0.0
+    smoothing = np.multiply.outer(np.sinc(np.fft.fftfreq(padded[0])), np.sinc(np.fft.rfftfreq(padded[1]))) ** _SPLINES
+    return (scipy.fft.rfft2(-decay * offsets, workers=cores()).imag / smoothing).astype(np.float32)
 
 
 def convolved_potential(

@@ -210,7 +210,8 @@ pull = inlined(_pull)
 
 def charged(shape: tuple[int, ...], scale_field: ScaleField, scale: int, charges: Charges) -> ScaleField:
     """Scale field of an image of this shape with charges, in px of the image."""
-    packed, placed, radius = scale_field.packed.copy(), at_scale(charges, scale, shape), radius_at(scale)
+    packed, radius = scale_field.packed.copy(), radius_at(scale)
+    placed = at_scale(charges, scale, shape) - (*scale_field.corner, 0.0)
     for window, places in places_near(placed, radius, scale_field.shape):
         packed[window][..., :2] += placed_force_at(placed, radius, places)
     return replace(scale_field, force=lambda: packed)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass, replace
@@ -10,13 +11,13 @@ from functools import cache, cached_property, partial
 import numpy as np
 import scipy
 
-from cpm_core.field.convolution import convolved_field, convolved_potential
-from cpm_core.field.edge_map import background_strength, gradient, magnitude
+from cpm_core.field.convolution import WindowedField, convolved_field, convolved_potential
+from cpm_core.field.edge_map import background_strength, gradient, gradient_within, magnitude
 from cpm_core.field.interpolation import interpolate
 from cpm_core.field.region_contrast import region_contrast
 from cpm_core.image.border import inside_border, within
 from cpm_core.image.regions import NO_BARRIERS, BarrierMap, Regions, build_barrier_map
-from cpm_core.numerics.grids import running_maximum
+from cpm_core.numerics.grids import Window, around, relative, running_maximum, tiles, whole_window
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Mask, Single
 
@@ -48,6 +49,9 @@ _OVERLAP = _SUMMIT_REACH + 1
 _PART, _LEAST_LINES = 2**15, 16
 """Pixels of a part of the image, so that intermediate results stay in the cache, and its least number of lines."""
 
+_TILE, _ROWS = 1024, 512
+"""Side of the windows in which the field of a large image is made [px], and rows in which its edge map is."""
+
 FIELD_PRECISION = np.float32
 """The transforms of the field are done in single precision: only its direction and its values near edges are used. The
 force changes by about 1e-6, contours of shapes by less than a thousandth of a pixel."""
@@ -60,6 +64,10 @@ LARGE = 2**22
 them."""
 
 
+Slopes = Callable[[Window], Array]
+"""Gives the gradient of an image in a window."""
+
+
 @dataclass(frozen=True, eq=False)
 class ScaleField:
     r"""The fields of one scale of an image.
@@ -68,8 +76,8 @@ class ScaleField:
     ----------
     force : callable
         Makes `packed`, on first use.
-    gradient : ndarray, shape (D, \*shape)
-        Gradient of the smoothed image [gray levels / px]; on an edge it is normal to it.
+    slopes : callable
+        Gives `gradient` in a window of the image.
     edge_map : ndarray, shape (\*shape)
         Edge strength f [gray levels / px], kept to a little beyond the regions of interest.
     values : ndarray, shape (\*shape)
@@ -89,10 +97,16 @@ class ScaleField:
         Barriers, which particles do not cross.
     reached : ndarray of bool, shape (\*shape), or None
         Where contours may run; None for everywhere.
+    cut : bool
+        Whether the edge map has been cut: the force is that of the uncut one, the magnitude of the gradient.
+    corner : tuple of int
+        First pixel of the window of the image that the field is of.
+    whole : ScaleField or None
+        The field of the whole image, where this one is a part of it.
     """
 
     force: Callable[[], Single]
-    gradient: Array
+    slopes: Slopes
     edge_map: Array
     values: Array
     strongest: float
@@ -102,6 +116,36 @@ class ScaleField:
     exponent: float | None = None
     barrier_map: BarrierMap = NO_BARRIERS
     reached: Mask | None = None
+    cut: bool = False
+    corner: tuple[int, ...] = (0, 0)
+    whole: ScaleField | None = None
+
+    def part(self, window: Window) -> ScaleField:
+        """The same field in a window of the image; its force, made for the window alone, is that of all charges."""
+        made_of = self._windowed, self.slopes, self.edge_map, self.strongest, self.cut
+        corner = tuple(side.start for side in window)
+        return replace(
+            self,
+            force=cache(partial(_packed_within, *made_of, window)),
+            slopes=lambda part: self.slopes(
+                tuple(slice(at + side.start, at + side.stop) for at, side in zip(corner, part, strict=True))
+            ),
+            edge_map=self.edge_map[window],
+            values=self.values[window],
+            fixed_charges=self.fixed_charges[window],
+            barrier_map=self.barrier_map.within(window),
+            corner=corner,
+            whole=self,
+        )
+
+    @cached_property
+    def gradient(self) -> Array:
+        r"""Gradient of the smoothed image, shape (D, \*shape) [gray levels / px]; on an edge it is normal to it."""
+        return self.slopes(whole_window(self.shape))
+
+    @cached_property
+    def _windowed(self) -> WindowedField:
+        return WindowedField(self.fixed_charges, self.exponent)
 
     @property
     def packed(self) -> Single:
@@ -137,12 +181,17 @@ class ScaleField:
 
     @cached_property
     def potential(self) -> Array:
-        r"""Potential of the fixed charges, shape (\*shape) [gray levels]."""
+        r"""Potential of all fixed charges of the image, shape (\*shape) [gray levels]."""
+        if self.whole is not None:
+            window = tuple(slice(at, at + n) for at, n in zip(self.corner, self.shape, strict=True))
+            return self.whole.potential[window]
         return convolved_potential(self.fixed_charges, exponent=self.exponent)
 
     @cached_property
     def slope(self) -> float:
         """Mean slope of the potential [gray levels / px]; 1 where it is flat."""
+        if self.whole is not None:
+            return self.whole.slope
         slope = float(magnitude(gradient(self.potential, 0.0)).mean())
         return slope if slope > 0.0 else 1.0
 
@@ -165,7 +214,7 @@ def build_scale_field(
     regions: Regions | None = None,
     max_border: float = 0.0,
     exponent: float | None = None,
-    grad: Array | None = None,
+    slopes: Slopes | None = None,
     barrier_map: BarrierMap | None = None,
 ) -> ScaleField:
     r"""Fields of one scale.
@@ -186,15 +235,14 @@ def build_scale_field(
         Width up to which an image border is searched, as a fraction of the shortest side; 0 for none.
     exponent : float, optional
         Power of the distance with which the force of a fixed charge decays; by default the number of dimensions.
-    grad, barrier_map : optional
-        Gradient of the smoothed image and barriers, where they are known.
+    slopes, barrier_map : optional
+        What gives the gradient of the smoothed image in a window, and barriers, where they are known.
     """
-    if grad is None:
-        grad = gradient(values, smoothing, np.float32 if values.size > LARGE else np.float64)
-    strength = magnitude(grad)
+    slopes = slopes or slopes_of(values, smoothing)
+    strength = _strength_of(slopes, values.shape)
     if barrier_map is None:
         barrier_map = NO_BARRIERS if regions is None else build_barrier_map(regions, values.shape)
-    inside = inside_border(grad, strength, smoothing, max_border)
+    inside = inside_border(slopes, strength, smoothing, max_border)
     if regions is not None and regions.interest:
         inside &= regions.pixels(values.shape)
     strongest = float(strength.max(where=inside, initial=0.0))
@@ -203,22 +251,60 @@ def build_scale_field(
         charged = np.where(inside & (strength >= edge_floor * strongest), strength, strength.dtype.type(0))
     if not everywhere:
         strength[~within(inside, _MARGIN)] = 0.0
-    made_of = charged, grad, strength, strongest, exponent, None if everywhere else grad
+    made_of = charged, slopes, strength, strongest, exponent, not everywhere
     force = cache(partial(packed_force, *made_of))
     floor = _weakest_edge(strength if everywhere else strength[inside], strongest, edge_floor)
-    return ScaleField(force, grad, strength, values, strongest, charged, floor, smoothing, exponent, barrier_map)
+    known = smoothing, exponent, barrier_map, None, not everywhere
+    return ScaleField(force, slopes, strength, values, strongest, charged, floor, *known)
+
+
+def slopes_of(values: Array, smoothing: float) -> Slopes:
+    """What gives the gradient of a smoothed image in a window; of a large image it is computed there when needed."""
+    if values.size > LARGE and values.ndim == 2:
+        return partial(gradient_within, values, smoothing)
+    known = gradient(values, smoothing)
+    return lambda window: known[(slice(None), *window)]
+
+
+def _strength_of(slopes: Slopes, shape: tuple[int, ...]) -> Array:
+    """Edge strength of an image, shape (H, W): the size of its gradient."""
+    if math.prod(shape) <= LARGE:
+        return magnitude(slopes(whole_window(shape)))
+    strength = np.empty(shape, np.float32)
+    for (rows,) in tiles(shape[:1], _ROWS):
+        band = (rows, *whole_window(shape[1:]))
+        strength[band] = magnitude(slopes(band))
+    return strength
 
 
 def packed_force(
-    charged: Array, grad: Array, strength: Array, strongest: float, exponent: float | None, whole: Array | None = None
+    charged: Array, slopes: Slopes, strength: Array, strongest: float, exponent: float | None, cut: bool = False
 ) -> Single:
-    """`ScaleField.packed` of fixed charges, image gradient, edge map, largest edge strength, and exponent.
+    """`ScaleField.packed` of fixed charges, image gradient, edge map, largest edge strength, exponent, and `cut`."""
+    if strength.size <= LARGE or strength.ndim > 2:
+        grad = slopes(whole_window(strength.shape))
+        felt = magnitude(grad) if cut else strength
+        force = lorentz_force(convolved_field(charged, exponent, FIELD_PRECISION), grad, felt, strongest)
+        return np.stack([*force, *grad, strength], axis=-1, dtype=np.float32)
+    packed, field = np.empty((*strength.shape, 5), np.float32), WindowedField(charged, exponent)
+    parts = tiles(strength.shape, _TILE)
 
-    Where the edge map has been cut, the force is that of the uncut one, the magnitude of the gradient `whole`.
-    """
-    felt = strength if whole is None else magnitude(whole)
-    force = lorentz_force(convolved_field(charged, exponent, FIELD_PRECISION), grad, felt, strongest)
-    return np.stack([*force, *grad, strength], axis=-1, dtype=np.float32)
+    def work(first: int, end: int) -> None:
+        for tile in parts[first:end]:
+            packed[tile] = _packed_within(field, slopes, strength, strongest, cut, tile)
+
+    share(work, len(parts), 1)
+    return packed
+
+
+def _packed_within(
+    field: WindowedField, slopes: Slopes, strength: Array, strongest: float, cut: bool, window: Window
+) -> Single:
+    """`packed_force` in a window of a large image."""
+    outer = around(window, _OVERLAP, strength.shape)
+    grad, length = slopes(outer), strength[outer]
+    force = lorentz_force(field.within(outer), grad, magnitude(grad) if cut else length, strongest)
+    return np.stack([*force, *grad, length], axis=-1, dtype=np.float32)[relative(window, outer)].copy()
 
 
 def _weakest_edge(strength: Array, strongest: float, edge_floor: float) -> float:
@@ -321,7 +407,7 @@ def limited_to(scale_field: ScaleField, ridge: Mask) -> ScaleField:
     same = scale_field.fixed_charges is scale_field.edge_map
     charged = strength if same else scale_field.fixed_charges * kept
     strongest = float(strength.max(initial=0.0))
-    made_of = charged, scale_field.gradient, strength, strongest, scale_field.exponent
+    made_of = charged, scale_field.slopes, strength, strongest, scale_field.exponent
     return replace(
         scale_field,
         force=cache(partial(packed_force, *made_of)),
@@ -330,4 +416,6 @@ def limited_to(scale_field: ScaleField, ridge: Mask) -> ScaleField:
         fixed_charges=charged,
         floor=min(scale_field.floor, _MOST_BACKGROUND * strongest if strongest > 0.0 else np.inf),
         reached=away <= _ALONG,
+        cut=False,
+        whole=None,
     )

@@ -6,10 +6,12 @@ the image and along it, straight, and over more than half of its length.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import scipy
 
-from cpm_core.numerics.grids import running_maximum
+from cpm_core.numerics.grids import Window, around, relative, tiles
 from cpm_core.numerics.types import Array, Mask
 
 _FAINT = 0.1
@@ -25,14 +27,17 @@ _STRAIGHT = 0.02
 _COVER = 0.5
 """Fraction of a side along which its edge must be visible."""
 
+_TILE = 512
+"""Side of the parts in which distances are measured, where any are asked for [px]."""
+
 _FLANK = 3.0
 """Width of an edge's flank, in sigma."""
 
 
-def inside_border(grad: Array, strength: Array, smoothing: float, widest: float) -> Mask:
+def inside_border(slopes: Callable[[Window], Array], strength: Array, smoothing: float, widest: float) -> Mask:
     r"""Pixels that do not belong to the image border, shape (\*shape): False on the border and on its edge.
 
-    `grad`, shape (D, \*shape), is the image gradient after a Gaussian of `smoothing` px, `strength` its magnitude. A
+    `slopes` gives the image gradient after a Gaussian of `smoothing` px in a window, `strength` is its magnitude. A
     border is searched up to the width `widest`, a fraction of the shortest side; 0 for none.
     """
     shape = strength.shape
@@ -41,12 +46,14 @@ def inside_border(grad: Array, strength: Array, smoothing: float, widest: float)
     if reach < 1:
         return inside
     faint = _FAINT * strength.max()
-    for axis in range(len(shape)):
+    for axis, along in enumerate(shape):
         for reverse in (False, True):
-            rim, slope, length = (np.moveaxis(values, axis, 0) for values in (inside, grad[axis], strength))
+            side = slice(max(along - reach - 2, 0), along) if reverse else slice(0, reach + 2)
+            window = tuple(side if other == axis else slice(0, n) for other, n in enumerate(shape))
+            parts = inside, slopes(window)[axis], strength[window]
+            rim, slope, length = (np.moveaxis(values, axis, 0) for values in parts)
             if reverse:
                 rim, slope, length = rim[::-1], slope[::-1], length[::-1]
-            slope, length = slope[: reach + 2], length[: reach + 2]
             edge = np.where((length >= faint) & (np.abs(slope) >= _ALONG * length), slope, 0.0)
             depth = _edge_of_border(edge, int(_STRAIGHT * min(shape)) + 1)
             if depth >= 0:
@@ -60,7 +67,8 @@ def _edge_of_border(edge: Array, stray: int) -> int:
     ridge = (steepest >= np.abs(edge[:-2])) & (steepest > np.abs(edge[2:]))
     farthest = -1
     for sign in (-1.0, 1.0):
-        near = running_maximum(ridge & (edge[1:-1] * sign > 0.0), stray, axes=(0,))
+        on = (ridge & (edge[1:-1] * sign > 0.0)).view(np.uint8)
+        near = scipy.ndimage.maximum_filter1d(on, 2 * stray + 1, axis=0, mode="nearest")
         lines = np.flatnonzero(near.reshape(len(near), -1).mean(axis=1) > _COVER)
         if len(lines):
             farthest = max(farthest, int(lines[-1]) + 1)
@@ -69,4 +77,10 @@ def _edge_of_border(edge: Array, stray: int) -> int:
 
 def within(inside: Mask, reach: int) -> Mask:
     r"""Pixels whose centers are at most `reach` px from the center of a pixel of the mask `inside`, shape (\*shape)."""
-    return scipy.ndimage.distance_transform_edt(~inside) <= reach if inside.any() else inside
+    found = inside.copy()
+    for tile in tiles(inside.shape, _TILE):
+        outer = around(tile, reach, inside.shape)
+        if inside[outer].any() and not inside[tile].all():
+            near = scipy.ndimage.distance_transform_edt(~inside[outer]) <= reach
+            found[tile] = near[relative(tile, outer)]
+    return found

@@ -6,9 +6,12 @@ their center, so that a mirrored or turned image has a mirrored or turned pyrami
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import scipy
 
+from cpm_core.numerics.grids import in_bands, smoothed_rows
 from cpm_core.numerics.types import Array
 
 LEAST_SIDE = 8
@@ -33,26 +36,40 @@ def shape_of_scale(shape: tuple[int, ...], scale: int) -> tuple[int, ...]:
     return shape
 
 
-def pyramid(values: Array, scales: int) -> tuple[Array, ...]:
-    r"""Gaussian pyramid: the image, shape (\*shape), and its reductions, from fine to coarse, `scales` images in all.
-
-    Raises `ValueError` when the coarsest scale would be smaller than 8 pixels.
-    """
-    most = most_scales(values.shape)
+def check_scales(scales: int, shape: tuple[int, ...]) -> None:
+    """Raise `ValueError` when the coarsest scale would be smaller than 8 pixels."""
+    most = most_scales(shape)
     if scales > most:
-        size = " x ".join(map(str, values.shape))
+        size = " x ".join(map(str, shape))
         raise ValueError(f"scales is {scales} but must be from 1 to {most} for an image of {size} pixels.")
-    images = [values]
-    for _ in range(scales - 1):
-        fine = scipy.ndimage.gaussian_filter(images[-1], _REDUCTION_SMOOTHING, mode="nearest")
-        for axis in range(fine.ndim):
-            across = (slice(None),) * axis
-            even, odd = fine[(*across, slice(0, None, 2))], fine[(*across, slice(1, None, 2))]
-            if fine.shape[axis] % 2 == 0:  # the centered coarse grid lies halfway between the pixels
-                even = 0.5 * (even + odd)
-            fine = even
-        images.append(np.ascontiguousarray(fine))
+
+
+def pyramid(values: Array, scales: int) -> tuple[Array, ...]:
+    r"""Gaussian pyramid of an image, shape (\*shape): it and its reductions, from fine to coarse, `scales` in all."""
+    images = [np.ascontiguousarray(values)]
+    for scale in range(1, scales):
+        fine, coarse = images[-1], np.empty(shape_of_scale(values.shape, scale))
+        if values.ndim == 2:
+            in_bands(partial(_reduce_rows, fine, coarse), len(coarse))
+        else:
+            coarse[...] = _halved(scipy.ndimage.gaussian_filter(fine, _REDUCTION_SMOOTHING, mode="nearest"), fine.shape)
+        images.append(coarse)
     return tuple(images)
+
+
+def _reduce_rows(fine: Array, coarse: Array, first: int, end: int) -> None:
+    """Write some rows of the next scale of an image."""
+    smooth = smoothed_rows(fine, _REDUCTION_SMOOTHING, 2 * first, 2 * end)
+    coarse[first:end] = _halved(smooth, fine.shape)
+
+
+def _halved(fine: Array, shape: tuple[int, ...]) -> Array:
+    """Every second pixel of a part of an image of this shape, or, halfway between pixels, the mean of two."""
+    for axis in range(fine.ndim):
+        across = (slice(None),) * axis
+        even, odd = fine[(*across, slice(0, None, 2))], fine[(*across, slice(1, None, 2))]
+        fine = even if shape[axis] % 2 else 0.5 * (even + odd)  # the coarse grid has the same center
+    return fine
 
 
 def _center(shape: tuple[int, ...]) -> Array:

@@ -12,6 +12,7 @@ import scipy
 
 from cpm_core.image.pyramid import to_scale
 from cpm_core.numerics import polyline
+from cpm_core.numerics.grids import Window
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.segments import meet, nearest_distances, rim_of, segments_of
 from cpm_core.numerics.types import Array, Mask, Position
@@ -191,6 +192,12 @@ class BarrierMap(NamedTuple):
         if not len(self.segments):
             return np.zeros(len(start), np.bool_)
         return _crossed(self, np.ascontiguousarray(start, dtype=float), np.ascontiguousarray(end, dtype=float))
+
+    def within(self, window: Window) -> BarrierMap:
+        """The same barriers in a window of the image."""
+        if not len(self.segments):
+            return self
+        return BarrierMap(self.segments - 2 * [side.start for side in window], self.clearance[window].copy())
 
 
 NO_BARRIERS = BarrierMap(np.zeros((0, 4)), np.zeros((1, 1)))

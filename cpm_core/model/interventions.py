@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
@@ -9,11 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cpm_core.field.placed_charges import REACH, Charges, PlacedCharge, changed, near_charges, placed_in, radius_at
+from cpm_core.field.scale_field import LARGE
 from cpm_core.image.pyramid import shape_of_scale, to_image, to_scale
 from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.model.coverage import no_coverage, no_surface, with_times_reset, with_times_reset_near
+from cpm_core.model.coverage import CELL, Coverage, no_coverage, no_surface, with_times_reset, with_times_reset_near
 from cpm_core.model.starts import allowed_by, inside_image, starting_points
 from cpm_core.model.state import Particles, State
+from cpm_core.numerics.grids import Window, sides_of
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 
@@ -70,14 +73,15 @@ def reactivated_near(state: State, charges: Charges) -> State:
 def joined(state: State, seeds: ArrayLike, regions: AnyRegions | None) -> State:
     """Put more particles into a run; see `Engine.joined`."""
     points = starting_points(seeds, state.shape, regions)
-    particles = state.particles.with_more(state.at_scale(points, state.scale), state.next_identity)
+    places = state.at_scale(points, state.scale) - state.corner
+    particles = state.particles.with_more(places, state.next_identity)
     joined = replace(
         state,
         particles=particles,
         start=np.concatenate([state.start, points]),
         next_identity=state.next_identity + len(points),
     )
-    return reactivated(joined).resumed()
+    return widened(reactivated(joined).resumed())
 
 
 def erased(state: State, inside: Chosen) -> State:
@@ -110,6 +114,10 @@ def start_scale(state: State, scale: int, regions: AnyRegions | None) -> State:
     first, space = state.next_identity, state.space
     if space is not None:
         position, space = position * space.pitch, replace(space, covered=no_surface())
+    large = len(shape) == 2 and math.prod(state.shape) > LARGE
+    state = replace(state, window=window_around(position, shape) if large else None)
+    if state.window:
+        position, shape = position - state.corner, sides_of(state.window)
     return replace(
         state,
         particles=Particles.at_rest(position, first),
@@ -126,3 +134,50 @@ def start_scale(state: State, scale: int, regions: AnyRegions | None) -> State:
         epsilon=float("nan"),
         space=space,
     )
+
+
+_NEAR_END, _ROOM = 16.0, 96
+"""Distance of a particle from the end of a window that widens it: farther than any goes or looks in a step; and the
+least room around particles in a new one [px]."""
+
+_MOST = 0.5
+"""Share of an image that a window may be of; beyond it the run is one in the whole image."""
+
+
+def window_around(position: Array, shape: tuple[int, ...], room: float = 0.0) -> Window | None:
+    """Pixels of a scale of this shape around particles, with some room [px] or more for them to move; None for all.
+
+    Windows begin between cells of the coverage, so that a wider one has the same cells.
+    """
+    if not len(position):
+        return None
+    low, high = position.min(axis=0), position.max(axis=0)
+    room = max(room, _ROOM, float(np.max(high - low)) / 2.0)
+    first = (np.clip(low - room, 0, shape) // CELL * CELL).astype(int)
+    end = np.clip(np.ceil((high + room) / CELL) * CELL, 0, shape).astype(int)
+    if np.prod(end - first) > _MOST * np.prod(shape):
+        return None
+    return tuple(map(slice, first.tolist(), end.tolist()))
+
+
+def widened(state: State) -> State:
+    """The state in a window around particles that have come near the end of the present one; else the state."""
+    if state.window is None or not state.count:
+        return state
+    shape, position = shape_of_scale(state.shape, state.scale), state.particles.position + state.corner
+    for side, n, along in zip(state.window, shape, position.T, strict=True):
+        before, behind = along.min() - side.start, side.stop - 1 - along.max()
+        if (side.start > 0 and before < _NEAR_END) or (side.stop < n and behind < _NEAR_END):
+            break
+    else:
+        return state
+    corners = [[side.start for side in state.window], [side.stop - 1 for side in state.window]]
+    window = window_around(np.concatenate([position, corners]), shape)
+    moved = replace(state, window=window, mesh=None)
+    cells = (np.subtract(state.corner, moved.corner) / CELL).astype(int)
+    steps = [part.copy() for part in no_coverage(sides_of(window or tuple(map(slice, shape))))[:2]]
+    for part, known in zip(steps, state.coverage[:2], strict=True):
+        inner = part[cells[0] :, cells[1] :][: known.shape[0], : known.shape[1]]
+        inner[...] = known[: inner.shape[0], : inner.shape[1]]
+    particles = replace(state.particles, position=position - moved.corner)
+    return replace(moved, particles=particles, coverage=Coverage(*steps, state.coverage.size))

@@ -12,6 +12,7 @@ from cpm_core.field.placed_charges import Charges, at_scale
 from cpm_core.image.pyramid import to_image, to_scale
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.coverage import Coverage, SurfaceCoverage
+from cpm_core.numerics.grids import Window
 from cpm_core.numerics.types import Array, Index, Mask, Single
 from cpm_core.numerics.vectors import Vector
 from cpm_core.parameters.quotation import counted, described
@@ -273,6 +274,9 @@ class State:
         Whether it ended at rest.
     space : SpaceState or None
         What belongs to a volume; None in the plane.
+    window : tuple of slice, or None
+        The pixels of the scale, around the particles, that a run in a large image is limited to, so that it takes the
+        time and memory of a small one. Particles are in px of it, coverage and mesh are those of it. None for all.
 
     Examples
     --------
@@ -315,11 +319,17 @@ class State:
     stop_reason: str = ""
     converged: bool = False
     space: SpaceState | None = None
+    window: Window | None = None
+
+    @property
+    def corner(self) -> tuple[int, ...]:
+        """First pixel of the window."""
+        return tuple(side.start for side in self.window) if self.window else (0,) * len(self.shape)
 
     @property
     def position(self) -> Array:
         """Positions in px of the image itself, at every scale; shape (N, D)."""
-        places = self.particles.position
+        places = self.particles.position + self.corner if self.window else self.particles.position
         return to_image(places if self.space is None else places / self.space.pitch, self.scale, self.shape)
 
     def at_scale(self, places: Array, scale: int) -> Array:
@@ -330,7 +340,7 @@ class State:
     @property
     def placed(self) -> Array:
         """Position of each placed charge, as those of particles at the scale, and its strength; shape (K, D + 1)."""
-        placed = at_scale(self.charges, self.scale, self.shape)
+        placed = at_scale(self.charges, self.scale, self.shape) - (*self.corner, 0.0)
         return placed if self.space is None else placed * (*self.space.pitch, 1.0)
 
     @property

@@ -150,7 +150,7 @@ class Engine(ImageFields):
         """
         if state.stop_reason:
             return state
-        state = interventions.applied(state, self.regions, parameters, charges)
+        state = interventions.widened(interventions.applied(state, self.regions, parameters, charges))
         field = self._field_with(self._field_of(state, parameters), state.scale, state.charges)
         after: State = self._laws.stepped(state, field, self.regions, parameters)
         return after
@@ -281,7 +281,7 @@ class Engine(ImageFields):
 
     def _field_of(self, state: State, parameters: Parameters) -> ScaleField:
         """Fields of the scale of a state, limited to the edges that its start reaches."""
-        return self._local_fields.at(state.scale, state.start, parameters)
+        return self._local_fields.at(state.scale, state.start, parameters, state.window)
 
     def __repr__(self) -> str:
         return described("Engine", self.image.source, sized(self.image.shape, ""), counted(self.scales, "scale"))

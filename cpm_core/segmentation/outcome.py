@@ -12,6 +12,7 @@ from cpm_core.field.volume_field import VolumeField
 from cpm_core.image.image import Image
 from cpm_core.image.pyramid import to_image
 from cpm_core.model.state import State
+from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction import find_contours
 from cpm_core.segmentation.reach.reach_map import ReachMap
@@ -43,14 +44,18 @@ def contours_of(
     reached: ReachMap | None,
 ) -> Result:
     """Contours through the particles of a state, from the fields of its scale, in px of the image."""
-    scale, shape, size = state.scale, image.shape, 2.0**state.scale
+    size = 2.0**state.scale
+
+    def seen(points: Array) -> Array:
+        return to_image(points + state.corner, state.scale, image.shape)
+
     # an edge without particles may have been cleared by the user; it is then not traced
     filled = state.converged and not state.charges and not state.erased
     found, bridged = find_contours(state.particles.position, field, parameters, at_rest=filled)
-    contours = tuple(replace(c, points=to_image(c.points, scale, shape), strength=c.strength / size) for c in found)
+    contours = tuple(replace(c, points=seen(c.points), strength=c.strength / size) for c in found)
     if reached is not None:
         contours = tuple(replace(c, reached=reached.way_of(c.points)) for c in contours)
-    bridges = tuple(Bridge(to_image(b.points, scale, shape), b.length * size, b.strength / size) for b in bridged)
+    bridges = tuple(Bridge(seen(b.points), b.length * size, b.strength / size) for b in bridged)
     return result_of(state, image, parameters, contours=contours, surface=None, bridges=bridges)
 
 

@@ -15,7 +15,7 @@ from numpy.typing import DTypeLike, NDArray
 from cpm_core.field.volume_field import pitch_of
 from cpm_core.formats.common.plain import array_from_plain, array_to_plain, mapping, number, text
 from cpm_core.image.pyramid import shape_of_scale
-from cpm_core.model.coverage import NEVER, Coverage, SurfaceCoverage, no_coverage
+from cpm_core.model.coverage import CELL, NEVER, Coverage, SurfaceCoverage, no_coverage
 from cpm_core.model.plane.repulsion import NO_MESH, PITCH, mesh_corner, mesh_shape, softening
 from cpm_core.model.starts import inside_image
 from cpm_core.model.state import MEMORY, MeshForce, Particles, SpaceState, State, SurfaceContact
@@ -39,6 +39,8 @@ def state_to_plain(state: State) -> dict[str, Any]:
         plain["side"] = space.covered.side
     else:
         arrays |= {"found": state.coverage.found, "latest": state.coverage.latest}
+    if state.window is not None:
+        arrays["window"] = np.array([(side.start, side.stop) for side in state.window])
     if mesh is not None and space is None:
         far = math.isfinite(mesh.reach)
         plain["mesh"] = {"reach": mesh.reach, "force": array_to_plain(mesh.force)} if far else {}
@@ -62,6 +64,12 @@ def state_from_plain(plain: object, shape: tuple[int, ...], scales: int, spacing
             raise ValueError(f"{name} of state holds a value that is not a number.")
         return found
 
+    window = None
+    if "window" in given:
+        first, end = array("window", np.int64, axes, 2).T
+        if (first < 0).any() or (first % CELL != 0).any() or (end <= first).any() or (end > size).any():
+            raise ValueError("window of state is no part of the image.")
+        window, size = tuple(map(slice, first.tolist(), end.tolist())), tuple((end - first).tolist())
     identity = array("identity", np.int64, None)
     count = len(identity)
     if len(np.unique(identity)) < count or (identity < 0).any():
@@ -92,7 +100,7 @@ def state_from_plain(plain: object, shape: tuple[int, ...], scales: int, spacing
         found, latest = (array(name, np.int32, *coverage.found.shape) for name in ("found", "latest"))
         coverage = Coverage(found, latest, int(np.count_nonzero(found != NEVER)))
         mesh = _mesh(given["mesh"], size) if "mesh" in given else None
-    return State(particles, start, shape, coverage=coverage, mesh=mesh, space=space, **values)
+    return State(particles, start, shape, coverage=coverage, mesh=mesh, space=space, window=window, **values)
 
 
 def _scalar(kind: type, plain: object, where: str) -> Any:

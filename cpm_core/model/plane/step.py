@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.field.interpolation import interpolate
-from cpm_core.field.placed_charges import at_scale, near_charges, placed_force_at, placed_potential, radius_at
+from cpm_core.field.placed_charges import near_charges, placed_force_at, placed_potential, radius_at
 from cpm_core.field.scale_field import GATE, ScaleField
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.coverage import cover, idle_at
@@ -99,9 +99,8 @@ def _let_gather(state: State, scale_field: ScaleField, idle: Index) -> None:
 
 def _drawn(state: State) -> NDArray[np.bool_]:
     """Which particles are within reach of a charge that attracts them, shape (N,)."""
-    attracting = [charge for charge in state.charges if charge.strength > 0.0]
-    placed = at_scale(attracting, state.scale, state.shape)
-    return near_charges(placed, radius_at(state.scale), state.particles.position)
+    attracting = state.placed[state.placed[:, -1] > 0.0]
+    return near_charges(attracting, radius_at(state.scale), state.particles.position)
 
 
 def reseeded(state: State, scale_field: ScaleField) -> State | None:

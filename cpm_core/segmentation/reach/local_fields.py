@@ -9,9 +9,11 @@ from threading import Lock
 import numpy as np
 import scipy
 
-from cpm_core.field.scale_field import ScaleField, limited_to
+from cpm_core.field.scale_field import LARGE, ScaleField, limited_to
 from cpm_core.image.pyramid import to_scale
 from cpm_core.image.regions import Regions
+from cpm_core.model.interventions import window_around
+from cpm_core.numerics.grids import Window
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.reach.reach_map import ReachMap, budget_of, is_limited, reach_map
@@ -20,7 +22,10 @@ _AT_BARRIER = 1.0
 """Distance to a barrier under which it covers a pixel [px]."""
 
 _KEPT = 6
-"""Limited fields that are kept: those of all scales of a run."""
+"""Limited fields, and parts of fields, that are kept: those of all scales of a run."""
+
+_MOST_ROOM = 1024.0
+"""Room around a start in which what it lies in is looked for in a large image [px]."""
 
 
 class LocalFields:
@@ -33,14 +38,15 @@ class LocalFields:
         self._field_of = field_of
         self._regions = regions
         self._map: tuple[tuple[object, ...], Array, ReachMap | None] | None = None
-        self._limited = lru_cache(_KEPT)(_limited)
+        self._limited, self._part = lru_cache(_KEPT)(_limited), lru_cache(_KEPT)(_part)
         self._lock = Lock()
 
-    def at(self, scale: int, start: Array, parameters: Parameters) -> ScaleField:
-        """Field of a scale in a run from a start, shape (N, 2) [px of the image]."""
+    def at(self, scale: int, start: Array, parameters: Parameters, window: Window | None) -> ScaleField:
+        """Field of a scale, or of a window of it, in a run from a start, shape (N, 2) [px of the image]."""
         plain = self._field_of(parameters, scale)
+        part = plain if window is None else self._part(plain, *((side.start, side.stop) for side in window))
         reached = self.map_of(start, parameters) if is_limited(parameters) else None
-        return plain if reached is None else self._limited(plain, reached, budget_of(parameters), scale)
+        return part if reached is None else self._limited(part, reached, budget_of(parameters), scale)
 
     def map_of(self, start: Array, parameters: Parameters) -> ReachMap | None:
         """How a start, shape (N, 2) [px], reaches the edges of the image; None for one from everywhere."""
@@ -48,25 +54,42 @@ class LocalFields:
         made_of = (plain, id(start), parameters.beta, parameters.w2, parameters.weakest_edge)
         with self._lock:
             if self._map is None or self._map[0] != made_of:
-                self._map = made_of, start, reach_map(plain, start, self._closed(plain), parameters)
+                self._map = made_of, start, self._made(plain, start, parameters)
             return self._map[2]
 
-    def _closed(self, plain: ScaleField) -> Mask:
-        """Where no particle goes, shape (H, W)."""
-        closed = np.zeros(plain.shape, bool)
+    def _made(self, plain: ScaleField, start: Array, parameters: Parameters) -> ReachMap | None:
+        """The map of a start; of a large image in a window around it that what the start lies in does not leave."""
+        found, room = None, 0.0
+        while plain.values.size > LARGE and (found is None or found.leaves) and room < _MOST_ROOM:
+            window = window_around(start, plain.shape, room)
+            if window is None:
+                break
+            part = plain.part(window)
+            found = reach_map(part, start - part.corner, self._closed(part, plain.shape), parameters)
+            room = float(max(part.shape))
+        return found if room else reach_map(plain, start, self._closed(plain, plain.shape), parameters)
+
+    def _closed(self, field: ScaleField, shape: tuple[int, ...]) -> Mask:
+        """Where no particle goes, in the window of an image of this shape that a field is of."""
+        closed = np.zeros(field.shape, bool)
         if self._regions is not None and self._regions.interest:
-            closed |= ~self._regions.pixels(plain.shape)
-        if len(plain.barrier_map.segments):
-            closed |= plain.barrier_map.clearance < _AT_BARRIER
+            rows, cols = (slice(at, at + n) for at, n in zip(field.corner, field.shape, strict=True))
+            closed |= ~self._regions.pixels(shape)[rows, cols]
+        if len(field.barrier_map.segments):
+            closed |= field.barrier_map.clearance < _AT_BARRIER
         return closed
+
+
+def _part(plain: ScaleField, *sides: tuple[int, int]) -> ScaleField:
+    return plain.part(tuple(slice(*side) for side in sides))
 
 
 def _limited(plain: ScaleField, reached: ReachMap, budget: float, scale: int) -> ScaleField:
     """A field limited to the edges that are reached, on the pixels of its scale that contain one of theirs."""
-    ridge = reached.within(budget)
+    place = (np.argwhere(reached.within(budget)) + reached.corner).astype(float)
+    place = np.rint(to_scale(place, scale, reached.shape)).astype(int) - plain.corner
+    ridge = np.zeros(plain.shape, bool)
+    ridge[tuple(place[((place >= 0) & (place < plain.shape)).all(axis=1)].T)] = True
     if scale:
-        place = np.rint(to_scale(np.argwhere(ridge).astype(float), scale, ridge.shape)).astype(int)
-        coarse = np.zeros(plain.shape, bool)
-        coarse[tuple(np.clip(place, 0, np.array(plain.shape) - 1).T)] = True
-        ridge = np.asarray(scipy.ndimage.binary_closing(coarse) | coarse)
+        ridge = np.asarray(scipy.ndimage.binary_closing(ridge) | ridge)
     return limited_to(plain, ridge)

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Reached
 from cpm_core.field.scale_field import ScaleField
+from cpm_core.numerics.grids import ends
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.parameters import UNLIMITED_REACH, Parameters
 from cpm_core.segmentation.reach.bounding import Bounds, bounds_of
@@ -39,6 +40,9 @@ _BESIDE = 1.0
 _LEAST_BETA = 0.01
 """Damping that counts where there is less."""
 
+_AT_END = 4.0
+"""Distance from the end of a window, and twice the smoothing, in which there is a frame of no meaning [px]."""
+
 _USUAL_PUSH, _USUAL_ANNEALING = 1.6 / (1.75 - 1.6), 0.99
 """Push against hold, and annealing, of the paper."""
 
@@ -55,11 +59,20 @@ class ReachMap:
         Which of them lie on the ridge of the edge.
     crept : ndarray of float32, shape (H, W)
         Distance along edges from those reached on flight or beyond a weak edge [px]; infinite where there is no way.
+    corner : tuple of int
+        First pixel of the window of the image that the map is of.
+    shape : tuple of int
+        Shape of the image.
+    leaves : bool
+        Whether what the start lies in reaches the end of the window.
     """
 
     way: NDArray[np.uint8]
     ridge: Mask
     crept: NDArray[np.float32]
+    corner: tuple[int, ...]
+    shape: tuple[int, ...]
+    leaves: bool
 
     def within(self, budget: float) -> Mask:
         """Pixels on the ridges of edges that are reached when fronts creep up to a distance [px]."""
@@ -67,7 +80,8 @@ class ReachMap:
 
     def way_of(self, points: Array) -> Reached:
         """How most of a contour with vertices of shape (K, 2) [px] is reached; empty where it is on no edge."""
-        place = np.clip(np.rint(points).astype(int), 0, np.array(self.way.shape) - 1)
+        place = np.clip(np.rint(points).astype(int), 0, np.array(self.shape) - 1) - self.corner
+        place = place[((place >= 0) & (place < self.way.shape)).all(axis=1)]
         votes = np.bincount(self.way[tuple(place.T)], minlength=len(WAYS))
         return WAYS[int(votes[1:].argmax()) + 1] if votes[1:].any() else ""
 
@@ -126,7 +140,18 @@ def reach_map(scale_field: ScaleField, start: Array, closed: Mask, parameters: P
     crept = along.astype(np.float32)
     way = np.where(np.isfinite(crept), _JUNCTION, np.where(edges, _LAUNCHED, 0)).astype(np.uint8)
     way[coasted], way[flight] = _WEAK, _FLIGHT
-    return ReachMap(way, ridge, crept)
+    shape = scale_field.shape if scale_field.whole is None else scale_field.whole.shape
+    return ReachMap(way, ridge, crept, scale_field.corner, shape, _leaves(bounds, scale_field.corner, shape))
+
+
+def _leaves(bounds: Bounds, corner: tuple[int, ...], shape: tuple[int, ...]) -> bool:
+    """Whether what a boundary encloses reaches the end of a window that begins at a corner in an image of a shape."""
+    if not bounds.inside.any():
+        return False
+    first, last = ends(bounds.inside)
+    end, near = np.array(bounds.inside.shape) - 1, _AT_END + 2.0 * bounds.sigma
+    beyond = (first < near) & (np.array(corner) > 0), (last > end - near) & (end + corner + 1 < shape)
+    return bool(np.any(beyond))
 
 
 def _ridge(scale_field: ScaleField) -> Mask:

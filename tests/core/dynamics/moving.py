@@ -36,7 +36,7 @@ def even_scale_field(
     packed[..., :dimension], packed[..., dimension:-1], packed[..., -1] = lorentz, normal, strength
     return ScaleField(
         force=lambda: packed,
-        gradient=np.broadcast_to(np.reshape(normal, (-1, *(dimension * (1,)))), (dimension, *shape)),
+        slopes=lambda _: np.broadcast_to(np.reshape(normal, (-1, *(dimension * (1,)))), (dimension, *shape)),
         edge_map=np.full(shape, strength),
         values=np.zeros(shape),
         strongest=max(strength, 1.0),

@@ -26,7 +26,7 @@ def bordered(width, gray=20.0, sides=("top", "bottom", "left", "right")):
 
 
 def inside_of(grad, widest):
-    return inside_border(grad, magnitude(grad), 1.0, widest)
+    return inside_border(lambda window: grad[(slice(None), *window)], magnitude(grad), 1.0, widest)
 
 
 @pytest.mark.parametrize("gray", [20.0, 250.0])
