@@ -24,7 +24,8 @@ from cpm_core.field.scale_field import FAINTEST, ScaleField
 from cpm_core.image.regions import BarrierMap, crosses
 from cpm_core.model.coverage import cell_of
 from cpm_core.model.equations import NEAR, STRIDE, STRIDE_ROOM, first_of
-from cpm_core.model.plane.repulsion import FILLER, LANES, Cells, build_cells, cells_around, row_of_cells
+from cpm_core.model.plane.motion import edge_at
+from cpm_core.model.plane.repulsion import Cells, cells_around, row_of_cells
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Index, Mask, Single
@@ -53,53 +54,62 @@ class EdgeContact:
     cells: Cells
 
 
-_LEAST_CELL = 4.0
-"""Least side of a cell, which limits the memory however small the distance of the search [px]."""
-
-_WORTH_A_THREAD = 10_000
-"""Particles from which a second thread makes the search faster."""
+_WORTH_A_THREAD = 4000
+"""Particles from which a second thread examines them faster."""
 
 
-def deletion(positions: Array, strength: Array, shape: tuple[int, ...], d_min: float) -> Mask:
-    """Which of the particles at `positions`, shape (N, 2), stay, shape (N,), on an image of this shape.
+def examined(cells: Cells, has_moved: Mask, scale_field: ScaleField, d_min: float) -> tuple[EdgeContact, Mask]:
+    """Edge contact of the particles in `cells`, and which have another one nearer than half of `d_min` [px].
 
-    Of two nearer than ``d_min / 2`` [px] the one on the weaker edge is deleted; with equal `strength`, shape (N,), the
-    later one.
+    Of two such particles at least one is among those that have moved since the last time, `has_moved`, shape (N,).
     """
-    places = np.ascontiguousarray(positions, dtype=float)
-    cells = build_cells(places, shape, max(d_min, _LEAST_CELL))
-    return thinned(places, strength, cells, np.ones(len(places), np.bool_), d_min)
-
-
-def thinned(position: Array, strength: Array, cells: Cells, has_moved: Mask, d_min: float) -> Mask:
-    """Which particles stay, shape (N,), by the rule of `deletion`, where only some have moved since its last use.
-
-    `position`, shape (N, 2), are all of them; `has_moved`, shape (N,), marks the particles that have moved or are new.
-    """
-    count = len(position)
-    kept = np.ones(count, np.bool_)
-    share(partial(_find_close, cells, has_moved, NEAR * d_min, kept), count, _WORTH_A_THREAD)
-    close = np.flatnonzero(~kept)
-    if len(close):
-        order = close[np.argsort(-strength[close], kind="stable")]
-        kept[order] = first_of(position[order], NEAR * d_min)
-    return kept
+    count = len(cells.order)
+    edge, close = (np.empty(count), np.empty(count, np.bool_), np.empty((count, 2))), np.zeros(count, np.bool_)
+    work = partial(_examine, cells, has_moved, NEAR * d_min, scale_field.packed, scale_field.floor, edge, close)
+    share(work, count, _WORTH_A_THREAD)
+    return EdgeContact(*edge, cells), close
 
 
 @compiled
-def _find_close(cells: Cells, has_moved: Mask, distance: float, alone: Mask, first: int, last: int) -> None:
-    """Mark the particles with another one nearer than a distance as not alone; one of each pair has moved."""
+def _examine(
+    cells: Cells,
+    has_moved: Mask,
+    distance: float,
+    packed: Single,
+    floor: float,
+    edge: tuple[Array, Mask, Array],
+    close: Mask,
+    first: int,
+    last: int,
+) -> None:
+    """Write what `examined` returns for some of the sorted particles."""
+    strength, on_edge, normal = edge
     for k in range(first, last):
-        if not has_moved[cells.order[k]]:
+        i, y, x = cells.order[k], cells.y[k], cells.x[k]
+        strength[i], on_edge[i], normal[i, 0], normal[i, 1] = edge_at(packed, y, x, floor)
+        if not has_moved[i]:
             continue
-        y, x = cells.y[k], cells.x[k]
         top, bottom, left, right = cells_around(cells, y, x, distance)
         for row in range(top, bottom + 1):
             start, end = row_of_cells(cells, row, left, right)
             for other in range(start, end):
                 squared = (cells.y[other] - y) ** 2 + (cells.x[other] - x) ** 2
                 if squared < distance * distance and other != k:
-                    alone[cells.order[k]] = alone[cells.order[other]] = False
+                    close[i] = close[cells.order[other]] = True
+
+
+def deletion(position: Array, strength: Array, d_min: float, close: Mask | None = None) -> Mask:
+    """Which of the particles at `position`, shape (N, 2), stay, shape (N,).
+
+    Of two nearer than ``d_min / 2`` [px] the one on the weaker edge is deleted; with equal `strength`, shape (N,), the
+    later one. Where it is known which have such a neighbor, they are marked in `close`, shape (N,).
+    """
+    near = np.arange(len(position)) if close is None else np.flatnonzero(close)
+    kept = np.ones(len(position), np.bool_)
+    if len(near):
+        order = near[np.argsort(-strength[near], kind="stable")]
+        kept[order] = first_of(position[order], NEAR * d_min)
+    return kept
 
 
 CROWD_RANGE, CROWD = 1.5, 3
@@ -255,7 +265,7 @@ def _find_places(
     """Let some of the sorted particles search for positions, each as if alone; `present` is in their order."""
     # a wider range contains more particles
     most = min(int(_MOST_NEAR * max(1.0, rule.range / (_NEAR_RANGE * rule.d_min)) ** 2), len(cells.order) + 1)
-    near, index = np.empty((2, most + 1 + LANES)), np.empty(most + 1, np.int64)
+    near, index = np.empty((2, most + 1)), np.empty(most + 1, np.int64)
     here, there = np.empty(2), np.empty(2)
     present, thorough = search.present, search.thorough
     for k in range(first, last):
@@ -368,7 +378,7 @@ def _is_flanked(cells: Cells, present: Mask, y: float, x: float, n_y: float, n_x
 
 @compiled
 def _list_near(cells: Cells, present: Mask, y: float, x: float, distance: float, near: Array, index: Index) -> int:
-    """List the particles around a position, filled up to lanes; return how many they are, or one less than fit in."""
+    """List the particles around a position; return how many they are, or one less than fit in if they are more."""
     length = 0
     top, bottom, left, right = cells_around(cells, y, x, distance)
     for row in range(top, bottom + 1):

@@ -156,8 +156,7 @@ def move(particles: Particles, idle: Index, mesh: MeshForce, scale_field: ScaleF
     moved = Moved.unset(particles)
     before, after = (particles.velocity, particles.force, particles.distance), moved.particles
     motion = (after.position, after.velocity, after.force, after.distance, moved.motion)
-    contact, packed = (moved.strength, moved.on_edge, moved.normal), scale_field.packed
-    work = partial(_move, cells, packed, idle, mesh, damped, law, before, motion, contact, scale_field.floor)
+    work = partial(_move, cells, scale_field.packed, idle, mesh, damped, law, before, motion)
     share(work, len(particles), _WORTH_A_THREAD)
     return moved
 
@@ -176,15 +175,12 @@ def _move(
     law: Law,
     before: tuple[Array, Array, Array],
     after: tuple[Array, Array, Array, Array, Array],
-    contact: tuple[Array, Mask, Array],
-    floor: float,
     first: int,
     last: int,
 ) -> None:
     """Move some of the sorted particles."""
     velocity, force, distance = before
     to_position, to_velocity, to_force, to_distance, motion = after
-    strength, on_edge, normal = contact
     coulomb = np.zeros((last - first, 2))
     _repel(cells, idle, mesh, law, coulomb, first, last)
     for k in range(first, last):
@@ -195,7 +191,7 @@ def _move(
                     packed[row, col, 0] + packed[row, col + 1, 4],
                     packed[row + 1, col, 0] + packed[row + 1, col + 1, 4],
                 )
-                strength[cells.order[n]] = upper + lower
+                motion[cells.order[n]] = upper + lower
         i, y, x = cells.order[k], cells.y[k], cells.x[k]
         v_y, v_x = velocity[i, 0], velocity[i, 1]
         to_y, to_x = y, x
@@ -212,8 +208,6 @@ def _move(
         to_distance[i, 1], to_distance[i, 2], to_distance[i, 3] = distance[i, 0], distance[i, 1], distance[i, 2]
         to_distance[i, 0] = np.sqrt(to_y**2 + to_x**2)
         motion[i] = np.sqrt((to_y - y) ** 2 + (to_x - x) ** 2)
-        found = edge_at(packed, to_y, to_x, floor)
-        strength[i], on_edge[i], normal[i, 0], normal[i, 1] = found
 
 
 @compiled

@@ -209,8 +209,7 @@ def move(
     work = partial(_move, turn, cells, idle, before, old.seated, (*moving, new.normal, new.strength), new.seated, *felt)
     share(work, len(turn), _WORTH_A_THREAD)
     distance[:, 0] = np.linalg.norm(after.position, axis=1)
-    motion = np.linalg.norm(after.position - particles.position, axis=1)
-    return Moved(after, motion, new.strength, new.seated, new.normal)
+    return Moved(after, np.linalg.norm(after.position - particles.position, axis=1))
 
 
 def parts_of_force(
