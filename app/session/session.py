@@ -37,8 +37,11 @@ from cpm_core.shapes import Sphere
 
 _PREPARING = tr("Preparing (takes longer the first time)…")
 
-FRAME = 16
-"""Time between two display frames, in each of which reports of the worker are taken [ms]."""
+LOOK = 4
+"""Time between two looks for what the worker has left, so that a step is seen soon after it is taken [ms]."""
+
+FRAME = 0.013
+"""Least time between two changes of what is shown, so that a fast run leaves the window time for the user [s]."""
 
 
 class Session(QObject):
@@ -66,9 +69,10 @@ class Session(QObject):
         self.live = Live(board, self.post)
         self._overlays: frozenset[str] = frozenset()
         self._frames = Pacer()
+        self._frames.limit(1.0 / FRAME)
         self._timer = QTimer(self)
         self._timer.setTimerType(Qt.TimerType.PreciseTimer)
-        self._timer.setInterval(FRAME)
+        self._timer.setInterval(LOOK)
         self._timer.timeout.connect(self._frame)
         self.set_pace(PACES[FIRST_PACE])
         self._opener = Opener(core, self.tasks)
@@ -429,10 +433,14 @@ class Session(QObject):
             self._timer.start()
 
     def _frame(self) -> None:
-        self._frames.stepped()
+        if self._frames.wait() > 0.0:
+            return
+        before = self.scene
         with self._board.gathering():
             self.tasks.look()
             self._board.look()
+        if self.scene is not before:
+            self._frames.stepped()
         if self.scene.snapshot is not None:
             self.live.use(self.scene.snapshot.timeline.began)
         if self.idle:

@@ -17,7 +17,7 @@ from cpm_core.field.scale_field import ScaleField, Slopes, build_scale_field, sl
 from cpm_core.image.denoising import Cleaned
 from cpm_core.image.gray_levels import toned
 from cpm_core.image.image import Image
-from cpm_core.image.pyramid import pyramid
+from cpm_core.image.pyramid import check_scales, pyramid, shape_of_scale
 from cpm_core.image.regions import NO_BARRIERS, BarrierMap, Regions, build_barrier_map
 from cpm_core.image.vesselness import vesselness
 from cpm_core.numerics.types import Array
@@ -54,8 +54,8 @@ class SourceImages:
 
     Attributes
     ----------
-    original : tuple of ndarray
-        The gray levels at all scales.
+    scales, shape : int, tuple of int
+        How many scales there are, and the shape of the image.
     at : callable
         Gives the `Source` of a scale, from what to take edges and how, and the smoothing.
     slopes : callable
@@ -63,20 +63,22 @@ class SourceImages:
     """
 
     def __init__(self, image: Image, scales: int) -> None:
-        self.original = original = pyramid(image.values, scales)
+        check_scales(scales, image.shape)
+        self.scales, self.shape = scales, image.shape
         lock = RLock()
+        original = lru_cache(1)(lambda: pyramid(image.values, scales))  # not before the image is seen
 
         @lru_cache(_KEPT_SETTINGS)
         def images_of(channel: str, edges: str, gamma: _Gamma) -> tuple[Array, ...]:
             values = image.gray(channel)
-            if values is not original[0] and values.min() == values.max():
+            if values is not image.values and values.min() == values.max():
                 raise ValueError(
                     f"The channel {channel} is the same everywhere and has no edges: choose another channel."
                 )
             values = toned(values, gamma)
             if edges == "vessels":
                 values = vesselness(values)
-            return original if values is original[0] else pyramid(values, scales)
+            return original() if values is image.values else pyramid(values, scales)
 
         @lru_cache(_KEPT_SETTINGS)
         def cleaned_of(channel: str, edges: str, gamma: _Gamma) -> tuple[tuple[Array, ...], Cleaned]:
@@ -111,7 +113,7 @@ def plane_fields(
 
     `free` is the first of them where there is one for the same regions of interest.
     """
-    scales, shape = len(sources.original), sources.original[0].shape
+    scales, shape = sources.scales, sources.shape
     kept = lru_cache(_KEPT_SETTINGS * scales)
 
     @kept
@@ -126,7 +128,7 @@ def plane_fields(
     @lru_cache(scales)
     def barriers(scale: int) -> BarrierMap:
         barred = regions and regions.at_scale(scale, shape)
-        return build_barrier_map(barred, sources.original[scale].shape) if barred else NO_BARRIERS
+        return build_barrier_map(barred, shape_of_scale(shape, scale)) if barred else NO_BARRIERS
 
     known = free or build
     fields = kept(lambda scale, *key: known(scale, *key).with_barriers(barriers(scale)))
