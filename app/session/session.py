@@ -58,7 +58,7 @@ class Session(QObject):
         self.scene_changed, self.image_changed = board.scene_changed, board.image_changed
         self.document_changed, self.status_changed = board.document_changed, board.status_changed
         self.said, self.attempted = board.said, board.attempted
-        self.show, self.show_status = board.show, board.show_status
+        self.show, self.show_status, self.gathering = board.show, board.show_status, board.gathering
         self.listen, self.stop_listening, self.pass_on = board.listen, board.stop_listening, board.pass_on
         self.say, self.trouble, self.attempt = board.say, board.trouble, board.attempt
         self.tasks = Tasks(self._worker_thread.report, self._wake, self)
@@ -175,7 +175,8 @@ class Session(QObject):
         if after != before or erasure is not None:
             rest = self._rest_before(after) if gesture else None
             self.history.push(Change(name, before, after, gesture, erasure, rest))
-            self._use(after, complete=not gesture)
+            with self.gathering():
+                self._use(after, complete=not gesture)
             if rest is not None:
                 self.run()
 
@@ -365,7 +366,8 @@ class Session(QObject):
             if goes_on:
                 self._board.phase("running")
                 self.post(run_call(self._board.generation, Run.go))
-        self._use(change.before if back else change.after)
+        with self.gathering():
+            self._use(change.before if back else change.after)
         if change.rest is None:
             return
         generation, branch, step = change.rest
@@ -436,7 +438,7 @@ class Session(QObject):
         if self._frames.wait() > 0.0:
             return
         before = self.scene
-        with self._board.gathering():
+        with self.gathering():
             self.tasks.look()
             self._board.look()
         if self.scene is not before:

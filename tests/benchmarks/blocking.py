@@ -29,7 +29,7 @@ from app.views.main_window import make_window
 from app.views.window.window import MainWindow
 from cpm_core.shapes import Circle, Sphere
 
-REST, PATIENCE = 0.3, 120.0
+REST, PATIENCE = 0.2, 10.0
 """Time for which nothing happens after what has been done, and the longest that is waited for that [s]."""
 
 Work = tuple[str, Callable[[], object]]
