@@ -7,17 +7,18 @@ built again, with another smoothing also the gradient. The barriers do not depen
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import lru_cache
 from threading import RLock
 from typing import Any, Literal, NamedTuple
 
 from cpm_core.field.edge_map import automatic_smoothing, prepared
-from cpm_core.field.scale_field import ScaleField, Slopes, build_scale_field, slopes_of
+from cpm_core.field.scale_field import LARGE, ScaleField, Slopes, build_scale_field, slopes_of
 from cpm_core.image.denoising import Cleaned
 from cpm_core.image.gray_levels import toned
 from cpm_core.image.image import Image
-from cpm_core.image.pyramid import pyramid
+from cpm_core.image.pyramid import check_scales, pyramid, shape_of_scale
 from cpm_core.image.regions import NO_BARRIERS, BarrierMap, Regions, build_barrier_map
 from cpm_core.image.vesselness import vesselness
 from cpm_core.numerics.types import Array
@@ -25,6 +26,9 @@ from cpm_core.parameters import Parameters
 
 _KEPT_SETTINGS = 2
 """Settings whose images and fields are kept, so that a return to the last one costs nothing."""
+
+_KEPT_LARGE = 2
+"""Fields of a large image that are kept: that of the scale of a run, and that of the image itself."""
 
 _Gamma = float | Literal["auto"]
 Free = Callable[..., ScaleField]
@@ -54,8 +58,10 @@ class SourceImages:
 
     Attributes
     ----------
-    original : tuple of ndarray
-        The gray levels at all scales.
+    shape : tuple of int
+        Shape of the image.
+    scales : int
+        Number of scales.
     at : callable
         Gives the `Source` of a scale, from what to take edges and how, and the smoothing.
     slopes : callable
@@ -63,20 +69,20 @@ class SourceImages:
     """
 
     def __init__(self, image: Image, scales: int) -> None:
-        self.original = original = pyramid(image.values, scales)
-        lock = RLock()
+        check_scales(image.shape, scales)
+        self.shape, self.scales, lock = image.shape, scales, RLock()
 
         @lru_cache(_KEPT_SETTINGS)
         def images_of(channel: str, edges: str, gamma: _Gamma) -> tuple[Array, ...]:
             values = image.gray(channel)
-            if values is not original[0] and values.min() == values.max():
+            if values is not image.values and values.min() == values.max():
                 raise ValueError(
                     f"The channel {channel} is the same everywhere and has no edges: choose another channel."
                 )
             values = toned(values, gamma)
             if edges == "vessels":
                 values = vesselness(values)
-            return original if values is original[0] else pyramid(values, scales)
+            return pyramid(values, scales)
 
         @lru_cache(_KEPT_SETTINGS)
         def cleaned_of(channel: str, edges: str, gamma: _Gamma) -> tuple[tuple[Array, ...], Cleaned]:
@@ -111,8 +117,8 @@ def plane_fields(
 
     `free` is the first of them where there is one for the same regions of interest.
     """
-    scales, shape = len(sources.original), sources.original[0].shape
-    kept = lru_cache(_KEPT_SETTINGS * scales)
+    scales, shape = sources.scales, sources.shape
+    kept = lru_cache(_KEPT_SETTINGS * scales if math.prod(shape) <= LARGE else _KEPT_LARGE)
 
     @kept
     def build(scale: int, edge_floor: float, max_border: float, exponent: float, *key: Any) -> ScaleField:
@@ -126,7 +132,7 @@ def plane_fields(
     @lru_cache(scales)
     def barriers(scale: int) -> BarrierMap:
         barred = regions and regions.at_scale(scale, shape)
-        return build_barrier_map(barred, sources.original[scale].shape) if barred else NO_BARRIERS
+        return build_barrier_map(barred, shape_of_scale(shape, scale)) if barred else NO_BARRIERS
 
     known = free or build
     fields = kept(lambda scale, *key: known(scale, *key).with_barriers(barriers(scale)))

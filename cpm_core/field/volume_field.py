@@ -263,7 +263,7 @@ def volume_fields(
     sources: SourceImages, pitch: Vector, regions: VolumeRegions | None, free: Free | None = None
 ) -> tuple[Free, Callable[[int, Parameters], VolumeField]]:
     """The functions of `plane_fields` for a volume with voxels of these sides; they refuse parameters of images."""
-    kept, shape = lru_cache(len(sources.original)), sources.original[0].shape
+    kept, shape = lru_cache(sources.scales), sources.shape
 
     @kept
     def build(scale: int, gamma: Any, smoothing: Any, edge_floor: float) -> VolumeField:
