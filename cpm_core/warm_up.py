@@ -72,6 +72,7 @@ def extras_once() -> None:
     engine.forces(state, _PARAMETERS, _CHARGES)
     engine.energies(state, _PARAMETERS, _CHARGES)
     clean(_IMAGE)
+    Image(np.stack([_IMAGE, _IMAGE, 255.0 - _IMAGE], axis=-1).astype(np.uint8))
     start = Start((circle((15.5, 15.5), 5.0),))
     run_method(CONTOUR_METHODS["geodesic"], Image(_IMAGE), start, max_steps=_STEPS)
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property, lru_cache, reduce
+from functools import cached_property, lru_cache, partial, reduce
 from typing import Any, TypeVar
 
 import numpy as np
@@ -21,8 +21,11 @@ from cpm_core.numerics.types import Array, Single
 
 _Grid = TypeVar("_Grid", Single, Array)
 
-_MOST_KEPT = 2**23
-"""Samples of a padded image up to which the spectra of its kernels are kept for the next image of the same size."""
+_MOST_KEPT = 2**21
+"""Pixels of an image up to which the spectra of its kernels are kept for the next image of the same size."""
+
+_AT_ONCE = 2**19
+"""Pixels whose spectrum is multiplied with the kernels at once."""
 
 _MOST_IN_DOUBLE = 2**22
 """Pixels up to which kernels are transformed in double precision."""
@@ -44,46 +47,82 @@ def convolved_field(
     """
     f = np.asarray(edge_map, dtype=precision)
     power = checked_number("exponent", f.ndim if exponent is None else exponent, lambda number: number > 0.0, "above 0")
-    padded = tuple(scipy.fft.next_fast_len(2 * n, real=axis == f.ndim - 1) for axis, n in enumerate(f.shape))
-    kept = math.prod(padded) <= _MOST_KEPT
-    kernel_of = _kernel_spectrum if kept else _kernel_spectrum.__wrapped__
+    half = tuple(scipy.fft.next_fast_len(max(n, 2)) for n in f.shape)
+    kernel_of = _kernel_spectrum if math.prod(half) <= _MOST_KEPT else _kernel_spectrum.__wrapped__
     # in single precision only where double takes too much memory
     made_in = np.dtype(float) if f.size <= _MOST_IN_DOUBLE else f.dtype
-    spectrum = scipy.fft.rfft(f, padded[-1], workers=cores())
-    for axis in reversed(range(f.ndim - 1)):  # axis by axis: rows of zeros are not transformed
-        spectrum = scipy.fft.fft(spectrum, padded[axis], axis, overwrite_x=True, workers=cores())
-    spectrum *= spectrum.dtype.type(1j)  # the kernels' spectra are imaginary
+    kernels = [kernel_of(k, half, power, made_in, f.dtype, pitch or (1.0,) * f.ndim) for k in range(f.ndim)]
+    spectrum = scipy.fft.rfft(f, 2 * half[-1], workers=cores())
+    fields = [*(np.empty_like(spectrum) for _ in half[1:]), spectrum]
+    at_once = max(_AT_ONCE // math.prod(half[:-1]), 1)
+    for first in range(0, spectrum.shape[-1], at_once):
+        some = (..., slice(first, first + at_once))
+        charges: NDArray[Any] = spectrum[some] * spectrum.dtype.type(1j)  # the kernels' spectra are imaginary
+        for axis in reversed(range(f.ndim - 1)):  # axis by axis: rows of zeros are not transformed
+            charges = scipy.fft.fft(charges, 2 * half[axis], axis, overwrite_x=True, workers=cores())
+        for component, kernel in enumerate(kernels):
+            back = _times(charges, kernel[some], component)
+            for axis, n in enumerate(f.shape[:-1]):
+                back = scipy.fft.ifft(back, axis=axis, overwrite_x=True, workers=cores())
+                back = back[(slice(None),) * axis + (slice(n),)]
+            fields[component][some] = back
+    del kernels
     out = np.empty((f.ndim, *f.shape), f.dtype)
     for component in range(f.ndim):
-        back: NDArray[Any] = spectrum * kernel_of(component, padded, power, made_in, f.dtype, pitch or (1.0,) * f.ndim)
-        for axis, n in enumerate(f.shape[:-1]):
-            back = scipy.fft.ifft(back, axis=axis, overwrite_x=True, workers=cores())
-            back = back[(slice(None),) * axis + (slice(n),)]
-        out[component] = scipy.fft.irfft(back, padded[-1], workers=cores())[..., : f.shape[-1]]
+        in_bands(partial(_inverse, fields.pop(0), out[component]), len(f))
     return out
+
+
+def _inverse(spectrum: NDArray[Any], out: Array, first: int, end: int) -> None:
+    """Transform the last axis of some planes back, without what it was padded with."""
+    out[first:end] = scipy.fft.irfft(spectrum[first:end])[..., : out.shape[-1]]
+
+
+def _times(spectrum: NDArray[Any], kernel: Array, component: int) -> NDArray[Any]:
+    """A spectrum times that of a component of the kernel, which is even along all axes except its own: there it is odd.
+
+    The kernel has the frequencies from zero up to the largest one, along all axes.
+    """
+    product = np.empty_like(spectrum)
+    for mirrored in np.ndindex((2,) * (spectrum.ndim - 1)):
+        here = tuple(
+            slice(n, None) if other else slice(n) for n, other in zip(kernel.shape[:-1], mirrored, strict=True)
+        )
+        there = tuple(slice(-2, 0, -1) if other else slice(None) for other in mirrored)
+        np.multiply(spectrum[here], kernel[there], out=product[here])
+        if component < len(mirrored) and mirrored[component]:
+            np.negative(product[here], out=product[here])
+    return product
 
 
 @lru_cache(maxsize=12)
 def _kernel_spectrum(
     component: int,
-    padded: tuple[int, ...],
+    half: tuple[int, ...],
     power: float,
     made_in: np.dtype,
     precision: np.dtype,
     pitch: tuple[float, ...],
 ) -> Array:
-    """Fourier transform, over i, of a component of the field of one unit charge at the origin: it is odd and real."""
-    steps = [(side * (size * np.fft.fftfreq(size))).astype(made_in) for size, side in zip(padded, pitch, strict=True)]
+    """Fourier transform, over i, of a component of the field of one unit charge at the origin: it is odd and real.
+
+    Of a grid of twice `half`, up to the largest frequency along each axis.
+    """
+    steps = [side * np.arange(n + 1.0, dtype=made_in) for n, side in zip(half, pitch, strict=True)]
     grid = np.meshgrid(*steps, indexing="ij", sparse=True)
     squared = reduce(np.add, [along**2 for along in grid])
-    squared[(0,) * len(padded)] = np.inf  # no charge acts on itself
+    squared[(0,) * len(half)] = np.inf  # no charge acts on itself
     # roots are several times faster than powers
     decay = squared * np.sqrt(squared) if power == 2.0 else squared ** (0.5 * (power + 1.0))
-    kernel = -grid[component] / decay
-    for axis, size in enumerate(padded):
-        if size % 2 == 0:  # farther than any two pixels; without it the kernel is odd
-            np.moveaxis(kernel, axis, 0)[size // 2] = 0.0
-    return scipy.fft.rfftn(kernel, workers=cores()).imag.astype(precision)
+    kernel = np.divide(grid[component], decay, out=decay)
+    inner = (slice(None),) * component + (slice(1, -1),)
+    for axis in range(len(half)):
+        if axis == component:
+            kernel[inner] = scipy.fft.dst(kernel[inner], 1, axis=axis, workers=cores())
+            np.moveaxis(kernel, axis, 0)[-1] = 0.0
+        else:
+            kernel = scipy.fft.dct(kernel, 1, axis=axis, overwrite_x=True, workers=cores())
+    return kernel.astype(precision, copy=False)
 
 
 _NEAR, _BLOCK = 64, 8

@@ -58,10 +58,8 @@ class SourceImages:
 
     Attributes
     ----------
-    shape : tuple of int
-        Shape of the image.
-    scales : int
-        Number of scales.
+    scales, shape : int, tuple of int
+        How many scales there are, and the shape of the image.
     at : callable
         Gives the `Source` of a scale, from what to take edges and how, and the smoothing.
     slopes : callable
@@ -69,8 +67,10 @@ class SourceImages:
     """
 
     def __init__(self, image: Image, scales: int) -> None:
-        check_scales(image.shape, scales)
-        self.shape, self.scales, lock = image.shape, scales, RLock()
+        check_scales(scales, image.shape)
+        self.scales, self.shape = scales, image.shape
+        lock = RLock()
+        original = lru_cache(1)(lambda: pyramid(image.values, scales))  # not before the image is seen
 
         @lru_cache(_KEPT_SETTINGS)
         def images_of(channel: str, edges: str, gamma: _Gamma) -> tuple[Array, ...]:
@@ -82,7 +82,7 @@ class SourceImages:
             values = toned(values, gamma)
             if edges == "vessels":
                 values = vesselness(values)
-            return pyramid(values, scales)
+            return original() if values is image.values else pyramid(values, scales)
 
         @lru_cache(_KEPT_SETTINGS)
         def cleaned_of(channel: str, edges: str, gamma: _Gamma) -> tuple[tuple[Array, ...], Cleaned]:

@@ -18,6 +18,7 @@ from cpm_core.field.scale_space import SourceImages
 from cpm_core.field.volume_surface import Ridges, force_on_voxels, ridges_of
 from cpm_core.image.pyramid import shape_of_scale, to_image
 from cpm_core.image.volume_regions import VolumeRegions, Walls
+from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Mask, Single
 from cpm_core.numerics.vectors import Vector
@@ -130,7 +131,10 @@ class VolumeField:
         """Field of the fixed charges; computed on first use."""
         wanted = BLOCK if self.accuracy == "standard" else 1.0
         block = [max(1, round(wanted / side)) for side in self.pitch]
-        charges = block_means(np.where(self.edge_map < _CHARGED * self.floor, np.float32(0), self.edge_map), block)
+        deep = _LEAST_LINES * block[0]
+        slabs = (self.edge_map[k : k + deep] for k in range(0, self.shape[0], deep))
+        weak = _CHARGED * self.floor
+        charges = np.concatenate([block_means(np.where(slab < weak, np.float32(0), slab), block) for slab in slabs])
         sides = tuple(n * side for n, side in zip(block, self.pitch, strict=True))
         force = convolved_field(charges, self.exponent, np.float32, sides).astype(np.float32, copy=False)
         return FarField(force, (float(block[0]), float(block[1]), float(block[2])))
@@ -238,13 +242,26 @@ def smoothed_volume(values: Array, sigmas: list[float]) -> Single:
 
 def edge_strength(smoothed: Single, pitch: Vector) -> Single:
     """Size of the slope of a volume at every voxel, from central differences [gray levels / unit]."""
-    squared = np.zeros_like(smoothed)
-    for axis, side in enumerate(pitch):
-        beyond = np.pad(smoothed, [(int(k == axis),) * 2 for k in range(3)], "edge")
-        line = np.moveaxis(beyond, axis, 0)
-        slope = (line[2:] - line[:-2]) * np.float32(0.5 / side)
-        np.moveaxis(squared, axis, 0)[...] += np.square(slope, out=slope)
-    return np.sqrt(squared, out=squared)
+    out = np.empty_like(smoothed)
+    plane, row, col = (np.float32(0.5 / side) for side in pitch)
+    share(lambda first, end: _strengths(smoothed, plane, row, col, first, end, out), len(out), _LEAST_LINES)
+    return out
+
+
+@compiled
+def _strengths(
+    smoothed: Single, plane: np.float32, row: np.float32, col: np.float32, first: int, end: int, out: Single
+) -> None:
+    """Sizes of the slopes in some planes; the factors turn differences of voxels two apart into slopes."""
+    planes, rows, cols = out.shape
+    for i in range(first, end):
+        above, below = smoothed[max(i - 1, 0)], smoothed[min(i + 1, planes - 1)]
+        for j in range(rows):
+            before, here, after = smoothed[i, max(j - 1, 0)], smoothed[i, j], smoothed[i, min(j + 1, rows - 1)]
+            for k in range(cols):
+                down, back = (below[j, k] - above[j, k]) * plane, (after[k] - before[k]) * row
+                right = (here[min(k + 1, cols - 1)] - here[max(k - 1, 0)]) * col
+                out[i, j, k] = np.sqrt(down * down + back * back + right * right)
 
 
 LONGEST = 10.0

@@ -34,19 +34,20 @@ class Usable(NamedTuple):
     notes: tuple[str, ...] = ()
 
 
-def usable(values: Array) -> Usable:
+def usable(values: Array, ends: tuple[float, float]) -> Usable:
     r"""Fill pixels without data from their surroundings, and bring extreme gray levels into a range for fields.
 
     A single value of 9e36 or more, far beyond all others, stands for no data: this is what geographic and medical
     programs write. What it is replaced by changes so slowly that it makes no edges. Gray levels whose span is above
-    1e15 or below 1e-15 are divided by a power of ten.
+    1e15 or below 1e-15 are divided by a power of ten. The `ends` are the least and the largest gray level.
     """
     notes: list[str] = []
-    absent = _absent(values)
+    low, high = ends
+    absent = _absent(values) if max(-low, high) >= _LEAST_NO_DATA else None
     if absent is not None:
         values = _filled(np.where(absent, 0.0, values), ~absent)
         notes.append(no_data_note(int(absent.sum())))
-    low, high = float(values.min()), float(values.max())
+        low, high = float(values.min()), float(values.max())
     half = high / 2.0 - low / 2.0
     if half > 0.0 and not 1.0 / _MOST_SPAN <= 2.0 * half <= _MOST_SPAN:
         power = min(max(math.floor(math.log10(half)), -300), 307)
@@ -64,9 +65,6 @@ def no_data_note(count: int) -> str:
 
 def _absent(values: Array) -> Mask | None:
     """Pixels without data; None when there are none."""
-    low, high = float(values.min(initial=0.0)), float(values.max(initial=0.0))
-    if max(-low, high) < _LEAST_NO_DATA:
-        return None
     absent = np.abs(values) >= _LEAST_NO_DATA
     others = values[~absent]
     kinds = np.unique(values[absent])

@@ -27,6 +27,9 @@ MINIMUM_SIDE = 8
 _BYTES_A_VOXEL = 40
 """Memory that a run on a volume takes for each voxel [bytes]."""
 
+_FEW_BYTES = 2
+"""Bytes of a gray level up to which an image keeps them until `values` is asked for."""
+
 _COUNTS = {2: "two", 3: "three"}
 
 
@@ -115,31 +118,64 @@ class Image(drawing.Pictured):
             )
         if given.ndim == 3:
             check_room(given.shape, _BYTES_A_VOXEL, self.source)
+        if given.ndim == 2 and given.dtype.kind in "ui" and given.itemsize <= _FEW_BYTES and masked is np.ma.nomask:
+            vars(self).update(_stored=np.array(given), spacing=_sizes(self.source, self.spacing, 2))
+            vars(self)["gray_range"] = float(given.min()), float(given.max())
+            del vars(self)["values"]
+            self._check_colors()
+            return
         with np.errstate(invalid="ignore"):  # of NaN of the signaling kind, which are refused as all others
-            values = np.array(given, dtype=np.float64, order="C")
+            values = given if _unchanging(given) else np.array(given, dtype=np.float64, order="C")
         if masked is not np.ma.nomask:
             values[masked if masked.shape == values.shape else masked.any(axis=-1)] = NO_DATA
-        unusable = values.size - int(np.isfinite(values).sum())
-        if unusable:
+            given = values
+        ends = float(given.min()), float(given.max())  # of few bytes a pixel sooner than of eight
+        if not all(map(math.isfinite, ends)):
+            unusable = values.size - int(np.isfinite(values).sum())
             raise ValueError(
                 f"{self.source} holds {unusable} value{'' if unusable == 1 else 's'} that "
                 f"{'is' if unusable == 1 else 'are'} NaN or infinite: replace them by numbers first."
             )
-        values, changes = usable(values)
+        values, changes = usable(values, ends)
         spacing = _sizes(self.source, self.spacing, values.ndim)
-        if self.colors is not None and self.colors.samples.shape != (*values.shape, 3):
-            raise ValueError(
-                f"The colors of {self.source} have the shape {self.colors.samples.shape}, "
-                f"but must have {(*values.shape, 3)}."
-            )
         values.flags.writeable = False
         object.__setattr__(self, "values", values)
         object.__setattr__(self, "spacing", spacing)
         object.__setattr__(self, "notes", (*self.notes, *changes))
+        self._check_colors()
+        if not changes:
+            vars(self)["gray_range"] = ends
+
+    def _check_colors(self) -> None:
+        if self.colors is not None and self.colors.samples.shape != (*self.shape, 3):
+            raise ValueError(
+                f"The colors of {self.source} have the shape {self.colors.samples.shape}, "
+                f"but must have {(*self.shape, 3)}."
+            )
+
+    def __getattr__(self, name: str) -> Array:
+        """The gray levels of an image of integers, once they are first asked for: it is seen before."""
+        if name != "values":
+            raise AttributeError(f"An image has no {name}.")
+        known = vars(self)
+        stored = known.get("_stored")
+        if stored is not None:
+            values = stored.astype(np.float64)
+            values.flags.writeable = False
+            known.setdefault("values", values)
+            known.pop("_stored", None)
+        found: Array = known["values"]
+        return found
+
+    @property
+    def stored(self) -> NDArray[Any]:
+        """The gray levels in the type in which they are kept, which are many bytes for each only once `values` is."""
+        stored = vars(self).get("_stored")
+        return self.values if stored is None else stored
 
     def _take_colors(self, samples: NDArray[Any], color: str) -> NDArray[Any]:
         """Gray levels of colors, which are kept next to the luminance."""
-        found = reduced(samples[..., :3], samples[..., 3] if samples.shape[-1] == 4 else None)
+        found = reduced(np.array(samples[..., :3]), samples[..., 3] if samples.shape[-1] == 4 else None)
         values, notes = found.values, found.notes
         if found.colors is not None and color == LUMINANCE:
             object.__setattr__(self, "colors", found.colors)
@@ -203,6 +239,7 @@ class Image(drawing.Pictured):
         `factor` is how many of the unit one of the former is: the place in space is given in the unit.
         """
         sizes = _sizes(self.source, spacing, self.ndim)
+        self.values  # noqa: B018 - made once for both
         geometry = None if self.geometry is None else self.geometry.scaled(factor)
         made = copy.copy(self)
         vars(made).update(spacing=sizes, unit=unit, geometry=geometry)
@@ -220,7 +257,7 @@ class Image(drawing.Pictured):
     @property
     def shape(self) -> tuple[int, ...]:
         """Number of pixels along each axis, (rows, columns) or (planes, rows, columns)."""
-        return self.values.shape
+        return self.stored.shape
 
     def gray(self, channel: str = "luminance") -> Array:
         """Gray levels of a channel of `Parameters.channel`: `values` of a gray image; see `colors.gray_levels`."""
@@ -230,7 +267,7 @@ class Image(drawing.Pictured):
         """Gray level of a pixel (row, col), or of a voxel (plane, row, col), in a channel."""
         place = tuple(slice(at, at + 1) for at in pixel)
         colors = self.colors and Colors(self.colors.samples[place], self.colors.white)
-        return channel_of(self.values[place], colors, channel).item()
+        return float(channel_of(self.stored[place], colors, channel).item())
 
     def channel(self, wanted: str) -> str:
         """Name of the channel that is taken when one is wanted: a gray image has its luminance alone."""
@@ -239,7 +276,7 @@ class Image(drawing.Pictured):
     @property
     def ndim(self) -> int:
         """Number of axes."""
-        return self.values.ndim
+        return self.stored.ndim
 
 
 def _sizes(source: str, spacing: tuple[float, ...], ndim: int) -> tuple[float, ...]:
@@ -250,6 +287,14 @@ def _sizes(source: str, spacing: tuple[float, ...], ndim: int) -> tuple[float, .
     if ndim == 3:
         voxel_sides(f"The spacing of {source}", sizes)
     return sizes
+
+
+def _unchanging(given: NDArray[Any]) -> bool:
+    """Whether an array can be used as gray levels without a copy, since nobody writes to its memory."""
+    owner = given if given.base is None else given.base
+    if given.dtype != np.float64 or type(owner) is not np.ndarray or not given.flags.c_contiguous:
+        return False
+    return not (given.flags.writeable or owner.flags.writeable)
 
 
 def _size(shape: tuple[int, ...]) -> str:

@@ -29,14 +29,6 @@ def most_scales(shape: tuple[int, ...]) -> int:
     return scales
 
 
-def check_scales(shape: tuple[int, ...], scales: int) -> None:
-    """Raise a `ValueError` unless an image of this shape has room for so many scales."""
-    most = most_scales(shape)
-    if scales > most:
-        size = " x ".join(map(str, shape))
-        raise ValueError(f"scales is {scales} but must be from 1 to {most} for an image of {size} pixels.")
-
-
 def shape_of_scale(shape: tuple[int, ...], scale: int) -> tuple[int, ...]:
     """Shape of an image of shape `shape` at a scale."""
     for _ in range(scale):
@@ -44,12 +36,16 @@ def shape_of_scale(shape: tuple[int, ...], scale: int) -> tuple[int, ...]:
     return shape
 
 
-def pyramid(values: Array, scales: int) -> tuple[Array, ...]:
-    r"""Gaussian pyramid: the image, shape (\*shape), and its reductions, from fine to coarse, `scales` images in all.
+def check_scales(scales: int, shape: tuple[int, ...]) -> None:
+    """Raise `ValueError` when the coarsest scale would be smaller than 8 pixels."""
+    most = most_scales(shape)
+    if scales > most:
+        size = " x ".join(map(str, shape))
+        raise ValueError(f"scales is {scales} but must be from 1 to {most} for an image of {size} pixels.")
 
-    Raises `ValueError` when the coarsest scale would be smaller than 8 pixels.
-    """
-    check_scales(values.shape, scales)
+
+def pyramid(values: Array, scales: int) -> tuple[Array, ...]:
+    r"""Gaussian pyramid of an image, shape (\*shape): it and its reductions, from fine to coarse, `scales` in all."""
     images = [np.ascontiguousarray(values)]
     for scale in range(1, scales):
         fine, coarse = images[-1], np.empty(shape_of_scale(values.shape, scale))

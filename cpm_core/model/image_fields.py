@@ -69,9 +69,10 @@ class ImageFields:
         array = self.image.values
         if regions is not None:
             regions.check(array.shape)
-        if array.min() == array.max():
+        darkest, brightest = self.image.gray_range
+        if darkest == brightest:
             raise ValueError(
-                f"{self.image.source} is constant ({array.flat[0]:g} everywhere) and has no edges: "
+                f"{self.image.source} is constant ({darkest:g} everywhere) and has no edges: "
                 "open an image with objects."
             )
         check_room(array.shape, _LEAST_MEMORY[array.ndim], self.image.source)

@@ -11,12 +11,16 @@ from numpy.typing import NDArray
 
 from cpm_core import Image
 from cpm_core.numerics import Array
+from cpm_core.numerics.parallel import share
 
 Shades = NDArray[np.uint8]
 """One byte a pixel, shape (H, W), or one for red, green and blue each, shape (H, W, 3)."""
 
 _AT_ONCE = 1 << 16
 """Gray values that are processed at once: few enough for the processor's cache, which is several times faster."""
+
+_ROWS = 16
+"""Rows that are reduced at once."""
 
 _OVERVIEW = 256
 """Longest side of the smallest level [px]."""
@@ -64,7 +68,7 @@ class DisplayImage:
         """Reduce shades until the longest side is short."""
         levels = [np.ascontiguousarray(shades)]
         while max(levels[-1].shape[:2]) > _OVERVIEW:
-            levels.append(np.asarray(PIL.Image.fromarray(levels[-1]).reduce(2)))
+            levels.append(_halved(levels[-1]))
         return DisplayImage(tuple(levels))
 
     @staticmethod
@@ -86,6 +90,20 @@ class DisplayImage:
         return rows, cols
 
 
+def _halved(shades: Shades) -> Shades:
+    """Means of two by two pixels."""
+    rows, cols, *channels = shades.shape
+    half = np.empty((-(-rows // 2), -(-cols // 2), *channels), np.uint8)
+
+    def halve(first: int, end: int) -> None:
+        for begin in range(first, end, _ROWS):  # few enough for the cache
+            part = slice(begin, min(begin + _ROWS, end))
+            half[part] = PIL.Image.fromarray(shades[2 * part.start : 2 * part.stop]).reduce(2)
+
+    share(halve, len(half), _ROWS)
+    return half
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class DisplayVolume:
     """Shades of a volume, shape (P, R, C), of which a slice at a time is shown."""
@@ -93,14 +111,11 @@ class DisplayVolume:
     shades: Shades
 
 
-def display_of_image(values: Array) -> Shades:
-    """Gray values from the smallest, 0, to the largest, 255."""
-    return apply_window(values, IntensityWindow(float(values.min()), float(values.max())))
-
-
 def display_of(image: Image) -> DisplayImage:
     """Display image of an image: its colors, or its gray values from the smallest to the largest."""
-    return DisplayImage.of(image.colors.samples if image.colors is not None else display_of_image(image.values))
+    if image.colors is not None:
+        return DisplayImage.of(image.colors.samples)
+    return DisplayImage.of(apply_window(image.stored, IntensityWindow(*image.gray_range)))
 
 
 def apply_window(values: Array, window: IntensityWindow) -> Shades:
@@ -114,9 +129,14 @@ def apply_window(values: Array, window: IntensityWindow) -> Shades:
     factor = top / max(window.high - window.low, 1e-300)
     curve = np.rint(255.0 * np.linspace(0.0, 1.0, _CODES) ** window.gamma).astype(np.uint8)
     rows = max(1, _AT_ONCE // max(1, values[:1].size))
-    for begin in range(0, len(values), rows):
-        codes = np.rint(np.clip((values[begin : begin + rows] - window.low) * factor, 0.0, top))
-        shown[begin : begin + rows] = codes if window.gamma == 1.0 else curve[codes.astype(np.intp)]
+
+    def shade(first: int, end: int) -> None:
+        for begin in range(first, end, rows):
+            part = slice(begin, min(begin + rows, end))
+            codes = np.rint(np.clip((values[part] - window.low) * factor, 0.0, top))
+            shown[part] = codes if window.gamma == 1.0 else curve[codes.astype(np.intp)]
+
+    share(shade, len(values), rows)
     return shown
 
 

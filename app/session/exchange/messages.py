@@ -36,9 +36,9 @@ from cpm_core import (
 )
 from cpm_core.formats import Reading, SessionFile
 from cpm_core.formats.images.reading import DEFAULT
-from cpm_core.image import AnyRegions, Kind
+from cpm_core.image import AnyRegions
 from cpm_core.numerics import Array
-from cpm_core.segmentation import LargeImageSettings, MethodState
+from cpm_core.segmentation import MethodState
 from cpm_core.shapes import ImageSeeds
 from cpm_core.warm_up import warm_up_runs, warm_up_volumes
 
@@ -209,9 +209,9 @@ class Opened(Report):
     """An image is opened: it has been read, and a method is ready.
 
     `parameters` have as many of the requested `scales` as the image has room for. `folder` are the images next to it,
-    itself among them, `beside` is a session of it that has not been opened with it, and `kind` what it looks like.
-    `large` are settings for an image that is large. A volume has no `display`, which each view makes of the slice that
-    it shows. `parts` are what the file holds, None where that is not known, and `reading` says which of them is open.
+    itself among them, and `beside` is a session of it that has not been opened with it. A volume has no `display`,
+    which each view makes of the slice that it shows. `parts` are what the file holds, None where that is not known, and
+    `reading` says which of them is open.
     """
 
     image: Image
@@ -225,8 +225,6 @@ class Opened(Report):
     scales: int = 1
     folder: tuple[Path, ...] = ()
     beside: Path | None = None
-    kind: Kind | None = None
-    large: LargeImageSettings | None = None
     parts: Parts | None = None
     reading: Reading = DEFAULT
 

@@ -28,8 +28,7 @@ from cpm_core.formats import (
 )
 from cpm_core.formats.images import raster
 from cpm_core.formats.images.reading import DEFAULT
-from cpm_core.image import MINIMUM_SIDE, guessed_kind, most_scales
-from cpm_core.segmentation import large_image_settings
+from cpm_core.image import MINIMUM_SIDE, most_scales
 from cpm_core.shapes import check_axes
 
 _NUMBER = re.compile(r"(\d+)")
@@ -165,14 +164,10 @@ def prepare(core: Core, wanted: Wanted, check_cancelled: Callable[[], None]) -> 
         notes = (*notes, tr("The image is small: the scales are set to {most}.").format(most=most))
     method = core.methods["cpm"](image, parameters, None)
     check_cancelled()
-    display, kind, large = None, None, None
-    if image.ndim == 2:
-        display, large = display_of(image), large_image_settings(image.values)
-        check_cancelled()
-        kind = guessed_kind(image.values) if saved is None else None
+    display = display_of(image) if image.ndim == 2 else None
     return Opened(
         image, method, display, path, parameters, (*image.notes, *notes), image.file_sha256, saved, scales,
-        images_beside(path), beside, kind, large, parts, reading,
+        images_beside(path), beside, parts, reading,
     )  # fmt: skip
 
 

@@ -14,16 +14,18 @@ from app.model.preferences.table import KEEP_PARAMETERS, OFFER_SETTINGS
 from app.model.state.situation import has_image, has_volume
 from app.model.text.language import from_core, tr, written
 from app.model.volume.parts import Parts
-from app.session.exchange.messages import Opened
+from app.session.exchange.messages import Finished, Opened
 from app.session.features.background import LatestOnlyWorker
 from app.session.tasks.opening import parts_of
+from app.session.worker.commands import Command, CommandContext
 from app.views.features.files import OpenSaveFeature
 from app.views.files.part_dialog import PartDialog
 from app.views.files.pixel_size_dialog import PixelSizeDialog
 from app.views.widgets.actions import ActionSpec
 from app.views.window.window import Feature, MainWindow
 from cpm_core.formats import Reading
-from cpm_core.segmentation import LargeImageSettings
+from cpm_core.image import Kind, guessed_kind
+from cpm_core.segmentation import LargeImageSettings, large_image_settings
 
 
 class BeginningFeature(Feature):
@@ -31,13 +33,25 @@ class BeginningFeature(Feature):
 
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
-        window.session.listen(Opened, self._offer)
+        window.session.listen(Opened, self._look)
         window.preferences.follow(KEEP_PARAMETERS, self._use)
 
-    def _offer(self, opened: Opened) -> None:
-        if opened.saved is not None:
+    def _look(self, opened: Opened) -> None:
+        """Find out what suits the image, which is shown meanwhile."""
+
+        def work(context: CommandContext) -> None:
+            kind, settings, image = None, None, opened.image
+            if image.ndim == 2:
+                kind, settings = guessed_kind(image.values), large_image_settings(image.values)
+            context.report(Finished(partial(self._offer, opened, kind, settings)))
+
+        if opened.saved is None:
+            self.window.session.post(Command(work, tr("looking at the image"), "kind"))
+
+    def _offer(self, opened: Opened, kind: Kind | None, settings: LargeImageSettings | None) -> None:
+        session, offers, beside = self.window.session, self.window.offers, opened.beside
+        if session.image is not opened.image or session.status.started:
             return
-        session, offers, beside, kind = self.window.session, self.window.offers, opened.beside, opened.kind
         of_sample = sample_like(opened.path) is not None
         if beside is not None and not of_sample:
             earlier = tr("{name} contains earlier work on this image. Continue it?").format(name=beside.name)
@@ -51,7 +65,7 @@ class BeginningFeature(Feature):
         ):
             take = partial(session.edit, tr("settings for the kind of image"), partial(use_kind, kind=kind))
             offers.offer(ADVICE[kind], (tr("Use these settings"), take))
-        settings, document = opened.large, session.document
+        document = session.document
         if settings is not None and _with_settings(document, settings) != document:
             sentence = tr(
                 "This image is large: {scales} scales and smoothing {smoothing} find its objects more "

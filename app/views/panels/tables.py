@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Hashable, Iterable, Sequence, Set
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence, Set
 from dataclasses import dataclass
 from functools import partial
 from itertools import groupby
@@ -53,6 +53,13 @@ _ALONG = (Qt.Key.Key_Up, Qt.Key.Key_Down)
 
 _LEAST, _PAD = 48, 12
 """Minimum height of a table, and margins of a column [px]."""
+
+
+def _blocks(rows: Sequence[int]) -> Iterator[tuple[int, int]]:
+    """First and last of the rows in a row: Qt is slow with many ranges."""
+    for _, block in groupby(enumerate(rows), lambda pair: pair[1] - pair[0]):
+        found = [row for _, row in block]
+        yield found[0], found[-1]
 
 
 @dataclass(frozen=True)
@@ -155,11 +162,11 @@ class TableModel(QAbstractTableModel, Generic[Row]):
             self.unit, self.factor = size.unit or ("px" if square else tr("units")), size.factor
         self.columns = columns or self.columns
         present = {self._key(item): item for item in items}
-        for row in reversed(range(len(self.items))):
-            if self.key(row) not in present:
-                self.beginRemoveRows(QModelIndex(), row, row)
-                del self.items[row]
-                self.endRemoveRows()
+        gone = [row for row in range(len(self.items)) if self.key(row) not in present]
+        for first, last in reversed([*_blocks(gone)]):
+            self.beginRemoveRows(QModelIndex(), first, last)
+            del self.items[first : last + 1]
+            self.endRemoveRows()
         self.items = [present.pop(self._key(item)) for item in self.items]
         if self.items:
             self.dataChanged.emit(self.index(0, 0), self.index(len(self.items) - 1, len(self.columns) - 1))
@@ -382,15 +389,13 @@ class ItemTable(Table):
     def show_selection(self) -> None:
         """Show which items are selected."""
         wanted = self.chosen
-        if self._stale or {self._key(index) for index in self.selectionModel().selectedRows()} == wanted:
+        if self._stale or set(self._marked) == wanted:
             return
         selection, name = QItemSelection(), self.number("name")
         rows = [row for row in range(len(self.rows.items)) if self.rows.key(row) in wanted]
         places = sorted(self._sorted.mapFromSource(self.rows.index(row, 0)).row() for row in rows)
-        for _, block in groupby(enumerate(places), lambda pair: pair[1] - pair[0]):  # Qt is slow with many ranges
-            found = [place for _, place in block]
-            last = self._sorted.index(found[-1], len(self.rows.columns) - 1)
-            selection.select(self._sorted.index(found[0], 0), last)
+        for first, last in _blocks(places):
+            selection.select(self._sorted.index(first, 0), self._sorted.index(last, len(self.rows.columns) - 1))
         self._showing = True
         self.selectionModel().select(selection, QItemSelectionModel.SelectionFlag.ClearAndSelect)
         if rows and self.state() != QAbstractItemView.State.EditingState:
@@ -435,12 +440,19 @@ class ItemTable(Table):
         """Report what the user has selected."""
         super().selectionChanged(selected, deselected)
         if not self._showing:
-            self.choose([self._key(index) for index in self.selectionModel().selectedRows()])
+            self.choose(self._marked)
 
     def leaveEvent(self, event: QEvent) -> None:
         """Clear the highlight when the pointer leaves."""
         self.hover(None)
         super().leaveEvent(event)
+
+    @property
+    def _marked(self) -> list[Any]:
+        """Keys of the rows that Qt shows as selected; its `selectedRows` goes through all ranges for each row."""
+        ranges = self.selectionModel().selection()
+        rows = (row for one in ranges for row in range(one.top(), one.bottom() + 1))
+        return [self._key(self._sorted.index(row, 0)) for row in rows]
 
     def _key(self, index: Index) -> Any:
         return self.rows.key(self.row_at(index))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -42,6 +43,9 @@ READS = {
 
 # A list of its own, because other decoders of Pillow start external programs or read documents.
 _DECODERS = ("PNG", "JPEG", "BMP", "DIB", "PPM", "GIF", "WEBP", "JPEG2000")
+_END = b"\xff\xd9"
+"""The last bytes of a JPEG."""
+
 _PIXELS_A_METER = 1 / 0.0254
 
 
@@ -107,7 +111,9 @@ def _pixels(picture: PIL.Image.Image, path: Path) -> Decoded:
     whole = getattr(picture, "n_frames", 1) == 1 and not picture.info.get("interlace")
     deep = whole and kind in ("RGB;16B", "RGBA;16B", "LA;16B")
     if picture.format == "JPEG2000" or deep:
-        return _in_full_depth(path, deep)
+        return _unpacked(path, "png" if deep else "jpeg2k")
+    if picture.format == "JPEG" and mode in ("L", "RGB") and _complete(path):
+        return _unpacked(path, "jpeg8")  # the same pixels in a quarter of the time
     if mode == "1":
         return Decoded(np.array(picture.convert("L")), notes=("Black and white were read as 0 and 255.",))
     if (mode == "L" and not alpha) or mode == "F" or mode.startswith("I"):
@@ -123,12 +129,18 @@ def _pixels(picture: PIL.Image.Image, path: Path) -> Decoded:
     return from_samples(np.array(picture.convert("RGB")), notes=notes)
 
 
-def _in_full_depth(path: Path, png: bool) -> Decoded:
-    """A picture of deep colors, or of JPEG 2000, of which Pillow takes only the higher bits."""
+def _complete(path: Path) -> bool:
+    """Whether a JPEG has its end, without which Pillow knows what is wrong, and other decoders are silent."""
+    with path.open("rb") as file:
+        file.seek(-len(_END), os.SEEK_END)
+        return file.read() == _END
+
+
+def _unpacked(path: Path, kind: str) -> Decoded:
+    """A picture by another decoder than that of Pillow, which takes only the higher bits of deep ones."""
     import imagecodecs  # only here, because it takes long to import
 
-    decode = imagecodecs.png_decode if png else imagecodecs.jpeg2k_decode
-    samples = np.asarray(decode(path.read_bytes()))
+    samples = np.asarray(getattr(imagecodecs, f"{kind}_decode")(path.read_bytes()))
     if samples.ndim == 2:
         return Decoded(samples)
     if samples.shape[-1] == 2:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from pathlib import Path
@@ -256,9 +257,11 @@ def _image(
     file: Path, reading: Reading, part: Callable[[Stack, Reading], Decoded], go_on: Callable[[], object] | None
 ) -> Image:
     """A part of a file as an image."""
-    with _decoding(file):
-        decoded = part(_opened(file, reading), reading)
-    return _finished(decoded, file, reading, _hash(file, go_on))
+    with ThreadPoolExecutor(1) as other, _decoding(file):
+        stack = _opened(file, reading)
+        sha256 = other.submit(_hash, file, go_on)
+        decoded = part(stack, reading)
+    return _finished(decoded, file, reading, sha256.result())
 
 
 def _finished(decoded: Decoded, file: Path, reading: Reading, sha256: str) -> Image:

@@ -178,7 +178,7 @@ def volume_of(stack: Stack, reading: Reading) -> Decoded:
 
 def joined(planes: Sequence[Decoded]) -> Decoded:
     """Images as the planes of one volume; gray ones among colored ones get the colors of gray."""
-    values = np.stack([plane.values for plane in planes])
+    values = planes[0].values[np.newaxis] if len(planes) == 1 else np.stack([plane.values for plane in planes])
     notes = tuple(dict.fromkeys(note for plane in planes for note in plane.notes))
     white = next((plane.colors.white for plane in planes if plane.colors is not None), None)
     if white is None:
@@ -189,7 +189,8 @@ def joined(planes: Sequence[Decoded]) -> Decoded:
         else plane.colors.samples
         for plane in planes
     ]
-    return Decoded(values, notes=notes, colors=Colors(np.stack(colors), white))
+    samples = colors[0][np.newaxis] if len(colors) == 1 else np.stack(colors)
+    return Decoded(values, notes=notes, colors=Colors(samples, white))
 
 
 def _first_plane(found: Decoded) -> Decoded:

@@ -26,7 +26,7 @@ import scipy
 import skimage
 from numpy.typing import NDArray
 
-from cpm_core.numerics.grids import Parts, parts_of
+from cpm_core.numerics.grids import Parts, parts_of, root
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask, Single
 from cpm_core.reconstruction.surface.components import FAR
@@ -202,15 +202,6 @@ def meetings_of(values: Single, passable: Mask, parts: Parts, wanted: Mask) -> I
     basin = np.arange(parts.count + len(low) + 1)
     found = np.empty((_MOST_MEETINGS * len(low), 5), np.int64)
     return found[: _descend(values, own, low, parts.count, basin, found)]
-
-
-@compiled
-def root(group: Index, k: int) -> int:
-    """First member of the group that a number belongs to; the way to it is shortened."""
-    while group[k] != k:
-        group[k] = group[group[k]]
-        k = group[k]
-    return k
 
 
 @compiled

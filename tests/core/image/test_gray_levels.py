@@ -60,7 +60,7 @@ def test_what_is_filled_lies_between_the_known_levels(seed, share, shape):
     values = rng.uniform(-5, 5, shape)
     absent = rng.uniform(size=shape) < share
     absent.flat[:2], absent.flat[2] = False, True
-    found, notes = usable(np.where(absent, NO_DATA, values))
+    found, notes = usable(np.where(absent, NO_DATA, values), (NO_DATA, float(values[~absent].max())))
     assert np.array_equal(found[~absent], values[~absent])
     assert values[~absent].min() - 1e-9 <= found.min() <= found.max() <= values[~absent].max() + 1e-9
     assert notes == (f"{absent.sum()} pixel{' has' if absent.sum() == 1 else 's have'} no data, filled from around: "

@@ -59,6 +59,8 @@ def _plane():
         "cluster with outliers": np.concatenate([cluster, rng.uniform(-1e6, 1e6, (80, 2))]),
         "some spots": np.round(rng.uniform(0.0, 40.0, (4000, 2))),
         "two spots": np.array([(0.0, 0.0), (3.0, 4.0)])[rng.integers(0, 2, 3000)],
+        "spots and one far": np.concatenate([np.round(rng.uniform(0.0, 3.0, (4000, 2))), [(3e5, 1e6)]]),
+        "one in another": np.concatenate([rng.normal(0.0, size, (1500, 2)) for size in (1000.0, 30.0, 1.0, 0.02)]),
         "many twins": np.repeat(rng.uniform(0.0, 500.0, (2000, 2)), 2, axis=0),
         "near twins": np.repeat(rng.uniform(0.0, 500.0, (2000, 2)), 2, axis=0) + rng.normal(0.0, 1e-9, (4000, 2)),
         "all scales": np.exp(rng.uniform(-25.0, 5.0, 4000))[:, None] * np.stack([np.sin(angle), np.cos(angle)], axis=1),
