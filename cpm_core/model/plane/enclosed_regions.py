@@ -72,7 +72,7 @@ def reseeding_places(scale_field: ScaleField, positions: Array) -> Array:
     known[region_of[covered >= _COVERED]] = True
     missing = ~near & known[region_of][number]
     places: Array = place[missing & (_stretch(place, missing, scale_field.shape) >= _LEAST_STRETCH)].astype(float)
-    return places[deletion(places, np.zeros(len(places)), scale_field.shape, 2.0 * _STRIDE)]
+    return places[deletion(places, np.zeros(len(places)), 2.0 * _STRIDE)]
 
 
 def _has_near(scale_field: ScaleField, place: NDArray[np.int64], positions: Array, reach: float) -> NDArray[np.bool_]:
