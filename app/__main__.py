@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import sys
 from collections.abc import Sequence
@@ -60,6 +61,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 def _open_window(path: str | None) -> int:
+    gc.disable()  # nothing that is imported is garbage
     # Qt is imported only here, so that the command line works without it.
     try:
         from PySide6.QtCore import QLocale
@@ -78,6 +80,7 @@ def _open_window(path: str | None) -> int:
         if error.name in _QT and isinstance(error, ModuleNotFoundError):
             return _refuse(_NO_QT)
         return _refuse(f"The window cannot be opened because a library cannot be loaded ({error}); see the README.")
+    gc.enable()
     return run(path)
 
 

@@ -37,8 +37,11 @@ from cpm_core.shapes import Sphere
 
 _PREPARING = tr("Preparing (takes longer the first time)…")
 
-FRAME = 16
-"""Time between two display frames, in each of which reports of the worker are taken [ms]."""
+LOOK = 4
+"""Time between two looks for what the worker has left, so that a step is seen soon after it is taken [ms]."""
+
+FRAME = 0.013
+"""Least time between two changes of what is shown, so that a fast run leaves the window time for the user [s]."""
 
 
 class Session(QObject):
@@ -55,7 +58,7 @@ class Session(QObject):
         self.scene_changed, self.image_changed = board.scene_changed, board.image_changed
         self.document_changed, self.status_changed = board.document_changed, board.status_changed
         self.said, self.attempted = board.said, board.attempted
-        self.show, self.show_status = board.show, board.show_status
+        self.show, self.show_status, self.gathering = board.show, board.show_status, board.gathering
         self.listen, self.stop_listening, self.pass_on = board.listen, board.stop_listening, board.pass_on
         self.say, self.trouble, self.attempt = board.say, board.trouble, board.attempt
         self.tasks = Tasks(self._worker_thread.report, self._wake, self)
@@ -66,9 +69,10 @@ class Session(QObject):
         self.live = Live(board, self.post)
         self._overlays: frozenset[str] = frozenset()
         self._frames = Pacer()
+        self._frames.limit(1.0 / FRAME)
         self._timer = QTimer(self)
         self._timer.setTimerType(Qt.TimerType.PreciseTimer)
-        self._timer.setInterval(FRAME)
+        self._timer.setInterval(LOOK)
         self._timer.timeout.connect(self._frame)
         self.set_pace(PACES[FIRST_PACE])
         self._opener = Opener(core, self.tasks)
@@ -171,7 +175,8 @@ class Session(QObject):
         if after != before or erasure is not None:
             rest = self._rest_before(after) if gesture else None
             self.history.push(Change(name, before, after, gesture, erasure, rest))
-            self._use(after, complete=not gesture)
+            with self.gathering():
+                self._use(after, complete=not gesture)
             if rest is not None:
                 self.run()
 
@@ -361,7 +366,8 @@ class Session(QObject):
             if goes_on:
                 self._board.phase("running")
                 self.post(run_call(self._board.generation, Run.go))
-        self._use(change.before if back else change.after)
+        with self.gathering():
+            self._use(change.before if back else change.after)
         if change.rest is None:
             return
         generation, branch, step = change.rest
@@ -429,10 +435,14 @@ class Session(QObject):
             self._timer.start()
 
     def _frame(self) -> None:
-        self._frames.stepped()
-        with self._board.gathering():
+        if self._frames.wait() > 0.0:
+            return
+        before = self.scene
+        with self.gathering():
             self.tasks.look()
             self._board.look()
+        if self.scene is not before:
+            self._frames.stepped()
         if self.scene.snapshot is not None:
             self.live.use(self.scene.snapshot.timeline.began)
         if self.idle:

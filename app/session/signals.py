@@ -107,6 +107,9 @@ class Board(QObject):
     @contextmanager
     def gathering(self) -> Iterator[None]:
         """Announce a changed status once at the end, since all actions of the window follow it."""
+        if self._gathering:
+            yield
+            return
         self._gathering, self._gathered = True, False
         try:
             yield

@@ -192,11 +192,11 @@ def anchor(contours: Sequence[Contour], index: int) -> Position:
     order = np.argsort(np.abs(share - 0.5), kind="stable")  # the middle has priority among equals
     places = polyline.middles(contour.path, _PLACES)[order]
     clear = np.full(_PLACES, _ALONE)
-    low, high = contour.box
-    for other, neighbor in enumerate(contours):
-        apart = np.maximum(neighbor.box[0] - high, low - neighbor.box[1]).max()
-        if other != index and apart < _ALONE:
-            clear = np.minimum(clear, polyline.distances(neighbor.path, places))
+    low, high = np.array([one.box for one in contours]).swapaxes(0, 1)
+    apart = np.maximum(low - high[index], low[index] - high).max(axis=1)
+    for other in np.flatnonzero(apart < _ALONE).tolist():
+        if other != index:
+            clear = np.minimum(clear, polyline.distances(contours[other].path, places))
     return tuple(places[int(np.argmax(clear))].tolist())
 
 

@@ -15,11 +15,11 @@ from typing import NamedTuple
 import numpy as np
 
 from cpm_core.field.interpolation import normal_at, sampled, value_at
-from cpm_core.numerics.grids import parts_joined
+from cpm_core.numerics.grids import root
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Index, Mask, Single
-from cpm_core.numerics.vectors import Vector, dot, length, moved, scaled, set_row
+from cpm_core.numerics.vectors import Vector, dot, length, lengths, moved, row_of, scaled, set_row
 
 GATE = 0.45
 """Relative slope of the edge map under which a particle on an edge is on its ridge."""
@@ -171,21 +171,43 @@ def ridges_of(smoothed: Single, edges: Single, pitch: Vector, floor: float, turn
 
 def _connected(smoothed: Single, voxels: Index, pitch: Vector, turn: float) -> Index:
     """Number of the connected part of each of some voxels, shape (M, 3); see `ridges_of`."""
-    number = np.full(np.array(smoothed.shape) + 2, -1, np.int32)
-    number[tuple((voxels + 1).T)] = np.arange(len(voxels))
     last = np.array(smoothed.shape) - 1
     slope = np.empty((len(voxels), 3))
     for axis, step in enumerate(np.eye(3, dtype=int)):
         ahead, behind = np.minimum(voxels + step, last), np.maximum(voxels - step, 0)
         slope[:, axis] = (smoothed[tuple(ahead.T)] - smoothed[tuple(behind.T)]) / pitch[axis]
-    size, pairs = np.linalg.norm(slope, axis=1), []
-    for offset in list(np.ndindex(3, 3, 3))[:13]:  # the other half are the same pairs
-        other = number[tuple((voxels + offset).T)]
-        one = np.flatnonzero(other >= 0)
-        other = other[one]
-        like = np.einsum("ni,ni->n", slope[one], slope[other]) >= turn * size[one] * size[other]
-        pairs.append(np.stack([one, other])[:, like | (turn <= -1.0)])
-    return parts_joined(np.concatenate(pairs, axis=1), len(voxels))
+    return _parts_alike(voxels, slope, lengths(slope), turn, smoothed.shape[1:])
+
+
+@compiled
+def _parts_alike(voxels: Index, slope: Array, size: Array, turn: float, shape: tuple[int, int]) -> Index:
+    """Number of the part of each of some voxels in their order; two planes of numbers suffice to find those before."""
+    group = np.arange(len(voxels))
+    window = np.full((2, shape[0] + 2, shape[1] + 2), -1, np.int32)
+    plane = -1
+    for q in range(len(voxels)):
+        p, r, c = voxels[q]
+        if p != plane:
+            window[p % 2].fill(-1)
+            if p != plane + 1:
+                window[(p + 1) % 2].fill(-1)
+            plane = p
+        for n in range(13):  # the other half of the 26 come later
+            other = window[(p + n // 9 + 1) % 2, r + n // 3 % 3, c + n % 3]
+            if other >= 0:
+                product = dot(row_of(slope, q), row_of(slope, other))
+                if turn <= -1.0 or product >= turn * size[q] * size[other]:
+                    one, two = root(group, q), root(group, other)
+                    group[max(one, two)] = min(one, two)
+        window[p % 2, r + 1, c + 1] = q
+    count = 0
+    for q in range(len(group)):
+        if group[q] == q:
+            group[q] = count
+            count += 1
+        else:
+            group[q] = group[group[q]]
+    return group
 
 
 @compiled

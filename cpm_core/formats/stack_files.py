@@ -7,7 +7,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import tifffile
 
 from cpm_core.contours.rasterize import Labels, label_type, paint
 from cpm_core.contours.result import Result
@@ -98,6 +97,8 @@ def write_labels(found: StackResult, target: Path) -> None:
         nothing = np.zeros(shape, kind)
         for page in range(1, found.count + 1):
             yield tracks_on(results[page], shape).astype(kind) if page in results else nothing
+
+    import tifffile  # only here, because it takes long to import
 
     tifffile.imwrite(
         target,

@@ -115,6 +115,15 @@ def parts_joined(pairs: Iterable[Index], count: int) -> Index:
     return scipy.sparse.csgraph.connected_components(joined, directed=False)[1].astype(np.int64)
 
 
+@compiled
+def root(group: Index, k: int) -> int:
+    """First member of the group that a number belongs to; the way to it is shortened."""
+    while group[k] != k:
+        group[k] = group[group[k]]
+        k = group[k]
+    return k
+
+
 _NEAREST = 1e-3
 """Least size of a value, in the median size: no vertex lies at a voxel, where triangles would have no area."""
 
@@ -134,20 +143,30 @@ def zero_surface(values: Single, inner: tuple[tuple[int, int], ...] | None = Non
     inside = part > 0.0
     if min(part.shape) < 2 or inside.all() or not inside.any():
         return np.empty((0, 3)), np.empty((0, 3), np.int64)
-    size = np.abs(part)
-    size = np.maximum(size, np.float32(_NEAREST) * np.median(size))
-    vertices, faces, _, _ = skimage.measure.marching_cubes(np.where(inside, -size, size), 0.0, method="lorensen")  # type: ignore[no-untyped-call]
+    least = np.float32(_NEAREST) * np.median(np.abs(part), overwrite_input=True)
+    darker, small = -part, np.abs(part) < least
+    darker[small] = np.where(inside[small], -least, least)
+    vertices, faces, _, _ = skimage.measure.marching_cubes(darker, 0.0, method="lorensen")  # type: ignore[no-untyped-call]
     return vertices.astype(float) + begin, faces.astype(np.int64)
+
+
+_PLANES = 16
+"""Planes of cubes that are looked at together."""
 
 
 def join_corners(values: Single, raised: float) -> None:
     """Raise voxels of a volume so that two above zero that meet at a corner alone hang together over sides as well."""
     inside = values > 0.0
-    corners = {at: inside[tuple(slice(k, n - 1 + k) for k, n in zip(at, values.shape, strict=True))] for at in _CORNERS}
-    two = np.sum(list(corners.values()), axis=0, dtype=np.uint8) == 2
-    for (plane, row, col), corner in zip(_CORNERS[:4], _CORNERS[:3:-1], strict=True):
-        joint = np.argwhere(two & corners[plane, row, col] & corners[corner]) + np.array((1 - plane, row, col))
-        values[tuple(joint.T)] = raised
+    for first in range(0, len(values) - 1, _PLANES):
+        part = inside[first : first + _PLANES + 1]
+        corners = {at: part[tuple(slice(k, n - 1 + k) for k, n in zip(at, part.shape, strict=True))] for at in _CORNERS}
+        two = np.zeros(corners[0, 0, 0].shape, np.uint8)
+        for corner in corners.values():
+            two += corner
+        two = two == 2
+        for (plane, row, col), corner in zip(_CORNERS[:4], _CORNERS[:3:-1], strict=True):
+            joint = np.argwhere(two & corners[plane, row, col] & corners[corner])
+            values[tuple((joint + np.array((first + 1 - plane, row, col))).T)] = raised
 
 
 def ends(mask: Mask) -> Index:

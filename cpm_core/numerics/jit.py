@@ -14,9 +14,8 @@ not fit, which takes three seconds. Assign the elements one by one.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import update_wrapper
 from typing import Any, TypeVar
-
-import numba
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -27,9 +26,32 @@ _OPTIONS: dict[str, Any] = {
 }
 
 
+class _Kernel:
+    """Stands for a compiled function, and is one to Numba; before its first use not even Numba is imported."""
+
+    def __init__(self, function: Callable[..., Any], options: dict[str, Any]) -> None:
+        update_wrapper(self, function)
+        self._options, self._compiled = options, None
+
+    def _made(self) -> Any:
+        import numba  # a third of what the program imports
+
+        made = numba.njit(cache=True, **self._options, **_OPTIONS)(self.__wrapped__)  # type: ignore[attr-defined]
+        self._compiled = self._compiled or made  # of two threads the first one decides
+        return self._compiled
+
+    def __call__(self, *arguments: Any) -> Any:
+        return (self._compiled or self._made())(*arguments)
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("__"):
+            raise AttributeError(name)
+        return getattr(self._compiled or self._made(), name)
+
+
 def _kernel(**options: Any) -> Callable[[Function], Function]:
     """Compile on the first call, and store the result in Numba's cache."""
-    return numba.njit(cache=True, **options, **_OPTIONS)
+    return lambda function: _Kernel(function, options)  # type: ignore[return-value]
 
 
 compiled = _kernel(fastmath={"nsz"})

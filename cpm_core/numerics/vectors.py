@@ -51,3 +51,8 @@ def row_of(rows: Array, i: int) -> Vector:
 def set_row(rows: Array, i: int, vector: Vector) -> None:
     """Write one row of an array of shape (N, 3)."""
     rows[i, 0], rows[i, 1], rows[i, 2] = vector[0], vector[1], vector[2]
+
+
+def lengths(vectors: Array) -> Array:
+    """Length of each of some vectors of any dimension, shape (N, D): several times as fast as a norm along an axis."""
+    return np.sqrt(np.einsum("ni,ni->n", vectors, vectors))

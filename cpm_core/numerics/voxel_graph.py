@@ -33,6 +33,11 @@ def _thin(lines: Mask, voxels: Index) -> int:
     taken = 0
     for n in range(len(voxels)):
         p, r, c = voxels[n]
+        if (
+            lines[p - 1, r, c] and lines[p + 1, r, c] and lines[p, r - 1, c]
+            and lines[p, r + 1, c] and lines[p, r, c - 1] and lines[p, r, c + 1]
+        ):  # fmt: skip
+            continue  # the outside does not touch it, as most of them
         count = 0
         for k in range(27):
             around[k] = lines[p + k // 9 - 1, r + k // 3 % 3 - 1, c + k % 3 - 1]

@@ -1,55 +1,154 @@
-"""Longest time for which the window's thread keeps its event loop waiting, in what `test_never_blocks` does.
+"""Longest time for which the window's thread keeps its event loop waiting in the ordinary use.
 
-Run by ``python -m pytest -s tests/benchmarks/blocking.py``. Measured is what this thread itself computes between
-two returns to the loop, not what others take of the computer meanwhile.
+Run by itself: ``python tests/benchmarks/blocking.py [name]``, where only what contains the name is printed. Measured is
+the processor time of this thread between two returns to the loop, not what others take of the computer meanwhile.
 """
 
+from __future__ import annotations
+
 import sys
+import tempfile
 import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
 
-import pytest
-from PySide6.QtCore import QTimer
+import numpy as np
+from PySide6.QtCore import QEventLoop, QPoint, Qt, QTimer
+from PySide6.QtTest import QTest
+from PySide6.QtWidgets import QDialog
 
-from tests.app import conftest as app
-from tests.app.session import test_never_blocks as scenarios
+sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-qapp_cls, workspace, session, hand = app.qapp_cls, app.workspace, app.session, app.hand
-kept_window = app.kept_window
-own_preferences, nobody_is_asked = app.own_preferences, app.nobody_is_asked
-window, large = scenarios.window, scenarios.large
+from app.model.document import edits
+from app.model.document.modes import use_mode
+from app.model.preferences.table import THEME
+from app.session.features.workspace import Workspace
+from app.views.application import make_application
+from app.views.features.files import OpenSaveFeature
+from app.views.main_window import make_window
+from app.views.window.window import MainWindow
+from cpm_core.shapes import Circle, Sphere
 
+REST, PATIENCE = 0.2, 20.0
+"""Time for which nothing happens after what has been done, and the longest that is waited for that [s]."""
 
-@pytest.fixture
-def image_file(tmp_path):
-    return scenarios.write_discs(tmp_path / "large.npy", scenarios.LARGE)
+MANY = 150
 
-
-@pytest.fixture(autouse=True)
-def timed(monkeypatch):
-    """Take times where the tests count calls."""
-
-    def take(what, do):
-        longest, at = 0.0, time.thread_time()
-
-        def beat():
-            nonlocal longest, at
-            now = time.thread_time()
-            longest, at = max(longest, now - at), now
-
-        timer = QTimer()
-        timer.timeout.connect(beat)
-        timer.start(1)
-        do()
-        timer.stop()
-        beat()
-        sys.stdout.write(f"{what}: {1e3 * longest:.0f} ms\n")
-
-    monkeypatch.setattr(scenarios, "free", take)
+Work = tuple[str, Callable[[], object]] | tuple[str, Callable[[], object], Callable[[], bool]]
 
 
-def test_running(large, hand, qtbot):
-    scenarios.test_nothing_blocks_the_window_while_it_runs(large, hand, qtbot)
+def turn(window: MainWindow, do: Callable[[], object], done: Callable[[], bool] = lambda: True) -> float:
+    """The longest turn from the beginning of something until it is done and the window has rested for a while [ms]."""
+    session, loop = window.session, QEventLoop()
+    longest, at, begin, busy = 0.0, time.thread_time(), time.perf_counter(), time.perf_counter()
+
+    def beat() -> None:
+        nonlocal longest, at, busy
+        now, clock = time.thread_time(), time.perf_counter()
+        longest, at = max(longest, now - at), now
+        busy = busy if session.idle and window.turns.idle and done() else clock
+        if clock - busy > REST or clock - begin > PATIENCE:
+            loop.quit()
+
+    timer = QTimer()
+    timer.timeout.connect(beat)
+    timer.start(1)
+    do()
+    loop.exec()
+    return 1e3 * longest
 
 
-def test_working(large, hand, qtbot, tmp_path):
-    scenarios.test_nothing_blocks_the_window_while_it_is_worked_with(large, hand, qtbot, tmp_path)
+def image_of(folder: Path, name: str, shape: tuple[int, ...]) -> Path:
+    """A file with an image or a volume of discs or balls, one in each 64 pixels."""
+    away = [n % 64 - 32.0 for n in np.indices(shape, dtype=np.float32, sparse=True)]
+    np.save(folder / name, np.where(sum(n**2 for n in away) < 400, 200, 30).astype(np.uint8))
+    return folder / name
+
+
+def in_image(window: MainWindow, folder: Path) -> Iterator[Work]:
+    """What is done with an image."""
+    session, canvas, do = window.session, window.canvas_area.canvas, window.do
+    click = Qt.MouseButton.LeftButton
+
+    def offered() -> bool:
+        return len(session.scene.objects.proposals) > MANY
+
+    def at(row: float, col: float) -> QPoint:
+        return canvas.point((row, col)).toPoint()
+
+    for side in (4096, 896):
+        path = image_of(folder, f"{side}.npy", (side, side))
+        yield f"open an image of {side} x {side}", lambda path=path: session.open(path)
+    yield "draw", lambda: session.edit("draw", lambda d: edits.add_shape(d, Circle((32.0, 32.0), 10.0)))
+    yield "run, first contours", session.run
+    yield (
+        "a run from everywhere",
+        lambda: (session.edit("all", lambda d: use_mode(d, "automatic")), session.run()),
+        offered,
+    )
+    yield "step back on the timeline", lambda: do("timeline_back")
+    for key in (Qt.Key.Key_PageUp, Qt.Key.Key_Home, Qt.Key.Key_End):
+        yield f"scrub, {key.name}", lambda key=key: QTest.keyClick(window.panels["timeline"].view, key)
+    for name in ("objects", "compare", "layers", "objects", "run", "objects"):
+        yield f"tab {name}", lambda name=name: window.docks.reveal(name)
+    yield "tool for objects", lambda: do("objects")
+    yield "point at a proposal", lambda: QTest.mouseMove(canvas.viewport(), at(160, 160))
+    yield "click on a proposal", lambda: QTest.mouseClick(canvas.viewport(), click, pos=at(160, 160))
+    yield "escape", lambda: do("escape")
+    yield "wait for proposals", lambda: None, offered
+    yield "accept all", window.workspace.object_list.accept
+    for name in ("undo", "redo", "undo"):
+        yield f"{name} it", lambda name=name: do(name)
+    yield "wait for proposals", lambda: None, offered
+    yield "reject all", window.workspace.object_list.reject
+    for name in ("undo", "redo", "undo", "redo", "undo"):
+        yield f"{name} it", lambda name=name: do(name)
+    yield "wait for proposals", lambda: None, offered
+    yield "accept all again", window.workspace.object_list.accept
+    yield "select one", lambda: QTest.mouseClick(canvas.viewport(), click, pos=at(352, 352))
+    yield "select all", lambda: do("all_objects")
+    yield "delete all", lambda: do("delete_object")
+    yield "undo it", lambda: do("undo")
+    for name in ("preferences", "compare", "export", "guide"):
+        yield f"dialog {name}", lambda name=name: do(name)
+        yield f"close {name}", lambda: [dialog.close() for dialog in window.findChildren(QDialog) if dialog.isVisible()]
+    for name in ("dark", "light"):
+        yield f"theme {name}", lambda name=name: window.preferences.choose(THEME, name)
+
+
+def in_volume(window: MainWindow, folder: Path) -> Iterator[Work]:
+    """What is done with a volume."""
+    session, slices = window.session, window.workspace.slices
+    path = image_of(folder, "volume.npy", (256,) * 3)
+    yield "open a volume of 256^3", lambda: session.open(path)
+    yield "other slices", lambda: slices.through((60, 90, 90))
+    yield "next slice", lambda: slices.go(1)
+    yield "slices across another axis", lambda: slices.turn(2)
+    sphere = Sphere((96.0, 96.0, 96.0), 10.0)
+    yield "draw a sphere", lambda: session.edit("draw", lambda d: edits.add_shape(d, sphere))
+    yield "run, first surface", session.run
+    yield "tab in space", lambda: window.docks.reveal("space")
+
+
+def measure(only: str) -> None:
+    """Do everything in a new window, and print how long the longest turn of it takes."""
+    make_application()
+    workspace = Workspace()
+    window = make_window(workspace)
+    window.resize(1600, 1000)
+    window.show()
+    workspace.session.warm_up()
+    turn(window, lambda: None)
+    with tempfile.TemporaryDirectory() as folder:
+        for works in (in_image, in_volume):
+            for what, *work in works(window, Path(folder)):
+                longest = turn(window, *work)
+                if only in what:
+                    sys.stdout.write(f"{longest:6.1f} ms  {what}\n")
+                    sys.stdout.flush()
+    window.feature(OpenSaveFeature).document_file.forget()  # without a question whether to save
+    window.close()
+
+
+if __name__ == "__main__":
+    measure(sys.argv[1] if len(sys.argv) > 1 else "")

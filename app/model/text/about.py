@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import platform
-from importlib import metadata
 
 from app.model.text.language import tr
 from cpm_core import __version__
@@ -33,6 +32,8 @@ _LIBRARIES = {
 
 def versions() -> tuple[tuple[str, str], ...]:
     """Names and versions of the program and of all that it works with."""
+    from importlib import metadata  # only here, because it takes long to import
+
     used = [("CPM", __version__), ("Python", platform.python_version())]
     for package, name in _LIBRARIES.items():
         try:

@@ -73,8 +73,8 @@ class Pacer:
         """Count a step."""
         now = time.perf_counter()
         if self._limit is not None:
-            # A late step is not made up for: the display should not race after a pause.
-            self._due = max(self._due + 1.0 / self._limit, now)
+            # One late step is made up for, more are not: the display should not race after a pause.
+            self._due = max(self._due + 1.0 / self._limit, now - 1.0 / self._limit)
         self._counted += 1
         if now - self._since >= _MEASURED_OVER:
             self.per_second = self._counted / (now - self._since)

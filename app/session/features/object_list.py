@@ -493,9 +493,10 @@ class ObjectList(QObject):
             numbers[:] = [n.number for n in document.objects.items if n.number in changed or n.number not in before]
             return then(document, numbers)
 
-        self._edit(words, rows, edit)
-        if given:
-            self.choose(item.number for item in self.objects.items if item.number in numbers)
+        with self._session.gathering():
+            self._edit(words, rows, edit)
+            if given:
+                self.choose(item.number for item in self.objects.items if item.number in numbers)
 
     def _targets(self, rows: Sequence[Row]) -> list[Target]:
         """The contours that rows are, and those that run along their boundaries."""

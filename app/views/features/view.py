@@ -13,7 +13,6 @@ from app.session.storage.preferences import Preferences
 from app.views.canvas.canvas import ZOOM
 from app.views.canvas.layers.image_layer import AUTOMATIC, WHOLE
 from app.views.canvas.layers.layer import Layer
-from app.views.canvas.pointed import selected_places
 from app.views.panels.layer_list import LayersPanel
 from app.views.widgets.actions import LAYER, ActionSpec
 from app.views.window.docks import Panel
@@ -66,7 +65,7 @@ class LayersFeature(Feature):
                        "Ctrl+1", when=has_image),
             ActionSpec("zoom_to_selection", "View", "Zoom to the &selection",
                        "Show the selected contours, objects or shape as large as possible.", area.zoom_to_selection,
-                       "Shift+F", when=lambda _: bool(selected_places(workspace))),
+                       "Shift+F", when=lambda now: now.selected is not None or bool(workspace.object_list.selected)),
             ActionSpec("zoom_in", "View", "Zoom &in", "Zoom in.", partial(canvas.zoom, ZOOM), "+ = Ctrl++"),
             ActionSpec("zoom_out", "View", "Zoom &out", "Zoom out.", partial(canvas.zoom, 1.0 / ZOOM), "- Ctrl+-"),
             ActionSpec("legend", "View", "Le&gend", "Show or hide what the lines and dots mean.",

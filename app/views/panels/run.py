@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import QEvent, QPoint, Qt, QTimer, Signal
-from PySide6.QtGui import QColor, QPalette
+from PySide6.QtGui import QColor, QPalette, QShowEvent
 from PySide6.QtWidgets import QGridLayout, QLabel, QToolButton, QVBoxLayout, QWidget
 
 from app.model.display.plots import PLOTS, Plot, RunMetrics
@@ -98,17 +98,20 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
 
     def __init__(self) -> None:
         self._drawn: tuple[_Drawn, ...] = ()
+        self._plots: Sequence[Plot] = [plot for plot in PLOTS if plot.first]
         super().__init__()
         self._metrics: RunMetrics | None = None
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
         self.setAccessibleName(tr("Plot of the run over its steps"))
         self.ci.setContentsMargins(0, 0, 0, 0)
         self.ci.setSpacing(0)
-        self.show_plots([plot for plot in PLOTS if plot.first])
 
     def show_metrics(self, metrics: RunMetrics | None) -> None:
         """Show a run, or none."""
         self._metrics = metrics = metrics if metrics is not None and len(metrics.step) else None
+        if metrics is not None and self._plots and not self._drawn:
+            self._draw()
+            return
         for drawn in self._drawn:
             for series, curve in zip(drawn.plot.series, drawn.curves, strict=True):
                 if metrics is None:
@@ -119,7 +122,19 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
             drawn.scales.setXVals(list(finer))
 
     def show_plots(self, plots: Sequence[Plot]) -> None:
-        """Show these plots."""
+        """Show these plots, once they are unfolded for the first time."""
+        self._plots = plots
+        if self._drawn or self.isVisible():
+            self._draw()
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Draw the plots."""
+        super().showEvent(event)
+        if not self._drawn:
+            self._draw()
+
+    def _draw(self) -> None:
+        plots = self._plots
         self.clear()
         self._drawn = ()
         for plot in plots:
@@ -160,7 +175,7 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
         super().changeEvent(event)
         if event.type() == QEvent.Type.PaletteChange and self._drawn:
             # Later, since Qt is going through the items of the scene when it reports another palette.
-            QTimer.singleShot(0, self, partial(self.show_plots, [drawn.plot for drawn in self._drawn]))
+            QTimer.singleShot(0, self, self._draw)
 
     def _color(self, role: QPalette.ColorRole) -> QColor:
         return QColor(self.palette().color(role))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Hashable, Iterable, Sequence, Set
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence, Set
 from dataclasses import dataclass
 from functools import partial
 from itertools import groupby
@@ -19,6 +19,7 @@ from PySide6.QtCore import (
     QPoint,
     QSortFilterProxyModel,
     Qt,
+    QTimer,
     Signal,
 )
 from PySide6.QtGui import QKeyEvent, QResizeEvent, QShowEvent
@@ -53,6 +54,13 @@ _ALONG = (Qt.Key.Key_Up, Qt.Key.Key_Down)
 
 _LEAST, _PAD = 48, 12
 """Minimum height of a table, and margins of a column [px]."""
+
+
+def _blocks(rows: Sequence[int]) -> Iterator[tuple[int, int]]:
+    """First and last of the rows in a row: Qt is slow with many ranges."""
+    for _, block in groupby(enumerate(rows), lambda pair: pair[1] - pair[0]):
+        found = [row for _, row in block]
+        yield found[0], found[-1]
 
 
 @dataclass(frozen=True)
@@ -155,11 +163,11 @@ class TableModel(QAbstractTableModel, Generic[Row]):
             self.unit, self.factor = size.unit or ("px" if square else tr("units")), size.factor
         self.columns = columns or self.columns
         present = {self._key(item): item for item in items}
-        for row in reversed(range(len(self.items))):
-            if self.key(row) not in present:
-                self.beginRemoveRows(QModelIndex(), row, row)
-                del self.items[row]
-                self.endRemoveRows()
+        gone = [row for row in range(len(self.items)) if self.key(row) not in present]
+        for first, last in reversed([*_blocks(gone)]):
+            self.beginRemoveRows(QModelIndex(), first, last)
+            del self.items[first : last + 1]
+            self.endRemoveRows()
         self.items = [present.pop(self._key(item)) for item in self.items]
         if self.items:
             self.dataChanged.emit(self.index(0, 0), self.index(len(self.items) - 1, len(self.columns) - 1))
@@ -337,6 +345,8 @@ class ItemTable(Table):
         super().__init__(rows, "name", name)
         self._showing = False
         self._stale = False
+        self._later = QTimer(self, singleShot=True, interval=0)
+        self._later.timeout.connect(self._show_now)
         self.setItemDelegate(_NameDelegate(self))
         self.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
         self.setEditTriggers(QAbstractItemView.EditTrigger.EditKeyPressed)
@@ -370,11 +380,13 @@ class ItemTable(Table):
             self._edit_name(index.row())
 
     def show_items(self) -> None:
-        """Show the present items; a hidden table waits until it is seen, and takes no time from a run."""
-        self._stale = not self.isVisible()
-        if self._stale:
-            return
-        self._showing = True
+        """Show the present items in a turn of its own; a hidden table waits until it is seen, as during a run."""
+        self._stale = True
+        if self.isVisible():
+            self._later.start()
+
+    def _show_now(self) -> None:
+        self._stale, self._showing = False, True
         self.refresh()
         self._showing = False
         self.show_selection()
@@ -382,15 +394,13 @@ class ItemTable(Table):
     def show_selection(self) -> None:
         """Show which items are selected."""
         wanted = self.chosen
-        if self._stale or {self._key(index) for index in self.selectionModel().selectedRows()} == wanted:
+        if self._stale or set(self._marked) == wanted:
             return
         selection, name = QItemSelection(), self.number("name")
         rows = [row for row in range(len(self.rows.items)) if self.rows.key(row) in wanted]
         places = sorted(self._sorted.mapFromSource(self.rows.index(row, 0)).row() for row in rows)
-        for _, block in groupby(enumerate(places), lambda pair: pair[1] - pair[0]):  # Qt is slow with many ranges
-            found = [place for _, place in block]
-            last = self._sorted.index(found[-1], len(self.rows.columns) - 1)
-            selection.select(self._sorted.index(found[0], 0), last)
+        for first, last in _blocks(places):
+            selection.select(self._sorted.index(first, 0), self._sorted.index(last, len(self.rows.columns) - 1))
         self._showing = True
         self.selectionModel().select(selection, QItemSelectionModel.SelectionFlag.ClearAndSelect)
         if rows and self.state() != QAbstractItemView.State.EditingState:
@@ -429,18 +439,25 @@ class ItemTable(Table):
         """Update the table if items have changed while it was hidden."""
         super().showEvent(event)
         if self._stale:
-            self.show_items()
+            self._show_now()
 
     def selectionChanged(self, selected: QItemSelection, deselected: QItemSelection) -> None:
         """Report what the user has selected."""
         super().selectionChanged(selected, deselected)
         if not self._showing:
-            self.choose([self._key(index) for index in self.selectionModel().selectedRows()])
+            self.choose(self._marked)
 
     def leaveEvent(self, event: QEvent) -> None:
         """Clear the highlight when the pointer leaves."""
         self.hover(None)
         super().leaveEvent(event)
+
+    @property
+    def _marked(self) -> list[Any]:
+        """Keys of the rows that Qt shows as selected; its `selectedRows` goes through all ranges for each row."""
+        ranges = self.selectionModel().selection()
+        rows = (row for one in ranges for row in range(one.top(), one.bottom() + 1))
+        return [self._key(self._sorted.index(row, 0)) for row in rows]
 
     def _key(self, index: Index) -> Any:
         return self.rows.key(self.row_at(index))

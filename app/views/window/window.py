@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Generic, Protocol, TypeVar, cast, runtime_checkable
+from typing import Generic, TypeVar, cast
 
 from PySide6.QtCore import QByteArray, QSize, Qt, Signal
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QGuiApplication
@@ -73,14 +73,6 @@ class Feature:
 
 
 P = TypeVar("P", bound=Feature)
-
-
-@runtime_checkable
-class Themed(Protocol):
-    """A widget with colors that the palette does not set."""
-
-    def use_theme(self, theme: theme.Theme) -> None:
-        """Use the colors of a theme."""
 
 
 class MainWindow(QMainWindow):
@@ -179,7 +171,7 @@ class MainWindow(QMainWindow):
         theme.apply_theme(used)
         self.actions_by_name.use_theme(used)
         for widget in self.findChildren(QWidget):
-            if isinstance(widget, Themed):
+            if hasattr(widget, "use_theme"):  # with colors that the palette does not set
                 widget.use_theme(used)
 
     # Called by Qt

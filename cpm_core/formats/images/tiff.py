@@ -7,10 +7,9 @@ import math
 import re
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import tifffile
 from numpy.typing import NDArray
 
 from cpm_core.formats.common.content import UnreadableError
@@ -22,6 +21,9 @@ from cpm_core.formats.images.stack import Stack, check_content, joined
 from cpm_core.image.colors import full_scale
 from cpm_core.image.gray_levels import NO_DATA
 from cpm_core.numerics.types import Index
+
+if TYPE_CHECKING:
+    import tifffile
 
 # tifffile logs a warning for everything unusual in a file; the user gets one sentence on what matters instead.
 logging.getLogger("tifffile").addHandler(logging.NullHandler())
@@ -59,6 +61,8 @@ def stack(path: Path, reading: Reading) -> Stack:
         When it has more axes than times, channels, planes, rows and columns, or parts of it are in other files that
         are missing.
     """
+    import tifffile  # only here, because it takes long to import
+
     name = printable(path.name)
     with tifffile.TiffFile(path) as file:
         all_series = _series(file)
@@ -130,6 +134,8 @@ def _pages_of(series: tifffile.TiffPageSeries, name: str) -> Index:
 
 def _taken(series: tifffile.TiffPageSeries, numbers: Index, name: str) -> Decoded:
     """Pages of a series: one by one, or by their place where one directory stands for all."""
+    import tifffile
+
     pages, keyframe = series.pages, series.keyframe
     whole = [pages[int(number)] for number in numbers] if len(pages) > int(numbers.max()) else []
     if any(page is None for page in whole):

@@ -10,7 +10,6 @@ import numpy as np
 import PIL.Image
 import PIL.PngImagePlugin
 import skimage
-import tifffile
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour, numbers_of
@@ -122,6 +121,8 @@ def encode_tiff(result: Outcome, *, outlines: bool = False) -> bytes:
             entries["resolution"] = (1.0 / (factor * width), 1.0 / (factor * height))
             entries["resolutionunit"] = "CENTIMETER"
     stream = io.BytesIO()
+    import tifffile  # only here, because it takes long to import
+
     tifffile.imwrite(stream, mask, photometric="minisblack", software=PROGRAM, **entries)
     return stream.getvalue()
 

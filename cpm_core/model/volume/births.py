@@ -169,14 +169,13 @@ def _search(
     last: int,
 ) -> None:
     """Find the places that some particles offer, up to `_MOST` each."""
-    angles, around = np.empty(_MOST_NEIGHBORS), room_for(cells)
-    farthest = max(_FARTHEST * STRIDE * d_min + ROOM * d_min, 1.5 * reach)  # what can be in the way of an offer
+    angles, crowd, others = np.empty(_MOST_NEIGHBORS), room_for(cells), room_for(cells)
     for q in range(first, last):
         i = looking[q]
-        crowd = around[: near(cells, row_of(sheets[0], i), farthest, around)]
+        around = others[: near(cells, row_of(sheets[0], i), max(_NEIGHBORS * STRIDE * d_min, reach), others)]
         if reach > d_min:
-            _look_between(q, i, looks, cells, crowd, sheets, edge, d_min, reach, found, count)
-        _look_ahead(q, i, cells, crowd, sheets, edge, d_min, angles, found, count)
+            _look_between(q, i, looks, cells, around, crowd, sheets, edge, d_min, reach, found, count)
+        _look_ahead(q, i, cells, around, crowd, sheets, edge, d_min, angles, found, count)
 
 
 @compiled
@@ -185,6 +184,7 @@ def _look_between(
     i: int,
     looks: Mask,
     cells: Cells,
+    around: Index,
     crowd: Index,
     sheets: _Sheets,
     edge: _Edge,
@@ -196,7 +196,7 @@ def _look_between(
     """Offer the midpoints of a particle and others of its sheet, with nothing between the two."""
     position, normals, seated, _ = sheets
     place, normal = row_of(position, i), row_of(normals, i)
-    for k in crowd:
+    for k in around:
         j = cells.order[k]
         if not seated[j] or (looks[j] and j <= i) or not faces_alike(normal, row_of(normals, j)):
             continue
@@ -204,7 +204,7 @@ def _look_between(
         distance = length(away)
         if d_min < distance <= reach:
             middle, room = moved(place, 0.5, away), 0.5 * distance - _ROUNDING_ERROR
-            if not _is_taken(cells, crowd, middle, normal, normals, room):
+            if not _is_taken(cells, around, middle, normal, normals, room):
                 _offer(q, i, middle, 0.0, distance, room, cells, crowd, sheets, edge, found, count)
 
 
@@ -213,6 +213,7 @@ def _look_ahead(
     q: int,
     i: int,
     cells: Cells,
+    around: Index,
     crowd: Index,
     sheets: _Sheets,
     edge: _Edge,
@@ -225,7 +226,7 @@ def _look_ahead(
     position, normals, seated, _ = sheets
     place, stride, room = row_of(position, i), STRIDE * d_min, ROOM * d_min
     one, other = tangents(row_of(normals, i))
-    start, gap, steps = _widest_gap(cells, crowd, place, i, normals, seated, one, other, _NEIGHBORS * stride, angles)
+    start, gap, steps = _widest_gap(cells, around, place, i, normals, seated, one, other, _NEIGHBORS * stride, angles)
     for step in range(1, steps):
         angle = start + gap * step / steps
         ahead = moved(moved(place, stride * np.cos(angle), one), stride * np.sin(angle), other)
@@ -252,12 +253,13 @@ def _offer(
     smoothed, edges, pitch, floor = edge
     place = on_ridge(smoothed, edges, pitch, place, _ROUNDS)
     away = length(difference(place, row_of(position, i)))
-    here = sampled(edges, pitch, place)
-    turned = normal_at(smoothed, pitch, place)
+    here, normal = sampled(edges, pitch, place), row_of(normals, i)
     fits = nearest <= away <= farthest and here >= max(floor, FAINTEST * strength[i])
-    fits = fits and dot(turned, row_of(normals, i)) >= _TURNED and _inside(place, edges.shape, pitch)
-    fits = fits and count[q] < _MOST and is_ridge(smoothed, edges, pitch, place, _RIDGE)
-    if fits and not _is_taken(cells, crowd, place, turned, normals, room):
+    if not fits or count[q] >= _MOST or not _inside(place, edges.shape, pitch):
+        return
+    turned = normal_at(smoothed, pitch, place)
+    fits = dot(turned, normal) >= _TURNED and is_ridge(smoothed, edges, pitch, place, _RIDGE)
+    if fits and not _is_taken(cells, crowd[: near(cells, place, room, crowd)], place, turned, normals, room):
         entry = found[q, count[q]]
         for axis in range(3):
             entry[axis], entry[3 + axis] = place[axis], turned[axis]
@@ -282,7 +284,7 @@ def tangents(normal: Vector) -> tuple[Vector, Vector]:
 @compiled
 def _widest_gap(
     cells: Cells,
-    crowd: Index,
+    around: Index,
     place: Vector,
     i: int,
     normals: Array,
@@ -297,7 +299,7 @@ def _widest_gap(
     Without room for a particle there is one step, and without neighbors there are seven: six particles around.
     """
     own, count = row_of(normals, i), 0
-    for k in crowd:
+    for k in around:
         away = difference((cells.z[k], cells.y[k], cells.x[k]), place)
         j = cells.order[k]
         near_it = dot(away, away) < reach * reach and j != i and seated[j] and count < _MOST_NEIGHBORS

@@ -29,7 +29,7 @@ from cpm_core.model.state import Particles, SurfaceContact
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Index, Mask, Single
-from cpm_core.numerics.vectors import Vector, difference, dot, length, moved, row_of, scaled, set_row
+from cpm_core.numerics.vectors import Vector, difference, dot, length, lengths, moved, row_of, scaled, set_row
 from cpm_core.parameters import Parameters
 
 
@@ -208,9 +208,8 @@ def move(
     felt = _felt(field, law, placed)
     work = partial(_move, turn, cells, idle, before, old.seated, (*moving, new.normal, new.strength), new.seated, *felt)
     share(work, len(turn), _WORTH_A_THREAD)
-    distance[:, 0] = np.linalg.norm(after.position, axis=1)
-    motion = np.linalg.norm(after.position - particles.position, axis=1)
-    return Moved(after, motion, new.strength, new.seated, new.normal)
+    distance[:, 0] = lengths(after.position)
+    return Moved(after, lengths(after.position - particles.position))
 
 
 def parts_of_force(
@@ -353,19 +352,18 @@ def _parts(
 @compiled
 def _repulsion(cells: Cells, found: Index, place: Vector, i: int, normals: Array, seated: Mask, d_min: float) -> Vector:
     """Normalized Coulomb force on a particle from those near it, except for those on other sheets."""
-    total = (0.0, 0.0, 0.0)
+    total, own, on_surface = (0.0, 0.0, 0.0), row_of(normals, i), seated[i]
     nearest, second = np.inf, (_FAR_NEIGHBOR * d_min) ** 2
     for n in range(near(cells, place, REACH * d_min, found)):
         k = found[n]
         j = cells.order[k]
-        if j != i and on_one_sheet(i, j, normals, seated):
-            away = difference(place, (cells.z[k], cells.y[k], cells.x[k]))
-            squared = max(dot(away, away), _NEAREST)
-            total = moved(total, 1.0 / (squared * squared), away)
-            if squared < nearest:
-                nearest, second = squared, min(nearest, second)
-            elif squared < second:
-                second = squared
+        away = difference(place, (cells.z[k], cells.y[k], cells.x[k]))
+        apart = (j == i) | (on_surface & seated[j] & (not faces_alike(own, row_of(normals, j))))
+        # no branches: half of them would be mispredicted in a thin object
+        squared = np.inf if apart else max(dot(away, away), _NEAREST)
+        total = moved(total, 1.0 / (squared * squared), away)
+        second = min(second, max(nearest, squared))
+        nearest = min(nearest, squared)
     if nearest == np.inf:
         return total
     spacing = 0.5 * (np.sqrt(nearest) + np.sqrt(second))

@@ -121,7 +121,8 @@ def rested(particles: Particles, step: int) -> tuple[Index, Mask]:
 def _inside(position: Array, extent: Vector, space: SpaceState) -> Mask:
     """Which particles lie in the volume, between the centers of the outermost voxels."""
     last = np.array(extent) - np.array(space.pitch)
-    return ((position >= 0.0) & (position <= last)).all(axis=1)
+    within: Mask = (position >= 0.0) & (position <= last)
+    return within[:, 0] & within[:, 1] & within[:, 2]  # much faster than along the axis
 
 
 def _thinned(

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import scipy
+from numpy.typing import NDArray
 
 from cpm_core.contours.surface import Surface
-from cpm_core.numerics.grids import parts_of
+from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask, Single
 
 _APART = 4
@@ -60,24 +61,71 @@ FAR = 4.0
 """Height inside, and less than zero outside, of voxels away from all particles."""
 
 
-def fill_regions(height: Single, left_out: Mask | None = None) -> Mask:
-    """Replace NaN in a height by `FAR` or its negative, region by region.
+def fill_regions(height: Single) -> None:
+    """Replace NaN in a height by `FAR` or its negative, region by region, by the sign of most of the voxels around.
 
-    The outermost voxels, and those that are left out, belong to no region; they are returned.
+    The outermost voxels become infinite: they belong to no region, nor do others that are infinite.
     """
-    apart = np.ones(height.shape, np.bool_)
-    apart[1:-1, 1:-1, 1:-1] = False
-    if left_out is not None:
-        apart |= left_out
-    height[apart] = np.inf
-    unknown = np.isnan(height)
-    regions = parts_of(unknown, corners=False)
-    side = np.where(np.isfinite(height), np.where(height > 0.0, 1, -1), 0).astype(np.int8)
-    around = np.zeros_like(side)
+    set_border(height, np.inf)
+    waiting = np.empty((1024, 3), np.int32)
+    for plane in range(1, len(height) - 1):
+        for row, col in np.argwhere(np.isnan(height[plane])).tolist():
+            if np.isnan(height[plane, row, col]):
+                votes, waiting = _flood(height, plane, row, col, np.float32(-np.inf), waiting)
+                _, waiting = _flood(height, plane, row, col, np.float32(FAR if votes > 0 else -FAR), waiting)
+
+
+def set_border(height: Single, value: float) -> None:
+    """Set the outermost voxels."""
     for axis in range(3):
-        found, near = np.moveaxis(around, axis, 0), np.moveaxis(side, axis, 0)
-        found[1:] += near[:-1]
-        found[:-1] += near[1:]
-    votes = np.bincount(regions.labels[unknown], around[unknown], minlength=regions.count + 1)
-    height[unknown] = np.where(votes > 0, FAR, -FAR)[regions.labels[unknown]]
-    return apart
+        np.moveaxis(height, axis, 0)[[0, -1]] = value
+
+
+@compiled
+def _flood(
+    height: Single, plane: int, row: int, col: int, filled: np.float32, waiting: NDArray[np.int32]
+) -> tuple[int, NDArray[np.int32]]:
+    """Fill the voxels with the value of a given one, run by run; return how many more around lie above zero than below.
+
+    The value is NaN, or what NaN has been replaced by. `waiting` is room for runs to come; it grows.
+    """
+    votes, count = 0, 1
+    old = height[plane, row, col]
+    waiting[0, 0], waiting[0, 1], waiting[0, 2] = plane, row, col
+    while count:
+        count -= 1
+        p, r, first = waiting[count]
+        if not _is(height[p, r, first], old):
+            continue
+        end = first
+        while _is(height[p, r, end], old):
+            height[p, r, end] = filled
+            end += 1
+        first -= 1
+        while _is(height[p, r, first], old):
+            height[p, r, first] = filled
+            first -= 1
+        votes += _side(height[p, r, first]) + _side(height[p, r, end])
+        if count + 2 * (end - first) > len(waiting):
+            waiting = np.concatenate((waiting, np.empty((len(waiting) + 2 * (end - first), 3), np.int32)))
+        for down, right in ((-1, 0), (1, 0), (0, -1), (0, 1)):
+            before = False
+            for c in range(first + 1, end):
+                there = height[p + down, r + right, c]
+                open_ = _is(there, old)
+                if open_ and not before:
+                    waiting[count, 0], waiting[count, 1], waiting[count, 2] = p + down, r + right, c
+                    count += 1
+                votes += _side(there)
+                before = open_
+    return votes, waiting
+
+
+@compiled
+def _is(value: np.float32, wanted: np.float32) -> bool:
+    return value == wanted or (np.isnan(value) and np.isnan(wanted))
+
+
+@compiled
+def _side(value: np.float32) -> int:
+    return (1 if value > 0.0 else -1) if np.isfinite(value) else 0

@@ -15,7 +15,7 @@ from cpm_core.contours.surface import Surface, rows_of_three
 from cpm_core.numerics.grids import parts_joined, zero_surface
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask, Single
-from cpm_core.reconstruction.surface.components import fill_regions, support, typical_distance
+from cpm_core.reconstruction.surface.components import fill_regions, set_border, support, typical_distance
 
 _STEPS = 2.0
 """Steps of the grid between neighboring points."""
@@ -45,7 +45,8 @@ def implicit_surface(points: Array, normals: Array, apart: float) -> tuple[Array
     _add(height, weight, (points - begin) / step, normals)
     with np.errstate(invalid="ignore"):
         np.divide(height, weight, out=height)
-    height[fill_regions(height)] = -1.0
+    fill_regions(height)
+    set_border(height, -1.0)
     vertices, faces = zero_surface(height)
     return vertices * step + begin, faces
 

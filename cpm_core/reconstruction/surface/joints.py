@@ -26,7 +26,7 @@ import scipy
 import skimage
 from numpy.typing import NDArray
 
-from cpm_core.numerics.grids import Parts, parts_of
+from cpm_core.numerics.grids import Parts, parts_of, root
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask, Single
 from cpm_core.reconstruction.surface.components import FAR
@@ -194,23 +194,17 @@ def ways_over_saddles(
 
 def meetings_of(values: Single, passable: Mask, parts: Parts, wanted: Mask) -> Index:
     """Voxels, and the two parts, where the slopes of different wanted parts meet, the highest first, shape (M, 5)."""
-    own: Labels = np.where(np.concatenate([[False], wanted]), np.arange(parts.count + 1), 0).astype(np.int32)[
-        parts.labels
-    ]
-    low = np.argwhere(passable & (own == 0))
+    labels = parts.labels.reshape(-1)  # for a while those of basins and of wanted parts
+    hidden = np.flatnonzero(np.concatenate([[False], ~wanted])[labels])
+    unwanted, labels[hidden] = labels[hidden], 0
+    low = np.argwhere(passable & (parts.labels == 0))
     low = low[np.argsort(-values[tuple(low.T)], kind="stable")]
     basin = np.arange(parts.count + len(low) + 1)
     found = np.empty((_MOST_MEETINGS * len(low), 5), np.int64)
-    return found[: _descend(values, own, low, parts.count, basin, found)]
-
-
-@compiled
-def root(group: Index, k: int) -> int:
-    """First member of the group that a number belongs to; the way to it is shortened."""
-    while group[k] != k:
-        group[k] = group[group[k]]
-        k = group[k]
-    return k
+    met = _descend(values, parts.labels, low, parts.count, basin, found)
+    parts.labels[tuple(low.T)] = 0
+    labels[hidden] = unwanted
+    return found[:met]
 
 
 @compiled
@@ -328,7 +322,7 @@ def spin(height: Single, begin: Index, surroundings: Surroundings, width: float)
     wanted = np.bincount(part[part >= 0], minlength=parts.count) >= _FEWEST
     gray = surroundings.volume[tuple(slice(a, a + n) for a, n in zip(low, inner.shape, strict=True))]
     gray = gray if surroundings.sign > 0.0 else -gray
-    background, noise = _level_and_noise(gray[inner <= -FAR])
+    background, noise = _level_and_noise(gray, inner <= -FAR)
     edges = surroundings.sign * gray_at(surroundings.volume, surroundings.points)
     floor = background + max(_SIGNIFICANT * noise, _SHARE * (float(np.quantile(edges, _FAINT)) - background))
 
@@ -341,9 +335,14 @@ def spin(height: Single, begin: Index, surroundings: Surroundings, width: float)
         _raise(inner, way)
 
 
-def _level_and_noise(background: Single) -> tuple[float, float]:
+def _level_and_noise(gray: Single, background: Mask) -> tuple[float, float]:
     """Typical gray level of the background, and the standard deviation of its noise; outliers do not count."""
-    some = background[:: max(len(background) // _SAMPLE, 1)]
+    every, seen, samples = max(int(np.count_nonzero(background)) // _SAMPLE, 1), 0, []
+    for plane, here in zip(gray, background, strict=True):
+        levels = plane[here]
+        samples.append(levels[-seen % every :: every])
+        seen += len(levels)
+    some = np.concatenate(samples)
     if not len(some):
         return 0.0, np.inf
     level = float(np.median(some))

@@ -13,7 +13,13 @@ from cpm_core.contours.surface import Surface
 from cpm_core.field.volume_field import pitch_of
 from cpm_core.numerics.grids import join_corners, zero_surface
 from cpm_core.numerics.types import Array, Mask, Single
-from cpm_core.reconstruction.surface.components import fill_regions, support, typical_distance, well_supported
+from cpm_core.reconstruction.surface.components import (
+    fill_regions,
+    set_border,
+    support,
+    typical_distance,
+    well_supported,
+)
 from cpm_core.reconstruction.surface.joints import RAISED, Surroundings, join, spin
 from cpm_core.reconstruction.surface.local_threshold import Box, height
 from cpm_core.reconstruction.surface.sharpened import levels_at, on_ridge, step_width
@@ -99,11 +105,15 @@ def _settle(found: Single, left_out: Mask | None) -> float:
 
     An object may be darker than what is around it: the inside is not on the side that most of the border lies on.
     """
-    apart = fill_regions(found, left_out)
+    if left_out is not None:
+        found[left_out] = np.inf
+    fill_regions(found)
     inner = found[1:-1, 1:-1, 1:-1]
     border = [side for axis in range(3) for side in (inner.take(0, axis), inner.take(-1, axis))]
     bright = sum(int((side > 0.0).sum()) for side in border)
     sign = -1.0 if 2 * bright > sum(side.size for side in border) else 1.0
     found *= np.float32(sign)
-    found[apart] = -1.0
+    set_border(found, -1.0)
+    if left_out is not None:
+        found[left_out] = -1.0
     return sign

@@ -2,7 +2,7 @@
 
 Counted is what this thread calls between two returns to the event loop: the measure depends neither on the computer nor
 on how busy it is. What takes long inside one call is watched by where it happens: this thread enters no room of the
-core that computes, and never writes anything through to a disk. The benchmark ``bench_blocking.py`` takes the times.
+core that computes, and never writes anything through to a disk. The benchmark ``blocking.py`` takes the times.
 """
 
 from __future__ import annotations

@@ -94,6 +94,8 @@ class OverImage(QtWidgets.QGraphicsObject):  # type: ignore[misc]  # `show` of i
 class Markers(pg.ScatterPlotItem):  # type: ignore[misc]  # pyqtgraph has no type hints
     """A few symbols of one size; `z` is the place in the stack of layers, the rest is as in `pg.ScatterPlotItem`."""
 
+    _shown = True
+
     def __init__(self, z: float, **look: Any) -> None:
         super().__init__(**look)
         self.setZValue(z)
@@ -102,11 +104,12 @@ class Markers(pg.ScatterPlotItem):  # type: ignore[misc]  # pyqtgraph has no typ
         """Show them at (row, col), with a look of their own."""
         x, y = to_xy(np.array([*positions], dtype=float).reshape(-1, 2))
         self.setData(x=x, y=y, **look)
+        self.set_shown(self._shown)
 
-    def paint(self, painter: Any, *rest: Any) -> None:
-        """Draw the markers; without any, painting costs nothing."""
-        if len(self.data):
-            super().paint(painter, *rest)
+    def set_shown(self, shown: bool) -> None:
+        """Show or hide them; without any the item is hidden and costs nothing in a frame."""
+        self._shown = shown
+        self.setVisible(shown and len(self.data) > 0)
 
 
 _NAME_PAD = 4.0
