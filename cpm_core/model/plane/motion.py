@@ -120,7 +120,7 @@ def is_at_rest(particles: Particles, idle: Index) -> Mask:
 
 Four = tuple[float, float, float, float]
 
-_PAIRS_A_NODE = 28
+_PAIRS_A_NODE = 8
 """Pairs that are summed in the time of one node of the padded mesh, divided by the steps for which the mesh is used."""
 
 _WORTH_A_THREAD = 800
@@ -200,7 +200,7 @@ def _move(
     coulomb = np.zeros((last - first, 2))
     _repel(cells, idle, mesh, law, coulomb, first, last)
     for k in range(first, last):
-        if (k - first) % AHEAD == 0:
+        if (k - first) % AHEAD == 0 and idle[cells.order[k]] < FADED:  # later hardly any particle moves
             read_ahead(packed, cells, k, last, motion)
         i, y, x = cells.order[k], cells.y[k], cells.x[k]
         v_y, v_x = velocity[i, 0], velocity[i, 1]
