@@ -160,8 +160,7 @@ class WindowedField:
         r"""Field in a window, shape (2, \*sides of the window)."""
         outer = around(window, _NEAR, self.charges.shape)
         padded = tuple(scipy.fft.next_fast_len(n + 3 * _NEAR, axis == 1) for axis, n in enumerate(sides_of(window)))
-        spectrum = scipy.fft.rfft2(self.charges[outer].astype(np.float32, copy=False), padded) * np.complex64(1j)
-        field: Single = scipy.fft.irfft2(spectrum * _near_kernels(padded, self._power), padded)
+        field: Single = _convolved(self.charges[outer], padded, _near_kernels(padded, self._power))
         field = field[(slice(None), *relative(window, outer))]
         rows, cols = (_splines((np.arange(side.start, side.stop) + 0.5) / _BLOCK - 0.5) for side in window)
         down, right = (slice(side.start // _BLOCK, -(-side.stop // _BLOCK) + 2 * _BEYOND) for side in window)
@@ -183,9 +182,13 @@ class WindowedField:
         in_bands(work, len(spread))
         charges = _spread(spread.T).T
         padded = tuple(scipy.fft.next_fast_len(2 * n, axis == 1) for axis, n in enumerate(charges.shape))
-        spectrum = scipy.fft.rfft2(charges, padded, workers=cores()) * np.complex64(1j)
-        smooth = scipy.fft.irfft2(spectrum * _far_kernels(padded, self._power), padded, workers=cores())
-        return smooth[:, : charges.shape[0], : charges.shape[1]]
+        return _convolved(charges, padded, _far_kernels(padded, self._power))[:, : len(charges), : charges.shape[1]]
+
+
+def _convolved(charges: Array, padded: tuple[int, ...], kernels: Single) -> Single:
+    """Field of charges on a padded grid, from the transforms of its two kernels over i."""
+    spectrum = scipy.fft.rfft2(charges.astype(np.float32, copy=False), padded, workers=cores()) * np.complex64(1j)
+    return np.asarray(scipy.fft.irfft2(spectrum * kernels, padded, workers=cores()))
 
 
 def _splines(places: Array) -> Single:

@@ -287,13 +287,8 @@ def packed_force(
         force = lorentz_force(convolved_field(charged, exponent, FIELD_PRECISION), grad, felt, strongest)
         return np.stack([*force, *grad, strength], axis=-1, dtype=np.float32)
     packed, field = np.empty((*strength.shape, 5), np.float32), WindowedField(charged, exponent)
-    parts = tiles(strength.shape, _TILE)
-
-    def work(first: int, end: int) -> None:
-        for tile in parts[first:end]:
-            packed[tile] = _packed_within(field, slopes, strength, strongest, cut, tile)
-
-    share(work, len(parts), 1)
+    for tile in tiles(strength.shape, _TILE):  # one after the other: each uses all cores
+        packed[tile] = _packed_within(field, slopes, strength, strongest, cut, tile)
     return packed
 
 
@@ -348,9 +343,9 @@ def lorentz_force(field: Array, grad: Array, strength: Array, strongest: float) 
 
 def _force_of_lines(field: Array, grad: Array, strength: Array, strongest: float, tiny: float) -> Array:
     """`lorentz_force` on some lines of the image; a field of size `tiny` or less counts as zero."""
-    field, grad, strength = (part.astype(float, copy=False) for part in (field, grad, strength))
+    field, least = field.astype(grad.dtype, copy=False), np.finfo(grad.dtype).tiny
     summit = running_maximum(strength, _SUMMIT_REACH)
-    near = strength / np.maximum(summit, 1e-300)
+    near = strength / np.maximum(summit, least)
     near -= _SLOPE
     near /= _RIDGE - _SLOPE
     np.clip(near, 0.0, 1.0, out=near)
@@ -359,14 +354,14 @@ def _force_of_lines(field: Array, grad: Array, strength: Array, strongest: float
     beside = running_maximum(size, _FIELD_REACH)
     beside *= near
     np.maximum(beside, size, out=beside)
-    np.maximum(beside, max(tiny, 1e-300), out=beside)
+    np.maximum(beside, max(tiny, least), out=beside)
     force = field / beside
-    normal = grad / np.maximum(strength, max(1e-12 * strongest, 1e-300))
+    normal = grad / np.maximum(strength, max(1e-12 * strongest, least))
     across = _dot(force, normal)
     # towards the ridge on the flank of the edge, of unit size where the flank is steepest
-    slope = _dot(gradient(strength, 0.0), normal)
+    slope = _dot(gradient(strength, 0.0, grad.dtype), normal)
     steepest = running_maximum(np.abs(slope), _SUMMIT_REACH)
-    slope /= np.maximum(steepest, 1e-300, out=steepest)
+    slope /= np.maximum(steepest, least, out=steepest)
     np.copyto(across, slope, where=across * slope < 0.0)
     across *= near
     force *= 1.0 - near

@@ -7,13 +7,14 @@ built again, with another smoothing also the gradient. The barriers do not depen
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import lru_cache
 from threading import RLock
 from typing import Any, Literal, NamedTuple
 
 from cpm_core.field.edge_map import automatic_smoothing, prepared
-from cpm_core.field.scale_field import ScaleField, Slopes, build_scale_field, slopes_of
+from cpm_core.field.scale_field import LARGE, ScaleField, Slopes, build_scale_field, slopes_of
 from cpm_core.image.denoising import Cleaned
 from cpm_core.image.gray_levels import toned
 from cpm_core.image.image import Image
@@ -25,6 +26,9 @@ from cpm_core.parameters import Parameters
 
 _KEPT_SETTINGS = 2
 """Settings whose images and fields are kept, so that a return to the last one costs nothing."""
+
+_KEPT_LARGE = 2
+"""Fields of a large image that are kept: that of the scale of a run, and that of the image itself."""
 
 _Gamma = float | Literal["auto"]
 Free = Callable[..., ScaleField]
@@ -114,7 +118,7 @@ def plane_fields(
     `free` is the first of them where there is one for the same regions of interest.
     """
     scales, shape = sources.scales, sources.shape
-    kept = lru_cache(_KEPT_SETTINGS * scales)
+    kept = lru_cache(_KEPT_SETTINGS * scales if math.prod(shape) <= LARGE else _KEPT_LARGE)
 
     @kept
     def build(scale: int, edge_floor: float, max_border: float, exponent: float, *key: Any) -> ScaleField:

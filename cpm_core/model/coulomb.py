@@ -154,19 +154,19 @@ def _near_force(near: Array, copies: Single, count: int, z: float, y: float, x: 
             squared += d_z * d_z
             squared = squared if squared > np.float32(_SAME_SPOT) else one
             root = one / np.sqrt(squared)
-            f_z += _push(d_z, root, copies[j])
+            f_z += _push(d_z, root, copies[j] * (root * root))
         else:
             squared = squared if squared > np.float32(_SAME_SPOT) else one
             root = one / np.sqrt(squared)
-        f_y += _push(d_y, root, copies[j])
-        f_x += _push(d_x, root, copies[j])
+        f_y += _push(d_y, root, copies[j] * (root * root))
+        f_x += _push(d_x, root, copies[j] * (root * root))
     return float(f_z), float(f_y), float(f_x)
 
 
 @compiled
-def _push(way: np.float32, root: np.float32, copies: np.float32) -> np.float32:
+def _push(way: np.float32, root: np.float32, strength: np.float32) -> np.float32:
     """Component of the inverse square, of factors that stay finite: the cube of the root may not."""
-    pushed: np.float32 = way * root * copies * (root * root)
+    pushed: np.float32 = way * root * strength
     return pushed
 
 
@@ -477,7 +477,7 @@ def _sort_out(
     Return the lists, to whose end is written what is left to the halves, where that ends, and the numbers of far boxes
     and of near particles.
     """
-    half, axes = tree.half[k], len(sites)
+    half, spots, axes = tree.half[k], tree.spots[k], len(sites)
     z, y, x, radius = tree.place[k, 0], tree.place[k, 1], tree.place[k, 2], tree.place[k, 3]
     left, kept, distant, listed = end - begin, end, 0, 0
     for n in range(left):
@@ -488,10 +488,10 @@ def _sort_out(
         there, larger = tree.half[other], tree.place[other, 3] > radius
         squared = (tree.place[other, 0] - z) ** 2 + (tree.place[other, 1] - y) ** 2 + (tree.place[other, 2] - x) ** 2
         radii = (tree.place[other, 3] + radius) ** 2
-        if radii < _OPENING**2 * squared and tree.spots[k] > 0 and tree.spots[other] > 0:
+        if radii < _OPENING**2 * squared and spots > 0 and tree.spots[other] > 0:
             desk.far[distant] = other
             distant += 1
-        elif there and (not half or (tree.spots[other] > _FULLEST and (larger or tree.spots[k] <= _FULLEST))):
+        elif there and (not half or (tree.spots[other] > _FULLEST and (larger or spots <= _FULLEST))):
             desk.rest[left], desk.rest[left + 1] = there, there + 1
             left += 2
         elif half:

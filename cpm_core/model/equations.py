@@ -6,7 +6,7 @@ dimensions.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import scipy
@@ -211,34 +211,15 @@ STRIDE, STRIDE_ROOM = 0.9, 0.8
 """Distance, in d_min, of a position ahead of a particle, and its distance from all others."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Moved:
-    """Particles after a step.
-
-    Attributes
-    ----------
-    particles : Particles
-        All of them.
-    motion : ndarray, shape (N,)
-        Distance that each has moved [px].
-    strength : ndarray, shape (N,)
-        Edge strength at each.
-    on_edge : ndarray of bool, shape (N,)
-        Which of them are on an edge.
-    normal : ndarray, shape (N, D)
-        Gradient of the smoothed image at each, or its direction.
-    """
+class Moved(NamedTuple):
+    """Particles after a step, and the distance that each of them has moved [px], shape (N,)."""
 
     particles: Particles
     motion: Array
-    strength: Array
-    on_edge: Mask
-    normal: Array
 
     @classmethod
     def unset(cls, particles: Particles) -> Moved:
         """Arrays for the result of a step; the identities are those of the particles."""
-        count = len(particles)
         after = Particles(
             np.empty_like(particles.position),
             np.empty_like(particles.velocity),
@@ -246,21 +227,14 @@ class Moved:
             np.empty_like(particles.distance),
             particles.identity,
         )
-        normal = np.empty_like(particles.position)
-        return cls(after, np.empty(count), np.empty(count), np.empty(count, np.bool_), normal)
+        return cls(after, np.empty(len(particles)))
 
     def where(self, kept: Mask) -> Moved:
         """The particles for which `kept`, shape (N,), is true."""
-        return Moved(
-            self.particles.where(kept),
-            self.motion[kept],
-            self.strength[kept],
-            self.on_edge[kept],
-            self.normal[kept],
-        )
+        return Moved(self.particles.where(kept), self.motion[kept])
 
     @classmethod
-    def held_at(cls, particles: Particles, start: Array, contact: tuple[Array, Mask, Array]) -> Moved:
-        """Particles that barriers held back on their way from `start`, shape (N, D), with their edge contact."""
+    def held_at(cls, particles: Particles, start: Array) -> Moved:
+        """Particles that barriers held back on their way from `start`, shape (N, D)."""
         particles.distance[:, 0] = np.linalg.norm(particles.position, axis=1)
-        return cls(particles, np.linalg.norm(particles.position - start, axis=1), *contact)
+        return cls(particles, np.linalg.norm(particles.position - start, axis=1))

@@ -130,8 +130,8 @@ class Particles:
     (<Particles 2, 2 coordinates each>, [[9.0, 9.0]])
     >>> particles.with_more(np.array([(1.0, 1.0)]), 3).identity.tolist()
     [0, 1, 2, 3]
-    >>> particles.joined_by(np.array([(4.0, 6.5)]), np.array([0]), np.array([1]), 3).position[-1].tolist()
-    [4.0, 6.5]
+    >>> particles.renewed(np.array([2]), np.array([(4.0, 6.5)]), np.array([0]), np.array([1]), 3).position.tolist()
+    [[9.0, 9.0], [4.0, 6.5]]
     >>> particles.woken_at(5) is particles  # in the plane the coverage knows who is awake
     True
     """
@@ -187,16 +187,21 @@ class Particles:
         met = contact or more.contact
         return Particles(**arrays, contact=self.contact and met and self.contact.joined(met))
 
-    def joined_by(self, position: Array, parent: NDArray[np.int64], other: NDArray[np.int64], first: int) -> Particles:
-        """Add particles at positions of shape (M, D), with the mean velocity and force history of their two parents.
+    def renewed(
+        self, stay: NDArray[np.int64], position: Array, parent: NDArray[np.int64], other: NDArray[np.int64], first: int
+    ) -> Particles:
+        """The particles with the indices `stay` in this order, and behind them new ones at positions of shape (M, D).
 
-        `parent` and `other`, shape (M,), are the indices of the parents, the same twice for a single parent; `first` is
-        the identity of the first new particle.
+        These have the mean velocity and force history of their two parents; `parent` and `other`, shape (M,), are the
+        indices of the parents, the same twice for a single one; `first` is the identity of the first new particle.
         """
-        joined, born = self.with_more(position, first), slice(len(self), None)
-        joined.velocity[born] = 0.5 * (self.velocity[parent] + self.velocity[other])
-        joined.force[born] = 0.5 * (self.force[parent] + self.force[other])
-        return joined
+        more = Particles.at_rest(position, first)
+        more.velocity[:] = 0.5 * (self.velocity[parent] + self.velocity[other])
+        more.force[:] = 0.5 * (self.force[parent] + self.force[other])
+        arrays: dict[str, Any] = {
+            name: np.concatenate([getattr(self, name).take(stay, axis=0), getattr(more, name)]) for name in _ARRAYS
+        }
+        return Particles(**arrays)
 
     def __repr__(self) -> str:
         return described("Particles", f"{len(self):,}", f"{self.position.shape[1]} coordinates each")

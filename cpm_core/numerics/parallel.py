@@ -2,17 +2,18 @@
 
 No loop of the model starts threads of its own, so that two callers never meet inside one parallel region. A caller cuts
 its items into parts, and each part is written by one thread alone: the same input gives the same bits on any number of
-threads. There are more parts than threads, since some parts take longer than others. When the caller has finished its
-own part, it also does the parts that no thread has begun, so that no caller waits for the work of another one.
+threads. There are more parts than threads, since some parts take longer than others: whoever has finished a part takes
+the next one, so that no caller waits for threads that work for another one.
 """
 
 from __future__ import annotations
 
 import os
+from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager
-from functools import lru_cache
+from functools import cache, lru_cache
 from itertools import pairwise
 
 _PARTS = 2
@@ -27,8 +28,12 @@ _limits = [_MOST]
 
 def cores() -> int:
     """Cores that this process may use, up to a sensible number, or to what `at_most` allows."""
-    usable = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return min(usable, _limits[-1])
+    return min(_usable(), _limits[-1])
+
+
+@cache
+def _usable() -> int:
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @contextmanager
@@ -56,15 +61,23 @@ def share(work: Callable[[int, int], object], count: int, least: int) -> None:
     if threads < 2:
         work(0, count)
         return
-    own, *others = pairwise(count * part // (_PARTS * threads) for part in range(_PARTS * threads + 1))
-    given = {_helpers().submit(work, *part): part for part in others}
+    todo = deque(pairwise(count * part // (_PARTS * threads) for part in range(_PARTS * threads + 1)))
+    helping = [_helpers().submit(_work_off, todo, work) for _ in range(threads - 1)]
     try:
-        work(*own)
-        for task, part in reversed(given.items()):
-            if task.cancel():
-                work(*part)
+        _work_off(todo, work)
     finally:  # after an error or an interruption nobody begins another part
-        begun = [task for task in given if not task.cancel()]
+        todo.clear()
+        begun = [task for task in helping if not task.cancel()]
         wait(begun)
     for task in begun:
         task.result()
+
+
+def _work_off(todo: deque[tuple[int, int]], work: Callable[[int, int], object]) -> None:
+    """Do parts until none is left."""
+    while todo:
+        try:
+            part = todo.popleft()
+        except IndexError:  # another thread was faster
+            return
+        work(*part)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 from cpm_core.parameters.choices import CHOICES, Invalidates
 
@@ -234,6 +235,7 @@ AUTOMATIC = ("smoothing", "gamma", "exponent")
 """Parameters whose value may also be ``"auto"``: it is then chosen from the image."""
 
 
+@cache
 def invalidating(*kinds: Invalidates) -> tuple[str, ...]:
     """Names of all parameters, numbers and choices, whose change makes one of `kinds` out of date."""
     numbers = [(name, info.invalidates) for name, info in PARAMETERS.items()]

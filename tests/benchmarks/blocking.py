@@ -29,22 +29,24 @@ from app.views.main_window import make_window
 from app.views.window.window import MainWindow
 from cpm_core.shapes import Circle, Sphere
 
-REST, PATIENCE = 0.2, 10.0
+REST, PATIENCE = 0.2, 20.0
 """Time for which nothing happens after what has been done, and the longest that is waited for that [s]."""
 
-Work = tuple[str, Callable[[], object]]
+MANY = 150
+
+Work = tuple[str, Callable[[], object]] | tuple[str, Callable[[], object], Callable[[], bool]]
 
 
-def turn(window: MainWindow, do: Callable[[], object]) -> float:
-    """The longest turn from the beginning of something until the window has rested for a while [ms]."""
-    session, selection, loop = window.session, window.workspace.object_selection, QEventLoop()
+def turn(window: MainWindow, do: Callable[[], object], done: Callable[[], bool] = lambda: True) -> float:
+    """The longest turn from the beginning of something until it is done and the window has rested for a while [ms]."""
+    session, loop = window.session, QEventLoop()
     longest, at, begin, busy = 0.0, time.thread_time(), time.perf_counter(), time.perf_counter()
 
     def beat() -> None:
         nonlocal longest, at, busy
         now, clock = time.thread_time(), time.perf_counter()
         longest, at = max(longest, now - at), now
-        busy = busy if session.idle and window.turns.idle and selection.idle else clock
+        busy = busy if session.idle and window.turns.idle and done() else clock
         if clock - busy > REST or clock - begin > PATIENCE:
             loop.quit()
 
@@ -68,6 +70,9 @@ def in_image(window: MainWindow, folder: Path) -> Iterator[Work]:
     session, canvas, do = window.session, window.canvas_area.canvas, window.do
     click = Qt.MouseButton.LeftButton
 
+    def offered() -> bool:
+        return len(session.scene.objects.proposals) > MANY
+
     def at(row: float, col: float) -> QPoint:
         return canvas.point((row, col)).toPoint()
 
@@ -76,7 +81,11 @@ def in_image(window: MainWindow, folder: Path) -> Iterator[Work]:
         yield f"open an image of {side} x {side}", lambda path=path: session.open(path)
     yield "draw", lambda: session.edit("draw", lambda d: edits.add_shape(d, Circle((32.0, 32.0), 10.0)))
     yield "run, first contours", session.run
-    yield "a run from everywhere", lambda: (session.edit("all", lambda d: use_mode(d, "automatic")), session.run())
+    yield (
+        "a run from everywhere",
+        lambda: (session.edit("all", lambda d: use_mode(d, "automatic")), session.run()),
+        offered,
+    )
     yield "step back on the timeline", lambda: do("timeline_back")
     for key in (Qt.Key.Key_PageUp, Qt.Key.Key_Home, Qt.Key.Key_End):
         yield f"scrub, {key.name}", lambda key=key: QTest.keyClick(window.panels["timeline"].view, key)
@@ -86,12 +95,15 @@ def in_image(window: MainWindow, folder: Path) -> Iterator[Work]:
     yield "point at a proposal", lambda: QTest.mouseMove(canvas.viewport(), at(160, 160))
     yield "click on a proposal", lambda: QTest.mouseClick(canvas.viewport(), click, pos=at(160, 160))
     yield "escape", lambda: do("escape")
+    yield "wait for proposals", lambda: None, offered
     yield "accept all", window.workspace.object_list.accept
     for name in ("undo", "redo", "undo"):
         yield f"{name} it", lambda name=name: do(name)
+    yield "wait for proposals", lambda: None, offered
     yield "reject all", window.workspace.object_list.reject
     for name in ("undo", "redo", "undo", "redo", "undo"):
         yield f"{name} it", lambda name=name: do(name)
+    yield "wait for proposals", lambda: None, offered
     yield "accept all again", window.workspace.object_list.accept
     yield "select one", lambda: QTest.mouseClick(canvas.viewport(), click, pos=at(352, 352))
     yield "select all", lambda: do("all_objects")
@@ -129,8 +141,8 @@ def measure(only: str) -> None:
     turn(window, lambda: None)
     with tempfile.TemporaryDirectory() as folder:
         for works in (in_image, in_volume):
-            for what, do in works(window, Path(folder)):
-                longest = turn(window, do)
+            for what, *work in works(window, Path(folder)):
+                longest = turn(window, *work)
                 if only in what:
                     sys.stdout.write(f"{longest:6.1f} ms  {what}\n")
                     sys.stdout.flush()

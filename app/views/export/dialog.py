@@ -244,6 +244,7 @@ class ExportDialog(QDialog):
         """List what there is, with the formats of the last time checked."""
         moving = ("run:", "turntable:")  # which take long, and are not written by the way
         checked = [key for key in self._preferences.get(FORMATS, _FIRST) if not key.startswith(moving)]
+        self.list.blockSignals(True)  # what is written is shown once, when all rows are there
         for what, count in self._counts().items():
             group = QTreeWidgetItem([f"{KINDS[what][0]} ({count})" if count > 1 else KINDS[what][0]])
             self.list.addTopLevelItem(group)
@@ -254,6 +255,7 @@ class ExportDialog(QDialog):
                 if f"{what}:{suffix}" in checked:
                     row.setCheckState(0, Qt.CheckState.Checked)
                     group.setExpanded(True)
+        self.list.blockSignals(False)
         self.list.resizeColumnToContents(0)
 
     def _counts(self) -> dict[What, int]:

@@ -19,6 +19,7 @@ from PySide6.QtCore import (
     QPoint,
     QSortFilterProxyModel,
     Qt,
+    QTimer,
     Signal,
 )
 from PySide6.QtGui import QKeyEvent, QResizeEvent, QShowEvent
@@ -344,6 +345,8 @@ class ItemTable(Table):
         super().__init__(rows, "name", name)
         self._showing = False
         self._stale = False
+        self._later = QTimer(self, singleShot=True, interval=0)
+        self._later.timeout.connect(self._show_now)
         self.setItemDelegate(_NameDelegate(self))
         self.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
         self.setEditTriggers(QAbstractItemView.EditTrigger.EditKeyPressed)
@@ -377,11 +380,13 @@ class ItemTable(Table):
             self._edit_name(index.row())
 
     def show_items(self) -> None:
-        """Show the present items; a hidden table waits until it is seen, and takes no time from a run."""
-        self._stale = not self.isVisible()
-        if self._stale:
-            return
-        self._showing = True
+        """Show the present items in a turn of its own; a hidden table waits until it is seen, as during a run."""
+        self._stale = True
+        if self.isVisible():
+            self._later.start()
+
+    def _show_now(self) -> None:
+        self._stale, self._showing = False, True
         self.refresh()
         self._showing = False
         self.show_selection()
@@ -434,7 +439,7 @@ class ItemTable(Table):
         """Update the table if items have changed while it was hidden."""
         super().showEvent(event)
         if self._stale:
-            self.show_items()
+            self._show_now()
 
     def selectionChanged(self, selected: QItemSelection, deselected: QItemSelection) -> None:
         """Report what the user has selected."""

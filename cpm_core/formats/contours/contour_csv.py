@@ -9,7 +9,7 @@ from __future__ import annotations
 import csv
 import io
 from collections.abc import Callable, Mapping, Sequence
-from itertools import groupby
+from itertools import chain, groupby
 
 import numpy as np
 
@@ -217,11 +217,11 @@ def provenance_cells(result: Outcome) -> Row:
 
 def table(rows: Sequence[Row], empty: Sequence[str] = ()) -> bytes:
     """A UTF-8 CSV file with a header, which is `empty` without rows, commas, and points as decimal marks."""
-    columns = {name: None for row in rows for name in row}
+    columns = dict.fromkeys(chain.from_iterable(rows)) or empty
     stream = io.StringIO(newline="")
-    writer = csv.DictWriter(stream, list(columns or empty), restval="", lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(rows)
+    writer = csv.writer(stream, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows([row.get(name, "") for name in columns] for row in rows)
     return stream.getvalue().encode()
 
 

@@ -70,7 +70,9 @@ def encode(result: Outcome) -> bytes:
         if len(places) == 1:
             model.add_point(places[0].tolist(), look)
         else:
-            model.add_lwpolyline(places.tolist(), close=contour.closed, dxfattribs=look)
+            # all vertices at once, with no width and no bulge
+            line = model.add_lwpolyline((), close=contour.closed, dxfattribs=look)
+            line.lwpoints.set(np.pad(places, ((0, 0), (0, 3))))
     comments = ascii_entries_of(facts_of(result))
     comments |= {
         _SHAPE: " ".join(map(str, result.shape)),

@@ -24,7 +24,8 @@ from cpm_core.field.scale_field import FAINTEST, ScaleField
 from cpm_core.image.regions import BarrierMap, crosses
 from cpm_core.model.coverage import cell_of
 from cpm_core.model.equations import NEAR, STRIDE, STRIDE_ROOM, first_of
-from cpm_core.model.plane.repulsion import Cells, build_cells, cells_around, row_of_cells
+from cpm_core.model.plane.motion import edge_at
+from cpm_core.model.plane.repulsion import Cells, cells_around, row_of_cells
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Index, Mask, Single
@@ -53,53 +54,62 @@ class EdgeContact:
     cells: Cells
 
 
-_LEAST_CELL = 4.0
-"""Least side of a cell, which limits the memory however small the distance of the search [px]."""
-
-_WORTH_A_THREAD = 10_000
-"""Particles from which a second thread makes the search faster."""
+_WORTH_A_THREAD = 4000
+"""Particles from which a second thread examines them faster."""
 
 
-def deletion(positions: Array, strength: Array, shape: tuple[int, ...], d_min: float) -> Mask:
-    """Which of the particles at `positions`, shape (N, 2), stay, shape (N,), on an image of this shape.
+def examined(cells: Cells, has_moved: Mask, scale_field: ScaleField, d_min: float) -> tuple[EdgeContact, Mask]:
+    """Edge contact of the particles in `cells`, and which have another one nearer than half of `d_min` [px].
 
-    Of two nearer than ``d_min / 2`` [px] the one on the weaker edge is deleted; with equal `strength`, shape (N,), the
-    later one.
+    Of two such particles at least one is among those that have moved since the last time, `has_moved`, shape (N,).
     """
-    places = np.ascontiguousarray(positions, dtype=float)
-    cells = build_cells(places, shape, max(d_min, _LEAST_CELL))
-    return thinned(places, strength, cells, np.ones(len(places), np.bool_), d_min)
-
-
-def thinned(position: Array, strength: Array, cells: Cells, has_moved: Mask, d_min: float) -> Mask:
-    """Which particles stay, shape (N,), by the rule of `deletion`, where only some have moved since its last use.
-
-    `position`, shape (N, 2), are all of them; `has_moved`, shape (N,), marks the particles that have moved or are new.
-    """
-    count = len(position)
-    kept = np.ones(count, np.bool_)
-    share(partial(_find_close, cells, has_moved, NEAR * d_min, kept), count, _WORTH_A_THREAD)
-    close = np.flatnonzero(~kept)
-    if len(close):
-        order = close[np.argsort(-strength[close], kind="stable")]
-        kept[order] = first_of(position[order], NEAR * d_min)
-    return kept
+    count = len(cells.order)
+    edge, close = (np.empty(count), np.empty(count, np.bool_), np.empty((count, 2))), np.zeros(count, np.bool_)
+    work = partial(_examine, cells, has_moved, NEAR * d_min, scale_field.packed, scale_field.floor, edge, close)
+    share(work, count, _WORTH_A_THREAD)
+    return EdgeContact(*edge, cells), close
 
 
 @compiled
-def _find_close(cells: Cells, has_moved: Mask, distance: float, alone: Mask, first: int, last: int) -> None:
-    """Mark the particles with another one nearer than a distance as not alone; one of each pair has moved."""
+def _examine(
+    cells: Cells,
+    has_moved: Mask,
+    distance: float,
+    packed: Single,
+    floor: float,
+    edge: tuple[Array, Mask, Array],
+    close: Mask,
+    first: int,
+    last: int,
+) -> None:
+    """Write what `examined` returns for some of the sorted particles."""
+    strength, on_edge, normal = edge
     for k in range(first, last):
-        if not has_moved[cells.order[k]]:
+        i, y, x = cells.order[k], cells.y[k], cells.x[k]
+        strength[i], on_edge[i], normal[i, 0], normal[i, 1] = edge_at(packed, y, x, floor)
+        if not has_moved[i]:
             continue
-        y, x = cells.y[k], cells.x[k]
         top, bottom, left, right = cells_around(cells, y, x, distance)
         for row in range(top, bottom + 1):
             start, end = row_of_cells(cells, row, left, right)
             for other in range(start, end):
                 squared = (cells.y[other] - y) ** 2 + (cells.x[other] - x) ** 2
                 if squared < distance * distance and other != k:
-                    alone[cells.order[k]] = alone[cells.order[other]] = False
+                    close[i] = close[cells.order[other]] = True
+
+
+def deletion(position: Array, strength: Array, d_min: float, close: Mask | None = None) -> Mask:
+    """Which of the particles at `position`, shape (N, 2), stay, shape (N,).
+
+    Of two nearer than ``d_min / 2`` [px] the one on the weaker edge is deleted; with equal `strength`, shape (N,), the
+    later one. Where it is known which have such a neighbor, they are marked in `close`, shape (N,).
+    """
+    near = np.arange(len(position)) if close is None else np.flatnonzero(close)
+    kept = np.ones(len(position), np.bool_)
+    if len(near):
+        order = near[np.argsort(-strength[near], kind="stable")]
+        kept[order] = first_of(position[order], NEAR * d_min)
+    return kept
 
 
 CROWD_RANGE, CROWD = 1.5, 3
@@ -184,7 +194,7 @@ _MOST_NEAR, _NEAR_RANGE = 64, 2.75
 _FULL = 1_000_000
 """More than any number of particles: the count around a position where a particle is too near."""
 
-_SEARCHES_A_THREAD = 400
+_SEARCHES_A_THREAD = 600
 """Particles from which a second thread makes the search faster."""
 
 
@@ -255,7 +265,7 @@ def _find_places(
     """Let some of the sorted particles search for positions, each as if alone; `present` is in their order."""
     # a wider range contains more particles
     most = min(int(_MOST_NEAR * max(1.0, rule.range / (_NEAR_RANGE * rule.d_min)) ** 2), len(cells.order) + 1)
-    near_y, near_x, index = np.empty(most + 1), np.empty(most + 1), np.empty(most + 1, np.int64)
+    near, index = np.empty((2, most + 1)), np.empty(most + 1, np.int64)
     here, there = np.empty(2), np.empty(2)
     present, thorough = search.present, search.thorough
     for k in range(first, last):
@@ -266,23 +276,24 @@ def _find_places(
         n_y, n_x = normal[i, 0], normal[i, 1]
         if not thorough[i] and _is_flanked(cells, present, y, x, n_y, n_x, _FLANK * rule.d_min):
             continue
-        length = _list_near(cells, present, y, x, rule.range, near_y, near_x, index)
+        length = _list_near(cells, present, y, x, rule.range, near, index)
         if length == most:
             continue
         faintest = max(rule.floor, FAINTEST * strength[i])
         for n in range(length + len(turns) if search.ahead[i] else length):
             j, far_y, far_x = i, y, x
             if n < length:
-                j, far_y, far_x = index[n], near_y[n], near_x[n]
-                if not (eligible[j] and (j > i or not thorough[j])):
+                j, far_y, far_x = index[n], near[0, n], near[1, n]
+                apart = rule.d_min**2 < (far_y - y) ** 2 + (far_x - x) ** 2 <= rule.reach**2
+                if not (apart and eligible[j] and (j > i or not thorough[j])):
                     continue
-                found = _halfway(near_y, near_x, length, y, x, far_y, far_x, packed, faintest, rule)
+                found = _halfway(near, length, y, x, far_y, far_x, packed, faintest, rule)
             else:
                 down, right = turns[n - length, 0], turns[n - length, 1]
                 across = (down * n_y + right * n_x) ** 2
                 if (n - length - turn) % (len(turns) // 2) and not across <= _ALONG * (n_y**2 + n_x**2):
                     continue
-                found = _ahead(near_y, near_x, length, y, x, down, right, packed, faintest, rule)
+                found = _ahead(near, length, y, x, down, right, packed, faintest, rule)
                 far_y, far_x = found[1], found[2]
             if not found[0] or offers.number[i] == _MOST_PLACES:
                 continue
@@ -302,8 +313,7 @@ def _offer(offers: _Offers, i: int, j: int, found: Place) -> None:
 
 @compiled
 def _halfway(
-    near_y: Array,
-    near_x: Array,
+    near: Array,
     length: int,
     y: float,
     x: float,
@@ -314,23 +324,21 @@ def _halfway(
     rule: Rule,
 ) -> Place:
     """Midpoint of two particles, if it is free and the ridge next to it does not belong to another row."""
-    squared = (far_y - y) ** 2 + (far_x - x) ** 2
-    if not rule.d_min**2 < squared <= rule.reach**2:
-        return False, y, x, 0.0, _FULL
-    keep = 0.5 * np.sqrt(squared) - 1e-9  # nothing between: no particle in the circle over the pair
+    keep = (
+        0.5 * np.sqrt((far_y - y) ** 2 + (far_x - x) ** 2) - 1e-9
+    )  # nothing between: no particle in the circle over the pair
     p_y, p_x = 0.5 * (y + far_y), 0.5 * (x + far_x)
-    about = _crowd(near_y, near_x, length, p_y, p_x, keep, rule.d_min)
+    about = _crowd(near, length, p_y, p_x, keep, rule.d_min)
     free = about <= CROWD
     if free:
         free, c_y, c_x = _relax(packed, faintest, 0.5 * rule.d_min, p_y, p_x)
-        free = free and _crowd(near_y, near_x, length, c_y, c_x, keep, rule.d_min) <= CROWD
+        free = free and _crowd(near, length, c_y, c_x, keep, rule.d_min) <= CROWD
     return free, p_y, p_x, keep, about
 
 
 @compiled
 def _ahead(
-    near_y: Array,
-    near_x: Array,
+    near: Array,
     length: int,
     y: float,
     x: float,
@@ -343,11 +351,11 @@ def _ahead(
     """Position one stride from a particle, if its edge, or one that meets it, continues there and is free."""
     keep, about = STRIDE_ROOM * rule.d_min, _FULL
     p_y, p_x = y + STRIDE * rule.d_min * down, x + STRIDE * rule.d_min * right
-    free = _crowd(near_y, near_x, length, p_y, p_x, keep, rule.d_min) < _FULL  # cheap, and few directions pass
+    free = _crowd(near, length, p_y, p_x, keep, rule.d_min) < _FULL  # cheap, and few directions pass
     if free:
         free, p_y, p_x = _relax(packed, faintest, 0.5 * rule.d_min, p_y, p_x)
     if free:
-        about = _crowd(near_y, near_x, length, p_y, p_x, keep, rule.d_min)
+        about = _crowd(near, length, p_y, p_x, keep, rule.d_min)
         free = about <= CROWD
     return free, p_y, p_x, keep, about
 
@@ -369,28 +377,26 @@ def _is_flanked(cells: Cells, present: Mask, y: float, x: float, n_y: float, n_x
 
 
 @compiled
-def _list_near(
-    cells: Cells, present: Mask, y: float, x: float, distance: float, near_y: Array, near_x: Array, index: Index
-) -> int:
+def _list_near(cells: Cells, present: Mask, y: float, x: float, distance: float, near: Array, index: Index) -> int:
     """List the particles around a position; return how many they are, or one less than fit in if they are more."""
     length = 0
     top, bottom, left, right = cells_around(cells, y, x, distance)
     for row in range(top, bottom + 1):
         first, last = row_of_cells(cells, row, left, right)
         for k in range(first, last):
-            near_y[length], near_x[length], index[length] = cells.y[k], cells.x[k], cells.order[k]
+            near[0, length], near[1, length], index[length] = cells.y[k], cells.x[k], cells.order[k]
             # what does not count is overwritten by the next one, which is cheaper than a branch
             counts = ((cells.y[k] - y) ** 2 + (cells.x[k] - x) ** 2 < distance**2) & present[k]
-            length += counts & (length < len(near_y) - 1)
+            length += counts & (length < len(index) - 1)
     return length
 
 
 @compiled
-def _crowd(near_y: Array, near_x: Array, length: int, y: float, x: float, room: float, d_min: float) -> int:
+def _crowd(near: Array, length: int, y: float, x: float, room: float, d_min: float) -> int:
     """Number of particles around a position; more than any number if one is nearer than `room`."""
     crowd = 0
     for n in range(length):
-        squared = (near_y[n] - y) ** 2 + (near_x[n] - x) ** 2
+        squared = (near[0, n] - y) ** 2 + (near[1, n] - x) ** 2
         crowd += 1 if squared < (CROWD_RANGE * d_min) ** 2 else 0
         crowd += _FULL if squared < room * room else 0
     return crowd

@@ -20,7 +20,7 @@ from cpm_core.field.scale_field import ScaleField
 from cpm_core.model.plane.births import deletion
 from cpm_core.numerics.types import Array
 
-Labels = NDArray[np.int64]
+Labels = NDArray[np.int32]
 
 RESEEDINGS = 3
 """Greatest number of reseedings until parameters are changed."""
@@ -59,8 +59,7 @@ def reseeding_places(scale_field: ScaleField, positions: Array) -> Array:
     blocked = np.zeros(scale_field.shape, bool)
     if len(scale_field.barrier_map.segments):
         blocked = scale_field.barrier_map.clearance < _AT_BARRIER
-    regions = _enclosed(scale_field.edge_map < scale_field.floor, blocked)
-    rims, region_of = _rims(regions)
+    rims, region_of = _rims(_enclosed(scale_field.edge_map < scale_field.floor, blocked))
     if not len(region_of):
         return none
     place = np.argwhere(rims > 0)
@@ -73,7 +72,7 @@ def reseeding_places(scale_field: ScaleField, positions: Array) -> Array:
     known[region_of[covered >= _COVERED]] = True
     missing = ~near & known[region_of][number]
     places: Array = place[missing & (_stretch(place, missing, scale_field.shape) >= _LEAST_STRETCH)].astype(float)
-    return places[deletion(places, np.zeros(len(places)), scale_field.shape, 2.0 * _STRIDE)]
+    return places[deletion(places, np.zeros(len(places)), 2.0 * _STRIDE)]
 
 
 def _has_near(scale_field: ScaleField, place: NDArray[np.int64], positions: Array, reach: float) -> NDArray[np.bool_]:
@@ -95,8 +94,7 @@ def _stretch(place: NDArray[np.int64], chosen: NDArray[np.bool_], shape: tuple[i
     mask = np.zeros(shape, bool)
     mask[tuple(place[chosen].T)] = True
     labels, _ = scipy.ndimage.label(mask, structure=np.ones((3, 3), bool))
-    size = np.bincount(labels.ravel())
-    size[0] = 0
+    size = np.bincount(labels[tuple(place[chosen].T)], minlength=int(labels.max()) + 1)
     return size[labels[tuple(place.T)]]
 
 
@@ -104,10 +102,12 @@ def _enclosed(free: NDArray[np.bool_], blocked: NDArray[np.bool_]) -> Labels:
     """Number the regions between edges that touch neither the image border nor a barrier."""
     labels, count = scipy.ndimage.label(free)
     outside = np.unique(np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1], labels[blocked]]))
-    small = np.flatnonzero(np.bincount(labels.ravel(), minlength=count + 1) < _LEAST_AREA)
+    sizes = sum(np.bincount(part.ravel(), minlength=count + 1) for part in np.array_split(labels, 16))
+    small = np.flatnonzero(sizes < _LEAST_AREA)
     dropped = np.zeros(count + 1, bool)
     dropped[outside], dropped[small], dropped[0] = True, True, True
-    return np.where(dropped[labels], 0, labels).astype(np.int64)
+    labels[dropped[labels]] = 0
+    return np.asarray(labels, np.int32)
 
 
 def _rims(regions: Labels) -> tuple[Labels, Labels]:
@@ -115,14 +115,16 @@ def _rims(regions: Labels) -> tuple[Labels, Labels]:
 
     Returns
     -------
-    rims : ndarray of int64
+    rims : ndarray of int32
         Number of the rim that each pixel lies on, 0 for none.
     region_of : ndarray of int64
         Region of each rim; entry 0 is unused.
     """
     eight = np.ones((3, 3), bool)
-    beside = np.where(regions > 0, 0, scipy.ndimage.maximum_filter(regions, size=3, mode="nearest"))
-    rims = np.zeros_like(regions)
+    beside = scipy.ndimage.maximum_filter(regions, size=3, mode="nearest")
+    beside[regions > 0] = 0
+    rims = regions  # whose memory takes the rims
+    rims[...] = 0
     region_of = [np.zeros(1, np.int64)]
     count = 0
     windows = cast("list[tuple[slice, ...] | None]", scipy.ndimage.find_objects(beside))

@@ -123,7 +123,7 @@ Four = tuple[float, float, float, float]
 _PAIRS_A_NODE = 28
 """Pairs that are summed in the time of one node of the padded mesh, divided by the steps for which the mesh is used."""
 
-_WORTH_A_THREAD = 400
+_WORTH_A_THREAD = 800
 """Particles from which a second thread makes the step faster."""
 
 
@@ -156,8 +156,7 @@ def move(particles: Particles, idle: Index, mesh: MeshForce, scale_field: ScaleF
     moved = Moved.unset(particles)
     before, after = (particles.velocity, particles.force, particles.distance), moved.particles
     motion = (after.position, after.velocity, after.force, after.distance, moved.motion)
-    contact, packed = (moved.strength, moved.on_edge, moved.normal), scale_field.packed
-    work = partial(_move, cells, packed, idle, mesh, damped, law, before, motion, contact, scale_field.floor)
+    work = partial(_move, cells, scale_field.packed, idle, mesh, damped, law, before, motion)
     share(work, len(particles), _WORTH_A_THREAD)
     return moved
 
@@ -176,15 +175,12 @@ def _move(
     law: Law,
     before: tuple[Array, Array, Array],
     after: tuple[Array, Array, Array, Array, Array],
-    contact: tuple[Array, Mask, Array],
-    floor: float,
     first: int,
     last: int,
 ) -> None:
     """Move some of the sorted particles."""
     velocity, force, distance = before
     to_position, to_velocity, to_force, to_distance, motion = after
-    strength, on_edge, normal = contact
     coulomb = np.zeros((last - first, 2))
     _repel(cells, idle, mesh, law, coulomb, first, last)
     for k in range(first, last):
@@ -195,7 +191,7 @@ def _move(
                     packed[row, col, 0] + packed[row, col + 1, 4],
                     packed[row + 1, col, 0] + packed[row + 1, col + 1, 4],
                 )
-                strength[cells.order[n]] = upper + lower
+                motion[cells.order[n]] = upper + lower
         i, y, x = cells.order[k], cells.y[k], cells.x[k]
         v_y, v_x = velocity[i, 0], velocity[i, 1]
         to_y, to_x = y, x
@@ -212,8 +208,6 @@ def _move(
         to_distance[i, 1], to_distance[i, 2], to_distance[i, 3] = distance[i, 0], distance[i, 1], distance[i, 2]
         to_distance[i, 0] = np.sqrt(to_y**2 + to_x**2)
         motion[i] = np.sqrt((to_y - y) ** 2 + (to_x - x) ** 2)
-        found = edge_at(packed, to_y, to_x, floor)
-        strength[i], on_edge[i], normal[i, 0], normal[i, 1] = found
 
 
 @compiled
@@ -223,16 +217,20 @@ def _repel(cells: Cells, idle: Index, mesh: MeshForce, law: Law, coulomb: Array,
     room = len(cells.order) + LANES
     near, sums = np.empty((3, room), np.float32), np.empty((room, 4))
     bits, reach = near[2].view(np.int32), np.float32(mesh.reach)
-    end = first
+    end, listed, length, own = first, -1, 0, 0
     while end < last:
         k = end
-        row, col = cell_of(cells.y[k], cells.size, cells.rows), cell_of(cells.x[k], cells.size, cells.cols)
-        end, awake = min(cells.start[row * cells.cols + col + 1], last), False
-        for n in range(k, end):
-            awake |= repulsion_left(idle[cells.order[n]]) > 0.0
-        if not awake:
+        if repulsion_left(idle[cells.order[k]]) == 0.0:
+            end += 1
             continue
-        length, own = gather(cells, row, col, near)
+        row, col = cell_of(cells.y[k], cells.size, cells.rows), cell_of(cells.x[k], cells.size, cells.cols)
+        cell = row * cells.cols + col
+        if cell != listed:
+            listed = cell
+            length, own = gather(cells, row, col, near)
+        beyond = min(cells.start[cell + 1], last)
+        while end < beyond and repulsion_left(idle[cells.order[end]]) > 0.0:
+            end += 1
         pair_sums(near, bits, length, own + k, own + end, reach, softening, sums)
         for n in range(k, end):
             y, x, left = cells.y[n], cells.x[n], repulsion_left(idle[cells.order[n]])

@@ -28,7 +28,7 @@ from cpm_core.model.equations import (
 )
 from cpm_core.model.interventions import start_scale
 from cpm_core.model.measures import PAIR, Energies, Forces, kinetic_energy
-from cpm_core.model.plane.births import EdgeContact, Search, insertion, search_range, thinned
+from cpm_core.model.plane.births import Search, deletion, examined, insertion, search_range
 from cpm_core.model.plane.enclosed_regions import RESEEDINGS, reseeding_places
 from cpm_core.model.plane.motion import contact_at, held_back, is_at_rest, mesh_force_of, move
 from cpm_core.model.plane.repulsion import build_cells, pair_energy
@@ -173,7 +173,7 @@ def displaced(state: State, idle: Index, scale_field: ScaleField, parameters: Pa
     moved = move(particles, idle, mesh, scale_field, parameters)
     held = held_back(scale_field.barrier_map, particles, moved.particles)
     if held is not moved.particles:
-        moved = Moved.held_at(held, particles.position, contact_at(held.position, scale_field))
+        moved = Moved.held_at(held, particles.position)
     inside = inside_image(held.position, scale_field.shape)
     left = len(held) - int(np.count_nonzero(inside))
     if left:
@@ -204,8 +204,8 @@ def populated(
         return replace(state, annealed=annealed, idle=state.idle + 1)
     particles, step, has_moved = state.particles, state.step_of_scale, moved.motion > 0.0
     cells = build_cells(particles.position, scale_field.shape, search_range(parameters))
-    contact = EdgeContact(moved.strength, moved.on_edge, moved.normal, cells)
-    kept = thinned(particles.position, moved.strength, cells, has_moved, parameters.d_min)
+    contact, close = examined(cells, has_moved, scale_field, parameters.d_min)
+    kept = deletion(particles.position, contact.strength, parameters.d_min, close)
     coverage, new = cover(state.coverage, particles.position, contact.on_edge & kept, step)
     round_ = state.step // every
     front = idle_at(coverage, particles.position, step, state.idle) < _FRONT
@@ -213,11 +213,9 @@ def populated(
     d_max = state.annealed * parameters.d_max
     births = insertion(contact, search, scale_field, d_max, parameters, round_)
     born, deleted = len(births.position), len(kept) - int(np.count_nonzero(kept))
-    if born:
-        particles = particles.joined_by(births.position, births.parent, births.other, state.next_identity)
-    if deleted:  # in the order of their cells: what is near in space is then near in memory
-        stay = contact.cells.order[kept[contact.cells.order]]
-        particles = particles.taken(np.concatenate([stay, np.arange(len(kept), len(kept) + born)]))
+    if deleted or born:  # in the order of their cells: what is near in space is then near in memory
+        stay = cells.order[kept[cells.order]] if deleted else np.arange(len(kept))
+        particles = particles.renewed(stay, births.position, births.parent, births.other, state.next_identity)
     return replace(
         state,
         particles=particles,
@@ -255,7 +253,8 @@ _LEAST_STEPS = 400
 def advanced(state: State, scale_field: ScaleField, regions: AnyRegions | None, parameters: Parameters) -> State:
     """End a scale or the run at equilibrium or after the greatest number of steps; else return the state."""
     quiet = is_quiet(state.epsilon, state.moving, state.born + state.deleted, state.count)
-    state = replace(state, quiet=state.quiet + 1 if quiet else 0)
+    if quiet or state.quiet:
+        state = replace(state, quiet=state.quiet + 1 if quiet else 0)
     most = max(_LEAST_STEPS, int(_STEPS_A_PIXEL * max(scale_field.shape)))
     overdue = state.step_of_scale - state.reactivated >= most
     if state.scale > 0:

@@ -209,7 +209,7 @@ def move(
     work = partial(_move, turn, cells, idle, before, old.seated, (*moving, new.normal, new.strength), new.seated, *felt)
     share(work, len(turn), _WORTH_A_THREAD)
     distance[:, 0] = lengths(after.position)
-    return Moved(after, lengths(after.position - particles.position), new.strength, new.seated, new.normal)
+    return Moved(after, lengths(after.position - particles.position))
 
 
 def parts_of_force(

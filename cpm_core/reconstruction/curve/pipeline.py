@@ -54,7 +54,7 @@ def find_contours(
     on_edge = positions[scale_field.strength(positions) >= scale_field.floor]
     points, found = ridge_points(on_edge, scale_field)
     points = points[found & ~scale_field.barrier_map.crossed(on_edge, points)]
-    kept = deletion(points, scale_field.strength(points), scale_field.shape, parameters.d_min)
+    kept = deletion(points, scale_field.strength(points), parameters.d_min)
     reach = max(parameters.d_min + parameters.d_max, _LEAST_REACH * parameters.d_min)
     graph = Graph(*trace(points[kept], scale_field, parameters.d_min, at_rest))
     if scale_field.reached is not None:

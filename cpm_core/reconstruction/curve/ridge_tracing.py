@@ -95,7 +95,7 @@ def _image_seeds(points: Array, ridge: Ridge, reach: Reach) -> Seeds:
     pixel = row * shape[1] + col
     order = np.argsort(pixel, kind="stable")
     first = np.diff(pixel[order], prepend=-1) > 0
-    head, following = np.full(shape, -1, np.int64), np.full(len(place), -1, np.int64)
+    head, following = np.full(shape, -1, np.int32), np.full(len(place), -1, np.int64)
     head.ravel()[pixel[order[first]]] = order[first]
     following[order[:-1]] = np.where(first[1:], -1, order[1:])
     return Seeds(place, ahead, head, following)

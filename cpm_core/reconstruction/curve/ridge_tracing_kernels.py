@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cpm_core.field.scale_field import FAINTEST
 from cpm_core.image.regions import BarrierMap, crosses
@@ -56,7 +57,7 @@ class Seeds(NamedTuple):
     ----------
     place, ahead : ndarray, shape (N, 2)
         Positions [px], and the direction of the ridge there; zero where there is none.
-    head : ndarray of int64, shape (H, W)
+    head : ndarray of int32, shape (H, W)
         First seed of each pixel, -1 for none.
     following : ndarray of int64, shape (N,)
         Next seed of the same pixel, -1 at the end.
@@ -64,7 +65,7 @@ class Seeds(NamedTuple):
 
     place: Array
     ahead: Array
-    head: Index
+    head: NDArray[np.int32]
     following: Index
 
 

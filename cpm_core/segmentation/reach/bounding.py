@@ -24,7 +24,7 @@ from cpm_core.field.edge_map import background_strength, gradient, magnitude
 from cpm_core.field.scale_field import WEAKEST_EDGE
 from cpm_core.numerics.grids import parts_joined
 from cpm_core.numerics.types import Array, Mask
-from cpm_core.segmentation.reach.drawn_area import LEAST_PLACES, drawn_area, hollow_part, radius_of
+from cpm_core.segmentation.reach.drawn_area import LEAST_PLACES, drawn_area, hollow_part, is_everywhere, radius_of
 from cpm_core.segmentation.reach.surrounded import Labels, flooded, surrounded
 
 _SIGMA_OF_RADIUS, _LEAST_SIGMA, _MOST_SIGMA = 0.1, 1.0, 4.0
@@ -104,6 +104,8 @@ def bounds_of(values: Array, start: Array, closed: Mask, beta: float) -> Bounds 
     beta : float
         Damping: the less, the stronger an edge must be to hold a particle.
     """
+    if is_everywhere(start, values.shape):
+        return None
     return _bounds_of(values, *_drawn(start, values.shape), closed, beta)
 
 

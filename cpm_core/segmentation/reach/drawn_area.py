@@ -21,6 +21,9 @@ _LEAST_LINK = 2.0
 _HOLLOW = 3.0
 """Multiple of that distance from all particles beyond which a place is enclosed rather than covered."""
 
+_EVEN_SIDE, _EVEN_SHARE = 1.5, 0.95
+"""Side of cells, in mean distances of particles, and the share of them with particles, of a start from everywhere."""
+
 LEAST_PLACES = 8
 """Places from which they are a drawn shape; fewer are clicks, and are drawn around nothing."""
 
@@ -67,6 +70,14 @@ def _in_hull(on: Mask, parts: NDArray[np.integer[Any]], count: int) -> Mask:
     hull: Callable[[Mask], Mask] = skimage.morphology.convex_hull_image
     share = np.asarray(scipy.ndimage.mean(hull(on), parts, np.arange(count + 1)))
     return (share >= _WITHIN) & (np.arange(count + 1) > 0)
+
+
+def is_everywhere(points: Array, shape: tuple[int, ...]) -> bool:
+    """Whether particles, shape (N, 2) [px], lie evenly all over an image of this shape, as a uniform grid does."""
+    side = _EVEN_SIDE * np.sqrt(np.prod(shape) / max(len(points), 1))
+    cells = tuple(int(np.ceil(n / side)) for n in shape)
+    place = np.clip((points + 0.5) / side, 0, np.array(cells) - 1).astype(int)
+    return bool(np.count_nonzero(np.bincount(place[:, 0] * cells[1] + place[:, 1])) > _EVEN_SHARE * np.prod(cells))
 
 
 def hollow_part(points: Array, area: Mask) -> Mask:

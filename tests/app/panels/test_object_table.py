@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from PySide6.QtCore import QPoint, QRect, Qt
+from PySide6.QtCore import QCoreApplication, QPoint, QRect, Qt
 from PySide6.QtWidgets import QLineEdit, QMenu
 
 from app.model.document.edits import set_pixel_size
@@ -80,7 +80,7 @@ def table(window, hand, panel):
     """The table of a window with a square frame and a dot in its hole."""
     items = SegmentedObjects((FRAME, DOT))
     window.session.edit("draw", lambda document: replace(document, objects=items))
-    hand.wait(lambda: "–" not in panel.table.column("gray"))
+    hand.wait(lambda: "–" not in column(panel.table, "gray"))
     return panel.table
 
 
@@ -94,7 +94,14 @@ def drawn(window, panel):
     return panel.table
 
 
+def column(table, name: str) -> list[str]:
+    """The texts of a column, once the table shows what there is."""
+    QCoreApplication.processEvents()
+    return table.column(name)
+
+
 def cell(table, row: int, column: str = "name") -> QRect:
+    QCoreApplication.processEvents()
     index = table.model().index(row, table.number(column))
     table.scrollTo(index)
     return table.visualRect(index)
@@ -120,19 +127,19 @@ def test_it_measures_what_the_boundaries_enclose_without_holes(window, table) ->
     inside = np.zeros(values.shape, bool)
     inside[10:50, 10:50] = True
     inside[20:30, 20:30] = False
-    assert table.column("area") == ["1,500", "16"]
-    assert table.column("length") == ["200", "16"]
-    assert table.column("gray") == [f"{values[inside].mean():.0f}", f"{values[22:26, 22:26].mean():.0f}"]
-    assert table.column("gaps") == ["12", "–"]
-    assert table.column("confidence") == ["75 %", "–"]
-    assert table.column("class") == ["object", "class 2"]
+    assert column(table, "area") == ["1,500", "16"]
+    assert column(table, "length") == ["200", "16"]
+    assert column(table, "gray") == [f"{values[inside].mean():.0f}", f"{values[22:26, 22:26].mean():.0f}"]
+    assert column(table, "gaps") == ["12", "–"]
+    assert column(table, "confidence") == ["75 %", "–"]
+    assert column(table, "class") == ["object", "class 2"]
 
 
 def test_lengths_and_areas_are_in_the_unit_of_the_image(window, hand, table) -> None:
     session = window.session
     session.edit("size of a pixel", lambda d: set_pixel_size(d, (0.5, 0.25), "µm"))
-    assert table.column("area") == [f"{1500 * 0.125:.0f}", "2"]
-    assert table.column("length") == [f"{math.fsum((160 * 0.375, 40 * 0.375)):.3g}", "6"]
+    assert column(table, "area") == [f"{1500 * 0.125:.0f}", "2"]
+    assert column(table, "length") == [f"{math.fsum((160 * 0.375, 40 * 0.375)):.3g}", "6"]
     tip = table.model().headerData(3, Qt.Orientation.Horizontal, Qt.ItemDataRole.ToolTipRole)
     assert tip.endswith("µm²")
 
@@ -156,7 +163,7 @@ def test_a_click_on_a_row_chooses_its_object_and_a_heading_sorts(window, hand, t
     header, area = table.horizontalHeader(), table.number("area")
     at = QPoint(header.sectionViewportPosition(area) + 8, header.height() // 2)
     hand.qtbot.mouseClick(header.viewport(), LEFT, pos=at)
-    assert table.column("number") == ["2", "1"]
+    assert column(table, "number") == ["2", "1"]
     assert window.workspace.object_list.chosen == {2}
     choose(hand, table, 1, CONTROL)
     assert window.workspace.object_list.chosen == {1, 2}
@@ -168,9 +175,9 @@ def test_a_contour_along_the_boundary_of_an_object_or_a_proposal_is_no_row(windo
     part = Contour(np.array(square(9.5, 9.5, SIDE))[:3], False, 1.0)
     away = Contour(np.array(square(52.5, 52.5, 5.0)), True, 1.0)
     shown_contours(window, Contour(np.array(near), True, 1.0), part, away)
-    assert table.column("class") == ["object", "class 2", "closed"]
+    assert column(table, "class") == ["object", "class 2", "closed"]
     offer((52.5, 52.5, 5.0))
-    assert table.column("class") == ["object", "class 2", "proposal"]
+    assert column(table, "class") == ["object", "class 2", "proposal"]
 
 
 def test_the_filter_limits_the_rows_and_keeps_the_selection_and_the_summary_counts(
@@ -179,14 +186,14 @@ def test_the_filter_limits_the_rows_and_keeps_the_selection_and_the_summary_coun
     window.session.edit("draw", lambda document: replace(document, objects=SegmentedObjects((DOT,))))
     offer((50.5, 50.5, 8.0))
     assert panel.summary.text() == "1 object, 1 proposal, 4 closed contours, 1 open contour"
-    choose(hand, drawn, drawn.column("class").index("open"))
+    choose(hand, drawn, column(drawn, "class").index("open"))
     hand.qtbot.keyClick(drawn, KEY.Key_Delete)
     counts = []
     for choice in range(panel.shown.count()):
         panel.shown.setFocus()
         while panel.shown.currentIndex() != choice:
             hand.qtbot.keyClick(panel.shown, KEY.Key_Down if choice > panel.shown.currentIndex() else KEY.Key_Up)
-        counts.append(len(drawn.column("number")))
+        counts.append(len(column(drawn, "number")))
     assert counts == [7, 1, 1, 4, 1]
     assert {row.kind for row in window.workspace.object_list.selected_rows} == {"rejected"}
     assert len(drawn.selectionModel().selectedRows()) == 1
@@ -199,11 +206,11 @@ def test_accepted_closed_contours_are_objects_with_those_directly_in_them_as_hol
     (one,) = items(window)
     assert one.area == pytest.approx(900.0 - 144.0)
     assert undo_name(window).startswith("accept")
-    assert drawn.column("class").count("closed") == 2
+    assert column(drawn, "class").count("closed") == 2
     hand.canvas.setFocus()
     hand.key(KEY.Key_Z, CONTROL)
     assert items(window) == ()
-    assert drawn.column("class").count("closed") == 4
+    assert column(drawn, "class").count("closed") == 4
 
 
 def test_several_rows_of_any_kind_are_accepted_in_one_step_and_open_contours_are_kept(
@@ -226,7 +233,7 @@ def test_a_rejected_object_goes_and_is_listed_as_rejected_until_it_is_accepted_a
     choose(hand, table, 1)
     hand.key(KEY.Key_X)
     assert items(window) == (FRAME,)
-    assert table.column("class") == ["object", "rejected"]
+    assert column(table, "class") == ["object", "rejected"]
     assert window.session.document.objects.rejected == (DOT,)
     choose(hand, table, 1)
     window.actions_by_name["accept"].trigger()
@@ -237,18 +244,18 @@ def test_rejected_contours_are_undone_together(window, hand, drawn) -> None:
     choose(hand, drawn, 0)
     choose(hand, drawn, 2, SHIFT)
     hand.key(KEY.Key_X)
-    assert drawn.column("class").count("rejected") == 3
+    assert column(drawn, "class").count("rejected") == 3
     assert hand.canvas.layers.contours.rejected.count == 3
     assert undo_name(window) == "reject 3 contours"
     hand.key(KEY.Key_Z, CONTROL)
-    assert drawn.column("class").count("rejected") == 0
+    assert column(drawn, "class").count("rejected") == 0
 
 
 def test_a_digit_accepts_and_classes_and_the_second_class_asks_for_its_name(window, hand, drawn) -> None:
     choose(hand, drawn, 2)
     hand.qtbot.keyClick(drawn, KEY.Key_1)
     assert [item.category for item in items(window)] == [1]
-    choose(hand, drawn, drawn.column("class").index("closed"))
+    choose(hand, drawn, column(drawn, "class").index("closed"))
     hand.qtbot.keyClick(drawn, KEY.Key_2)
     assert [item.category for item in items(window)] == [1, 2]
     field = window.feature(ObjectsFeature).panel.classes[2].name
@@ -256,7 +263,7 @@ def test_a_digit_accepts_and_classes_and_the_second_class_asks_for_its_name(wind
     hand.qtbot.keyClicks(field, "vessel")
     hand.qtbot.keyClick(field, KEY.Key_Return)
     assert hand.canvas.hasFocus()
-    assert "2 vessel" in drawn.column("class")
+    assert "2 vessel" in column(drawn, "class")
     assert "2" not in undo_name(window)
 
 
@@ -274,7 +281,7 @@ def test_classes_are_listed_once_they_are_used_and_have_names_and_colors_in_the_
     choose(hand, table, 1)
     hand.qtbot.mouseClick(panel.classes[3].digit, LEFT)
     assert [item.category for item in items(window)] == [1, 3]
-    assert table.column("class") == ["1 bone", "class 3"]
+    assert column(table, "class") == ["1 bone", "class 3"]
 
 
 def test_keys_classify_and_remove_the_chosen_objects(window, hand, table) -> None:
@@ -308,7 +315,7 @@ def test_objects_are_hidden_and_frozen(window, hand, table) -> None:
     choose(hand, table, 1)
     window.actions_by_name["hide_object"].trigger()
     assert layer.fills.count == 1
-    assert (window.actions_by_name["hide_object"].text(), table.column("state")[1]) == ("Show", "hidden")
+    assert (window.actions_by_name["hide_object"].text(), column(table, "state")[1]) == ("Show", "hidden")
     window.actions_by_name["hide_object"].trigger()
     window.actions_by_name["freeze_object"].trigger()
     assert items(window)[1].frozen
@@ -321,7 +328,7 @@ def test_a_double_click_names_a_contour_which_accepts_it(window, hand, drawn) ->
     hand.qtbot.keyClicks(editor, "xenon")  # the first letter is a key of the window as well
     hand.qtbot.keyClick(editor, KEY.Key_Return)
     hand.wait(lambda: [item.name for item in items(window)] == ["xenon"])
-    assert drawn.column("name")[0] == "xenon"
+    assert column(drawn, "name")[0] == "xenon"
 
 
 def test_a_color_is_that_of_objects_and_contours_alike(window, hand, drawn) -> None:
@@ -344,7 +351,7 @@ def test_new_contours_preserve_the_selection_and_a_name_being_edited(window, han
     scene = window.session.scene
     again = replace(scene.contours, items=scene.contours.items[:3])
     window.session.show(replace(scene, contours=again))
-    assert len(drawn.column("number")) == 3
+    assert len(column(drawn, "number")) == 3
     assert editor.text() == "half a na" and editor.isVisible()
     assert len(window.workspace.object_list.selected) == 1
     hand.qtbot.keyClick(editor, KEY.Key_Escape)
@@ -359,7 +366,7 @@ def test_the_panel_opens_with_the_present_rows_and_its_key_gives_it_the_keyboard
     hand.canvas.setFocus()
     hand.key(KEY.Key_O, CONTROL | SHIFT)
     hand.wait(panel.isVisible)
-    assert drawn.column("class").count("rejected") == 1
+    assert column(drawn, "class").count("rejected") == 1
     assert len(drawn.selectionModel().selectedRows()) == 1
     assert drawn.hasFocus()
     hand.key(KEY.Key_O, CONTROL | SHIFT)

@@ -7,6 +7,7 @@ import time
 from collections.abc import Sequence
 
 from cpm_core.formats import load_image
+from tests.benchmarks.speed.growth import table
 from tests.benchmarks.speed.measurement import QUICK, UNHURRIED, Measurement
 from tests.benchmarks.speed.table import machine, measurements
 
@@ -19,7 +20,12 @@ def main(argv: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="python -m tests.benchmarks.speed", description=__doc__)
     parser.add_argument("--image", metavar="PATH", help="image for the whole runs (default: a scene of 398 x 548 px)")
     parser.add_argument("--quick", action="store_true", help="a few seconds: smaller inputs, fewer repeats")
+    parser.add_argument("--growth", action="store_true", help="time and memory as the work grows, a table in Markdown")
     arguments = parser.parse_args(argv)
+    if arguments.growth:
+        for row in table():
+            print(row, flush=True)
+        return
     image = None if arguments.image is None else load_image(arguments.image)
     began = time.perf_counter()
     print(", ".join(f"{name} {value}" for name, value in machine().items()))
@@ -35,10 +41,6 @@ def line(row: Measurement) -> str:
     if row.ratio is not None and row.peer_value is not None:
         text += f"  {row.peer:{_PEER}}{_time(row.peer_value, row.unit):>{_TIME}}  {row.ratio:.2g}"
     more = [row.note] if row.note else []
-    if row.error is not None:
-        more.append(f"error {row.error:.0e}")
-    if row.growth is not None:
-        more.append(f"growth {row.growth:.2f}")
     return "  ".join([text, *more])
 
 

@@ -18,8 +18,6 @@ class Measurement:
     unit: str = "ms"  # of both times, "s" or "ms"
     peer: str | None = None
     peer_value: float | None = None  # time of the peer, measured in the same run
-    error: float | None = None  # relative error of our result
-    growth: float | None = None  # exponent of the time over the size, from the row before to this one
     note: str = ""
 
     @property
@@ -39,9 +37,6 @@ class Patience:
 
 _LONG = 3.0
 """A task that takes this many times `Patience.seconds` is done only once."""
-
-TOO_LONG = 20.0
-"""Runs that are expected to take longer are left out [s]."""
 
 UNHURRIED, QUICK = Patience(), Patience(seconds=0.05, repeats=3, quick=True)
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from functools import partial
-from math import log
 
 import numpy as np
 import skimage
@@ -17,7 +15,7 @@ from cpm_core.model.volume.starts import sphere
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import PRESETS
 from cpm_core.segmentation.evolve import segment
-from tests.benchmarks.speed.measurement import TOO_LONG, Measurement, Patience, seconds_of
+from tests.benchmarks.speed.measurement import Measurement, Patience, seconds_of
 from tests.benchmarks.speed.scenes import HAND, objects, one_object, ring
 
 _RADIUS, _AROUND, _SNAKE = 12.0, 33.0, 200
@@ -29,7 +27,7 @@ _AUTOMATIC = PRESETS["automatic"]
 def whole_runs(patience: Patience, image: Image | None = None) -> Iterator[Measurement]:
     """Runs that start everywhere, one row for each peer, on an image or else on a synthetic scene.
 
-    On the scene also a run that starts in one object, and runs on larger scenes.
+    On the scene also a run that starts in one object, and one in a volume.
     """
     values = image.values if image is not None else objects((160, 220) if patience.quick else HAND)
     name = image.source if image is not None else "scene"
@@ -40,7 +38,6 @@ def whole_runs(patience: Patience, image: Image | None = None) -> Iterator[Measu
         yield Measurement("run", what, ours, "s", peer, seconds)
     if image is None:
         yield _one_object(values, patience)
-        yield from _growth(values.shape, ours, patience)
         yield _in_a_volume(patience)
 
 
@@ -103,20 +100,6 @@ def _in_a_volume(patience: Patience) -> Measurement:
     seconds, peer = seconds_of(patience, ours, geodesic)
     what = f"ring {_size(values)}, sphere in it"
     return Measurement("run", what, seconds, "s", f"morphological GAC, {iterations} iterations", peer)
-
-
-def _growth(shape: tuple[int, ...], seconds: float, patience: Patience) -> Iterator[Measurement]:
-    """Whole runs on scenes of twice and four times the size, with as many more objects."""
-    rows, cols = shape
-    pixels = rows * cols
-    for larger in ((rows, 2 * cols),) if patience.quick else ((rows, 2 * cols), (2 * rows, 2 * cols)):
-        if 2.0 * seconds > TOO_LONG:
-            return
-        values, before = objects(larger), seconds
-        (seconds,) = seconds_of(patience, partial(_everywhere, values))
-        growth = log(seconds / before) / log(values.size / pixels)
-        pixels = values.size
-        yield Measurement("run", f"scene {_size(values)}, start everywhere", seconds, "s", growth=growth)
 
 
 def _size(values: Array) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Pixels
 
 HAND = (398, 548)
 """Size of a radiograph of a hand, as in the publication [px]."""
@@ -36,11 +36,20 @@ def objects(shape: tuple[int, int], seed: int = 0) -> Array:
     return values
 
 
-def ring(side: int) -> Array:
+def tiled(side: int) -> Pixels:
+    """Image of objects that repeat every 500 px, made without more memory than it takes."""
+    tile = objects((500, 500)) - np.linspace(0.0, 25.0, 500, endpoint=False)
+    return np.tile(tile.astype(np.uint8), (-(-side // 500),) * 2)[:side, :side]
+
+
+def ring(side: int) -> Pixels:
     """Volume with a bright ring around its middle, in the plane of rows and columns; gray levels from 20 to 220."""
-    plane, row, col = np.indices((side, side, side)) - 0.5 * (side - 1)
-    tube = np.hypot(np.hypot(row, col) - 0.28 * side, plane)
-    return np.asarray(20.0 + 200.0 * np.clip(0.125 * side - tube + 0.5, 0.0, 1.0))
+    volume = np.empty((side, side, side), np.uint8)
+    row, col = (axis - 0.5 * (side - 1) for axis in np.ogrid[:side, :side])
+    for plane in range(side):
+        tube = np.hypot(np.hypot(row, col) - 0.28 * side, plane - 0.5 * (side - 1))
+        volume[plane] = 20.5 + 200.0 * np.clip(0.125 * side - tube + 0.5, 0.0, 1.0)
+    return volume
 
 
 def one_object(shape: tuple[int, int]) -> tuple[float, float]:

@@ -9,7 +9,6 @@ from importlib.metadata import version
 from cpm_core.image.image import Image
 from cpm_core.numerics.parallel import cores
 from cpm_core.warm_up import warm_up
-from tests.benchmarks.speed.coulomb import coulomb_forces
 from tests.benchmarks.speed.field import fields
 from tests.benchmarks.speed.measurement import Measurement, Patience
 from tests.benchmarks.speed.runs import whole_runs
@@ -24,7 +23,7 @@ def measurements(patience: Patience, image: Image | None = None) -> Iterator[Mea
     """
     warm_up()
     yield from whole_runs(patience, image)
-    for part in (fields, coulomb_forces, steps, reconstructions, starts):
+    for part in (fields, steps, reconstructions, starts):
         yield from part(patience)
 
 

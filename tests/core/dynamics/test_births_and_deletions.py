@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from cpm_core import Parameters, Regions
 from cpm_core.field.interpolation import interpolate
 from cpm_core.field.scale_field import build_scale_field
-from cpm_core.model.plane import births as deletions
-from cpm_core.model.plane.births import Search, deletion, insertion, search_range, thinned
+from cpm_core.model.plane.births import Search, deletion, examined, insertion, search_range
 from cpm_core.model.plane.motion import contact_at
+from cpm_core.model.plane.repulsion import build_cells
 from cpm_core.model.state import Particles
 
 from ..scenes import disk, ring
@@ -42,29 +42,26 @@ def apart(points):
     return distance
 
 
-@pytest.mark.parametrize(("kernels", "shape"), [pytest.param(deletions, SHAPE, id="plane")])
 class TestDeletion:
-    """What holds for deletion in any dimension."""
-
     @settings(max_examples=24, deadline=None)
     @given(seed=st.integers(0, 10**6), d_min=st.sampled_from([0.5, 1.0, 2.0, 4.5]))
-    def test_deletion_leaves_no_two_too_near_and_goes_no_further(self, kernels, shape, seed, d_min):
-        points = crowded(shape, seed)
+    def test_deletion_leaves_no_two_too_near_and_goes_no_further(self, seed, d_min):
+        points = crowded(SHAPE, seed)
         strength = np.random.default_rng(seed).integers(0, 4, len(points)).astype(float)
-        kept = kernels.deletion(points, strength, shape, d_min)
+        kept = deletion(points, strength, d_min)
         near = apart(points) < 0.5 * d_min
         assert not near[np.ix_(kept, kept)].any()
         for i in np.flatnonzero(~kept):
             assert (near[i] & kept & (strength >= strength[i])).any()
-        assert kernels.deletion(points[kept], strength[kept], shape, d_min).all()
+        assert deletion(points[kept], strength[kept], d_min).all()
 
     @settings(max_examples=12, deadline=None)
     @given(seed=st.integers(0, 10**6))
-    def test_deletion_does_not_depend_on_the_order_of_the_particles(self, kernels, shape, seed):
-        points, rng = crowded(shape, seed), np.random.default_rng(seed)
+    def test_deletion_does_not_depend_on_the_order_of_the_particles(self, seed):
+        points, rng = crowded(SHAPE, seed), np.random.default_rng(seed)
         strength, order = rng.permutation(len(points)).astype(float), rng.permutation(len(points))
-        kept = kernels.deletion(points, strength, shape, 2.0)
-        np.testing.assert_array_equal(kernels.deletion(points[order], strength[order], shape, 2.0), kept[order])
+        kept = deletion(points, strength, 2.0)
+        np.testing.assert_array_equal(deletion(points[order], strength[order], 2.0), kept[order])
 
 
 coordinate = st.tuples(st.integers(-4, 39 * 8 + 4), st.integers(-4, 47 * 8 + 4)).map(lambda p: (p[0] / 8, p[1] / 8))
@@ -78,24 +75,27 @@ crowds = st.one_of(
 
 def test_deletion_keeps_the_one_on_the_stronger_edge_and_the_earlier_of_equals():
     pair = np.array([(10.0, 10.0), (10.0, 10.5)])
-    assert deletion(pair, np.array([1.0, 2.0]), SHAPE, 2.0).tolist() == [False, True]
-    assert deletion(pair, np.array([2.0, 2.0]), SHAPE, 2.0).tolist() == [True, False]
-    assert deletion(pair, np.array([1.0, 2.0]), SHAPE, 1.0).tolist() == [True, True]  # exactly d_min / 2 apart
+    assert deletion(pair, np.array([1.0, 2.0]), 2.0).tolist() == [False, True]
+    assert deletion(pair, np.array([2.0, 2.0]), 2.0).tolist() == [True, False]
+    assert deletion(pair, np.array([1.0, 2.0]), 1.0).tolist() == [True, True]  # exactly d_min / 2 apart
 
 
 @settings(max_examples=16, deadline=None)
 @given(crowds, crowds, st.integers(0, 10**6))
-def test_among_thinned_particles_only_those_that_have_moved_need_a_search(points, more, seed):
-    strength = np.random.default_rng(seed).integers(0, 4, len(points) + len(more)).astype(float)
-    rest = deletion(points, strength[: len(points)], SHAPE, 2.0)
+def test_particles_close_to_one_that_has_moved_are_found(points, more, seed):
+    rest = deletion(points, np.zeros(len(points)), 2.0)
     every = np.concatenate([points[rest], more])
-    strength = np.concatenate([strength[: len(points)][rest], strength[len(points) :]])
     has_moved = np.arange(len(every)) >= rest.sum()
-    contact = replace(
-        edge_contact(every, even_scale_field(SHAPE, (0.0, 0.0)), search_range(Parameters())), strength=strength
-    )
-    truth = deletion(every, strength, SHAPE, 2.0)
-    np.testing.assert_array_equal(thinned(every, strength, contact.cells, has_moved, 2.0), truth)
+    scale_field = even_scale_field(SHAPE, (0.0, 0.0))
+    cells = build_cells(every, SHAPE, search_range(Parameters()))
+    contact, close = examined(cells, has_moved, scale_field, 2.0)
+    np.testing.assert_array_equal(close, (apart(every) < 1.0).any(axis=1))
+    for found, truth in zip(
+        (contact.strength, contact.on_edge, contact.normal), contact_at(every, scale_field), strict=True
+    ):
+        np.testing.assert_array_equal(found, truth)
+    strength = np.random.default_rng(seed).integers(0, 4, len(every)).astype(float)
+    np.testing.assert_array_equal(deletion(every, strength, 2.0, close), deletion(every, strength, 2.0))
 
 
 def test_edge_contact_follows_the_field_between_the_pixels(edge):
@@ -229,7 +229,7 @@ def on_the_ring(seed, count=120):
     rng = np.random.default_rng(seed)
     angle, radius = rng.uniform(0.0, 6.0, count), rng.choice([14.0, 22.0], count) + rng.normal(0.0, 0.3, count)
     points = np.stack([29.4 + radius * np.sin(angle), 31.2 + radius * np.cos(angle)], axis=1)
-    return points[deletion(points, np.zeros(count), (60, 64), 2.0)]
+    return points[deletion(points, np.zeros(count), 2.0)]
 
 
 @settings(max_examples=16, deadline=None)
@@ -272,12 +272,13 @@ def test_new_particles_inherit_the_mean_motion_of_their_parents():
     old = parents()
     one, other = np.array([0, 2, 5]), np.array([1, 2, 3])
     place = np.array([(1.0, 2.0), (3.0, 4.0), (5.0, 6.0)])
-    after = old.joined_by(place, one, other, 40)
-    assert len(after) == 9
-    np.testing.assert_array_equal(after.position[6:], place)
+    stay = np.array([4, 0, 1, 5, 2])
+    after = old.renewed(stay, place, one, other, 40)
+    assert len(after) == 8
+    np.testing.assert_array_equal(after.position[5:], place)
     for n, (i, j) in enumerate(zip(one, other, strict=True)):
-        np.testing.assert_allclose(after.velocity[6 + n], (old.velocity[i] + old.velocity[j]) / 2.0)
-        np.testing.assert_allclose(after.force[6 + n], (old.force[i] + old.force[j]) / 2.0)
-    assert np.isnan(after.distance[6:]).all()
+        np.testing.assert_allclose(after.velocity[5 + n], (old.velocity[i] + old.velocity[j]) / 2.0)
+        np.testing.assert_allclose(after.force[5 + n], (old.force[i] + old.force[j]) / 2.0)
+    assert np.isnan(after.distance[5:]).all()
     for name in ("position", "velocity", "force", "distance", "identity"):
-        np.testing.assert_array_equal(getattr(after, name)[:6], getattr(old, name))
+        np.testing.assert_array_equal(getattr(after, name)[:5], getattr(old, name)[stay])

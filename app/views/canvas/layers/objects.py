@@ -17,7 +17,7 @@ from app.views.canvas.layers.layer import Amount, Layer, LegendEntry, Switch
 from app.views.theme import theme
 from cpm_core import Selection
 from cpm_core.numerics import Array
-from cpm_core.objects.segmented import CLASSES, Line, SegmentedObject
+from cpm_core.objects.segmented import CLASSES, Line
 
 _OFFERED, _DOUBTFUL, _CHANGED = 0.2, 0.08, 0.4
 """Opacity of the area of what is offered, of what is doubtful, and of what a click would change."""
@@ -61,6 +61,8 @@ class ObjectLayer(Layer):
         self._doubtful = Curves(theme.PROPOSAL, 4.5, width=1.4, halo=2.8, dashed=_SPARSE)
         self.added, self.removed = Fills(4.6), Fills(4.65, Qt.BrushStyle.BDiagPattern)
         self._clicks = Markers(6.9, size=9.0, pen=pg.mkPen(theme.HALO, width=1.2))
+        self._paths: dict[int, tuple[tuple[Line, ...], list[Array]]] = {}
+        """Boundaries of the objects that are shown, by their numbers, and what is drawn of them."""
         self._names, self._likely = Names(5.8), Names(5.85, above=True)
         self.add(self.fills, self._outlines, self._gaps, self._chosen, self._hovered, self.offered_fill)
         self.add(self._offered, self._doubtful, self.added, self.removed, self._clicks, self._likely)
@@ -105,18 +107,21 @@ class ObjectLayer(Layer):
         if of.clicks != last_of.clicks:
             self._show_clicks()
 
-    def _seen(self) -> list[SegmentedObject]:
-        """The objects that are shown: neither hidden ones nor the one that is being changed."""
-        objects = self.scene.document.objects
-        return [item for item in objects.items if not item.hidden and item.number != objects.edited]
-
     def _show_objects(self) -> None:
-        objects, seen = self.scene.document.objects, self._seen()
+        objects = self.scene.document.objects
+        seen = [item for item in objects.items if not item.hidden and item.number != objects.edited]
         fill = self.number("fill")
-        self.fills.show([(_curves(item.boundary), objects.color(item), fill) for item in seen])
-        outlines = [(path, objects.color(item)) for item in seen for path in _paths((item,))]
+        known = self._paths
+        self._paths = {
+            item.number: made if (made := known.get(item.number)) and made[0] is item.boundary else
+            (item.boundary, [np.array((*curve, curve[0])) for curve in item.boundary])
+            for item in seen
+        }  # fmt: skip
+        paths = [(self._paths[item.number][1], objects.color(item)) for item in seen]
+        self.fills.show([([path[:-1] for path in own], color, fill) for own, color in paths])
+        outlines = [(path, color) for own, color in paths for path in own]
         self._outlines.show([path for path, _ in outlines], [color for _, color in outlines])
-        self._gaps.show([gap for item in seen for gap in _curves(item.gaps)])
+        self._gaps.show([np.array(gap) for item in seen for gap in item.gaps])
         self._names.show([(item.center, item.name, objects.color(item)) for item in seen if item.name])
 
     @property
@@ -129,7 +134,8 @@ class ObjectLayer(Layer):
         """The boundaries of the objects of some numbers, and of proposals of some keys."""
         wanted = set(numbers)
         chosen = [found for key, found in self._proposals if key and key in wanted]
-        return [*_paths(item for item in self._seen() if item.number in wanted), *_outlines(chosen)]
+        own = [path for number, (_, paths) in self._paths.items() if number in wanted for path in paths]
+        return [*own, *_outlines(chosen)]
 
     def _show_proposals(self) -> None:
         found = [selection for _, selection in self._proposals]
@@ -184,11 +190,3 @@ def _curves_of(selection: Selection) -> list[Array]:
 
 def _outlines(selections: Iterable[Selection]) -> list[Array]:
     return [contour.path for selection in selections for contour in selection.contours]
-
-
-def _curves(lines: Sequence[Line]) -> list[Array]:
-    return [np.array(line) for line in lines]
-
-
-def _paths(items: Iterable[SegmentedObject]) -> list[Array]:
-    return [np.array((*curve, curve[0])) for item in items for curve in item.boundary]
