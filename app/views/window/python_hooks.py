@@ -15,8 +15,8 @@ from app.session.exchange.messages import sentence
 from app.session.session import Session
 from app.session.signals import UNEXPECTED
 
-_EVERY, _BEGUN = 1000, 3000
-"""Time between two checks, and from the beginning to when modules, compiled loops and widgets are there [ms]."""
+_EVERY = 1000
+"""Time between two checks [ms]."""
 
 
 class GarbageCollector(QObject):
@@ -33,13 +33,10 @@ class GarbageCollector(QObject):
         self._timer = QTimer(self, interval=_EVERY)
         self._timer.timeout.connect(self.collect)
         self._timer.start()
-        # What is there then stays until the window closes: to search it as well takes 60 to 100 ms each time.
-        QTimer.singleShot(_BEGUN, self, gc.freeze)
 
     def stop(self) -> None:
         """Restore the automatic collection."""
         self._timer.stop()
-        gc.unfreeze()
         if self._automatic:
             gc.enable()
 
