@@ -120,7 +120,7 @@ def is_at_rest(particles: Particles, idle: Index) -> Mask:
 
 Four = tuple[float, float, float, float]
 
-_PAIRS_A_NODE = 8
+_PAIRS_A_NODE = 28
 """Pairs that are summed in the time of one node of the padded mesh, divided by the steps for which the mesh is used."""
 
 _WORTH_A_THREAD = 800
