@@ -6,7 +6,6 @@ dimensions.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -14,7 +13,7 @@ import scipy
 
 from cpm_core.model.state import MEMORY, Particles
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.numerics.types import Array, Mask
 from cpm_core.parameters import Parameters
 
 _SOFTNESS = 0.5
@@ -195,19 +194,14 @@ NEAR = 0.5
 """Least distance of two particles, in d_min."""
 
 
-def first_of(position: Array, distance: float, apart: Callable[[Index, Index], Mask] | None = None) -> Mask:
-    """Which of some places, shape (M, D), stay, so that none has an earlier one that stays nearer than a distance.
-
-    `apart` says of pairs of places, by their indices, which are not in each other's way although they are near.
-    """
+def first_of(position: Array, distance: float) -> Mask:
+    """Which of some places, shape (M, D), stay, so that none has an earlier one that stays nearer than a distance."""
     kept = [True] * len(position)
     if len(position):
         pairs = scipy.spatial.cKDTree(position).query_pairs(distance, output_type="ndarray")
         pairs = pairs[np.lexsort(pairs.T)]
         one, other = pairs.T
         near = np.sqrt(((position[one] - position[other]) ** 2).sum(axis=1)) < distance
-        if apart is not None:
-            near &= ~apart(one, other)
         for first, second in pairs[near].tolist():  # in the order of the second ones
             kept[second] = kept[second] and not kept[first]
     return np.array(kept, np.bool_)

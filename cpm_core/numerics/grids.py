@@ -161,8 +161,8 @@ def join_corners(values: Single, raised: float) -> None:
         part = inside[first : first + _PLANES + 1]
         corners = {at: part[tuple(slice(k, n - 1 + k) for k, n in zip(at, part.shape, strict=True))] for at in _CORNERS}
         two = np.zeros(corners[0, 0, 0].shape, np.uint8)
-        for corner in corners.values():
-            two += corner
+        for here in corners.values():
+            two += here
         two = two == 2
         for (plane, row, col), corner in zip(_CORNERS[:4], _CORNERS[:3:-1], strict=True):
             joint = np.argwhere(two & corners[plane, row, col] & corners[corner])

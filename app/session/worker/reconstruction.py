@@ -157,6 +157,9 @@ class Reconstructor:
             result, missed = edited(request.method, self._unedited[1], request.parameters, request.hand_edits)
             found = Reconstruction.of(request.generation, result, request.tracker, thorough=request.last)
             found = replace(found, missed=missed if request.last else ())
+            if request.last and found.tracked is not None and found.tracked.keys:
+                self.results.put(found)  # they are seen before their contrast is measured
+                found = replace(found, tracked=found.tracked.contrasted())
         except Exception as error:  # no error may end the thread
             found = ReconstructionFailed(request.generation, sentence(error, tr("reconstructing contours")))
         self._latest = found

@@ -1,6 +1,8 @@
-"""Settings for large images: as many scales as particles need, and no less smoothing than the noise asks for."""
+"""Large images: as many scales as particles need, no less smoothing than noise asks for, and runs in windows."""
 
 from __future__ import annotations
+
+import json
 
 import numpy as np
 import pytest
@@ -8,9 +10,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from cpm_core.field.edge_map import automatic_smoothing
+from cpm_core.field.placed_charges import PlacedCharge
+from cpm_core.formats.sessions.particle_state import state_from_plain, state_to_plain
 from cpm_core.image.pyramid import most_scales, shape_of_scale
+from cpm_core.model import interventions
+from cpm_core.model.coverage import NEVER, no_coverage
+from cpm_core.model.starts import circle
+from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.segmentation import large_images
+from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.large_images import large_image_settings
+from cpm_core.segmentation.reach import local_fields
 
 from ..scenes import disk
 
@@ -37,3 +47,65 @@ def test_the_smoothing_is_that_of_the_strongest_edge_not_of_the_empty_background
     assert found.scales == 4
     assert abs(found.smoothing - automatic_smoothing(values[120:240, 130:250])) <= 0.5
     assert found.smoothing >= (1.0 if noise < 10.0 else 1.5)
+
+
+@pytest.fixture
+def windows(monkeypatch):
+    for module in (interventions, local_fields):
+        monkeypatch.setattr(module, "LARGE", 100)
+    monkeypatch.setattr(interventions, "_ROOM", 24)
+
+
+BLOBS = sum(
+    disk((600, 640), (300.0 + 120.0 * row, 320.0 + 130.0 * col), 40.0).values
+    for row in (-1, 0, 1)
+    for col in (-1, 0, 1)
+)
+START = circle((300.0, 320.0), 9.0)
+
+
+def ended(engine, state, parameters, charges=()):
+    while not state.stop_reason:
+        state = engine.step(state, parameters, charges)
+    return state
+
+
+@pytest.mark.parametrize("name", ["paper", "automatic", "shape"])
+def test_a_run_in_a_window_finds_what_one_in_the_whole_image_does(request, name):
+    parameters = PRESETS.get(name, Parameters())
+    engine = Engine(BLOBS, parameters)
+    (whole,) = engine.result(ended(engine, engine.start(START), parameters), parameters).contours
+    request.getfixturevalue("windows")
+    engine = Engine(BLOBS, parameters)
+    state = engine.start(START)
+    first = state.window
+    state = ended(engine, state, parameters)
+    assert first is not None and state.window is not None
+    assert np.prod(state.coverage.found.shape) < 0.1 * np.prod(BLOBS.shape) / 16
+    (found,) = engine.result(state, parameters).contours
+    assert (found.closed, found.reached) == (whole.closed, whole.reached)
+    assert np.abs(np.hypot(*(found.points - (300.0, 320.0)).T) - 40.0).max() < 0.2
+    assert found.area == pytest.approx(whole.area, rel=1e-4)
+
+
+def test_a_window_widens_for_particles_near_its_end_and_forgets_nothing(windows):
+    engine, parameters = Engine(BLOBS), Parameters()
+    state = ended(engine, engine.start(START), parameters)
+    more = engine.joined(state, circle((300.0, 450.0), 9.0))
+    assert more.window[1].stop > state.window[1].stop
+    np.testing.assert_allclose(more.position[: state.count], state.position, rtol=0, atol=1e-9)
+    assert more.coverage.size == state.coverage.size == np.count_nonzero(more.coverage.found != NEVER)
+    assert len(engine.result(ended(engine, more, parameters), parameters).contours) == 2
+    everywhere = engine.joined(state, [(10.0, 10.0), (590.0, 630.0)])
+    assert everywhere.window is None and everywhere.coverage.found.shape == no_coverage(BLOBS.shape).found.shape
+
+
+def test_placed_charges_act_at_their_place_in_the_image(windows):
+    engine, parameters, charge = Engine(BLOBS), Parameters(), PlacedCharge((300.0, 356.0), -3.0)
+    state = engine.step(engine.start(START), parameters, [charge])
+    pushed = engine.forces(state, parameters, [charge]).placed
+    toward = (state.position - charge.position) * pushed
+    near = np.hypot(*(state.position - charge.position).T) < 40.0
+    assert near.any() and (toward.sum(axis=1)[near] > 0.0).all()
+    read = state_from_plain(json.loads(json.dumps(state_to_plain(state))), BLOBS.shape, 3)
+    assert read.window == state.window and read.position.tobytes() == state.position.tobytes()
