@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from itertools import product
 from typing import TypeVar
@@ -34,14 +34,14 @@ def around(window: Window, margin: int, shape: tuple[int, ...]) -> Window:
     )
 
 
-def running_maximum(values: Values, reach: int, axes: Sequence[int] | None = None) -> Values:
+def running_maximum(values: Values, reach: int) -> Values:
     """Maximum over a box around every pixel, cut off at the border; of a mask, whether any pixel of the box is true.
 
-    The box reaches `reach` pixels to both sides along `axes`, all of them by default. The result has the shape of
-    `values`. Whole arrays are compared with shifted copies, one axis after the other: for small boxes this is several
-    times faster than a filter that visits every pixel.
+    The box reaches `reach` pixels to both sides along all axes. The result has the shape of `values`. Whole arrays are
+    compared with shifted copies, one axis after the other: for small boxes this is several times faster than a filter
+    that visits every pixel.
     """
-    for axis in range(values.ndim) if axes is None else axes:
+    for axis in range(values.ndim):
         before = values
         values = before.copy()
         for shift in range(1, min(reach, values.shape[axis] - 1) + 1):
@@ -161,8 +161,8 @@ def join_corners(values: Single, raised: float) -> None:
         part = inside[first : first + _PLANES + 1]
         corners = {at: part[tuple(slice(k, n - 1 + k) for k, n in zip(at, part.shape, strict=True))] for at in _CORNERS}
         two = np.zeros(corners[0, 0, 0].shape, np.uint8)
-        for corner in corners.values():
-            two += corner
+        for here in corners.values():
+            two += here
         two = two == 2
         for (plane, row, col), corner in zip(_CORNERS[:4], _CORNERS[:3:-1], strict=True):
             joint = np.argwhere(two & corners[plane, row, col] & corners[corner])

@@ -24,7 +24,7 @@ from cpm_core.field.scale_field import FAINTEST, ScaleField
 from cpm_core.image.regions import BarrierMap, crosses
 from cpm_core.model.coverage import cell_of
 from cpm_core.model.equations import NEAR, STRIDE, STRIDE_ROOM, first_of
-from cpm_core.model.plane.motion import edge_at
+from cpm_core.model.plane.motion import AHEAD, edge_at, read_ahead
 from cpm_core.model.plane.repulsion import Cells, cells_around, row_of_cells
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
@@ -85,6 +85,8 @@ def _examine(
     """Write what `examined` returns for some of the sorted particles."""
     strength, on_edge, normal = edge
     for k in range(first, last):
+        if (k - first) % AHEAD == 0:
+            read_ahead(packed, cells, k, last, strength)
         i, y, x = cells.order[k], cells.y[k], cells.x[k]
         strength[i], on_edge[i], normal[i, 0], normal[i, 1] = edge_at(packed, y, x, floor)
         if not has_moved[i]:

@@ -120,7 +120,7 @@ def is_at_rest(particles: Particles, idle: Index) -> Mask:
 
 Four = tuple[float, float, float, float]
 
-_PAIRS_A_NODE = 28
+_PAIRS_A_NODE = 8
 """Pairs that are summed in the time of one node of the padded mesh, divided by the steps for which the mesh is used."""
 
 _WORTH_A_THREAD = 800
@@ -161,8 +161,24 @@ def move(particles: Particles, idle: Index, mesh: MeshForce, scale_field: ScaleF
     return moved
 
 
-_AHEAD = 64
+AHEAD = 64
 """Particles whose field is read ahead."""
+
+
+@compiled
+def read_ahead(packed: Single, cells: Cells, first: int, last: int, anything: Array) -> None:
+    """Read the field at the next of the sorted particles, so that it is near when they need it.
+
+    Memory answers many requests as fast as one, and what depends on what has been read would make each request wait for
+    the one before. What is read goes into `anything`, shape (N,), whose values are not needed yet.
+    """
+    for k in range(first, min(first + AHEAD, last)):
+        row, col, _, _ = between(packed, cells.y[k], cells.x[k])
+        upper, lower = (
+            packed[row, col, 0] + packed[row, col + 1, 4],
+            packed[row + 1, col, 0] + packed[row + 1, col + 1, 4],
+        )
+        anything[cells.order[k]] = upper + lower
 
 
 @compiled
@@ -184,14 +200,8 @@ def _move(
     coulomb = np.zeros((last - first, 2))
     _repel(cells, idle, mesh, law, coulomb, first, last)
     for k in range(first, last):
-        if (k - first) % _AHEAD == 0:
-            for n in range(k, min(k + _AHEAD, last)):
-                row, col, _, _ = between(packed, cells.y[n], cells.x[n])
-                upper, lower = (
-                    packed[row, col, 0] + packed[row, col + 1, 4],
-                    packed[row + 1, col, 0] + packed[row + 1, col + 1, 4],
-                )
-                motion[cells.order[n]] = upper + lower
+        if (k - first) % AHEAD == 0 and idle[cells.order[k]] < FADED:  # later hardly any particle moves
+            read_ahead(packed, cells, k, last, motion)
         i, y, x = cells.order[k], cells.y[k], cells.x[k]
         v_y, v_x = velocity[i, 0], velocity[i, 1]
         to_y, to_x = y, x
