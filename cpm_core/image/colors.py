@@ -161,10 +161,11 @@ def reduced(samples: NDArray[Any], alpha: NDArray[Any] | None = None, white: flo
         shares = np.asarray(np.clip(line, 0.0, white), np.float64) / white
         colors.samples[first:end] = np.rint(np.nan_to_num(255.0 * shares))
 
-    # a few rows at a time, without more images of eight bytes a sample
-    share(
-        lambda first, end: [reduce_rows(at, min(at + _ROWS, end)) for at in range(first, end, _ROWS)], shape[0], _ROWS
-    )
+    def reduce_part(first: int, end: int) -> None:
+        for at in range(first, end, _ROWS):  # without more images of eight bytes a sample
+            reduce_rows(at, min(at + _ROWS, end))
+
+    share(reduce_part, shape[0], _ROWS)
     return Reduced(gray, colors, tuple(said))
 
 

@@ -538,6 +538,8 @@ def _take_in(tree: _Tree, terms: _Terms, desk: _Desk, k: int, far: Index) -> Non
         for axis in range(len(desk.vectors) - 1):
             desk.vectors[axis, n] = tree.place[k, axis] - tree.place[other, axis]
         for t in range(len(terms.degree)):
+            if terms.degree[t] == _DEGREE:
+                break  # it would add to the potential itself only, of which there is no use
             desk.moments[t, n] = tree.moments[other, t] if n < count else 0.0
     _fill_derivatives(desk.vectors, lanes, terms, desk.table)
     for p in range(len(terms.whole)):

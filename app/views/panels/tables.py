@@ -455,7 +455,7 @@ class ItemTable(Table):
     @property
     def _marked(self) -> list[Any]:
         """Keys of the rows that Qt shows as selected; its `selectedRows` goes through all ranges for each row."""
-        ranges = self.selectionModel().selection()
+        ranges = self.selectionModel().selection().toList()
         rows = (row for one in ranges for row in range(one.top(), one.bottom() + 1))
         return [self._key(self._sorted.index(row, 0)) for row in rows]
 

@@ -71,8 +71,8 @@ def encode(result: Outcome) -> bytes:
             model.add_point(places[0].tolist(), look)
         else:
             # all vertices at once, with no width and no bulge
-            line = model.add_lwpolyline((), close=contour.closed, dxfattribs=look)
-            line.lwpoints.set(np.pad(places, ((0, 0), (0, 3))))
+            polyline = model.add_lwpolyline((), close=contour.closed, dxfattribs=look)
+            polyline.lwpoints.set(np.pad(places, ((0, 0), (0, 3))))
     comments = ascii_entries_of(facts_of(result))
     comments |= {
         _SHAPE: " ".join(map(str, result.shape)),
