@@ -87,11 +87,6 @@ class Mark:
         check_name("a contour", self.name)
         check_color("a mark", self.color)
 
-    @property
-    def says_nothing(self) -> bool:
-        """Whether the mark can be dropped."""
-        return not (self.verdict or self.name or self.color)
-
 
 @dataclass(frozen=True, eq=False, slots=True)
 class ReviewedContour:

@@ -112,11 +112,6 @@ def apart_from(surface: Surface | None, truth: VolumeTruth, found: SurfaceCompar
     return (missing,) if surface is None else (missing, Apart.of("wrong", surface, found.wrong, found.tolerance))
 
 
-def surface_differences(apart: Iterable[Apart]) -> tuple[Difference, ...]:
-    """The parts of the surfaces one by one, the farthest first."""
-    return tuple(sorted((part for each in apart for part in each.parts), key=lambda part: -part.farthest))
-
-
 def truth_in(truth: Truth | VolumeTruth | None, here: Slice) -> Truth | None:
     """What a slice shows of the ground truth: its boundaries."""
     if not isinstance(truth, VolumeTruth):
