@@ -185,7 +185,7 @@ class WindowedField:
         return _convolved(charges, padded, _far_kernels(padded, self._power))[:, : len(charges), : charges.shape[1]]
 
 
-def _convolved(charges: Array, padded: tuple[int, ...], kernels: Single) -> Single:
+def _convolved(charges: NDArray[np.floating], padded: tuple[int, ...], kernels: Single) -> Single:
     """Field of charges on a padded grid, from the transforms of its two kernels over i."""
     spectrum = scipy.fft.rfft2(charges.astype(np.float32, copy=False), padded, workers=cores()) * np.complex64(1j)
     return np.asarray(scipy.fft.irfft2(spectrum * kernels, padded, workers=cores()))

@@ -111,7 +111,7 @@ def smoothed_along(
     return out
 
 
-def magnitude(vectors: Array) -> Array:
+def magnitude(vectors: NDArray[np.floating]) -> Array:
     r"""Length of each vector of a field of shape (D, \*shape)."""
     return np.sqrt(np.einsum("i...,i...->...", vectors, vectors))
 
@@ -174,7 +174,7 @@ def _lower_quartile(values: Array) -> np.floating[Any]:
         lower = np.cumsum(_counts(bits, first, 0)) + (upper[first - 1] if first else 0)
         found.append((first << _HALF) + int(np.searchsorted(lower, k, side="right")))
     both = np.array(found, np.uint32).view(np.float32)
-    return np.asarray(np.percentile(both, 100.0 * (rank % 1.0)))[()]
+    return np.percentile(both, 100.0 * (rank % 1.0))
 
 
 @compiled

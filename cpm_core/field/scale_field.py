@@ -10,6 +10,7 @@ from functools import cache, cached_property, partial
 
 import numpy as np
 import scipy
+from numpy.typing import DTypeLike, NDArray
 
 from cpm_core.field.convolution import WindowedField, convolved_field, convolved_potential
 from cpm_core.field.edge_map import background_strength, gradient, gradient_within, magnitude
@@ -52,7 +53,7 @@ _PART, _LEAST_LINES = 2**15, 16
 _TILE, _ROWS = 1024, 512
 """Side of the windows in which the field of a large image is made [px], and rows in which its edge map is."""
 
-FIELD_PRECISION = np.float32
+FIELD_PRECISION: DTypeLike = np.float32
 """The transforms of the field are done in single precision: only its direction and its values near edges are used. The
 force changes by about 1e-6, contours of shapes by less than a thousandth of a pixel."""
 
@@ -270,7 +271,7 @@ def _strength_of(slopes: Slopes, shape: tuple[int, ...]) -> Array:
     """Edge strength of an image, shape (H, W): the size of its gradient."""
     if math.prod(shape) <= LARGE:
         return magnitude(slopes(whole_window(shape)))
-    strength = np.empty(shape, np.float32)
+    strength: Array = np.empty(shape, FIELD_PRECISION)
     for (rows,) in tiles(shape[:1], _ROWS):
         band = (rows, *whole_window(shape[1:]))
         strength[band] = magnitude(slopes(band))
@@ -311,7 +312,7 @@ def _weakest_edge(strength: Array, strongest: float, edge_floor: float) -> float
     return max(WEAKEST_EDGE * strongest, min(background_strength(strength), _MOST_BACKGROUND * strongest))
 
 
-def lorentz_force(field: Array, grad: Array, strength: Array, strongest: float) -> Array:
+def lorentz_force(field: NDArray[np.floating], grad: Array, strength: Array, strongest: float) -> Array:
     r"""Normalized Lorentz force on the pixels, shape (D, \*shape), of at most unit size.
 
     Away from edges it is the unit vector of the field (section 3.3). On an edge there are three differences:
@@ -341,7 +342,7 @@ def lorentz_force(field: Array, grad: Array, strength: Array, strongest: float) 
     return force
 
 
-def _force_of_lines(field: Array, grad: Array, strength: Array, strongest: float, tiny: float) -> Array:
+def _force_of_lines(field: NDArray[np.floating], grad: Array, strength: Array, strongest: float, tiny: float) -> Array:
     """`lorentz_force` on some lines of the image; a field of size `tiny` or less counts as zero."""
     field, least = field.astype(grad.dtype, copy=False), np.finfo(grad.dtype).tiny
     summit = running_maximum(strength, _SUMMIT_REACH)

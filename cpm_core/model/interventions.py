@@ -175,9 +175,9 @@ def widened(state: State) -> State:
     window = window_around(np.concatenate([position, corners]), shape)
     moved = replace(state, window=window, mesh=None)
     cells = (np.subtract(state.corner, moved.corner) / CELL).astype(int)
-    steps = [part.copy() for part in no_coverage(sides_of(window) if window else shape)[:2]]
-    for part, known in zip(steps, state.coverage[:2], strict=True):
+    found, latest = (part.copy() for part in no_coverage(sides_of(window) if window else shape)[:2])
+    for part, known in zip((found, latest), state.coverage[:2], strict=True):
         inner = part[cells[0] :, cells[1] :][: known.shape[0], : known.shape[1]]
         inner[...] = known[: inner.shape[0], : inner.shape[1]]
     particles = replace(state.particles, position=position - moved.corner)
-    return replace(moved, particles=particles, coverage=Coverage(*steps, state.coverage.size))
+    return replace(moved, particles=particles, coverage=Coverage(found, latest, state.coverage.size))

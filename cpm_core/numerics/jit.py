@@ -36,7 +36,7 @@ class _Kernel:
     def _made(self) -> Any:
         import numba  # a third of what the program imports
 
-        made = numba.njit(cache=True, **self._options, **_OPTIONS)(self.__wrapped__)  # type: ignore[attr-defined]
+        made = numba.njit(cache=True, **self._options, **_OPTIONS)(self.__wrapped__)
         self._compiled = self._compiled or made  # of two threads the first one decides
         return self._compiled
 

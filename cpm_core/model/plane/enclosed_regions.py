@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from cpm_core.field.interpolation import interpolate
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.model.plane.births import deletion
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Index
 
 Labels = NDArray[np.int32]
 
@@ -110,7 +110,7 @@ def _enclosed(free: NDArray[np.bool_], blocked: NDArray[np.bool_]) -> Labels:
     return np.asarray(labels, np.int32)
 
 
-def _rims(regions: Labels) -> tuple[Labels, Labels]:
+def _rims(regions: Labels) -> tuple[Labels, Index]:
     """Number the rims of the regions: each closed curve of pixels around or inside one has its own number.
 
     Returns
