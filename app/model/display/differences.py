@@ -40,7 +40,7 @@ class Difference:
     place: Place
 
 
-def differences(contours: Sequence[Contour], truth: Truth, comparison: Comparison) -> tuple[Difference, ...]:
+def differences(contours: Sequence[Contour], comparison: Comparison) -> tuple[Difference, ...]:
     """The parts of contours and ground truth farther apart than the tolerance, the farthest first."""
     found = [
         _difference("wrong", contour.points[piece], away[piece])

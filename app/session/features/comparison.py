@@ -488,9 +488,8 @@ def _marked(found: Result | None, truth: Truth | VolumeTruth, agreed: Agreed | N
         apart = apart_from(found.surface, _sized(truth, found), agreed)
         parts = itertools.chain.from_iterable(each.parts for each in apart)
         return tuple(sorted(parts, key=lambda part: -part.farthest)), apart
-    assert isinstance(truth, Truth)
     assert isinstance(agreed, Comparison)
-    return differences(found.contours, truth, agreed), ()
+    return differences(found.contours, agreed), ()
 
 
 def _objects(row: Row, found: Result, image: Image) -> tuple[SegmentedObject, ...]:
