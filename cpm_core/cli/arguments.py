@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
@@ -34,15 +34,11 @@ def as_number(text: str) -> int | float | str:
     return text
 
 
-def whole_number(least: int = 1) -> Callable[[str], int]:
-    """The type of an option that is a whole number of at least `least`."""
-
-    def convert(text: str) -> int:
-        if not re.fullmatch(r"\d{1,15}", text, re.ASCII) or int(text) < least:
-            raise argparse.ArgumentTypeError(f"{shown(text)} must be a whole number of at least {least}")
-        return int(text)
-
-    return convert
+def whole_number(text: str) -> int:
+    """A whole number of at least 1, as the type of an option."""
+    if not re.fullmatch(r"\d{1,15}", text, re.ASCII) or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{shown(text)} must be a whole number of at least 1")
+    return int(text)
 
 
 def numbers_of(flag: str, text: str, form: str) -> tuple[float, ...]:
@@ -87,7 +83,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         "of planes, rows and columns 2x0.5x0.5mm",
     },
     "--preset": {"choices": tuple(PRESETS)},
-    "--max-steps": {"metavar": "N", "type": whole_number(), "help": "stop each run after so many steps"},
+    "--max-steps": {"metavar": "N", "type": whole_number, "help": "stop each run after so many steps"},
     "--space": {
         "choices": CONVENTIONS,
         "help": "coordinates in files of a surface or of center lines: to the left, back and head of a patient, or to "

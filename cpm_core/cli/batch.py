@@ -43,7 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add(parser, "--session", required=True)
     where = parser.add_mutually_exclusive_group()
     where.add_argument(
-        "--workers", metavar="N", type=whole_number(), help="processes to work in, each on one core (default: all)"
+        "--workers", metavar="N", type=whole_number, help="processes to work in, each on one core (default: all)"
     )
     where.add_argument(
         "--scheduler",

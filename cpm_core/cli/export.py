@@ -54,7 +54,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "source", metavar="FILE", help=f"session ({SUFFIX}), contours, a surface or center lines ({known}), or labels"
     )
     parser.add_argument("--image", metavar="IMAGE", help="the image or volume that it belongs to")
-    parser.add_argument("--page", metavar="N", type=whole_number(), help="page of contours in a stack, from 1")
+    parser.add_argument("--page", metavar="N", type=whole_number, help="page of contours in a stack, from 1")
     parser.add_argument(
         "--to",
         metavar="PATH",

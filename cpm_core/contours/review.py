@@ -87,11 +87,6 @@ class Mark:
         check_name("a contour", self.name)
         check_color("a mark", self.color)
 
-    @property
-    def says_nothing(self) -> bool:
-        """Whether the mark can be dropped."""
-        return not (self.verdict or self.name or self.color)
-
 
 @dataclass(frozen=True, eq=False, slots=True)
 class ReviewedContour:
@@ -158,8 +153,8 @@ def apply(result: Result, marks: Sequence[Mark]) -> Result:
     return remaining(named, [not one.rejected for one in every])
 
 
-def attached(contours: Sequence[Contour], anchors: Sequence[Position], reach: float = REACH) -> list[int | None]:
-    """For each anchor (row, col) the index of its contour: the nearest one within `reach` [px]; None without one.
+def attached(contours: Sequence[Contour], anchors: Sequence[Position]) -> list[int | None]:
+    """For each anchor (row, col) the index of its contour: the nearest one within `REACH` [px]; None without one.
 
     Each anchor has at most one contour and each contour one anchor: the nearest pair is assigned first, then the
     nearest of the others. Among equally near anchors the first has priority, among contours the longest.
@@ -167,7 +162,7 @@ def attached(contours: Sequence[Contour], anchors: Sequence[Position], reach: fl
     found: list[int | None] = [None] * len(anchors)
     if not contours or not anchors:
         return found
-    near = neighborhood(contours).pairs(np.array(anchors, dtype=float), reach)
+    near = neighborhood(contours).pairs(np.array(anchors, dtype=float), REACH)
     pairs = sorted(
         (away, number, -contours[index].length, index)
         for number, index, away in zip(*(of_pair.tolist() for of_pair in near), strict=True)

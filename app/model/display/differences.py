@@ -40,7 +40,7 @@ class Difference:
     place: Place
 
 
-def differences(contours: Sequence[Contour], truth: Truth, comparison: Comparison) -> tuple[Difference, ...]:
+def differences(contours: Sequence[Contour], comparison: Comparison) -> tuple[Difference, ...]:
     """The parts of contours and ground truth farther apart than the tolerance, the farthest first."""
     found = [
         _difference("wrong", contour.points[piece], away[piece])
@@ -110,11 +110,6 @@ def apart_from(surface: Surface | None, truth: VolumeTruth, found: SurfaceCompar
     """Where a surface and the true one are apart."""
     missing = Apart.of("missing", truth.surface, found.missing, found.tolerance)
     return (missing,) if surface is None else (missing, Apart.of("wrong", surface, found.wrong, found.tolerance))
-
-
-def surface_differences(apart: Iterable[Apart]) -> tuple[Difference, ...]:
-    """The parts of the surfaces one by one, the farthest first."""
-    return tuple(sorted((part for each in apart for part in each.parts), key=lambda part: -part.farthest))
 
 
 def truth_in(truth: Truth | VolumeTruth | None, here: Slice) -> Truth | None:

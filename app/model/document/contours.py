@@ -74,4 +74,4 @@ def _amended(document: Document, targets: Iterable[Target], amend: Callable[[Mar
             marks[marks.index(target.mark)] = amend(target.mark, target)
         else:
             marks.append(amend(Mark(target.anchor), target))
-    return replace(document, marks=tuple(mark for mark in marks if not mark.says_nothing))
+    return replace(document, marks=tuple(mark for mark in marks if mark.verdict or mark.name or mark.color))

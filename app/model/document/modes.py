@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import cast
 
 from app.model.document.document import Document, ImageReference, Mode
-from app.model.document.edits import use_preset
 from app.model.parameters.controls import RATIO
 from app.model.text.language import tr
-from cpm_core import METHODS, PRESETS, Image, Parameters
+from cpm_core import METHODS, PRESETS, Parameters
 from cpm_core.image import Kind
 from cpm_core.medial_axis import Outlined
 from cpm_core.parameters import OF_PLANES, OF_VOLUMES
@@ -83,14 +81,6 @@ def fresh_parameters(mode: Mode, image: ImageReference | None = None) -> Paramet
     return PRESETS["volume" if image is not None and image.is_volume else MODES[mode].preset]
 
 
-def suited(parameters: Parameters, image: Image) -> Parameters:
-    """The parameters with which work on an image begins, where those of the mode or of the last image are given.
-
-    A volume begins with the preset for volumes, and what it leaves does not suit an image.
-    """
-    return PRESETS["volume"] if image.ndim == 3 else parameters
-
-
 def needs_start(mode: Mode) -> bool:
     """Whether a run in a mode needs an initialization."""
     return bool(METHODS[MODES[mode].method].seeded)
@@ -101,11 +91,6 @@ def acting_in(mode: Mode, dimension: int = 2) -> frozenset[str]:
     lacking = (*OF_PLANES, _WIDTH) if dimension == 3 else OF_VOLUMES
     acting = (name for name in METHODS[MODES[mode].method].parameters if name not in lacking)
     return frozenset(RATIO if name == "w1" else name for name in acting)
-
-
-def mode_called(name: object) -> Mode:
-    """The mode of this name; the first one if there is none."""
-    return cast("Mode", name) if name in MODES else "shape"
 
 
 def use_mode(document: Document, mode: Mode) -> Document:
@@ -152,8 +137,3 @@ ADVICE: Mapping[Kind, str] = MappingProxyType(
     }
 )
 """Kinds of images for which there is a preset, and the sentences that offer it; others do best with the usual one."""
-
-
-def use_kind(document: Document, kind: Kind) -> Document:
-    """The document in the mode Automatic with the settings for a kind of image."""
-    return use_preset(use_mode(document, "automatic"), PRESETS[kind])

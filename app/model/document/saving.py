@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 from app.model.document.document import Document, ImageReference
-from app.model.document.modes import is_only_in_another_mode, mode_called
+from app.model.document.modes import MODES, Mode, is_only_in_another_mode
 from app.model.text.language import tr
 from cpm_core import Parameters
 from cpm_core.formats import ImageFile, SessionFile
@@ -74,7 +74,7 @@ def restored(file: SessionFile, image: ImageReference, parameters: Parameters) -
         file.shapes,
         parameters,
         file.marks,
-        mode_called(file.mode),
+        cast("Mode", file.mode) if file.mode in MODES else "shape",
         hand_edits=file.hand_edits,
         objects=file.objects,
         outlined=file.outlined,

@@ -22,7 +22,7 @@ MAIN = ("beta", RATIO, "annealing", *OF_STARTS, "smoothing", "polarity", "max_wi
 
 _FULL_CONTRAST = 255.0
 
-_BY_ITSELF = {
+BY_ITSELF = {
     "smoothing": tr("Choose the smoothing from the noise of the image."),
     "exponent": tr("Use the number of dimensions as the exponent: 2 in an image, 3 in a volume."),
     "gamma": tr("Choose gamma from the background of the image: below 1 where it is dark or bright, otherwise 1."),
@@ -127,11 +127,6 @@ class Control:
     def decimals(self) -> int:
         """Number of decimals of its values, two or as many as its increment has."""
         return 0 if self.whole else max(2, -math.floor(math.log10(self.step)))
-
-    @property
-    def by_itself(self) -> str:
-        """How the program chooses it; empty where it cannot."""
-        return _BY_ITSELF.get(self.name, "")
 
     @property
     def formula(self) -> str:

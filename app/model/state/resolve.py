@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from app.model.display.lengths import measured, scientific_text
-from app.model.document.document import Document, ImageReference
+from app.model.document.document import ImageReference
 from app.model.document.modes import MODES, needs_start
 from app.model.state.situation import RunStatus, Situation, has_volume
 from app.model.state.surface_figures import SURFACE, VOLUME, figure_texts
@@ -74,7 +74,7 @@ def resolve(situation: Situation) -> Resolved:
     particles = needs_start(document.mode)
     return Resolved(
         title=f"{document.image.name} – CPM" if document.image else "CPM",
-        run_text=_run_text(document, status),
+        run_text=_run_text(status),
         undo_text=_named(tr("Undo"), situation.undo_name),
         redo_text=_named(tr("Redo"), situation.redo_name),
         running=status.phase == "running",
@@ -97,7 +97,7 @@ def pace_text(pace: float | None) -> str:
     return tr("1 step/s") if pace == 1 else tr("{pace} steps/s").format(pace=written(f"{pace:g}"))
 
 
-def _run_text(document: Document, status: RunStatus) -> str:
+def _run_text(status: RunStatus) -> str:
     if status.phase == "running":
         return tr("Pause")
     if (status.phase == "paused" or status.steered) and not status.stale:

@@ -115,21 +115,6 @@ def has_shapes(situation: Situation) -> bool:
     return bool(situation.document.shapes)
 
 
-def has_selection(situation: Situation) -> bool:
-    """A shape is selected."""
-    return situation.selected is not None
-
-
-def can_undo(situation: Situation) -> bool:
-    """There is a change to undo."""
-    return bool(situation.undo_name)
-
-
-def can_redo(situation: Situation) -> bool:
-    """There is a change to redo."""
-    return bool(situation.redo_name)
-
-
 def is_started(situation: Situation) -> bool:
     """There is a run."""
     return situation.status.started

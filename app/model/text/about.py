@@ -41,9 +41,3 @@ def versions() -> tuple[tuple[str, str], ...]:
         except metadata.PackageNotFoundError:  # as in a copy that was put together by hand
             used.append((name, tr("unknown")))
     return (*used, (tr("System"), platform.platform()))
-
-
-def about_text() -> str:
-    """All of it as plain text, as for a report of an error."""
-    listed = "\n".join(f"{name}: {version}" for name, version in versions())
-    return f"CPM {__version__}\n{PURPOSE}\n\n{PAPER}\n\n{LICENSE}\n\n{listed}\n"

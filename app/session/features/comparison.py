@@ -13,7 +13,7 @@ import numpy as np
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from app.model.display.comparison import Trial, with_values
-from app.model.display.differences import Apart, Difference, apart_from, differences, surface_differences
+from app.model.display.differences import Apart, Difference, apart_from, differences
 from app.model.document.document import NOTHING_TO_START_FROM, Document
 from app.model.document.imported import add_objects, bodies_of, objects_of
 from app.model.document.objects import objects_result
@@ -486,10 +486,10 @@ def _marked(found: Result | None, truth: Truth | VolumeTruth, agreed: Agreed | N
         return (), ()
     if isinstance(truth, VolumeTruth) and isinstance(agreed, SurfaceComparison):
         apart = apart_from(found.surface, _sized(truth, found), agreed)
-        return surface_differences(apart), apart
-    assert isinstance(truth, Truth)
+        parts = itertools.chain.from_iterable(each.parts for each in apart)
+        return tuple(sorted(parts, key=lambda part: -part.farthest)), apart
     assert isinstance(agreed, Comparison)
-    return differences(found.contours, truth, agreed), ()
+    return differences(found.contours, agreed), ()
 
 
 def _objects(row: Row, found: Result, image: Image) -> tuple[SegmentedObject, ...]:

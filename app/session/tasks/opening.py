@@ -9,13 +9,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from app.model.display.display_image import display_of
-from app.model.document.modes import suited
 from app.model.export import KINDS
 from app.model.text.language import reason, tr
 from app.model.volume.parts import Parts
 from app.session.exchange.messages import Core, ImageReady, NotOpened, Opened, Report, Saved
 from app.session.tasks.tasks import Task, Tasks
-from cpm_core import Image, Parameters
+from cpm_core import PRESETS, Image, Parameters
 from cpm_core.formats import (
     READABLE,
     SUFFIX,
@@ -101,11 +100,6 @@ def parts_of(path: Path, reading: Reading) -> tuple[Parts | None, Reading]:
         return None, reading
 
 
-def opens_as_volume(parts: Parts | None) -> bool:
-    """Whether a file is opened as a volume unless a page of it is asked for; if that fails, the sentence says why."""
-    return parts is not None and parts.pages >= MINIMUM_SIDE and parts.deep
-
-
 @dataclass(frozen=True, slots=True)
 class Wanted:
     """A request to open an image or a session file at `path`.
@@ -157,7 +151,7 @@ def prepare(core: Core, wanted: Wanted, check_cancelled: Callable[[], None]) -> 
     if saved is not None:
         _check(saved, image)
     if saved is None:
-        parameters = suited(parameters, image)
+        parameters = PRESETS["volume"] if image.ndim == 3 else parameters
     most, scales = most_scales(image.shape), parameters.scales
     if scales > most:
         parameters = replace(parameters, scales=most)
@@ -194,7 +188,7 @@ def _read(
     known = saved.file.image.shape if saved is not None and saved.file.image is not None else ()
     asked = len(known) == 3 if known else wanted.as_volume
     image: Image | None = None
-    if asked or (asked is None and opens_as_volume(parts)):
+    if asked or (asked is None and parts is not None and parts.pages >= MINIMUM_SIDE and parts.deep):
         in_volume = {name: given for name, given in chosen.items() if name != "page"}
         try:
             image = core.load_volume(path, check_cancelled, **in_volume)

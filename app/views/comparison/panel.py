@@ -103,7 +103,7 @@ class ResultTable(ItemTable):
         compared.chosen_changed.connect(self.show_selection)
         self.show_items()
 
-    def _edit_name(self, row: int) -> None:
+    def edit_name(self, row: int) -> None:
         """Take the chosen result over, on Enter and a double click."""
         if self._compared.rows[self._compared.chosen].usable:
             self._compared.use(self._compared.chosen)

@@ -8,7 +8,7 @@ from app.model.document import edits
 from app.model.document.document import Mode
 from app.model.document.modes import MODES, use_mode
 from app.model.state.resolve import resolve
-from app.model.state.situation import Situation, can_redo, can_undo, has_image, has_selection, has_shapes
+from app.model.state.situation import Situation, has_image, has_shapes
 from app.model.text.language import from_core, tr
 from app.views.canvas.canvas_area import FIRST_TOOL
 from app.views.canvas.tools import TOOLS
@@ -99,9 +99,9 @@ class UndoSelectionFeature(Feature):
 
         self.actions = (
             ActionSpec("undo", "Edit", "Undo", "Undo the last change.", session.undo, "Ctrl+Z", short=tr("Undo"),
-                       icon="undo", when=can_undo, worded=lambda situation: resolve(situation).undo_text),
+                       icon="undo", when=lambda now: bool(now.undo_name), worded=lambda now: resolve(now).undo_text),
             ActionSpec("redo", "Edit", "Redo", "Redo the last undone change.", session.redo, "Ctrl+Shift+Z Ctrl+Y",
-                       short=tr("Redo"), icon="redo", when=can_redo,
+                       short=tr("Redo"), icon="redo", when=lambda now: bool(now.redo_name),
                        worded=lambda situation: resolve(situation).redo_text),
             ActionSpec("select_next", "Edit", "Select &next shape", "Select the next shape.", session.select_next, "N",
                        gap=True, when=has_shapes),
@@ -109,7 +109,7 @@ class UndoSelectionFeature(Feature):
                        "Cancel the current drawing, or clear the selection and hide messages.",
                        window.canvas_area.escape, "Escape"),
             ActionSpec("delete", "Edit", "&Delete", "Remove the selected shape.", session.delete_selected,
-                       "Delete Backspace", gap=True, when=has_selection),
+                       "Delete Backspace", gap=True, when=lambda now: now.selected is not None),
             ActionSpec("enlarge", ">" + tr("Edit"), "Larger",
                        "Make the selected shape, the brush or the candidate larger; the key ] does the same.",
                        partial(area.enlarge, 1.0), when=sized),

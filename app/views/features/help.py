@@ -8,7 +8,7 @@ from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication, QMessageBox
 
 from app.model.document.samples import sample_called
-from app.model.text.about import LICENSE, PAPER, PURPOSE, about_text, versions
+from app.model.text.about import LICENSE, PAPER, PURPOSE, versions
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.session.exchange.messages import Opened
@@ -18,6 +18,7 @@ from app.views.widgets.actions import ActionSpec
 from app.views.window.guide import KEYS, Guide
 from app.views.window.preferences import PreferencesDialog
 from app.views.window.window import Feature, MainWindow, OneDialog
+from cpm_core import __version__
 
 SEEN = "guide/seen"
 """Preference: whether the guide has been shown."""
@@ -87,7 +88,9 @@ class HelpFeature(Feature):
         copy = box.addButton(tr("&Copy this text"), QMessageBox.ButtonRole.ActionRole)
         copy.setToolTip(tr("Copy it to the clipboard, for example for a bug report."))
         copy.clicked.disconnect()  # it does not close the box
-        copy.clicked.connect(lambda: QApplication.clipboard().setText(about_text()))
+        listed = "\n".join(f"{name}: {version}" for name, version in versions())
+        plain = f"CPM {__version__}\n{PURPOSE}\n\n{PAPER}\n\n{LICENSE}\n\n{listed}\n"  # as for a report of an error
+        copy.clicked.connect(lambda: QApplication.clipboard().setText(plain))
         box.addButton(QMessageBox.StandardButton.Close)
         box.open()
 

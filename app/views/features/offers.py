@@ -8,7 +8,7 @@ from functools import partial
 from app.model.display.lengths import size_text
 from app.model.document import edits
 from app.model.document.document import Document
-from app.model.document.modes import ADVICE, use_kind
+from app.model.document.modes import ADVICE, use_mode
 from app.model.document.samples import sample_like
 from app.model.preferences.table import KEEP_PARAMETERS, OFFER_SETTINGS
 from app.model.state.situation import has_image, has_volume
@@ -23,6 +23,7 @@ from app.views.files.part_dialog import PartDialog
 from app.views.files.pixel_size_dialog import PixelSizeDialog
 from app.views.widgets.actions import ActionSpec
 from app.views.window.window import Feature, MainWindow
+from cpm_core import PRESETS
 from cpm_core.formats import Reading
 from cpm_core.image import Kind, guessed_kind
 from cpm_core.segmentation import LargeImageSettings, large_image_settings
@@ -63,7 +64,10 @@ class BeginningFeature(Feature):
             and session.document.mode != "skeleton"
             and self.window.preferences.value(OFFER_SETTINGS)
         ):
-            take = partial(session.edit, tr("settings for the kind of image"), partial(use_kind, kind=kind))
+            preset, words = PRESETS[kind], tr("settings for the kind of image")
+            take = partial(
+                session.edit, words, lambda document: edits.use_preset(use_mode(document, "automatic"), preset)
+            )
             offers.offer(ADVICE[kind], (tr("Use these settings"), take))
         document = session.document
         if settings is not None and _with_settings(document, settings) != document:

@@ -103,7 +103,7 @@ class TimelineFeature(Feature):
         self.navigation = to = window.workspace.navigation
         self.panel = TimelinePanel(to, lambda: window.session.status)
         self.panels = (Panel("timeline", "Timeline", self.panel, "F9", below=True),)
-        window.session.status_changed.connect(self.panel.follow_run)
+        window.session.status_changed.connect(lambda: self.panel.setVisible(window.session.status.started))
 
         def go_to_end(event: QKeyEvent) -> bool:
             """Home and End on the canvas; in sliders and fields they keep their meaning."""

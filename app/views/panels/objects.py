@@ -396,7 +396,8 @@ class ObjectPanel(QWidget):
         self.show_chosen()
         field = self.classes[category].name if category else self.name
         if not category and (self._row is None or self.table.hasFocus()):
-            self.table.name_selected()
+            for index in self.table.selectionModel().selectedRows()[:1]:
+                self.table.edit_name(index.row())
         else:
             field.setFocus()
             field.selectAll()

@@ -25,6 +25,7 @@ from app.model.document import edits
 from app.model.document.document import Document
 from app.model.document.modes import acting_in, fresh_parameters
 from app.model.parameters.controls import (
+    BY_ITSELF,
     CHANNEL,
     MAIN,
     ChoiceControl,
@@ -133,7 +134,7 @@ class ParameterRow(QWidget):
         self._restore.clicked.connect(self._reset)
         if self._automatic is not None:
             self._automatic.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-            self._automatic.setToolTip(control.by_itself)
+            self._automatic.setToolTip(BY_ITSELF.get(control.name, ""))
             self._automatic.clicked.connect(lambda on: self._finish("auto" if on else self.number.value()))
         self._lay_out()
         self.adapt(control)

@@ -374,11 +374,6 @@ class ItemTable(Table):
     def hover(self, key: Any) -> None:
         """Point at an item, or at none."""
 
-    def name_selected(self) -> None:
-        """Edit the name in the selected row."""
-        for index in self.selectionModel().selectedRows()[:1]:
-            self._edit_name(index.row())
-
     def show_items(self) -> None:
         """Show the present items in a turn of its own; a hidden table waits until it is seen, as during a run."""
         self._stale = True
@@ -427,7 +422,7 @@ class ItemTable(Table):
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Edit the name on Enter, remove on Delete; an arrow key first selects the current row."""
         if event.key() in ENTER:
-            self._edit_name(self.currentIndex().row())
+            self.edit_name(self.currentIndex().row())
         elif event.key() in _DELETE:
             self.remove()
         elif event.key() in _ALONG and not self.chosen and self.currentIndex().isValid():
@@ -464,11 +459,12 @@ class ItemTable(Table):
 
     def _open(self, index: QModelIndex) -> None:
         if index.column() == self.number("name"):
-            self._edit_name(index.row())
+            self.edit_name(index.row())
         else:
             self.zoom_wanted.emit()
 
-    def _edit_name(self, row: int) -> None:
+    def edit_name(self, row: int) -> None:
+        """Edit the name in a row."""
         if row >= 0 and self.state() != QAbstractItemView.State.EditingState:
             self.edit(self._sorted.index(row, self.number("name")))
 

@@ -324,10 +324,6 @@ class TimelinePanel(QWidget):
         self.branch.setIcon(icon("branch", theme.text, faded=theme.line))
         self.parameters.setIcon(icon("restore", theme.text, faded=theme.line))
 
-    def follow_run(self) -> None:
-        """Be seen while there is a run."""
-        self.setVisible(self._status().started)
-
     @property
     def _running(self) -> bool:
         return self._status().phase == "running"

@@ -163,26 +163,24 @@ class FileDialogs:
         name: str,
         kinds: Sequence[Files],
         folder: Path | None = None,
-        parent: QWidget | None = None,
     ) -> Path | None:
         """A file to write, which has a suffix of these kinds; None when the user cancels.
 
         `name` is suggested, its suffix is added to a name without one, and `folder` is where the dialog begins, by
         default next to the image.
         """
-        parent = parent or self._window
         known = [known for kind in kinds for known in kind.suffixes]
         suffix = max((known for known in known if name.endswith(known)), key=len, default=Path(name).suffix)
         first = next((kind.filter for kind in kinds if suffix in kind.suffixes), "")
         begin, filters = str((folder or self.begin(purpose)) / name), ";;".join(kind.filter for kind in kinds)
-        chosen, _ = QFileDialog.getSaveFileName(parent, title, begin, filters, first, _SHORT)
+        chosen, _ = QFileDialog.getSaveFileName(self._window, title, begin, filters, first, _SHORT)
         if not chosen:
             return None
         path = Path(chosen)
         if not path.name.lower().endswith(tuple(known)) and (not path.suffix or len(known) == 1):
             path = path.with_name(path.name + suffix)
             # The desktop has asked only about the name as it was typed.
-            if path.exists() and not ask_to_replace(parent, path.name):
+            if path.exists() and not ask_to_replace(self._window, path.name):
                 return None
         self.remember(purpose, path)
         return path

@@ -41,12 +41,6 @@ QUIT = "quit"
 """The action that is always the last of its menu."""
 
 
-def refill(menu: QMenu, spec: Submenu) -> None:
-    """Fill a submenu in place of what it had."""
-    menu.clear()
-    spec.fill(menu)
-
-
 class Menus:
     """The menus of a window, made from specifications and their actions."""
 
@@ -63,7 +57,8 @@ class Menus:
             if isinstance(spec, Submenu):
                 inner = menu.addMenu(spec.text)
                 inner.setToolTipsVisible(True)
-                inner.aboutToShow.connect(partial(refill, inner, spec))
+                inner.aboutToShow.connect(inner.clear)
+                inner.aboutToShow.connect(partial(spec.fill, inner))
             else:
                 menu.addAction(actions[spec.name])
         for menu in self._menus.values():
@@ -75,11 +70,6 @@ class Menus:
             outer, _, title = path.rpartition(">")
             self._menus[path] = self[outer].addMenu(title)
         return self._menus[path]
-
-    def add_section(self, path: str, actions: Iterable[QAction]) -> None:
-        """Add other actions at the end of a menu, below a separator."""
-        self[path].addSeparator()
-        self[path].addActions(list(actions))
 
 
 _RUN = ("run", "step", "reset")

@@ -212,7 +212,8 @@ class MainWindow(QMainWindow):
         self.refresh()
 
     def _add_menus(self, specs: Sequence[ActionSpec | Submenu]) -> ContextMenus:
-        self.menus.add_section("View", self.docks.actions)
+        self.menus["View"].addSeparator()
+        self.menus["View"].addActions([*self.docks.actions])
         menus = ContextMenus(self, specs, self.actions_by_name, self.docks.actions)
         menus.watch(self, self.docks.column)
         self.canvas_area.canvas.pointer.menu_wanted.connect(partial(menus.open_at, self.canvas_area))

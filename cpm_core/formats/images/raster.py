@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -43,9 +42,6 @@ READS = {
 
 # A list of its own, because other decoders of Pillow start external programs or read documents.
 _DECODERS = ("PNG", "JPEG", "BMP", "DIB", "PPM", "GIF", "WEBP", "JPEG2000")
-_END = b"\xff\xd9"
-"""The last bytes of a JPEG."""
-
 _PIXELS_A_METER = 1 / 0.0254
 
 
@@ -112,8 +108,9 @@ def _pixels(picture: PIL.Image.Image, path: Path) -> Decoded:
     deep = whole and kind in ("RGB;16B", "RGBA;16B", "LA;16B")
     if picture.format == "JPEG2000" or deep:
         return _unpacked(path, "png" if deep else "jpeg2k")
-    # the same pixels sooner, since Pillow takes the interpreter's lock for each few of them
-    if picture.format == "JPEG" and mode in ("L", "RGB") and _complete(path):
+    # the same pixels sooner, since Pillow takes the interpreter's lock for each few of them; it knows what is wrong
+    # with a JPEG without its end, of which other decoders are silent
+    if picture.format == "JPEG" and mode in ("L", "RGB") and path.read_bytes().endswith(b"\xff\xd9"):
         return _unpacked(path, "jpeg8")
     if picture.format == "PNG" and whole and kind == mode == "L" and not alpha:
         return _unpacked(path, "png")
@@ -130,13 +127,6 @@ def _pixels(picture: PIL.Image.Image, path: Path) -> Decoded:
         return from_samples(samples[..., :1], samples[..., 3]) if gray else from_bands(samples)
     notes = ("Its 16 bits a color were cut down to 8.",) if (declared or 0) > 255 or ";16" in kind else ()
     return from_samples(np.array(picture.convert("RGB")), notes=notes)
-
-
-def _complete(path: Path) -> bool:
-    """Whether a JPEG has its end, without which Pillow knows what is wrong, and other decoders are silent."""
-    with path.open("rb") as file:
-        file.seek(-len(_END), os.SEEK_END)
-        return file.read() == _END
 
 
 def _unpacked(path: Path, kind: str) -> Decoded:

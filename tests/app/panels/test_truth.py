@@ -187,13 +187,13 @@ def test_differences_are_the_segments_beyond_the_tolerance_largest_first() -> No
     bulge = found.points.copy()
     bulge[found.points[:, 0] == 30.0, 0] += 6.0  # the lower side is pushed out
     truth = truth_of_contours([found], (48, 48))
-    there = differences([Contour(bulge, True)], truth, compare([Contour(bulge, True)], truth))
+    there = differences([Contour(bulge, True)], compare([Contour(bulge, True)], truth))
     assert {difference.kind for difference in there} == {"missing", "wrong"}
     assert there[0].farthest == pytest.approx(6.0)
     assert [d.farthest for d in there] == sorted((d.farthest for d in there), reverse=True)
     for difference in there:
         assert difference.points[:, 0].min() >= 26.0
-    same = differences([found], truth, compare([found], truth))
+    same = differences([found], compare([found], truth))
     assert same == ()
 
 

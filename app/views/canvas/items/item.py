@@ -67,7 +67,7 @@ class OverImage(QtWidgets.QGraphicsObject):  # type: ignore[misc]  # `show` of i
         self._room = QRectF()
         self._rim = rim
         self.setZValue(z)
-        self.set_shown(True)
+        self.setVisible(True)
 
     def use_shape(self, shape: tuple[int, ...], rim: float | None = None) -> None:
         """Cover an image of this shape and a rim around it."""
@@ -75,16 +75,16 @@ class OverImage(QtWidgets.QGraphicsObject):  # type: ignore[misc]  # `show` of i
         self.prepareGeometryChange()
         self._room = image_rectangle(shape).adjusted(-width, -width, width, width)
 
-    def set_shown(self, shown: bool) -> None:
+    def setVisible(self, shown: bool) -> None:
         """Show or hide the item."""
         self._shown = shown
-        self.setVisible(shown and self.count > 0)
+        super().setVisible(shown and self.count > 0)
 
     def renew(self, count: int) -> None:
         """Draw again, so many things."""
         self.count = count
         self.update()
-        self.set_shown(self._shown)
+        self.setVisible(self._shown)
 
     def boundingRect(self) -> QRectF:
         """The area that may be drawn on."""
@@ -104,12 +104,12 @@ class Markers(pg.ScatterPlotItem):  # type: ignore[misc]  # pyqtgraph has no typ
         """Show them at (row, col), with a look of their own."""
         x, y = to_xy(np.array([*positions], dtype=float).reshape(-1, 2))
         self.setData(x=x, y=y, **look)
-        self.set_shown(self._shown)
+        self.setVisible(self._shown)
 
-    def set_shown(self, shown: bool) -> None:
+    def setVisible(self, shown: bool) -> None:
         """Show or hide them; without any the item is hidden and costs nothing in a frame."""
         self._shown = shown
-        self.setVisible(shown and len(self.data) > 0)
+        super().setVisible(shown and len(self.data) > 0)
 
 
 _NAME_PAD = 4.0

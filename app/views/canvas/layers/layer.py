@@ -13,7 +13,7 @@ from PySide6.QtWidgets import QGraphicsItem
 
 from app.session.scene import Scene
 from app.session.worker.commands import Command
-from app.views.canvas.items.item import Markers, OverImage
+from app.views.canvas.items.item import OverImage
 
 Value = str | float | bool
 
@@ -221,8 +221,7 @@ class Layer(QObject):
     def show_or_hide(self) -> None:
         """Apply `shown` and the switches to the items."""
         for item, switch in self._items:
-            shown = self.shown and bool(not switch or self.chosen[switch])
-            (item.set_shown if isinstance(item, OverImage | Markers) else item.setVisible)(shown)
+            item.setVisible(self.shown and bool(not switch or self.chosen[switch]))
 
     def fade(self) -> None:
         """Apply `opacity` to the items."""

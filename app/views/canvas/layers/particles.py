@@ -123,7 +123,7 @@ class ParticleLayer(Layer):
         """Show or hide the particles and the legend."""
         snapshot = self.scene.snapshot
         for discs in self._discs:
-            discs.set_shown(self.shown and self.size_of(snapshot) > 0.0)
+            discs.setVisible(self.shown and self.size_of(snapshot) > 0.0)
         self.legend.setVisible(self.shown and snapshot is not None and self.word("colour") != _STATE)
 
     def fade(self) -> None:
