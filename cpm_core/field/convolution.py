@@ -6,9 +6,10 @@ Of a large image the field is computed in windows, where particles are (`Windowe
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial, reduce
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 import scipy
@@ -18,8 +19,6 @@ from cpm_core.numerics.grids import Window, around, in_bands, relative, sides_of
 from cpm_core.numerics.parallel import cores
 from cpm_core.numerics.real_numbers import checked_number
 from cpm_core.numerics.types import Array, Single
-
-_Grid = TypeVar("_Grid", Single, Array)
 
 _MOST_KEPT = 2**21
 """Pixels of an image up to which the spectra of its kernels are kept for the next image of the same size."""
@@ -159,17 +158,13 @@ class WindowedField:
     def within(self, window: Window) -> Single:
         r"""Field in a window, shape (2, \*sides of the window)."""
         outer = around(window, _NEAR, self.charges.shape)
-        padded = tuple(scipy.fft.next_fast_len(n + 3 * _NEAR, axis == 1) for axis, n in enumerate(sides_of(window)))
-        field: Single = _convolved(self.charges[outer], padded, _near_kernels(padded, self._power))
+        sides = [n + 3 * _NEAR for n in sides_of(window)]
+        field = _convolved(self.charges[outer], sides, _near_kernels, self.exponent)
         field = field[(slice(None), *relative(window, outer))]
         rows, cols = (_splines((np.arange(side.start, side.stop) + 0.5) / _BLOCK - 0.5) for side in window)
         down, right = (slice(side.start // _BLOCK, -(-side.stop // _BLOCK) + 2 * _BEYOND) for side in window)
         field += rows[:, down] @ self._nodes[:, down, right] @ cols[:, right].T
         return field
-
-    @property
-    def _power(self) -> float:
-        return 2.0 if self.exponent is None else self.exponent
 
     @cached_property
     def _nodes(self) -> Single:
@@ -181,14 +176,26 @@ class WindowedField:
 
         in_bands(work, len(spread))
         charges = _spread(spread.T).T
-        padded = tuple(scipy.fft.next_fast_len(2 * n, axis == 1) for axis, n in enumerate(charges.shape))
-        return _convolved(charges, padded, _far_kernels(padded, self._power))[:, : len(charges), : charges.shape[1]]
+        rows, cols = charges.shape
+        return _convolved(charges, [2 * rows, 2 * cols], _far_kernels, self.exponent)[:, :rows, :cols]
 
 
-def _convolved(charges: NDArray[np.floating], padded: tuple[int, ...], kernels: Single) -> Single:
-    """Field of charges on a padded grid, from the transforms of its two kernels over i."""
+def _convolved(
+    charges: NDArray[np.floating],
+    sides: list[int],
+    kernels_of: Callable[[tuple[int, ...], float], Single],
+    exponent: float | None,
+) -> Single:
+    """Field of charges on a grid padded to these sides or more, from the transforms of its two kernels over i."""
+    padded = _padded(sides)
     spectrum = scipy.fft.rfft2(charges.astype(np.float32, copy=False), padded, workers=cores()) * np.complex64(1j)
-    return np.asarray(scipy.fft.irfft2(spectrum * kernels, padded, workers=cores()))
+    spectrum = spectrum * kernels_of(padded, 2.0 if exponent is None else exponent)
+    return np.asarray(scipy.fft.irfft2(spectrum, padded, workers=cores()))
+
+
+def _padded(sides: list[int]) -> tuple[int, ...]:
+    """The least sides of a grid from these on whose transforms are fast; the last axis is transformed as real."""
+    return tuple(scipy.fft.next_fast_len(n, axis == len(sides) - 1) for axis, n in enumerate(sides))
 
 
 def _splines(places: Array) -> Single:
@@ -216,13 +223,8 @@ def _decay(squared: Single, power: float) -> Single:
 
 def _smooth_decay(squared: Single, power: float) -> Single:
     """The same made smooth up to `_NEAR`."""
-    decay, near, half, factor = (
-        _decay(np.maximum(squared, _NEAR**2), power),
-        squared < _NEAR**2,
-        0.5 * (power + 1.0),
-        1.0,
-    )
-    inside = np.zeros(np.count_nonzero(near))
+    decay, near = _decay(np.maximum(squared, _NEAR**2), power), squared < _NEAR**2
+    inside, half, factor = np.zeros(np.count_nonzero(near)), 0.5 * (power + 1.0), 1.0
     for term in range(_TERMS):
         inside += factor * (squared[near] / _NEAR**2 - 1.0) ** term
         factor *= -(half + term) / (term + 1)
@@ -270,8 +272,7 @@ def convolved_potential(
     strength ``f`` of every pixel [gray levels / px], of at least two axes, `pitch` the distance of two pixels along
     each, by default one. The transforms are done in single precision, with an error of 1e-6 of the largest value.
     """
-    dimension, last = edge_map.ndim, edge_map.ndim - 1
-    padded = tuple(scipy.fft.next_fast_len(2 * n - 1, axis == last) for axis, n in enumerate(edge_map.shape))
+    dimension, padded = edge_map.ndim, _padded([2 * n - 1 for n in edge_map.shape])
     sides = (1.0,) * dimension if pitch is None else pitch
     steps = (side * (size * np.fft.fftfreq(size)) for size, side in zip(padded, sides, strict=True))
     offsets = np.meshgrid(*steps, indexing="ij", sparse=True)
@@ -288,7 +289,7 @@ def convolved_potential(
     return -potential
 
 
-def block_means(volume: _Grid, block: list[int]) -> _Grid:
+def block_means(volume: Single, block: list[int]) -> Single:
     """Means of the blocks of a volume, of so many voxels along each axis; the last blocks may be smaller."""
     for axis, n in enumerate(block):
         if n > 1:

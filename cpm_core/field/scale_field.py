@@ -50,8 +50,8 @@ _OVERLAP = _SUMMIT_REACH + 1
 _PART, _LEAST_LINES = 2**15, 16
 """Pixels of a part of the image, so that intermediate results stay in the cache, and its least number of lines."""
 
-_TILE, _ROWS = 1024, 512
-"""Side of the windows in which the field of a large image is made [px], and rows in which its edge map is."""
+_TILE = 1024
+"""Side of the windows in which the edge map and the field of a large image are made [px]."""
 
 FIELD_PRECISION: DTypeLike = np.float32
 """The transforms of the field are done in single precision: only its direction and its values near edges are used. The
@@ -184,8 +184,7 @@ class ScaleField:
     def potential(self) -> Array:
         r"""Potential of all fixed charges of the image, shape (\*shape) [gray levels]."""
         if self.whole is not None:
-            window = tuple(slice(at, at + n) for at, n in zip(self.corner, self.shape, strict=True))
-            return self.whole.potential[window]
+            return self.whole.potential[self.window]
         return convolved_potential(self.fixed_charges, exponent=self.exponent)
 
     @cached_property
@@ -201,6 +200,11 @@ class ScaleField:
         other = copy(self)
         object.__setattr__(other, "barrier_map", barrier_map)
         return other
+
+    @property
+    def window(self) -> Window:
+        """Pixels of the image that the field is of."""
+        return tuple(slice(at, at + n) for at, n in zip(self.corner, self.shape, strict=True))
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -252,16 +256,24 @@ def build_scale_field(
         charged = np.where(inside & (strength >= edge_floor * strongest), strength, strength.dtype.type(0))
     if not everywhere:
         strength[~within(inside, _MARGIN)] = 0.0
-    made_of = charged, slopes, strength, strongest, exponent, not everywhere
-    force = cache(partial(packed_force, *made_of))
-    floor = _weakest_edge(strength if everywhere else strength[inside], strongest, edge_floor)
-    known = smoothing, exponent, barrier_map, None, not everywhere
-    return ScaleField(force, slopes, strength, values, strongest, charged, floor, *known)
+    return ScaleField(
+        cache(partial(packed_force, exponent, charged, slopes, strength, strongest, not everywhere)),
+        slopes,
+        strength,
+        values,
+        strongest,
+        charged,
+        _weakest_edge(strength if everywhere else strength[inside], strongest, edge_floor),
+        smoothing,
+        exponent,
+        barrier_map,
+        cut=not everywhere,
+    )
 
 
 def slopes_of(values: Array, smoothing: float) -> Slopes:
     """What gives the gradient of a smoothed image in a window; of a large image it is computed there when needed."""
-    if values.size > LARGE and values.ndim == 2:
+    if values.size > LARGE:
         return partial(gradient_within, values, smoothing)
     known = gradient(values, smoothing)
     return lambda window: known[(slice(None), *window)]
@@ -272,24 +284,21 @@ def _strength_of(slopes: Slopes, shape: tuple[int, ...]) -> Array:
     if math.prod(shape) <= LARGE:
         return magnitude(slopes(whole_window(shape)))
     strength: Array = np.empty(shape, FIELD_PRECISION)
-    for (rows,) in tiles(shape[:1], _ROWS):
-        band = (rows, *whole_window(shape[1:]))
-        strength[band] = magnitude(slopes(band))
+    for tile in tiles(shape, _TILE):
+        strength[tile] = magnitude(slopes(tile))
     return strength
 
 
 def packed_force(
-    charged: Array, slopes: Slopes, strength: Array, strongest: float, exponent: float | None, cut: bool = False
+    exponent: float | None, charged: Array, slopes: Slopes, strength: Array, strongest: float, cut: bool
 ) -> Single:
-    """`ScaleField.packed` of fixed charges, image gradient, edge map, largest edge strength, exponent, and `cut`."""
-    if strength.size <= LARGE or strength.ndim > 2:
-        grad = slopes(whole_window(strength.shape))
-        felt = magnitude(grad) if cut else strength
-        force = lorentz_force(convolved_field(charged, exponent, FIELD_PRECISION), grad, felt, strongest)
-        return np.stack([*force, *grad, strength], axis=-1, dtype=np.float32)
+    """`ScaleField.packed` of an exponent, fixed charges, image gradient, edge map, its largest value, and `cut`."""
+    known = slopes, strength, strongest, cut
+    if strength.size <= LARGE:
+        return _packed(convolved_field(charged, exponent, FIELD_PRECISION), *known, whole_window(strength.shape))
     packed, field = np.empty((*strength.shape, 5), np.float32), WindowedField(charged, exponent)
     for tile in tiles(strength.shape, _TILE):  # one after the other: each uses all cores
-        packed[tile] = _packed_within(field, slopes, strength, strongest, cut, tile)
+        packed[tile] = _packed_within(field, *known, tile)
     return packed
 
 
@@ -298,9 +307,16 @@ def _packed_within(
 ) -> Single:
     """`packed_force` in a window of a large image."""
     outer = around(window, _OVERLAP, strength.shape)
-    grad, length = slopes(outer), strength[outer]
-    force = lorentz_force(field.within(outer), grad, magnitude(grad) if cut else length, strongest)
-    return np.stack([*force, *grad, length], axis=-1, dtype=np.float32)[relative(window, outer)].copy()
+    return _packed(field.within(outer), slopes, strength, strongest, cut, outer)[relative(window, outer)].copy()
+
+
+def _packed(
+    field: NDArray[np.floating], slopes: Slopes, strength: Array, strongest: float, cut: bool, window: Window
+) -> Single:
+    """`packed_force` of a field in a window."""
+    grad, length = slopes(window), strength[window]
+    force = lorentz_force(field, grad, magnitude(grad) if cut else length, strongest)
+    return np.stack([*force, *grad, length], axis=-1, dtype=np.float32)
 
 
 def _weakest_edge(strength: Array, strongest: float, edge_floor: float) -> float:
@@ -403,10 +419,11 @@ def limited_to(scale_field: ScaleField, ridge: Mask) -> ScaleField:
     same = scale_field.fixed_charges is scale_field.edge_map
     charged = strength if same else scale_field.fixed_charges * kept
     strongest = float(strength.max(initial=0.0))
-    made_of = charged, scale_field.slopes, strength, strongest, scale_field.exponent
     return replace(
         scale_field,
-        force=cache(partial(packed_force, *made_of)),
+        force=cache(
+            partial(packed_force, scale_field.exponent, charged, scale_field.slopes, strength, strongest, False)
+        ),
         edge_map=strength,
         strongest=strongest,
         fixed_charges=charged,

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
@@ -243,17 +243,15 @@ def smoothed_volume(values: Array, sigmas: list[float]) -> Single:
 def edge_strength(smoothed: Single, pitch: Vector) -> Single:
     """Size of the slope of a volume at every voxel, from central differences [gray levels / unit]."""
     out = np.empty_like(smoothed)
-    plane, row, col = (np.float32(0.5 / side) for side in pitch)
-    share(lambda first, end: _strengths(smoothed, plane, row, col, first, end, out), len(out), _LEAST_LINES)
+    factors = tuple(np.float32(0.5 / side) for side in pitch)
+    share(partial(_strengths, smoothed, factors, out), len(out), _LEAST_LINES)
     return out
 
 
 @compiled
-def _strengths(
-    smoothed: Single, plane: np.float32, row: np.float32, col: np.float32, first: int, end: int, out: Single
-) -> None:
+def _strengths(smoothed: Single, factors: tuple[np.float32, ...], out: Single, first: int, end: int) -> None:
     """Sizes of the slopes in some planes; the factors turn differences of voxels two apart into slopes."""
-    planes, rows, cols = out.shape
+    (planes, rows, cols), (plane, row, col) = out.shape, factors
     for i in range(first, end):
         above, below = smoothed[max(i - 1, 0)], smoothed[min(i + 1, planes - 1)]
         for j in range(rows):

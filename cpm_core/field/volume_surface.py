@@ -166,7 +166,7 @@ def ridges_of(smoothed: Single, edges: Single, pitch: Vector, floor: float, turn
     share(partial(_test, smoothed, edges, pitch, place, normal, ridge), count, _WORTH_A_THREAD)
     found = voxels[ridge]
     strength = edges[tuple(found.T)].astype(float)
-    return Ridges(place[ridge], normal[ridge], strength, component[ridge].astype(np.int64))
+    return Ridges(place[ridge], normal[ridge], strength, component[ridge])
 
 
 def _connected(smoothed: Single, voxels: Index, pitch: Vector, turn: float) -> Index:

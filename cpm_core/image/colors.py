@@ -9,8 +9,8 @@ import numpy as np
 import skimage
 from numpy.typing import NDArray
 
+from cpm_core.numerics.grids import in_bands
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.choices import CHOICES, check_choice
 from cpm_core.parameters.quotation import shown
@@ -29,9 +29,6 @@ COLORS = (LUMINANCE, *_PRIMARIES, CONTRAST)
 """What gray levels can be made of colors."""
 
 _STAINS = ("hematoxylin", "eosin", "dab")
-
-_ROWS = 8
-"""Rows that are reduced at once: they stay in the cache of the processor."""
 
 _DARKEST = 1e-6
 """Least light that `rgb2hed` distinguishes; it measures stains in units of its logarithm."""
@@ -128,11 +125,7 @@ def reduced(samples: NDArray[Any], alpha: NDArray[Any] | None = None, white: flo
     """
     said: list[str] = []
     count, shape = samples.shape[-1], samples.shape[:2]
-    alike = all(
-        np.array_equal(samples[begin : begin + _ROWS, :, 0], samples[begin : begin + _ROWS, :, other])
-        for begin in range(0, shape[0], _ROWS)
-        for other in range(1, count)
-    )
+    alike = all(np.array_equal(line[:, 0], line[:, other]) for line in samples for other in range(1, count))
     white = full_scale(samples) if white is None else white
     if not alike:
         said.append(LUMINANCE_NOTE)
@@ -145,27 +138,22 @@ def reduced(samples: NDArray[Any], alpha: NDArray[Any] | None = None, white: flo
         return Reduced(samples[..., 0], None, tuple(said))
     gray = np.empty(shape)
     if opaque and samples.dtype == np.uint8:
-        share(lambda first, end: _weigh_bytes(samples[first:end], WEIGHTS, gray[first:end]), shape[0], _ROWS)
+        in_bands(lambda first, end: _weigh_bytes(samples[first:end], WEIGHTS, gray[first:end]), shape[0])
         gray.flags.writeable = False  # an image takes them over
         return Reduced(gray, Colors(samples, white), tuple(said))
     colors = None if alike else Colors(np.empty((*shape, count), np.uint8), white)
 
-    def reduce_rows(first: int, end: int) -> None:
+    def reduce_rows(first: int, end: int) -> None:  # without more images of eight bytes a sample
         line = samples[first:end]
         if alpha is not None and not opaque:
             opacity = alpha[first:end, :, None] / full_scale(alpha)
             line = line * opacity + white * (1.0 - opacity)
         gray[first:end] = line[..., 0] if colors is None else luminance(line)
-        if colors is None:
-            return
-        shares = np.asarray(np.clip(line, 0.0, white), np.float64) / white
-        colors.samples[first:end] = np.rint(np.nan_to_num(255.0 * shares))
+        if colors is not None:
+            shares = np.asarray(np.clip(line, 0.0, white), np.float64) / white
+            colors.samples[first:end] = np.rint(np.nan_to_num(255.0 * shares))
 
-    def reduce_part(first: int, end: int) -> None:
-        for at in range(first, end, _ROWS):  # without more images of eight bytes a sample
-            reduce_rows(at, min(at + _ROWS, end))
-
-    share(reduce_part, shape[0], _ROWS)
+    in_bands(reduce_rows, shape[0])
     return Reduced(gray, colors, tuple(said))
 
 

@@ -75,6 +75,8 @@ class Image(drawing.Pictured):
     <Image drawn, 40 x 60 px, 0.5 µm a pixel>
     >>> image.shape, image.ndim, [round(level, 1) for level in image.gray_range], image.sha256[:8]
     ((40, 60), 2, [0.0, 70.7], '2cd5ef8e')
+    >>> cpm.Image(np.eye(4, dtype=np.uint8)).stored.dtype.name
+    'uint8'
     >>> image.sized((2.0, 2.0), "mm")
     <Image drawn, 40 x 60 px, 2 mm a pixel>
     >>> cpm.example("ball").cut(axis=0, index=15)
@@ -118,15 +120,12 @@ class Image(drawing.Pictured):
             )
         if given.ndim == 3:
             check_room(given.shape, _BYTES_A_VOXEL, self.source)
-        if given.ndim == 2 and given.dtype.kind in "ui" and given.itemsize <= _FEW_BYTES and masked is np.ma.nomask:
-            vars(self).update(_stored=np.array(given), spacing=_sizes(self.source, self.spacing, 2))
-            vars(self)["gray_range"] = float(given.min()), float(given.max())
-            del vars(self)["values"]
-            self._check_colors()
-            return
+        known, whole = vars(self), masked is np.ma.nomask
+        small = given.ndim == 2 and given.dtype.kind in "ui" and given.itemsize <= _FEW_BYTES and whole
+        precision = given.dtype if small else np.float64
         with np.errstate(invalid="ignore"):  # of NaN of the signaling kind, which are refused as all others
-            values = given if _unchanging(given) else np.array(given, dtype=np.float64, order="C")
-        if masked is not np.ma.nomask:
+            values: NDArray[Any] = given if _unchanging(given) else np.array(given, precision, order="C")
+        if not whole:
             values[masked if masked.shape == values.shape else masked.any(axis=-1)] = NO_DATA
             given = values
         ends = float(given.min()), float(given.max())  # of few bytes a pixel sooner than of eight
@@ -137,16 +136,12 @@ class Image(drawing.Pictured):
                 f"{'is' if unusable == 1 else 'are'} NaN or infinite: replace them by numbers first."
             )
         values, changes = usable(values, ends)
-        spacing = _sizes(self.source, self.spacing, values.ndim)
         values.flags.writeable = False
-        object.__setattr__(self, "values", values)
-        object.__setattr__(self, "spacing", spacing)
-        object.__setattr__(self, "notes", (*self.notes, *changes))
-        self._check_colors()
+        del known["values"]
+        known["_stored" if small else "values"] = values
+        known.update(spacing=_sizes(self.source, self.spacing, values.ndim), notes=(*self.notes, *changes))
         if not changes:
-            vars(self)["gray_range"] = ends
-
-    def _check_colors(self) -> None:
+            known["gray_range"] = ends
         if self.colors is not None and self.colors.samples.shape != (*self.shape, 3):
             raise ValueError(
                 f"The colors of {self.source} have the shape {self.colors.samples.shape}, "

@@ -91,7 +91,13 @@ def coulomb_force(positions: ArrayLike, method: str = "auto") -> Array:
     count, axes = points.shape
     if not count:
         return np.zeros((0, axes))
-    sites, scale = _in_unit_of_extent(np.array(points.T, order="C"))
+    with np.errstate(over="ignore", invalid="ignore"):
+        sides = np.ptp(points, axis=0)
+    if not np.isfinite(sides.sum()):
+        raise ValueError("positions must be finite numbers; there are others among them, or they lie too far apart.")
+    # the extent of the particles is about one in this unit, exactly
+    scale = float(2.0 ** np.floor(np.log2(sides.max()))) if sides.max() > 0.0 else 1.0
+    sites = np.array(points.T, order="C") / scale
     force = np.empty((count, axes))
     if method == "tree" or (method == "auto" and count > _WORTH_A_TREE):
         _sum_by_tree(sites, force)
@@ -105,17 +111,6 @@ def coulomb_force(positions: ArrayLike, method: str = "auto") -> Array:
             "another unit."
         )
     return force
-
-
-def _in_unit_of_extent(points: Array) -> tuple[Array, float]:
-    """Positions in a unit of length in which the extent of the particles is about one, and that unit, exactly."""
-    with np.errstate(over="ignore", invalid="ignore"):
-        sides = points.max(axis=1) - points.min(axis=1)
-    if not np.isfinite(sides.sum()):
-        raise ValueError("positions must be finite numbers; there are others among them, or they lie too far apart.")
-    extent = float(sides.max())
-    scale = float(2.0 ** np.floor(np.log2(extent))) if extent > 0.0 else 1.0
-    return points / scale, scale
 
 
 @reordered

@@ -13,7 +13,15 @@ from cpm_core.field.placed_charges import REACH, Charges, PlacedCharge, changed,
 from cpm_core.field.scale_field import LARGE
 from cpm_core.image.pyramid import shape_of_scale, to_image, to_scale
 from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.model.coverage import CELL, Coverage, no_coverage, no_surface, with_times_reset, with_times_reset_near
+from cpm_core.model.coverage import (
+    CELL,
+    NEVER,
+    Coverage,
+    no_coverage,
+    no_surface,
+    with_times_reset,
+    with_times_reset_near,
+)
 from cpm_core.model.starts import allowed_by, inside_image, starting_points
 from cpm_core.model.state import Particles, State
 from cpm_core.numerics.grids import Window, sides_of
@@ -165,19 +173,15 @@ def widened(state: State) -> State:
     if state.window is None or not state.count:
         return state
     shape, position = shape_of_scale(state.shape, state.scale), state.particles.position + state.corner
-    for side, n, along in zip(state.window, shape, position.T, strict=True):
-        before, behind = along.min() - side.start, side.stop - 1 - along.max()
-        if (side.start > 0 and before < _NEAR_END) or (side.stop < n and behind < _NEAR_END):
-            break
-    else:
+    first, last = np.transpose([(side.start, side.stop - 1) for side in state.window])
+    near = (first > 0) & (position.min(axis=0) - first < _NEAR_END)
+    if not (near | ((last + 1 < shape) & (last - position.max(axis=0) < _NEAR_END))).any():
         return state
-    corners = [[side.start for side in state.window], [side.stop - 1 for side in state.window]]
-    window = window_around(np.concatenate([position, corners]), shape)
-    moved = replace(state, window=window, mesh=None)
-    cells = (np.subtract(state.corner, moved.corner) / CELL).astype(int)
-    found, latest = (part.copy() for part in no_coverage(sides_of(window) if window else shape)[:2])
-    for part, known in zip((found, latest), state.coverage[:2], strict=True):
-        inner = part[cells[0] :, cells[1] :][: known.shape[0], : known.shape[1]]
-        inner[...] = known[: inner.shape[0], : inner.shape[1]]
+    window = window_around(np.concatenate([position, [first, last]]), shape)
+    moved, former = replace(state, window=window, mesh=None), state.coverage.found.shape
+    before = (np.subtract(state.corner, moved.corner) / CELL).astype(int)
+    behind = np.subtract(no_coverage(sides_of(window) if window else shape).found.shape, former) - before
+    around = np.transpose([before, behind])
+    found, latest = (np.pad(steps, around, constant_values=NEVER) for steps in state.coverage[:2])
     particles = replace(state.particles, position=position - moved.corner)
     return replace(moved, particles=particles, coverage=Coverage(found, latest, state.coverage.size))

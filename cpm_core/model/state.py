@@ -289,8 +289,8 @@ class State:
     >>> state = engine.step(engine.start(cpm.circle((32, 32), 8)), cpm.Parameters())
     >>> state
     <State step 1, scale 2, 9 particles>
-    >>> state.count, state.position.shape, state.placed.shape, len(state.arrays()) > 5
-    (9, (9, 2), (0, 3), True)
+    >>> state.count, state.position.shape, state.placed.shape, state.corner, len(state.arrays()) > 5
+    (9, (9, 2), (0, 3), (0, 0), True)
     >>> state.at_scale(np.array([[32.0, 32.0]]), 1).tolist()
     [[15.75, 15.75]]
     >>> ended = state.stopped("seen enough")

@@ -77,7 +77,7 @@ def is_everywhere(points: Array, shape: tuple[int, ...]) -> bool:
     side = _EVEN_SIDE * np.sqrt(np.prod(shape) / max(len(points), 1))
     cells = tuple(int(np.ceil(n / side)) for n in shape)
     place = np.clip((points + 0.5) / side, 0, np.array(cells) - 1).astype(int)
-    return bool(np.count_nonzero(np.bincount(place[:, 0] * cells[1] + place[:, 1])) > _EVEN_SHARE * np.prod(cells))
+    return bool(np.count_nonzero(np.bincount(place @ (cells[1], 1))) > _EVEN_SHARE * np.prod(cells))
 
 
 def hollow_part(points: Array, area: Mask) -> Mask:

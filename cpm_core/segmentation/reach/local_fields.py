@@ -65,16 +65,15 @@ class LocalFields:
             if window is None:
                 break
             part = plain.part(window)
-            found = reach_map(part, start - part.corner, self._closed(part, plain.shape), parameters)
+            found = reach_map(part, start - part.corner, self._closed(part), parameters)
             room = float(max(part.shape))
-        return found if room else reach_map(plain, start, self._closed(plain, plain.shape), parameters)
+        return found if room else reach_map(plain, start, self._closed(plain), parameters)
 
-    def _closed(self, field: ScaleField, shape: tuple[int, ...]) -> Mask:
-        """Where no particle goes, in the window of an image of this shape that a field is of."""
+    def _closed(self, field: ScaleField) -> Mask:
+        """Where no particle goes, in the window of the image that a field is of."""
         closed = np.zeros(field.shape, bool)
         if self._regions is not None and self._regions.interest:
-            rows, cols = (slice(at, at + n) for at, n in zip(field.corner, field.shape, strict=True))
-            closed |= ~self._regions.pixels(shape)[rows, cols]
+            closed |= ~self._regions.pixels((field.whole or field).shape)[field.window]
         if len(field.barrier_map.segments):
             closed |= field.barrier_map.clearance < _AT_BARRIER
         return closed

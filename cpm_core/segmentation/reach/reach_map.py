@@ -140,7 +140,7 @@ def reach_map(scale_field: ScaleField, start: Array, closed: Mask, parameters: P
     crept = along.astype(np.float32)
     way = np.where(np.isfinite(crept), _JUNCTION, np.where(edges, _LAUNCHED, 0)).astype(np.uint8)
     way[coasted], way[flight] = _WEAK, _FLIGHT
-    shape = scale_field.shape if scale_field.whole is None else scale_field.whole.shape
+    shape = (scale_field.whole or scale_field).shape
     return ReachMap(way, ridge, crept, scale_field.corner, shape, _leaves(bounds, scale_field.corner, shape))
 
 
