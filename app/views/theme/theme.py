@@ -98,7 +98,6 @@ COULOMB, LORENTZ, DAMPING = "#ff9d1e", "#56b4e9", "#2bd4a4"
 class Theme:
     """Colors of the window."""
 
-    dark: bool
     window: str
     panel: str
     base: str
@@ -137,8 +136,8 @@ _COLORS = {
 }
 """Light and dark color of each role."""
 
-LIGHT = Theme(dark=False, **{role: colors[0] for role, colors in _COLORS.items()})
-DARK = Theme(dark=True, **{role: colors[1] for role, colors in _COLORS.items()})
+LIGHT = Theme(**{role: colors[0] for role, colors in _COLORS.items()})
+DARK = Theme(**{role: colors[1] for role, colors in _COLORS.items()})
 
 
 def system_theme() -> Theme:

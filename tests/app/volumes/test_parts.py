@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import tifffile
 from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QLabel
 
 from app.views.features.files import OpenSaveFeature
 from app.views.features.offers import StackFeature
@@ -54,11 +55,11 @@ def choose(window, hand, dialog, **numbers) -> None:
 def test_a_hyperstack_says_what_it_holds_and_opens_each_part(window, hand, hyperstack) -> None:
     open_file(window, hand, hyperstack)
     told = "cells.ome.tif contains 9 pages, 3 channels, 2 points in time. Open now: page 1, channel 1, time 1."
-    assert window.offers.text == told
+    assert window.offers.findChild(QLabel).text() == told
     choose(window, hand, ask(window, hand), page=4, channel=3, time=2)
     expected = load_image(hyperstack, page=4, channel=3, time=2)
     np.testing.assert_array_equal(window.session.image.values, expected.values)
-    assert window.offers.text.endswith("Open now: page 4, channel 3, time 2.")
+    assert window.offers.findChild(QLabel).text().endswith("Open now: page 4, channel 3, time 2.")
 
 
 def test_a_volume_of_one_channel_and_time_is_opened_by_the_dialog(window, hand, hyperstack) -> None:
@@ -85,7 +86,7 @@ def test_the_menu_opens_the_dialog_again_with_what_is_open(window, hand, hyperst
 def test_a_file_of_one_image_has_nothing_to_choose(window, hand, image_file) -> None:
     open_file(window, hand, image_file)
     assert not window.actions_by_name["parts"].isEnabled()
-    assert not window.offers.text
+    assert not window.offers.findChild(QLabel).text()
 
 
 def test_sessions_and_recent_files_keep_the_part(window, hand, hyperstack, image_file, tmp_path) -> None:
