@@ -33,7 +33,7 @@ PACES: tuple[float | None, ...] = (1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0, 120.0,
 """Steps per second of the speed control; None for no limit."""
 FIRST_PACE = 6
 
-_LEADING = (
+LEADING = (
     tr("Particles"),
     tr("Contours"),
     tr("Branches"),
@@ -50,39 +50,31 @@ _LEADING = (
 class Resolved:
     """Texts of the window in a situation.
 
-    `run_text`, `undo_text` and `redo_text` are texts of actions; `running` is whether Run is shown as Pause. `state` is
-    one sentence on the state of the run, `hint` one on the next thing to do, or empty. `numbers` are label, value and
-    explanation of each line of the status panel, `leading` the labels of those that are always shown. `particles` is
-    whether the mode has particles that move.
+    `run_text`, `undo_text` and `redo_text` are texts of actions. `state` is one sentence on the state of the run, and
+    `hint` one on the next thing to do, or empty. `numbers` are label, value and explanation of each line of the status
+    panel.
     """
 
-    title: str
     run_text: str
     undo_text: str
     redo_text: str
-    running: bool
     state: str
     hint: str
     numbers: tuple[tuple[str, str, str], ...]
-    leading: tuple[str, ...]
-    particles: bool
 
 
 def resolve(situation: Situation) -> Resolved:
     """Texts of the window; a pure function that can be tested without a window."""
     document, status = situation.document, situation.status
-    particles = needs_start(document.mode)
     return Resolved(
-        title=f"{document.image.name} – CPM" if document.image else "CPM",
         run_text=_run_text(status),
         undo_text=_named(tr("Undo"), situation.undo_name),
         redo_text=_named(tr("Redo"), situation.redo_name),
-        running=status.phase == "running",
         state=_state(situation),
         hint=_hint(situation),
-        numbers=_numbers(status, document.image) if particles else _numbers_of_skeleton(status, document.image),
-        leading=_LEADING,
-        particles=particles,
+        numbers=_numbers(status, document.image)
+        if needs_start(document.mode)
+        else _numbers_of_skeleton(status, document.image),
     )
 
 

@@ -7,6 +7,7 @@ from functools import partial
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QKeyEvent
 
+from app.model.document.modes import needs_start
 from app.model.preferences.table import TIMELINE_MEMORY, UNIT, WORDING
 from app.model.state.resolve import resolve
 from app.model.state.situation import Situation, can_step, has_image, has_particles, is_running, is_started
@@ -86,9 +87,9 @@ class RunControlFeature(Feature):
     def _show_values(self) -> None:
         session = self.window.session
         resolved, snapshot = session.resolved, session.scene.snapshot
-        frames = written(f"{session.frames_per_second:.0f}") if resolved.running else "–"
+        frames = written(f"{session.frames_per_second:.0f}") if is_running(session.situation) else "–"
         self.panel.status.show_resolved(resolved, frames)
-        self.panel.show_particles(resolved.particles)
+        self.panel.plots.setVisible(needs_start(session.document.mode))  # where there are particles that move
         self.panel.show_metrics(snapshot.metrics if snapshot else None)
 
 

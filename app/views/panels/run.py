@@ -13,7 +13,7 @@ from PySide6.QtGui import QColor, QPalette, QShowEvent
 from PySide6.QtWidgets import QGridLayout, QLabel, QToolButton, QVBoxLayout, QWidget
 
 from app.model.display.plots import PLOTS, Plot, RunMetrics
-from app.model.state.resolve import Resolved
+from app.model.state.resolve import LEADING, Resolved
 from app.model.state.surface_figures import SURFACE
 from app.model.text.language import tr
 from app.views.panels.parameters import ParametersPanel
@@ -45,9 +45,6 @@ class Numbers(QWidget):
         self._grid.setColumnStretch(1, 3)
         self._grid.setColumnStretch(3, 2)
 
-    def __contains__(self, name: object) -> bool:
-        return name in self._values
-
     def show_numbers(self, numbers: Sequence[Number]) -> None:
         """Show these numbers."""
         ordered = sorted(numbers, key=lambda number: number[0] in _WIDE)
@@ -56,10 +53,6 @@ class Numbers(QWidget):
         for name, value, _ in ordered:
             if self._values[name].text() != value:
                 self._values[name].setText(value)
-
-    def value(self, name: str) -> str:
-        """The value shown next to a name."""
-        return self._values[name].text()
 
     def _lay_out(self, numbers: Sequence[Number]) -> None:
         for label in self.findChildren(QLabel):
@@ -241,14 +234,10 @@ class StatusPanel(QWidget):
             self._label.setText(resolved.state.partition(": ")[0])
             self._label.setToolTip(resolved.state)
             self._label.setAccessibleName(resolved.state)
-        self.leading.show_numbers([number for number in resolved.numbers if number[0] in resolved.leading])
-        others = [number for number in resolved.numbers if number[0] not in resolved.leading]
+        self.leading.show_numbers([number for number in resolved.numbers if number[0] in LEADING])
+        others = [number for number in resolved.numbers if number[0] not in LEADING]
         tip = tr("Drawn frames per second.")
         self.others.show_numbers([*others, (tr("Frames/s"), frames_per_second, tip)])
-
-    def value(self, label: str) -> str:
-        """The number shown next to a label."""
-        return (self.leading if label in self.leading else self.others).value(label)
 
     @property
     def state(self) -> str:
@@ -285,10 +274,6 @@ class RunPanel(Scrolled):
         """Unfold the sections with these names, and fold the others."""
         for name, section in self.sections.items():
             section.fold.setChecked(name in names)
-
-    def show_particles(self, particles: bool) -> None:
-        """Show the plots where there are particles that move."""
-        self.plots.setVisible(particles)
 
     def show_metrics(self, metrics: RunMetrics | None) -> None:
         """Show a run, or none; nothing is drawn while the plots are folded."""

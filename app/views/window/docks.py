@@ -92,11 +92,6 @@ class Docks(QObject):
         window.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, self.column)
         window.installEventFilter(self)
 
-    @property
-    def front(self) -> str:
-        """Name of the tab in front."""
-        return next((name for name, panel in self._panels.items() if panel.widget is self.tabs.currentWidget()), "")
-
     def bring(self, name: str) -> None:
         """Bring a tab to the front, without opening the column."""
         self.tabs.setCurrentWidget(self._panels[name].widget)

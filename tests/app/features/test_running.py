@@ -12,6 +12,7 @@ from PySide6.QtCore import Qt
 from app.model.display.display_image import display_of_edge_map
 from app.model.display.effects import MOTION
 from app.model.document import edits
+from app.views.widgets.containers import ElidedLabel
 from cpm_core import PRESETS, Engine
 from cpm_core.model.starts import circle
 from cpm_core.shapes import Circle
@@ -31,8 +32,9 @@ def test_space_runs_to_rest_and_shows_one_closed_contour_around_the_disc(ready, 
     hand.wait(lambda: ready.session.idle)
     assert hand.canvas.layers.contours.counts == (1, 0)
     assert ready.panels["run"].status.state.startswith("Finished")
-    assert ready.panels["run"].status.value("Contours") == "1 closed, 0 open"
-    assert hand.canvas.layers.particles.count == int(ready.panels["run"].status.value("Particles").replace(",", ""))
+    numbers = {label.accessibleName(): label.text() for label in ready.panels["run"].findChildren(ElidedLabel)}
+    assert numbers["Contours"] == "1 closed, 0 open"
+    assert hand.canvas.layers.particles.count == int(numbers["Particles"].replace(",", ""))
 
 
 def test_pause_stops_the_particles_and_run_continues_from_them(ready, hand) -> None:

@@ -15,6 +15,7 @@ from app.session.worker.run import Run
 from app.views.features.compare import CompareFeature
 from app.views.features.run import TimelineFeature
 from app.views.panels import timeline
+from app.views.widgets.containers import ElidedLabel
 from app.views.window.preferences import PreferencesDialog
 from cpm_core import PRESETS, Engine
 from cpm_core.model.starts import circle
@@ -92,7 +93,8 @@ def test_scrubbing_back_shows_exactly_the_particles_of_that_step(rested, hand, f
     wait_for_step(rested, hand, step)
     assert rested.session.status.phase == "paused"
     np.testing.assert_array_equal(shown(rested), ordered(fresh[step]))
-    assert rested.panels["run"].status.value("Step") == str(step)
+    numbers = {label.accessibleName(): label.text() for label in rested.panels["run"].findChildren(ElidedLabel)}
+    assert numbers["Step"] == str(step)
     assert len(rested.session.scene.snapshot.metrics.step) == step
 
 

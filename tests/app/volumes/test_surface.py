@@ -11,6 +11,7 @@ from PySide6.QtCore import Qt
 
 from app.model.export import formats
 from app.views.features.run import RunControlFeature
+from app.views.widgets.containers import ElidedLabel
 from cpm_core.formats import FOR_VOLUMES
 from tests.app.exporting import asked, check, order
 
@@ -52,8 +53,10 @@ def test_the_panel_tells_what_makes_the_surface_worth_trust(found) -> None:
     assert float(shown["Volume"].split()[0].replace(",", "")) == pytest.approx(4 / 3 * np.pi * RADIUS**3, rel=0.1)
     assert float(shown["Area"].split()[0].replace(",", "")) == pytest.approx(4 * np.pi * RADIUS**2, rel=0.1)
     assert "Contours" not in shown
-    panel = found.panels["run"].status
-    assert panel.value("Surface") == "1 part"
+    status = found.panels["run"].status
+    assert [label.text() for label in status.findChildren(ElidedLabel) if label.accessibleName() == "Surface"] == [
+        "1 part"
+    ]
     assert found.feature(RunControlFeature)
 
 

@@ -12,19 +12,19 @@ KEY = Qt.Key
 
 
 def test_the_tab_in_front_follows_the_tool_when_it_changes_and_only_then(ready, hand) -> None:
-    docks, tabs = ready.docks, ready.docks.tabs
+    tabs = ready.docks.tabs
     hand.key(KEY.Key_W)
-    assert docks.front == "objects"
+    assert tabs.currentWidget() is ready.panels["objects"]
     assert [panel.isVisible() for panel in (ready.panels["objects"], ready.panels["run"])] == [True, False]
     hand.key(KEY.Key_C)
-    assert docks.front == "run"
+    assert tabs.currentWidget() is ready.panels["run"]
     bar = tabs.tabBar()
     layers = bar.tabRect(tabs.indexOf(ready.panels["layers"])).center()
     hand.qtbot.mouseClick(bar, Qt.MouseButton.LeftButton, pos=layers)
-    assert docks.front == "layers"
+    assert tabs.currentWidget() is ready.panels["layers"]
     hand.key(KEY.Key_C)
     hand.drag((20, 20), (20, 24), (20, 30))
-    assert docks.front == "layers"
+    assert tabs.currentWidget() is ready.panels["layers"]
 
 
 def test_the_timeline_is_there_while_a_run_is(ready, hand) -> None:
