@@ -75,7 +75,7 @@ class Image(drawing.Pictured):
     <Image drawn, 40 x 60 px, 0.5 µm a pixel>
     >>> image.shape, image.ndim, [round(level, 1) for level in image.gray_range], image.sha256[:8]
     ((40, 60), 2, [0.0, 70.7], '2cd5ef8e')
-    >>> cpm.Image(np.eye(4, dtype=np.uint8)).stored.dtype.name
+    >>> cpm.Image(np.eye(8, dtype=np.uint8)).stored.dtype.name
     'uint8'
     >>> image.sized((2.0, 2.0), "mm")
     <Image drawn, 40 x 60 px, 2 mm a pixel>
