@@ -64,7 +64,10 @@ def convolved_field(
             for axis, n in enumerate(f.shape[:-1]):
                 back = scipy.fft.ifft(back, axis=axis, overwrite_x=True, workers=cores())
                 back = back[(slice(None),) * axis + (slice(n),)]
-            fields[component][some] = back
+            if at_once < spectrum.shape[-1]:
+                fields[component][some] = back
+            else:
+                fields[component] = back
     del kernels
     out = np.empty((f.ndim, *f.shape), f.dtype)
     for component in range(f.ndim):
