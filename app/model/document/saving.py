@@ -7,8 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, cast
 
-from app.model.document.document import Document, ImageReference
-from app.model.document.modes import MODES, Mode, is_only_in_another_mode
+from app.model.document.document import Document, ImageReference, Mode
+from app.model.document.modes import MODES, is_only_in_another_mode
 from app.model.text.language import tr
 from cpm_core import Parameters
 from cpm_core.formats import ImageFile, SessionFile
