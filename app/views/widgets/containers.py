@@ -226,6 +226,11 @@ class OfferBar(QFrame):
         self._offers: list[tuple[str, tuple[tuple[str, Callable[[], object]], ...]]] = []
         self.hide()
 
+    @property
+    def text(self) -> str:
+        """The offer, or empty."""
+        return self._offers[0][0] if self._offers else ""
+
     def offer(self, sentence: str, *answers: tuple[str, Callable[[], object]]) -> None:
         """Offer something after what is offered already; each answer has a text and what it does."""
         self._offers.append((sentence, answers))

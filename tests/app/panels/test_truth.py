@@ -173,7 +173,7 @@ def test_a_new_image_has_nothing_to_compare_with(compared, hand, tmp_path) -> No
     hand.wait(lambda: compared.session.document.image.name == "other.npy")
     assert compared.session.scene.truth is None
     assert hand.canvas.layers["truth"].counts == (0, 0, 0)
-    assert compared.panels["compare"].table.column("dice") == ["–"]
+    hand.wait(lambda: compared.panels["compare"].table.column("dice") == ["–"])
 
 
 def square(low: float, high: float) -> Contour:
