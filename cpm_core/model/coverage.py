@@ -28,16 +28,6 @@ def cell_of(place: float, size: float, along: int) -> int:
 
 
 @compiled
-def cells_at(positions: Array, size: float, shape: tuple[int, ...]) -> Index:
-    """Cells of positions, shape (N, D), of so many along each axis; see `cell_of`."""
-    found = np.empty(positions.shape, np.int64)
-    for i in range(len(positions)):
-        for axis in range(len(shape)):
-            found[i, axis] = cell_of(positions[i, axis], size, shape[axis])
-    return found
-
-
-@compiled
 def sorted_by(cells: Index, count: int) -> tuple[Index, Index]:
     """Order of things by the numbers of their cells, of so many, in which they keep theirs, and where each begins."""
     order, start = np.empty(len(cells), np.int64), np.zeros(count + 1, np.int64)
@@ -128,16 +118,12 @@ def _mark(found: Steps, latest: Steps, position: Array, on_edge: Mask, first: in
     return new
 
 
+@compiled
 def idle_at(coverage: Coverage, positions: Array, step: int, elsewhere: int) -> Index:
     """Steps since cells around each particle were newly covered, shape (N,); `elsewhere` far from all covered cells."""
-    return _idle_at(coverage.latest, positions, step, elsewhere)
-
-
-@compiled
-def _idle_at(latest: Steps, position: Array, step: int, elsewhere: int) -> Index:
-    idle = np.empty(len(position), np.int64)
-    for i in range(len(position)):
-        newest = latest[_cell_at(latest, position, i)]
+    idle = np.empty(len(positions), np.int64)
+    for i in range(len(positions)):
+        newest = coverage.latest[_cell_at(coverage.latest, positions, i)]
         idle[i] = elsewhere if newest == NEVER else step - newest
     return idle
 

@@ -326,9 +326,8 @@ def _halfway(
     rule: Rule,
 ) -> Place:
     """Midpoint of two particles, if it is free and the ridge next to it does not belong to another row."""
-    keep = (
-        0.5 * np.sqrt((far_y - y) ** 2 + (far_x - x) ** 2) - 1e-9
-    )  # nothing between: no particle in the circle over the pair
+    # nothing between: no particle in the circle over the pair
+    keep = 0.5 * np.sqrt((far_y - y) ** 2 + (far_x - x) ** 2) - 1e-9
     p_y, p_x = 0.5 * (y + far_y), 0.5 * (x + far_x)
     about = _crowd(near, length, p_y, p_x, keep, rule.d_min)
     free = about <= CROWD

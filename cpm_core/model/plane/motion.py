@@ -174,10 +174,8 @@ def read_ahead(packed: Single, cells: Cells, first: int, last: int, anything: Ar
     """
     for k in range(first, min(first + AHEAD, last)):
         row, col, _, _ = between(packed, cells.y[k], cells.x[k])
-        upper, lower = (
-            packed[row, col, 0] + packed[row, col + 1, 4],
-            packed[row + 1, col, 0] + packed[row + 1, col + 1, 4],
-        )
+        upper = packed[row, col, 0] + packed[row, col + 1, 4]
+        lower = packed[row + 1, col, 0] + packed[row + 1, col + 1, 4]
         anything[cells.order[k]] = upper + lower
 
 

@@ -22,7 +22,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from cpm_core.model.coverage import cell_of
+from cpm_core.model.coverage import cell_of, sorted_by
 from cpm_core.model.state import MeshForce
 from cpm_core.numerics.jit import compiled, reordered
 from cpm_core.numerics.types import Array, Index, Single
@@ -60,28 +60,19 @@ class Cells(NamedTuple):
 def build_cells(position: Array, shape: tuple[int, ...], size: float) -> Cells:
     """Sort the particles `position`, shape (N, 2), on an image of this shape into cells of side `size` [px]."""
     rows, cols = (int(n / size) + 1 for n in shape)
-    return Cells(size, rows, cols, *_sorted_into(position, size, rows, cols))
+    return Cells(size, rows, cols, *_in_cells(position, size, rows, cols))
 
 
 @compiled
-def _sorted_into(position: Array, size: float, rows: int, cols: int) -> tuple[Index, Index, Array, Array]:
+def _in_cells(position: Array, size: float, rows: int, cols: int) -> tuple[Index, Index, Array, Array]:
     """Where the particles of each cell begin, and the particles of all cells with their coordinates; see `Cells`."""
-    count = len(position)
-    cell, start = np.empty(count, np.int64), np.zeros(rows * cols + 1, np.int64)
-    for i in range(count):
+    cell = np.empty(len(position), np.int64)
+    for i in range(len(position)):
         cell[i] = cell_of(position[i, 0], size, rows) * cols + cell_of(position[i, 1], size, cols)
-        start[cell[i]] += 1
-    first = 0
-    for c in range(rows * cols + 1):
-        start[c], first = first, first + start[c]
-    order, y, x = np.empty(count, np.int64), np.empty(count), np.empty(count)
-    for i in range(count):
-        k = start[cell[i]]
-        order[k], y[k], x[k] = i, position[i, 0], position[i, 1]
-        start[cell[i]] = k + 1
-    for c in range(rows * cols, 0, -1):
-        start[c] = start[c - 1]
-    start[0] = 0
+    order, start = sorted_by(cell, rows * cols)
+    y, x = np.empty(len(order)), np.empty(len(order))
+    for k in range(len(order)):
+        y[k], x[k] = position[order[k], 0], position[order[k], 1]
     return start, order, y, x
 
 
