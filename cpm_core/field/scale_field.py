@@ -18,8 +18,7 @@ from cpm_core.field.interpolation import interpolate
 from cpm_core.field.region_contrast import region_contrast
 from cpm_core.image.border import inside_border, within
 from cpm_core.image.regions import NO_BARRIERS, BarrierMap, Regions, build_barrier_map
-from cpm_core.numerics.grids import Window, around, relative, running_maximum, tiles, whole_window
-from cpm_core.numerics.parallel import share
+from cpm_core.numerics.grids import Window, around, in_bands, relative, running_maximum, tiles, whole_window
 from cpm_core.numerics.types import Array, Mask, Single
 
 GATE = 0.93
@@ -348,13 +347,12 @@ def lorentz_force(field: NDArray[np.floating], grad: Array, strength: Array, str
     force = np.empty(grad.shape, grad.dtype)
     lines = max(_PART * len(strength) // strength.size, _LEAST_LINES)
 
-    def work(first: int, end: int) -> None:
-        for begin in range(first * lines, min(end * lines, len(strength)), lines):
-            low, high = max(begin - _OVERLAP, 0), begin + lines + _OVERLAP
-            part = _force_of_lines(field[:, low:high], grad[:, low:high], strength[low:high], strongest, tiny)
-            force[:, begin : begin + lines] = part[:, begin - low : begin - low + lines]
+    def work(begin: int, end: int) -> None:
+        low, high = max(begin - _OVERLAP, 0), end + _OVERLAP
+        part = _force_of_lines(field[:, low:high], grad[:, low:high], strength[low:high], strongest, tiny)
+        force[:, begin:end] = part[:, begin - low : end - low]
 
-    share(work, -(-len(strength) // lines), 1)
+    in_bands(work, len(strength), lines)
     return force
 
 

@@ -185,14 +185,14 @@ _AT_ONCE = 512
 """Pixels of a row that are summed at once, for the same reason."""
 
 
-def in_bands(work: Callable[[int, int], object], rows: int) -> None:
-    """Do some work on bands of rows, side by side; it gets the first row of a band and the one behind its last."""
+def in_bands(work: Callable[[int, int], object], rows: int, lines: int = _LINES) -> None:
+    """Do some work on bands of so many rows, side by side; it gets the first row of one and the one behind its last."""
 
     def some(first: int, end: int) -> None:
-        for begin in range(_LINES * first, min(_LINES * end, rows), _LINES):
-            work(begin, min(begin + _LINES, rows))
+        for begin in range(lines * first, min(lines * end, rows), lines):
+            work(begin, min(begin + lines, rows))
 
-    share(some, -(-rows // _LINES), 1)
+    share(some, -(-rows // lines), 1)
 
 
 def gaussian_reach(sigma: float) -> int:

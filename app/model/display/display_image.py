@@ -11,16 +11,13 @@ from numpy.typing import NDArray
 
 from cpm_core import Image
 from cpm_core.numerics import Array
-from cpm_core.numerics.parallel import share
+from cpm_core.numerics.grids import in_bands
 
 Shades = NDArray[np.uint8]
 """One byte a pixel, shape (H, W), or one for red, green and blue each, shape (H, W, 3)."""
 
 _AT_ONCE = 1 << 16
 """Gray values that are processed at once: few enough for the processor's cache, which is several times faster."""
-
-_ROWS = 16
-"""Rows that are reduced at once."""
 
 _OVERVIEW = 256
 """Longest side of the smallest level [px]."""
@@ -96,11 +93,9 @@ def _halved(shades: Shades) -> Shades:
     half = np.empty((-(-rows // 2), -(-cols // 2), *channels), np.uint8)
 
     def halve(first: int, end: int) -> None:
-        for begin in range(first, end, _ROWS):  # few enough for the cache
-            part = slice(begin, min(begin + _ROWS, end))
-            half[part] = PIL.Image.fromarray(shades[2 * part.start : 2 * part.stop]).reduce(2)
+        half[first:end] = PIL.Image.fromarray(shades[2 * first : 2 * end]).reduce(2)
 
-    share(halve, len(half), _ROWS)
+    in_bands(halve, len(half))
     return half
 
 
@@ -131,12 +126,10 @@ def apply_window(values: Array, window: IntensityWindow) -> Shades:
     rows = max(1, _AT_ONCE // max(1, values[:1].size))
 
     def shade(first: int, end: int) -> None:
-        for begin in range(first, end, rows):
-            part = slice(begin, min(begin + rows, end))
-            codes = np.rint(np.clip((values[part] - window.low) * factor, 0.0, top))
-            shown[part] = codes if window.gamma == 1.0 else curve[codes.astype(np.intp)]
+        codes = np.rint(np.clip((values[first:end] - window.low) * factor, 0.0, top))
+        shown[first:end] = codes if window.gamma == 1.0 else curve[codes.astype(np.intp)]
 
-    share(shade, len(values), rows)
+    in_bands(shade, len(values), rows)
     return shown
 
 
