@@ -293,6 +293,7 @@ class Session(QObject):
         self._timer.stop()
         self.tasks.close()
         self._worker_thread.close()
+        self._board.blockSignals(True)  # what follows them may be gone
 
     # Files
 
