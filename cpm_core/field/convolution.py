@@ -114,8 +114,7 @@ def _kernel_spectrum(
     grid = np.meshgrid(*steps, indexing="ij", sparse=True)
     squared = reduce(np.add, [along**2 for along in grid])
     squared[(0,) * len(half)] = np.inf  # no charge acts on itself
-    # roots are several times faster than powers
-    decay = squared * np.sqrt(squared) if power == 2.0 else squared ** (0.5 * (power + 1.0))
+    decay = _raised(squared, power)
     kernel = np.divide(grid[component], decay, out=decay)
     inner = (slice(None),) * component + (slice(1, -1),)
     for axis in range(len(half)):
@@ -125,6 +124,11 @@ def _kernel_spectrum(
         else:
             kernel = scipy.fft.dct(kernel, 1, axis=axis, overwrite_x=True, workers=cores())
     return kernel.astype(precision, copy=False)
+
+
+def _raised(squared: NDArray[Any], power: float) -> NDArray[Any]:
+    """Power ``r^(n + 1)`` of distances, by their squares; roots are several times faster than powers."""
+    return squared * np.sqrt(squared) if power == 2.0 else squared ** (0.5 * (power + 1.0))
 
 
 _NEAR, _BLOCK = 64, 8
@@ -219,14 +223,9 @@ def _spread(lines: NDArray[Any]) -> Single:
     return nodes
 
 
-def _decay(squared: Single, power: float) -> Single:
-    """Law of force over distance, ``1 / r^(n + 1)``, by the squared distance; roots are faster than powers."""
-    return 1.0 / (squared * np.sqrt(squared)) if power == 2.0 else squared ** (-0.5 * (power + 1.0))
-
-
 def _smooth_decay(squared: Single, power: float) -> Single:
-    """The same made smooth up to `_NEAR`."""
-    decay, near = _decay(np.maximum(squared, _NEAR**2), power), squared < _NEAR**2
+    """Law of force over distance, ``1 / r^(n + 1)``, by the squared distance, made smooth up to `_NEAR`."""
+    decay, near = 1.0 / _raised(np.maximum(squared, _NEAR**2), power), squared < _NEAR**2
     inside, half, factor = np.zeros(np.count_nonzero(near)), 0.5 * (power + 1.0), 1.0
     for term in range(_TERMS):
         inside += factor * (squared[near] / _NEAR**2 - 1.0) ** term
@@ -247,7 +246,7 @@ def _near_kernels(padded: tuple[int, ...], power: float) -> Single:
     """Transforms, over i, of the components of the field of one unit charge, less its smooth part."""
     offsets, squared = _offsets(padded, 1)
     squared[0, 0] = _NEAR**2  # no charge acts on itself
-    decay = _decay(squared, power) - _smooth_decay(squared, power)
+    decay = 1.0 / _raised(squared, power) - _smooth_decay(squared, power)
     decay[squared >= _NEAR**2] = 0.0
     return scipy.fft.rfft2(-decay * offsets, workers=cores()).imag.astype(np.float32)
 
