@@ -225,7 +225,8 @@ def _spread(lines: NDArray[Any]) -> Single:
 
 def _smooth_decay(squared: Single, power: float) -> Single:
     """Law of force over distance, ``1 / r^(n + 1)``, by the squared distance, made smooth up to `_NEAR`."""
-    decay, near = 1.0 / _raised(np.maximum(squared, _NEAR**2), power), squared < _NEAR**2
+    decay: Single = 1.0 / _raised(np.maximum(squared, _NEAR**2), power)
+    near = squared < _NEAR**2
     inside, half, factor = np.zeros(np.count_nonzero(near)), 0.5 * (power + 1.0), 1.0
     for term in range(_TERMS):
         inside += factor * (squared[near] / _NEAR**2 - 1.0) ** term
