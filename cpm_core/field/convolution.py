@@ -225,8 +225,7 @@ def _spread(lines: NDArray[Any]) -> Single:
 
 def _smooth_decay(squared: Single, power: float) -> Single:
     """Law of force over distance, ``1 / r^(n + 1)``, by the squared distance, made smooth up to `_NEAR`."""
-    decay: Single = 1.0 / _raised(np.maximum(squared, _NEAR**2), power)
-    near = squared < _NEAR**2
+    decay, near = np.reciprocal(_raised(np.maximum(squared, _NEAR**2), power)), squared < _NEAR**2
     inside, half, factor = np.zeros(np.count_nonzero(near)), 0.5 * (power + 1.0), 1.0
     for term in range(_TERMS):
         inside += factor * (squared[near] / _NEAR**2 - 1.0) ** term
@@ -247,7 +246,7 @@ def _near_kernels(padded: tuple[int, ...], power: float) -> Single:
     """Transforms, over i, of the components of the field of one unit charge, less its smooth part."""
     offsets, squared = _offsets(padded, 1)
     squared[0, 0] = _NEAR**2  # no charge acts on itself
-    decay = 1.0 / _raised(squared, power) - _smooth_decay(squared, power)
+    decay = np.reciprocal(_raised(squared, power)) - _smooth_decay(squared, power)
     decay[squared >= _NEAR**2] = 0.0
     return scipy.fft.rfft2(-decay * offsets, workers=cores()).imag.astype(np.float32)
 
