@@ -114,7 +114,7 @@ BY_HAND = frozenset({".labelme.json"})
 """Suffixes of formats that are edited by hand, for which few vertices count."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ExportFile:
     """A file to write: where, what, and the suffix of its format."""
 
@@ -123,7 +123,7 @@ class ExportFile:
     suffix: str
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ExportOrder:
     """Files to write, and how.
 

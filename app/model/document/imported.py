@@ -25,7 +25,7 @@ MOST = 1000
 Kind = Literal["contours", "surface", "center lines"]
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Imported:
     """What was read, ready to be taken into a document.
 
