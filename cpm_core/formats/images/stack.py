@@ -145,15 +145,15 @@ def volume_of(stack: Stack, reading: Reading) -> Decoded:
     frames = stack.shape[0] == 1 and stack.times > 1
     count = stack.times if frames else end - first
     rows, columns = stack.shape[1:]
-    if count == 1:
-        raise UnreadableError(
-            f"{stack.name} has the shape {(rows, columns)}, but a volume has three, (planes, rows, columns): use an "
-            "image with --circle instead, or save one volume of it."
-        )
     if count < MINIMUM_SIDE and stack.stretch is not None:
         raise UnreadableError(
             f"{stack.name}: {' '.join(stack.of_volume)} A volume needs at least {MINIMUM_SIDE} planes: resample them "
             "evenly with the program that made them, or take one as an image."
+        )
+    if count == 1:
+        raise UnreadableError(
+            f"{stack.name} has the shape {(rows, columns)}, but a volume has three, (planes, rows, columns): use an "
+            "image with --circle instead, or save one volume of it."
         )
     if stack.stretch is not None:
         notes.append(ONLY_THESE)
