@@ -26,7 +26,7 @@ _TAGS = (
     *("PixelSpacing", "ImagerPixelSpacing", "NominalScannedPixelSpacing", "SequenceOfUltrasoundRegions"),
     *("SliceThickness", "SpacingBetweenSlices", "ImagePositionPatient", "ImageOrientationPatient"),
     *("SharedFunctionalGroupsSequence", "PerFrameFunctionalGroupsSequence", "GridFrameOffsetVector"),
-    *("RescaleSlope", "RescaleIntercept", "FrameTime", "FrameIncrementPointer"),
+    *("RescaleSlope", "RescaleIntercept", "RescaleType", "FrameTime", "FrameIncrementPointer"),
 )
 """What is read of a header; the rest of a folder of thousand files is not waited for."""
 
@@ -80,6 +80,8 @@ class Frame:
         What turns stored values into those that are meant.
     in_time : bool
         Whether the images of the file follow in time.
+    hounsfield : bool
+        Whether these values are Hounsfield units.
     """
 
     path: Path
@@ -98,6 +100,7 @@ class Frame:
     slope: float
     intercept: float
     in_time: bool
+    hounsfield: bool
 
     @property
     def acquisition(self) -> float:
@@ -157,6 +160,9 @@ def _frame(path: Path, index: int, header: Any, own: list[Any], count: int) -> F
         _number(value("RescaleSlope", "PixelValueTransformationSequence")) or 1.0,
         _number(value("RescaleIntercept", "PixelValueTransformationSequence")),
         count > 1 and not own and origin is None and ("FrameTime" in header or "FrameIncrementPointer" in header),
+        header.get("Modality") == "CT"
+        and value("RescaleIntercept", "PixelValueTransformationSequence") is not None
+        and value("RescaleType", "PixelValueTransformationSequence") in (None, "", "HU"),
     )
 
 
@@ -304,7 +310,7 @@ def _placed(frames: list[Frame], name: str, decode: Decode) -> Iterator[Stack]:
             depth = float(np.linalg.norm(step))
         line = origins[shift] + np.arange(count + 1)[:, None] * step
         aside = float(np.linalg.norm(origins[shift : shift + count + 1] - line, axis=1).max())
-        doubts = mixed if _interleaved(places[begin : last + 1]) else ()
+        doubts: tuple[str, ...] = mixed if _interleaved(places[begin : last + 1]) else ()
         if aside > _ASIDE * min(first.spacing or (1.0,)):
             doubts += (f"Its slices are shifted sideways by up to {aside:.3g} mm; they were taken as if in line.",)
         found = replace(_stack(title, kept, depth, name, decode), of_volume=doubts)
@@ -339,6 +345,7 @@ def _stack(title: str, frames: list[list[Frame]], depth: float | None, name: str
         word="frame" if planes == 1 else "plane",
         otherwise=planes // 2,
         series=(title,),
+        hounsfield=first.hounsfield,
     )
 
 

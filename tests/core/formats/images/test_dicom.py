@@ -338,6 +338,24 @@ def test_colors_that_pydicom_does_not_unpack_are_unpacked_by_imagecodecs(tmp_pat
     assert np.array_equal(load_image(tmp_path / "a.dcm").colors.samples, colors)
 
 
+@pytest.mark.parametrize(
+    ("modality", "kind", "found"), [("CT", None, True), ("CT", "HU", True), ("CT", "US", False), ("MR", None, False)]
+)
+def test_rescaled_values_of_ct_are_hounsfield_units_as_the_file_says(tmp_path, modality, kind, found):
+    changes = {"Modality": modality, "RescaleSlope": 2.0, "RescaleIntercept": -1024.0}
+    if kind:
+        changes["RescaleType"] = kind
+    write_series(tmp_path, HEIGHTS, **changes)
+    volume = load_volume(tmp_path)
+    assert volume.is_ct == load_image(tmp_path).is_ct == found
+    assert np.array_equal(volume.values[:10], 2.0 * VALUES[:10] - 1024.0)
+
+
+def test_ct_without_a_rescaling_has_no_hounsfield_units(tmp_path):
+    write_series(tmp_path, HEIGHTS, Modality="CT")
+    assert not load_volume(tmp_path).is_ct
+
+
 ORIGIN = np.array([-20.0, 10.0, 5.0])
 HEIGHTS = 2.0 * np.arange(20)
 
