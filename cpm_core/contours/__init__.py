@@ -5,6 +5,7 @@ from cpm_core.contours.agreement import Agreement as Agreement
 from cpm_core.contours.agreement import ObjectCounts as ObjectCounts
 from cpm_core.contours.agreement import agreement as agreement
 from cpm_core.contours.agreement import distance_to as distance_to
+from cpm_core.contours.contour import Label as Label
 from cpm_core.contours.contour import Reached as Reached
 from cpm_core.contours.contour import bridges_on as bridges_on
 from cpm_core.contours.contour import neighborhood as neighborhood
@@ -34,3 +35,4 @@ from cpm_core.contours.review import reviewed as reviewed
 from cpm_core.contours.review import with_kept as with_kept
 from cpm_core.contours.surface import inside_of as inside_of
 from cpm_core.contours.surface import numbered as numbered
+from cpm_core.contours.surface import surfaces_joined as surfaces_joined

@@ -110,21 +110,23 @@ class Image(drawing.Pictured):
             raise _not_a_plane(self.source, given.shape)
         if given.ndim == 3 and min(given.shape) < MINIMUM_SIDE:
             raise ValueError(
-                f"{self.source} has {_size(given.shape)} voxels, but a volume needs at least {MINIMUM_SIDE} "
+                f"{self.source} has {sized(given.shape, 'voxels')}, but a volume needs at least {MINIMUM_SIDE} "
                 "planes, rows and columns."
             )
         if min(given.shape) < MINIMUM_SIDE:
             raise ValueError(
-                f"{self.source} is {given.shape[0]} x {given.shape[1]} px, "
-                f"but an image needs at least {MINIMUM_SIDE} px along each side."
+                f"{self.source} is {sized(given.shape)}, but an image needs at least {MINIMUM_SIDE} px along each side."
             )
         if given.ndim == 3:
             check_room(given.shape, _BYTES_A_VOXEL, self.source)
         known, whole = vars(self), masked is np.ma.nomask
         small = given.ndim == 2 and given.dtype.kind in "ui" and given.itemsize <= _FEW_BYTES and whole
         precision = given.dtype if small else np.float64
+        owner = given if given.base is None else given.base
+        fits = given.dtype == np.float64 and type(owner) is np.ndarray and given.flags.c_contiguous
+        unchanging = fits and not (given.flags.writeable or owner.flags.writeable)  # nobody writes to its memory
         with np.errstate(invalid="ignore"):  # of NaN of the signaling kind, which are refused as all others
-            values: NDArray[Any] = given if _unchanging(given) else np.array(given, precision, order="C")
+            values: NDArray[Any] = given if unchanging else np.array(given, precision, order="C")
         if not whole:
             values[masked if masked.shape == values.shape else masked.any(axis=-1)] = NO_DATA
             given = values
@@ -282,18 +284,6 @@ def _sizes(source: str, spacing: tuple[float, ...], ndim: int) -> tuple[float, .
     if ndim == 3:
         voxel_sides(f"The spacing of {source}", sizes)
     return sizes
-
-
-def _unchanging(given: NDArray[Any]) -> bool:
-    """Whether an array can be used as gray levels without a copy, since nobody writes to its memory."""
-    owner = given if given.base is None else given.base
-    if given.dtype != np.float64 or type(owner) is not np.ndarray or not given.flags.c_contiguous:
-        return False
-    return not (given.flags.writeable or owner.flags.writeable)
-
-
-def _size(shape: tuple[int, ...]) -> str:
-    return " x ".join(map(str, shape))
 
 
 def as_plane(values: ArrayLike | Image) -> Image:

@@ -49,7 +49,7 @@ _MOST_SHOWN = 20_000
 _POLARITIES = {"dark": -1.0, "light": 1.0, "auto": 0.0}
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class SkeletonState:
     """A moment of a run of the skeleton: what it is of, axis and branches as far as they have been found.
 

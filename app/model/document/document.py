@@ -47,7 +47,7 @@ NOTHING_TO_START_FROM_IN_VOLUME = tr(
 )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ImageReference:
     """The image of a document without its gray values: name, file, shape, contrast and SHA-256 of the file.
 
@@ -84,7 +84,7 @@ class ImageReference:
         return len(self.shape) == 3
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Document:
     """An image, the shapes drawn on it and the parameters of the run.
 

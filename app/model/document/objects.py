@@ -13,7 +13,7 @@ from app.model.document import edits
 from app.model.document.document import Document
 from app.model.text.language import tr
 from cpm_core import Bridge, Contour, Result, Selection, Surface, VolumeSelection
-from cpm_core.contours import PackedSurface
+from cpm_core.contours import Label, PackedSurface, surfaces_joined
 from cpm_core.numerics import Array, Place, Position, length, polyline, thinned
 from cpm_core.objects import boundaries_result
 from cpm_core.objects.segmented import (
@@ -244,6 +244,9 @@ def objects_result(document: Document, only: Container[int] | None = None) -> Re
     if image is None or not shown:
         return None
     surface = surface_of(shown, image.spacing, image.unit)
+    if surface is not None:
+        labels = tuple(Label(item.number, title(objects, item), objects.color(item)) for item in shown)
+        surface = replace(surface, labels=labels)
     contours = [
         replace(
             contour,
@@ -263,16 +266,7 @@ def objects_result(document: Document, only: Container[int] | None = None) -> Re
 def surface_of(items: Iterable[SegmentedObject], spacing: tuple[float, ...], unit: str | None) -> Surface | None:
     """The surfaces of objects in a volume as one, with the number of its object for each triangle."""
     bodies = [(item.number, item.body) for item in items if item.body is not None]
-    if not bodies:
-        return None
-    firsts = np.cumsum([0, *(len(body.vertices) for _, body in bodies)])
-    return Surface(
-        spacing=spacing,
-        unit=unit,
-        vertices=np.concatenate([body.vertices for _, body in bodies]),
-        faces=np.concatenate([body.faces + first for (_, body), first in zip(bodies, firsts, strict=False)]),
-        numbers=np.concatenate([np.full(len(body.faces), number) for number, body in bodies]),
-    )
+    return surfaces_joined(bodies, spacing, unit) if bodies else None
 
 
 # Texts

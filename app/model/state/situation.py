@@ -15,7 +15,7 @@ from cpm_core import Contour, Result, Skeleton, Surface
 Phase = Literal["empty", "ready", "running", "paused", "finished"]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class RunStatus:
     """State of the run.
 
@@ -83,7 +83,7 @@ class RunStatus:
         return self.started and (self.step > 0 or self.count > 0)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Situation:
     """Everything that decides what the window shows and enables.
 
