@@ -179,9 +179,7 @@ OTHERWISE_IN_VOLUMES: Mapping[str, tuple[str, str]] = MappingProxyType(
         ),
         "mend": (
             tr("&Brush"),
-            tr(
-                "Drag in a slice to paint an object, Shift-drag to erase, Ctrl-drag for a new one; [ and ] change the ring."
-            ),
+            tr("Drag in a slice to paint an object, Shift-drag to erase, Ctrl-drag for a new one; [ and ] size it."),
         ),
         "region": (
             tr("Region of &interest"),
