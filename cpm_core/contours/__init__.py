@@ -18,7 +18,9 @@ from cpm_core.contours.hand_edits import Kind as Kind
 from cpm_core.contours.hand_edits import Path as Path
 from cpm_core.contours.measurements import Measures as Measures
 from cpm_core.contours.measurements import centroid as centroid
+from cpm_core.contours.packed_surface import PackedBody as PackedBody
 from cpm_core.contours.packed_surface import PackedSurface as PackedSurface
+from cpm_core.contours.packed_surface import PackedVoxels as PackedVoxels
 from cpm_core.contours.review import REACH as REACH
 from cpm_core.contours.review import Mark as Mark
 from cpm_core.contours.review import Outline as Outline

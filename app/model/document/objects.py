@@ -26,8 +26,10 @@ from cpm_core.objects.segmented import (
     contours_of,
     lies_on,
     line_of,
+    painted_in,
     union,
 )
+from cpm_core.objects.segmented.in_volumes import Part
 from cpm_core.parameters import Provenance
 from cpm_core.shapes import Barrier, EnclosedRegion, EnclosingWall, Points, Polygon, Region
 
@@ -212,7 +214,7 @@ def _with_shapes(
     for number in numbers:
         item = document.objects[number]
         for surface in item.surface:
-            document = edits.add_shape(document, in_volume(surface))
+            document = edits.add_shape(document, in_volume(surface.exact))
         for curve in item.boundary if holes else item.outer:
             few = thinned(curve)
             document = edits.add_shape(document, shape(few if len(set(few)) > 2 else curve))
@@ -293,6 +295,13 @@ def listed_classes(objects: SegmentedObjects) -> tuple[int, ...]:
 
 def _with(document: Document, **parts: Any) -> Document:
     return replace(document, objects=replace(document.objects, **parts))
+
+
+def paint_in_volume(
+    document: Document, number: int, part: Part, adds: bool = True, over_others: bool = True
+) -> Document:
+    """The document in which an object of a volume, or a new one, has some voxels more, or less; see `painted_in`."""
+    return replace(document, objects=painted_in(document.objects, number, part, adds, over_others))
 
 
 _ON_BRUSH = 0.1
