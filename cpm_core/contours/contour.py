@@ -121,7 +121,7 @@ class Contour:
         """
         return self.sides() if self.sides else 0.0
 
-    @property
+    @cached_property
     def path(self) -> Array:
         """Vertices with the first repeated at the end when the contour is closed."""
         return np.concatenate([self.points, self.points[:1]]) if self.closed else self.points
