@@ -149,7 +149,6 @@ def run(arguments: argparse.Namespace) -> int:
         results.append(result_of(facts, moment.state.contours, image, start, settings[name], moment.state.surface))
     files = Files()
     files.written += map(str, write_comparison(found, results, arguments.export, say, files.refuse))
-    status = files.status()
     given = {"image": image.source, "around": start.around, "truth": source, "unit": unit}
     # JSON has no infinite distances
     rows = [
@@ -159,8 +158,7 @@ def run(arguments: argparse.Namespace) -> int:
         }
         for one in found
     ]
-    report("compare", {**given, "methods": rows}, (), files, as_json=arguments.json)
-    return status
+    return report(arguments, {**given, "methods": rows}, (), files)
 
 
 def _cells(title: str, *cells: object) -> str:

@@ -109,8 +109,7 @@ def run_pages(
     if interrupted:
         done = f"{len(found)} of {counted(len(numbers), 'page')} were done, and the files hold them"
         raise KeyboardInterrupt(f"{done}; --pages runs the others")
-    status = files.status()
-    _report(whole, files, time.perf_counter() - began, as_json=arguments.json)
+    status = _report(arguments, whole, files, time.perf_counter() - began)
     return status or (IN_PART if len(whole.results) < len(found) else 0)
 
 
@@ -133,7 +132,7 @@ def numbers_of_pages(given: str, count: int, name: str) -> list[int]:
     return numbers
 
 
-def _report(found: StackResult, files: Files, seconds: float, *, as_json: bool) -> None:
+def _report(arguments: argparse.Namespace, found: StackResult, files: Files, seconds: float) -> int:
     plain: list[dict[str, Any]] = []
     lines: list[str] = []
     said: list[str] = []
@@ -150,4 +149,4 @@ def _report(found: StackResult, files: Files, seconds: float, *, as_json: bool) 
     counts = f"{counted(len(found.pages), 'page')}, {counted(tracks, 'track')} in {seconds:.2f} s"
     last = f"{found.source}: {counts}" + (f", {failed} failed" if failed else "")
     whole = {"tracks": tracks, "done": len(found.results), "failed": failed, "seconds": round(seconds, 3)}
-    report("run", {"pages": plain, **whole}, [*lines, *said, last], files, as_json=as_json)
+    return report(arguments, {"pages": plain, **whole}, [*lines, *said, last], files)

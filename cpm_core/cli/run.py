@@ -201,7 +201,10 @@ def _run_image(
     image = (load_volume if volume else load_image)(path, **part)
     parameters = fitted(image, parameters, scales=arguments.scales is None)
     truth = truth_for(arguments, image)
-    _check_places(drawn["object"], image)
+    for place in drawn["object"]:
+        if not all(-0.5 <= at <= side - 0.5 for at, side in zip(place, image.shape, strict=True)):
+            at = ",".join(f"{number:g}" for number in place)
+            raise ValueError(f"--object is {at} but lies outside the image, which has {sized(image.shape)}.")
     started = time.perf_counter()
     shapes = _shapes(drawn, arguments, image if volume else None)
     starting = _starting(arguments, session, image, shapes)
@@ -254,7 +257,6 @@ def _run_image(
         )
         with files.writing(arguments.save_session):
             save_session(with_run(whole, recorder), Path(arguments.save_session))
-    status = files.status(_CLOSE if any(left_out(shown, suffix_of(path)) for path in files.refused) else "")
     facts, lines = _on_surface(result, seconds) if volume else _on_contours(result, chosen, seconds)
     if not volume:
         written = [path for path in files.written if path in arguments.export]
@@ -262,8 +264,8 @@ def _run_image(
     if truth is not None:
         facts["truth"] = _agreement(shown, truth)
         lines.append(_sentence_on(facts["truth"]))
-    report("run", facts, lines, files, as_json=arguments.json)
-    return status
+    advice = _CLOSE if any(left_out(shown, suffix_of(path)) for path in files.refused) else ""
+    return report(arguments, facts, lines, files, advice)
 
 
 def _check_options(arguments: argparse.Namespace, session: SessionFile, volume: bool) -> None:
@@ -350,14 +352,6 @@ def _surface(found: Result, drawn: Drawn) -> Result:
     if not len(chosen.surface.faces):
         raise ValueError("There is no object at this position: name one that the surface encloses.")
     return replace(found, surface=chosen.surface)
-
-
-def _check_places(places: Sequence[tuple[float, ...]], image: Image) -> None:
-    """Raise ValueError when a place of the object lies outside the image, before the run."""
-    for place in places:
-        if not all(-0.5 <= at <= side - 0.5 for at, side in zip(place, image.shape, strict=True)):
-            at = ",".join(f"{number:g}" for number in place)
-            raise ValueError(f"--object is {at} but lies outside the image, which has {sized(image.shape)}.")
 
 
 def _on_contours(result: Result, chosen: Selection | None, seconds: float) -> tuple[dict[str, Any], list[str]]:

@@ -47,7 +47,7 @@ _FINE = 0.5
 """Distance between samples along a line that is compared with an outline [px]."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class HandEdit:
     """One change of contours by hand.
 

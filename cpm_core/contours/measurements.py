@@ -23,7 +23,7 @@ _MARGIN = 1.0
 """How far a contour may extend beyond the one around it, since contours may share a stretch of edge [px]."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Measures:
     """A row of the table of contours.
 

@@ -12,12 +12,13 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from cpm_core.field.convolution import block_means, convolved_field, convolved_potential
-from cpm_core.field.edge_map import NO_SMOOTHING, smoothed_along
+from cpm_core.field.edge_map import NO_SMOOTHING
 from cpm_core.field.scale_field import WEAKEST_EDGE
 from cpm_core.field.scale_space import SourceImages
 from cpm_core.field.volume_surface import Ridges, force_on_voxels, ridges_of
 from cpm_core.image.pyramid import shape_of_scale, to_image
 from cpm_core.image.volume_regions import VolumeRegions, Walls
+from cpm_core.numerics.grids import extend, half_gaussian, sum_across, sum_along
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Mask, Single
@@ -233,11 +234,30 @@ def _edges(values: Array, pitch: Vector, sigma: float, interest: Mask | None) ->
 
 def smoothed_volume(values: Array, sigmas: list[float]) -> Single:
     """A volume after a Gaussian with a sigma for each axis [voxels], in single precision."""
-    smoothed: Single = values.astype(np.float32) if not any(sigmas) else values  # type: ignore[assignment]
-    for axis, sigma in enumerate(sigmas):
-        if sigma > NO_SMOOTHING:
-            smoothed = smoothed_along(smoothed, sigma, axis, np.float32)
-    return smoothed
+    weights = tuple(half_gaussian(sigma) if sigma > NO_SMOOTHING else np.ones(1) for sigma in sigmas)
+    out = np.empty(values.shape, np.float32)
+    share(partial(_smooth, values, weights, out), len(out), _LEAST_LINES)
+    return out
+
+
+@compiled
+def _smooth(values: Array, weights: tuple[Array, ...], out: Single, first: int, end: int) -> None:
+    """Write planes after a Gaussian, axis by axis, each rounded to single precision."""
+    (rows, cols), reach = out.shape[1:], len(weights[2]) - 1
+    flat, line, total = np.empty((rows, cols)), np.empty(cols + 2 * reach), np.empty(cols)
+    for i in range(first, end):
+        for j in range(rows):
+            sum_across(values[:, j], i, weights[0], total)
+            for k in range(cols):
+                flat[j, k] = np.float32(total[k])
+        for j in range(rows):
+            sum_across(flat, j, weights[1], total)
+            for k in range(cols):
+                line[reach + k] = np.float32(total[k])
+            extend(line, reach)
+            sum_along(line, weights[2], total)
+            for k in range(cols):
+                out[i, j, k] = total[k]
 
 
 def edge_strength(smoothed: Single, pitch: Vector) -> Single:

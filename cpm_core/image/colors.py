@@ -34,7 +34,7 @@ _DARKEST = 1e-6
 """Least light that `rgb2hed` distinguishes; it measures stains in units of its logarithm."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Colors:
     """Red, green and blue of each pixel, one byte each.
 

@@ -199,7 +199,7 @@ KNOWN = {**METRIC, "um": 1e-6, "cm": 1e-2}
 """Units that images have."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Bar:
     """A scale bar of round length, `pixels` of the image long."""
 

@@ -27,7 +27,7 @@ _KEPT = 8
 """Polygons whose pixels and boundaries are cached: while a barrier is dragged they are needed again and again."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Regions:
     """Where particles may be.
 

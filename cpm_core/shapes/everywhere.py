@@ -24,7 +24,7 @@ _TITLES: Mapping[Kind, str] = MappingProxyType(
 )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Everywhere(WithoutOutline):
     """Particles all over the image, at positions that depend on it (`cpm_core.shapes.image_starts`).
 

@@ -52,7 +52,7 @@ def convergence(state: MethodState, _: RunMetrics) -> Array:
     return np.asarray(np.abs(distance @ signs))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Quantity:
     """A quantity by which particles can be colored.
 
@@ -87,7 +87,7 @@ QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
 )
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Colored:
     """Colors of particles.
 

@@ -18,7 +18,7 @@ _APART = 0.6
 """Distance of neighboring points above which a new part begins; along a boundary it is a quarter of a pixel [px]."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Difference:
     """A part of a boundary without a counterpart.
 
@@ -68,7 +68,7 @@ def _stretches(far: Mask, closed: bool) -> list[Index]:
     return polyline.stretches(around[:-2] | far | around[2:], closed) if far.any() else []
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Apart:
     """The triangles of a surface that are farther from another one than the tolerance.
 

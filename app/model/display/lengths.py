@@ -37,7 +37,7 @@ def prefer_unit(name: str) -> None:
     _preferred = name
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class PixelSize:
     """Size of a pixel in a unit, which is None for px; `factor` leads to it from the unit of the image."""
 

@@ -37,7 +37,7 @@ def drop_hand_edits(document: Document, indices: Collection[int]) -> Document:
     return replace(document, hand_edits=left)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Target:
     """A contour to mark: its mark so far, the place (row, col) [px] of its first mark, where it runs."""
 

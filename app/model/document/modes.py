@@ -16,7 +16,7 @@ from cpm_core.parameters import OF_PLANES, OF_VOLUMES
 from cpm_core.shapes import Everywhere, Limit, Shape
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ModeInfo:
     """Texts and settings of a mode.
 

@@ -58,7 +58,7 @@ def acts(invalidates: Invalidates) -> str:
     return _ACTS[invalidates]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Control:
     """One slider with its texts: what the core says of a parameter, in the language of the window.
 
@@ -252,7 +252,7 @@ _TITLES = {
 """Names of the values in the window."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ChoiceControl:
     """One choice with its texts.
 

@@ -15,7 +15,7 @@ from cpm_core import Contour, Result, Skeleton, Surface
 Phase = Literal["empty", "ready", "running", "paused", "finished"]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class RunStatus:
     """State of the run.
 
@@ -83,7 +83,7 @@ class RunStatus:
         return self.started and (self.step > 0 or self.count > 0)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Situation:
     """Everything that decides what the window shows and enables.
 
@@ -144,7 +144,7 @@ def can_step(situation: Situation) -> bool:
 
 NOT_IN_VOLUMES = frozenset(
     (
-        *("mend", "outline", "close_contours", "show_rejected"),
+        *("outline", "close_contours", "show_rejected"),
         *("split", "objects_alike", "apply_to_folder"),
     )
 )
@@ -176,6 +176,10 @@ OTHERWISE_IN_VOLUMES: Mapping[str, tuple[str, str]] = MappingProxyType(
         "import_contours": (
             tr("&Import surface…"),
             tr("Import a surface, labels or center lines as a start, as objects or as ground truth."),
+        ),
+        "mend": (
+            tr("&Brush"),
+            tr("Drag in a slice to paint an object, Shift-drag to erase, Ctrl-drag for a new one; [ and ] size it."),
         ),
         "region": (
             tr("Region of &interest"),

@@ -100,7 +100,7 @@ def parts_of(path: Path, reading: Reading) -> tuple[Parts | None, Reading]:
         return None, reading
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Wanted:
     """A request to open an image or a session file at `path`.
 

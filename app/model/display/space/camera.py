@@ -25,7 +25,7 @@ _TILT = -0.45, 0.35
 """Angles to the right and down from which a volume is seen first [rad]: three of its sides show."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Camera:
     """A parallel projection: equal lengths look equal wherever they are, so that a scale bar holds.
 
