@@ -59,7 +59,7 @@ def paint(contours: Sequence[Contour], shape: tuple[int, ...]) -> Labels:
 
 
 def _runs(polygons: Sequence[Array], shape: tuple[int, ...]) -> Iterable[list[int]]:
-    """Pixels inside polygons or on their edges, as runs: the polygon, in order, the row, the first column and the end."""
+    """Pixels inside polygons or on their edges, as runs: the polygon, in order, row, first column and end."""
     if not polygons:
         return []
     index = np.repeat(np.arange(len(polygons)), [len(points) for points in polygons])
