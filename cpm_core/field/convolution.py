@@ -24,7 +24,7 @@ _MOST_KEPT = 2**21
 """Pixels of an image up to which the spectra of its kernels are kept for the next image of the same size."""
 
 _AT_ONCE, _LEAST_AT_ONCE = 2**14, 8
-"""Pixels whose spectrum is multiplied with the kernels at once, so that it stays in the cache, and the least columns."""
+"""Pixels whose spectrum, small enough for the cache, is multiplied with the kernels at once; least columns of it."""
 
 _MOST_IN_DOUBLE = 2**22
 """Pixels up to which kernels are transformed in double precision."""
