@@ -42,6 +42,19 @@ def check_color(what: str, color: str) -> None:
         )
 
 
+@dataclass(frozen=True, slots=True)
+class Label:
+    """What the object with a number is called, and its color, ``"#rrggbb"``; either may be empty."""
+
+    number: int
+    name: str = ""
+    color: str = ""
+
+    def __post_init__(self) -> None:
+        check_name("a label", self.name)
+        check_color("a label", self.color)
+
+
 @dataclass(frozen=True, eq=False)
 class Contour:
     """A polygonal curve through particles.

@@ -77,6 +77,7 @@ from cpm_core.formats.writers import (
     suffix_of,
 )
 from cpm_core.formats.writers import IN_SPACE as IN_SPACE
+from cpm_core.formats.writers import descriptions as descriptions
 
 __all__ = [
     "CONTOURS_READABLE",

@@ -33,6 +33,10 @@ _FEW_BYTES = 2
 _COUNTS = {2: "two", 3: "three"}
 
 
+_AIR = (-3072.0, -900.0)
+"""Between which the least gray level of a CT lies that its file does not name one."""
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Image(drawing.Pictured):
     """Gray levels on a regular grid, pixel centers at integers: an image (row, col) or a volume (plane, row, col).
@@ -57,6 +61,8 @@ class Image(drawing.Pictured):
         Hash of its file, as `fingerprint` makes it; empty for an image that is not from a file.
     geometry : Geometry, optional
         Where it lies in space; None where that is not known. What is written lies there as well.
+    hounsfield : bool, optional
+        Whether gray levels are Hounsfield units; None where the file does not say, see `is_ct`.
     color : {"luminance", "red", "green", "blue", "contrast"}, optional
         What gray levels are made of color, as in `load_image`: how bright it is to the eye, one of its channels, or
         the channel whose gray levels vary the most. With the luminance the image keeps its colors, so that
@@ -98,6 +104,7 @@ class Image(drawing.Pictured):
     file_sha256: str = ""
     geometry: Geometry | None = None
     color: InitVar[str] = LUMINANCE
+    hounsfield: bool | None = None
 
     def __post_init__(self, color: str) -> None:
         checked_color(color)
@@ -229,6 +236,17 @@ class Image(drawing.Pictured):
     def gray_range(self) -> tuple[float, float]:
         """Least and largest gray level."""
         return float(self.values.min()), float(self.values.max())
+
+    @property
+    def is_ct(self) -> bool:
+        """Whether gray levels are Hounsfield units: as the file says, or as it lies in space and shows air as CT does.
+
+        Air has -1000 of them. What lies outside of the scanner's circle is at most as low as 12 bits of it.
+        """
+        if self.hounsfield is not None or self.geometry is None or self.colors is not None:
+            return bool(self.hounsfield)
+        lowest, highest = _AIR
+        return lowest <= self.gray_range[0] <= highest
 
     def sized(self, spacing: tuple[float, ...], unit: str | None, factor: float = 1.0) -> Image:
         """The same gray levels, which are shared, with another size of a pixel; ValueError as for an image.

@@ -143,7 +143,7 @@ def can_step(situation: Situation) -> bool:
 
 NOT_IN_VOLUMES = frozenset(
     (
-        *("mend", "outline", "close_contours", "show_rejected"),
+        *("outline", "close_contours", "show_rejected"),
         *("split", "objects_alike", "apply_to_folder"),
     )
 )
@@ -172,6 +172,10 @@ OTHERWISE_IN_VOLUMES: Mapping[str, tuple[str, str]] = {
     "import_contours": (
         tr("&Import surface…"),
         tr("Import a surface, labels or center lines as a start, as objects or as ground truth."),
+    ),
+    "mend": (
+        tr("&Brush"),
+        tr("Drag in a slice to paint an object, Shift-drag to erase, Ctrl-drag for a new one; [ and ] size it."),
     ),
     "region": (
         tr("Region of &interest"),

@@ -36,6 +36,8 @@ class Decoded:
         What was changed while reading.
     colors : Colors or None
         Red, green and blue of each pixel; None where the file is gray.
+    hounsfield : bool or None
+        Whether gray levels are Hounsfield units; None where the file does not say.
     geometry : Geometry or None
         Where it lies in space; None when the file does not state.
     """
@@ -46,6 +48,7 @@ class Decoded:
     notes: tuple[str, ...] = ()
     colors: Colors | None = None
     geometry: Geometry | None = None
+    hounsfield: bool | None = None
 
 
 def check_size(name: str, rows: int, columns: int) -> None:
