@@ -84,8 +84,8 @@ _SAME = {".tiff": ".tif", ".nii": ".nii.gz", ".roi": ".zip", ".apng": ".png"}
 """Suffixes of the same format, or of one that holds less."""
 
 _LEFT_OUT: Mapping[str, str] = {"objects": ".measures.csv .points.csv", "contours": ".table.csv"}
-_ENDINGS = {".table.csv": ".csv", ".measures.csv": ".csv", ".csv": ".vertices.csv"}
-"""How files end whose suffixes only tell formats of one writer apart."""
+_ENDINGS = {".table.csv": ".csv", ".measures.csv": ".csv", ".csv": ".vertices.csv", ".nrrd": ".seg.nrrd"}
+"""How files end whose suffixes only tell formats of one writer apart, and as 3D Slicer knows its segmentations."""
 
 
 def formats(what: What = "contours", in_volume: bool = False) -> dict[str, str]:
@@ -114,7 +114,7 @@ BY_HAND = frozenset({".labelme.json"})
 """Suffixes of formats that are edited by hand, for which few vertices count."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ExportFile:
     """A file to write: where, what, and the suffix of its format."""
 
@@ -123,7 +123,7 @@ class ExportFile:
     suffix: str
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ExportOrder:
     """Files to write, and how.
 

@@ -20,6 +20,7 @@ from cpm_core.formats.images.dicom_series import Frame, all_series, frames_of
 from cpm_core.formats.images.reading import Reading, series_of
 from cpm_core.formats.images.stack import Stack, check_content, joined
 from cpm_core.image.gray_levels import NO_DATA
+from cpm_core.image.image import MINIMUM_SIDE
 from cpm_core.parameters.quotation import shown
 
 READS = {".dcm": "DICOM image, or a folder with the slices of a series", ".dicom": "the same", ".ima": "the same"}
@@ -126,6 +127,9 @@ def stack(path: Path, reading: Reading) -> Stack:
     if len(groups) > 1 and reading.series is None:
         which = f"{number + 1} ({shown(titles[number])})"
         notes.append(f"Of its {len(groups)} series that with the most images was taken, {which}.")
+        if chosen.shape[0] < MINIMUM_SIDE and chosen.times == 1 and chosen.stretch is None:
+            differ = f"Its {len(frames)} images have {len(groups)} different sizes, directions or series."
+            chosen = replace(chosen, stretch=(0, chosen.shape[0]), of_volume=(differ,))
     if damaged:
         notes.append(f"{damaged} of its files {'is' if damaged == 1 else 'are'} damaged and left out.")
     return replace(chosen, series=titles, number=number, notes=(*notes, *chosen.notes))

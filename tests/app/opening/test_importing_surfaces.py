@@ -10,9 +10,12 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication, QFileDialog
 
+from app.model.document import objects
+from app.model.export import ExportFile, ExportOrder
 from app.views.window.window import MainWindow
 from cpm_core import Result, centerlines, export
 from cpm_core.contours.surface import inside_of, surface_of_labels
+from cpm_core.formats import suffix_of
 from cpm_core.shapes import Points, Stroke
 from tests.app.conftest import Hand
 from tests.app.session.test_saving import answering, drop
@@ -91,6 +94,36 @@ def test_labels_that_are_chosen_give_an_object_for_each_number(volume, hand, tmp
         volume.actions_by_name["import_contours"].trigger()
         hand.wait(lambda: len(volume.session.document.objects.items) == 2)
     assert volume.actions_by_name["import_contours"].text() == "&Import surface…"
+
+
+@pytest.mark.parametrize("name", ["a_objects.nii.gz", "a_objects.seg.nrrd"])
+def test_objects_that_are_exported_and_imported_are_the_same(volume, hand, tmp_path, monkeypatch, name) -> None:
+    session = volume.session
+    np.save(tmp_path / "labels.npy", (4 * INSIDE + 9 * SMALL).astype(np.uint8))
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(tmp_path / "labels.npy"), ""))
+    with answering("Objects"):
+        volume.actions_by_name["import_contours"].trigger()
+        hand.wait(lambda: len(session.document.objects.items) == 2)
+    assert [item.number for item in session.document.objects.items] == [4, 9]
+    session.edit("name", lambda document: objects.rename(document, [4], "Niere"))
+    session.edit("color", lambda document: objects.amend(document, [9], color="#102030", name="Zyste"))
+    before = session.document.objects.items
+    what = ExportFile(tmp_path / name, "objects", suffix_of(name))
+    session.export(ExportOrder((what,)))
+    hand.wait(lambda: (tmp_path / name).exists() and session.idle)
+    session.edit("delete", lambda document: objects.delete(document, [4, 9]))
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(tmp_path / name), ""))
+    with answering("Objects"):
+        volume.actions_by_name["import_contours"].trigger()
+        hand.wait(lambda: len(session.document.objects.items) == 2)
+    after = session.document.objects
+    assert [(item.number, item.name) for item in after.items] == [(4, "Niere"), (9, "Zyste")]
+    assert [item.color for item in after.items] == [after.classes[0].color, "#102030"]
+    for one, other in zip(before, after.items, strict=True):
+        np.testing.assert_array_equal(one.mask(SHAPE), other.mask(SHAPE))
+    with answering("Objects"):  # once more: numbers that are taken are not given twice
+        volume.actions_by_name["import_contours"].trigger()
+        hand.wait(lambda: len(session.document.objects.items) == 4)
 
 
 def test_center_lines_and_points_are_a_start(volume, hand, tmp_path) -> None:
