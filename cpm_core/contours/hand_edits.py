@@ -92,12 +92,6 @@ class HandEdit:
             return "outline"
         return "join" if self.before and self.after else "extension" if self.before or self.after else "line"
 
-    @property
-    def place(self) -> Position:
-        """A place where it acts, for messages and marks."""
-        path = self.added or self.removed
-        return path[len(path) // 2]
-
 
 def apply(contours: Sequence[Contour], edits: Sequence[HandEdit]) -> tuple[tuple[Contour, ...], tuple[int, ...]]:
     """Contours with edits by hand, in the order in which they were made.

@@ -179,12 +179,12 @@ class Image(drawing.Pictured):
 
     def _take_colors(self, samples: NDArray[Any], color: str) -> NDArray[Any]:
         """Gray levels of colors, which are kept next to the luminance."""
-        found = reduced(np.array(samples[..., :3]), samples[..., 3] if samples.shape[-1] == 4 else None)
-        values, notes = found.values, found.notes
-        if found.colors is not None and color == LUMINANCE:
-            object.__setattr__(self, "colors", found.colors)
-        elif found.colors is not None:
-            values, said = in_color(values, found.colors, color)
+        alpha = samples[..., 3] if samples.shape[-1] == 4 else None
+        values, colors, notes = reduced(np.array(samples[..., :3]), alpha)
+        if colors is not None and color == LUMINANCE:
+            object.__setattr__(self, "colors", colors)
+        elif colors is not None:
+            values, said = in_color(values, colors, color)
             notes = (said, *notes[1:])
         object.__setattr__(self, "notes", (*self.notes, *notes))
         return values

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Literal, get_args
 
 from cpm_core.image.image import Image
@@ -19,9 +18,11 @@ Kind = Literal["grid", "gradient", "centers"]
 
 KINDS: tuple[Kind, ...] = get_args(Kind)
 
-_TITLES: Mapping[Kind, str] = MappingProxyType(
-    {"grid": "start everywhere", "gradient": "start on strong edges", "centers": "start at centers"}
-)
+_TITLES: Mapping[Kind, str] = {
+    "grid": "start everywhere",
+    "gradient": "start on strong edges",
+    "centers": "start at centers",
+}
 
 
 @dataclass(frozen=True)

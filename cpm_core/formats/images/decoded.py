@@ -68,9 +68,11 @@ def from_samples(
     `notes` lists what was changed before.
     """
     *shape, width, count = samples.shape
-    found = reduced(samples.reshape(-1, width, count), None if alpha is None else alpha.reshape(-1, width), white)
-    colors = found.colors and replace(found.colors, samples=found.colors.samples.reshape(*shape, width, 3))
-    return Decoded(found.values.reshape(*shape, width), notes=(*notes, *found.notes), colors=colors)
+    values, colors, said = reduced(
+        samples.reshape(-1, width, count), None if alpha is None else alpha.reshape(-1, width), white
+    )
+    colors = colors and replace(colors, samples=colors.samples.reshape(*shape, width, 3))
+    return Decoded(values.reshape(*shape, width), notes=(*notes, *said), colors=colors)
 
 
 def from_bands(samples: NDArray[Any]) -> Decoded:

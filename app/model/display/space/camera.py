@@ -91,8 +91,7 @@ class Camera:
 
     def corner(self, size: tuple[int, int]) -> Array:
         """Position in the picture's plane that its first pixel shows, in units of length."""
-        right, down = 0.5 * (size[1] - 1), 0.5 * (size[0] - 1)
-        return np.asarray(self.center - (right * self.axes[0] + down * self.axes[1]) / self.scale)
+        return self.moved(0.5 * (size[1] - 1), 0.5 * (size[0] - 1)).center
 
 
 def _limited(scale: float) -> float:

@@ -145,17 +145,14 @@ class ViewInSpace:
             places = self.wires.ends.reshape(-1, 3) * np.array(spacing)
             draw_lines(picture, camera.seen(places, size), self.wires.colors)
         if self.particles is not None and shown.particles:
-            self._draw_particles(picture, self.particles, camera, look)
+            places, colors, cut = self.particles.positions * np.array(spacing), self.particles.colors, self.cut
+            if cut is not None:
+                kept = cut.before(places) <= 0.0
+                places, colors = places[kept], colors[kept]
+            draw_balls(picture, camera.seen(places, size), colors, self.particles.size * look.radius)
         if shown.opacity > 0.0:
             self._draw_surfaces(picture, camera, look)
         return picture
-
-    def _draw_particles(self, picture: Picture, particles: Particles, camera: Camera, look: Look) -> None:
-        places, colors, cut = particles.positions * np.array(self.image.spacing), particles.colors, self.cut
-        if cut is not None:
-            kept = cut.before(places) <= 0.0
-            places, colors = places[kept], colors[kept]
-        draw_balls(picture, camera.seen(places, picture.size), colors, particles.size * look.radius)
 
     def _draw_surfaces(self, picture: Picture, camera: Camera, look: Look) -> None:
         """The objects and the surface, all of the same opacity: an object often is the surface."""
