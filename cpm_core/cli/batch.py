@@ -13,12 +13,7 @@ from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
-from cpm_core.cli.arguments import (
-    add,
-    add_parameters,
-    parameters_of,
-    whole_number,
-)
+from cpm_core.cli.arguments import add, add_parameters, parameters_of, whole_number
 from cpm_core.cli.output import IN_PART, StatusLine, announce_compilation, print_json, say, say_notes
 from cpm_core.cli.workers import Job, Row, elsewhere, here
 from cpm_core.formats import WRITABLE
@@ -110,7 +105,7 @@ def run(arguments: argparse.Namespace) -> int:
             for row in rows
         ]  # fmt: skip
         counts = {"done": len(rows) - failed, "failed": failed, "lacking_files": lacking, "seconds": round(seconds, 3)}
-        print_json("batch", {"images": images, **counts, "summary": str(output / NAME)})
+        print_json(arguments, {"images": images, **counts, "summary": str(output / NAME)})
     else:
         for row in rows:
             if not row.trouble:

@@ -10,6 +10,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
+from cpm_core.contours.contour import Label
 from cpm_core.image import drawing
 from cpm_core.numerics.grids import parts_joined, parts_of, zero_surface
 from cpm_core.numerics.jit import compiled
@@ -42,6 +43,8 @@ class Surface:
         Number of components that were left out, because they had too few particles or vertices without any near.
     numbers : ndarray of int64, shape (F,), or None
         Number, from 1 up, of the object that each triangle bounds; None where objects have none of their own.
+    labels : tuple of Label
+        What these objects are called; empty where nobody has named them.
 
     Examples
     --------
@@ -63,6 +66,7 @@ class Surface:
     unsupported: float = np.nan
     left_out: int = 0
     numbers: Index | None = field(default=None, repr=False)
+    labels: tuple[Label, ...] = field(default=(), repr=False)
 
     def __post_init__(self) -> None:
         vertices = rows_of_three("vertices", self.vertices).copy()
@@ -274,3 +278,15 @@ def surface_of_labels(
         count += len(vertices)
     of = np.concatenate(numbers) if sum(part is not None for part in parts) > 1 else None
     return Surface(np.concatenate(places), np.concatenate(corners), spacing, unit, numbers=of)
+
+
+def surfaces_joined(bodies: Sequence[tuple[int, Surface]], spacing: tuple[float, ...], unit: str | None) -> Surface:
+    """The surfaces of objects, each with its number, as one."""
+    firsts = np.cumsum([0, *(len(body.vertices) for _, body in bodies)])
+    return Surface(
+        np.concatenate([body.vertices for _, body in bodies]),
+        np.concatenate([body.faces + first for (_, body), first in zip(bodies, firsts, strict=False)]),
+        spacing,
+        unit,
+        numbers=np.concatenate([np.full(len(body.faces), number) for number, body in bodies]),
+    )

@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+from cpm_core.contours.contour import Label
 from cpm_core.contours.ground_truth import labels_of
-from cpm_core.contours.surface import Surface, surface_of_labels
+from cpm_core.contours.surface import Surface, surface_of_labels, surfaces_joined
+from cpm_core.formats.common.atomic import suffix_among
 from cpm_core.formats.common.content import AnyPath, content_of, decoding
-from cpm_core.formats.images.readers import load_volume
+from cpm_core.formats.images.decoded import Decoded
+from cpm_core.formats.images.readers import READABLE, load_volume, open_stack
+from cpm_core.formats.images.reading import Reading
+from cpm_core.formats.images.stack import volume_of
+from cpm_core.formats.masks import dicom_seg, itk_snap, nrrd
 from cpm_core.formats.meshes import obj, ply, stl, vtk
 from cpm_core.formats.meshes.coordinates import place_of
 from cpm_core.formats.meshes.triangles import Triangles
@@ -37,6 +43,9 @@ _HEAD = 4096
 
 _ASIDE = 0.5
 """How far labels may lie from where their volume lies [voxels]."""
+
+_OFF_GRID = 0.2
+"""How far the voxels of a part of a volume may lie from its own [voxels]."""
 
 _MOST_LABELS = 100_000
 """Largest label that is the number of an object."""
@@ -125,45 +134,107 @@ def decode_surface(
 
 
 def _of_labels(file: Path, image: Image | None) -> Surface:
-    """The surfaces of the objects of a label volume, halfway between voxels; whole numbers are kept."""
-    volume = image or load_volume(file)
-    values = volume.values if image is None else labels_like(file, image)
+    """The surfaces of the objects of a label volume, halfway between voxels; whole numbers and names are kept."""
+    if in_series := _segments_of_dicom(file):
+        return _of_planes(file, image, in_series)
+    segments = nrrd.segments_of(file)
+    layers = sorted({one.layer for one in segments})
+    of_layers = {layer: _label_values(file, image, layer + 1 if layers[1:] else None) for layer in layers or [0]}
+    values, spacing, unit = of_layers[layers[0] if layers else 0]
+    if layers[1:]:  # whose segments overlap
+        alone = [(one, (of_layers[one.layer][0] == one.value).astype(np.int32)) for one in segments]
+        bodies = [(one.label.number, surface_of_labels(mask, spacing, unit)) for one, mask in alone]
+        return replace(surfaces_joined(bodies, spacing, unit), labels=tuple(one.label for one in segments))
     labels = labels_of(values, file.name)
     if values.min() == 0 and values.max() <= _MOST_LABELS and not (values % 1.0).any():
         labels = values.astype(np.int32)
-    return surface_of_labels(labels, volume.spacing, volume.unit)
+    surface = surface_of_labels(labels, spacing, unit)
+    named = tuple(one.label for one in segments) or itk_snap.next_to(file, suffix_among(file, READABLE))
+    if named and surface.numbers is None:
+        surface = replace(surface, numbers=np.full(len(surface.faces), labels.max()))
+    return replace(surface, labels=named)
 
 
-def labels_like(file: Path, volume: Image) -> Array:
+def _label_values(file: Path, image: Image | None, channel: int | None) -> tuple[Array, tuple[float, ...], str | None]:
+    """The values of a label volume as they lie in its volume, if that is known, and the size of a voxel."""
+    if image is None:
+        alone = load_volume(file, channel=channel)
+        return alone.values, alone.spacing, alone.unit
+    return labels_like(file, image, channel), image.spacing, image.unit
+
+
+def labels_like(file: Path, volume: Image, channel: int | None = None) -> Array:
     """The values of a label volume in the order of the axes of the volume that it belongs to.
 
-    ValueError when it cannot be read, has another size, or lies elsewhere in space.
+    Where only a part of it was saved, as programs do around what is not 0, the rest is 0. ValueError when it cannot be
+    read, has another size, or lies elsewhere in space.
     """
-    labels = load_volume(file)
-    values = _turned_as(labels, volume)
+    stack = open_stack(file)
+    with decoding(file.name, "is damaged: get a sound copy of it."):
+        found = volume_of(stack, Reading(channel=channel))
+    values, part = _turned_as(found, file.name, volume)
+    if part is not None:
+        values, given = np.zeros(volume.shape), values
+        values[part] = given
     if values.shape != volume.shape:
-        found, wanted = (" x ".join(map(str, shape)) for shape in (labels.shape, volume.shape))
+        has, wanted = (" x ".join(map(str, shape)) for shape in (found.values.shape, volume.shape))
         raise ValueError(
-            f"{file.name} has {found} voxels, but this volume has {wanted}: choose the labels of this very volume."
+            f"{file.name} has {has} voxels, but this volume has {wanted}: choose the labels of this very volume."
         )
     return values
 
 
-def _turned_as(labels: Image, volume: Image) -> Array:
-    """The values of labels in the order of the axes of a volume; ValueError when they lie elsewhere in space."""
+def _turned_as(labels: Decoded, name: str, volume: Image) -> tuple[Array, tuple[slice, ...] | None]:
+    """The values of labels in the order of the axes of a volume, and which part of it they fill, None for all of it.
+
+    ValueError when they lie elsewhere in space.
+    """
     from nibabel.orientations import apply_orientation, inv_ornt_aff, io_orientation
 
+    values: Array = np.asarray(labels.values, np.float64)
     if labels.geometry is None or volume.geometry is None:
-        return labels.values
+        return values, None
     measured = labels.unit == volume.unit and np.allclose(sorted(labels.spacing), sorted(volume.spacing), rtol=1e-3)
     sides = (labels.spacing, volume.spacing) if measured else 2 * ((1.0, 1.0, 1.0),)  # else they were set by hand
     there, here = labels.geometry.affine(sides[0], "LPS"), volume.geometry.affine(sides[1], "LPS")
     to_volume = np.linalg.solve(here, there)
     turn = io_orientation(to_volume)
-    aside = np.abs(to_volume @ inv_ornt_aff(turn, labels.shape) - np.eye(4))[:3]
-    if (aside @ [*volume.shape, 1.0 if measured else 0.0]).max() > _ASIDE:
+    lies = to_volume @ inv_ornt_aff(turn, values.shape)
+    values = np.ascontiguousarray(apply_orientation(values, turn))
+    first = np.rint(lies[:3, 3]).astype(int)
+    last, part = first + values.shape, None
+    if measured and values.shape != volume.shape and (first >= 0).all() and (last <= volume.shape).all():
+        lies[:3, 3] -= first
+        part = tuple(map(slice, first, last))
+    aside = np.abs(lies - np.eye(4))[:3]
+    if (aside @ [*volume.shape, 1.0 if measured else 0.0]).max() > (_ASIDE if part is None else _OFF_GRID):
         raise ValueError(
-            f"{labels.source} lies elsewhere in space than {volume.source}: choose the labels of this very volume, or "
+            f"{name} lies elsewhere in space than {volume.source}: choose the labels of this very volume, or "
             "save them without a place, as .npy or .tif."
         )
-    return np.ascontiguousarray(apply_orientation(labels.values, turn))
+    return values, part
+
+
+def _segments_of_dicom(file: Path) -> list[tuple[Label, list[Decoded]]]:
+    with decoding(file.name, "is damaged: get a sound copy of it."):
+        return dicom_seg.read(file)
+
+
+def _of_planes(file: Path, volume: Image | None, segments: Sequence[tuple[Label, list[Decoded]]]) -> Surface:
+    """The surfaces of segments of DICOM, whose planes lie in a volume."""
+    if volume is None:
+        raise ValueError(f"{file.name} has segments in a series: name the series with --image, or open it first.")
+    bodies = []
+    for label, planes in segments:
+        mask = np.zeros(volume.shape, np.int32)
+        for plane in planes:
+            depths = list(volume.spacing)
+            for side in plane.spacing[1:]:
+                depths.remove(min(depths, key=lambda other: abs(other - side)))
+            values, part = _turned_as(replace(plane, spacing=(*depths, *plane.spacing[1:])), file.name, volume)
+            if part is None:
+                raise ValueError(f"{file.name} has segments outside of {volume.source}: open the series of this file.")
+            mask[part] += values > 0.0
+        bodies.append((label.number, surface_of_labels(np.minimum(mask, 1), volume.spacing, volume.unit)))
+    labels = tuple(label for label, _ in segments)
+    return replace(surfaces_joined(bodies, volume.spacing, volume.unit), labels=labels)

@@ -27,7 +27,7 @@ _KEPT = 8
 """Polygons whose pixels and boundaries are cached: while a barrier is dragged they are needed again and again."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Regions:
     """Where particles may be.
 
@@ -92,10 +92,7 @@ class Regions:
         """Which of points, shape (N, 2) [px], lie in a region of interest; all of them where there is none."""
         if not self.interest:
             return np.ones(len(points), np.bool_)
-        found = np.zeros(len(points), np.bool_)
-        for polygon in self.interest:
-            found |= polyline.inside(polygon, points)
-        return found
+        return np.any([polyline.inside(polygon, points) for polygon in self.interest], axis=0)
 
     def allows(self, points: Array) -> Mask:
         """Where of points, shape (N, 2) [px], a particle may be: in a region of interest, and on no rim or barrier."""

@@ -64,12 +64,25 @@ class Axis:
         beside = np.zeros((0, 2), np.int64) if sides is None else sides
         return Axis(self.points[used], joined, self.radius[used], self.nearest[used], beside)
 
+    @property
+    def lengths(self) -> Array:
+        """Lengths of the edges, shape (M,) [px]."""
+        return np.linalg.norm(np.diff(self.points[self.edges], axis=1)[:, 0], axis=1)
+
+    @property
+    def widths(self) -> Array:
+        """Mean diameters of the disks along the edges, shape (M,) [px]."""
+        return 2.0 * self.radius[self.edges].mean(axis=1)
+
+    @property
+    def alone(self) -> Mask:
+        """Which vertices no edge joins, shape (N,)."""
+        return np.bincount(self.edges.ravel(), minlength=len(self.points)) == 0
+
     def narrower(self, width: float) -> Axis:
         """The part of the axis where disks are at most `width` across [px]."""
         thin = 2.0 * self.radius <= width
-        joined = np.zeros(len(self.points), np.bool_)
-        joined[self.edges] = True
-        return self.only(self.edges[thin[self.edges].all(axis=1)], np.flatnonzero(thin & ~joined))
+        return self.only(self.edges[thin[self.edges].all(axis=1)], np.flatnonzero(thin & self.alone))
 
     def inside(self, low: Array, high: Array) -> Mask:
         """Which vertices lie in a rectangle, shape (N,)."""
@@ -91,9 +104,7 @@ class Axis:
             edges[cut, np.where(one[cut] < 0.0, 0, 1)] = len(places) + np.arange(len(cut))
             places = np.concatenate([places, between])
             nearest = np.concatenate([nearest, nearest[np.where(share < 0.5, a, b)]])
-        joined = np.zeros(len(self.points), np.bool_)
-        joined[self.edges] = True
-        alone = np.flatnonzero(self.inside(low, high) & ~joined)
+        alone = np.flatnonzero(self.inside(low, high) & self.alone)
         clipped = Axis(places[:, :2], edges, places[:, 2], nearest)
         return clipped.only(edges[kept], alone, self.sides[kept] if len(self.sides) else None)
 

@@ -79,7 +79,7 @@ def of_polarity(axis: Axis, polarity: NDArray[np.int8], sign: int) -> Axis:
 
     At the sharp corners of a region, which smoothing rounds, the gradient does not point away from the axis.
     """
-    length = lengths(axis)
+    length = axis.lengths
     count, part = parts(axis)
     of_part = part[axis.edges[:, 0]]
     same = polarity == sign
@@ -112,7 +112,7 @@ def common_polarity(
     across = np.linalg.norm(outward[:, 1] - outward[:, 0], axis=1)
     # how far apart the sides of each edge are, 1 for opposite ones; small at irregularities
     breadth = (across / np.maximum(np.linalg.norm(outward, axis=2).sum(axis=1), 1e-300)) ** 2
-    length = np.where(inside, lengths(axis) * breadth, 0.0)
+    length = np.where(inside, axis.lengths * breadth, 0.0)
     count, part = parts(axis)
     of_part = part[axis.edges[:, 0]]
     dark, light, mixed = (np.bincount(of_part, length * (polarity == sign), count) for sign in (DARK, LIGHT, 0))
@@ -123,11 +123,6 @@ def common_polarity(
     if max(shares) <= _CLEAR * sum(shares):
         return 0
     return DARK if shares[0] > shares[1] else LIGHT
-
-
-def lengths(axis: Axis) -> Array:
-    """Lengths of the edges of an axis, shape (M,) [px]."""
-    return np.linalg.norm(np.diff(axis.points[axis.edges], axis=1)[:, 0], axis=1)
 
 
 _AWAY, _MIDDLE = 2.5, 0.5
@@ -225,7 +220,7 @@ def strips(axis: Axis, boundary: Boundary, width: float, sure: float) -> Axis:
     if not len(cut.edges):
         return cut
     count, part = parts(cut)
-    of_part, length = part[cut.edges[:, 0]], lengths(cut)
+    of_part, length = part[cut.edges[:, 0]], cut.lengths
     change = np.abs(np.diff(cut.radius[cut.edges], axis=1)[:, 0])
     opposite = change / np.maximum(length, 1e-300) <= _OPPOSITE
     strong = boundary.strength[cut.nearest[cut.edges]].mean(axis=1) >= sure
@@ -235,7 +230,7 @@ def strips(axis: Axis, boundary: Boundary, width: float, sure: float) -> Axis:
             length,
             length * opposite,
             length * (opposite & strong),
-            length * 2.0 * cut.radius[cut.edges].mean(axis=1),
+            length * cut.widths,
         )
     )
     kept = (certain * total >= _LONG * area) & (between >= _MOSTLY * total)
@@ -244,22 +239,20 @@ def strips(axis: Axis, boundary: Boundary, width: float, sure: float) -> Axis:
 
 def evidence(found: Axis, boundary: Boundary) -> float:
     """How much speaks for strips: their length, in widths, times the strength of their edges [gray levels / px]."""
-    across = 2.0 * found.radius[found.edges].mean(axis=1)
-    return float((_weights(found, boundary) / np.maximum(across, 1e-300)).sum())
+    return float((_weights(found, boundary) / np.maximum(found.widths, 1e-300)).sum())
 
 
 def own_width(found: Axis, boundary: Boundary) -> float:
     """Width that nearly all of some strips stay well below [px]; 0 without any."""
     if not len(found.edges):
         return 0.0
-    across = 2.0 * found.radius[found.edges].mean(axis=1)
     weights = _weights(found, boundary)
-    return _ROOM * float(np.quantile(across, _NEARLY_ALL, weights=weights, method="inverted_cdf"))
+    return _ROOM * float(np.quantile(found.widths, _NEARLY_ALL, weights=weights, method="inverted_cdf"))
 
 
 def _weights(found: Axis, boundary: Boundary) -> Array:
     """Length of each edge of an axis times the strength of the boundary next to it, shape (M,)."""
-    return lengths(found) * boundary.strength[found.nearest[found.edges]].mean(axis=1)
+    return found.lengths * boundary.strength[found.nearest[found.edges]].mean(axis=1)
 
 
 _MOSTLY_LOOSE = 0.5
@@ -325,7 +318,13 @@ def find_structure(field_of: Callable[[Parameters], ScaleField], parameters: Par
     finest = max(_LEAST_SIGMA, (1.0 if parameters.max_width else _USUAL) * width / _WIDTH_PER_SIGMA)
     if parameters.smoothing == "auto" and usual.smoothing > finest:
         usual = field_of(replace(parameters, smoothing=finest))
-    faint, sure = _floors(usual, parameters)
+    strongest, strength = usual.strongest, usual.edge_map
+    if parameters.edge_floor:
+        faint = parameters.edge_floor * strongest
+        sure = max(parameters.edge_floor, parameters.sure_edge) * strongest
+    else:
+        background = max(background_strength(strength[strength > 0.0]), _LEAST * strongest)
+        faint, sure = _FAINT * background, parameters.sure_edge * strongest or background
     boundary = find_boundary(replace(usual, floor=faint), replace(parameters, sure_edge=0.0))
     return Structure(boundary, usual.smoothing, polarity, width, sure)
 
@@ -347,12 +346,3 @@ def with_axis(found: Structure, values: Array, parameters: Parameters) -> tuple[
     width = parameters.max_width or own_width(tried[best], found.boundary) or found.width
     polarity, axis = options[best]
     return replace(found, polarity=polarity, width=width), axis
-
-
-def _floors(scale_field: ScaleField, parameters: Parameters) -> tuple[float, float]:
-    """Least strength of the edges of strips, and of the sure ones among them [gray levels / px]."""
-    strongest, strength = scale_field.strongest, scale_field.edge_map
-    if parameters.edge_floor:
-        return parameters.edge_floor * strongest, max(parameters.edge_floor, parameters.sure_edge) * strongest
-    background = max(background_strength(strength[strength > 0.0]), _LEAST * strongest)
-    return _FAINT * background, parameters.sure_edge * strongest or background

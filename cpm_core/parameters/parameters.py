@@ -17,7 +17,7 @@ from cpm_core.parameters.quotation import call, shown
 from cpm_core.parameters.table import AUTOMATIC, PARAMETERS, UNLIMITED_REACH, ParameterInfo, invalidating
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Parameters:
     """Parameters of a run; the defaults are the paper's (section 4.1). `PARAMETERS` has the range of each.
 

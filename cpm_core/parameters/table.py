@@ -8,7 +8,7 @@ from functools import cache
 from cpm_core.parameters.choices import CHOICES, Invalidates
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ParameterInfo:
     """Description of one parameter, for the user.
 

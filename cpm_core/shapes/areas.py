@@ -24,7 +24,7 @@ LOWEST, HIGHEST, STEP = 0.02, 0.98, 0.02
 """Bounds of the fraction of a threshold, and how much it changes at a time."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Grid(ClosedPath):
     """Particles spread evenly over an area.
 
@@ -60,7 +60,7 @@ class Grid(ClosedPath):
         return list(np.ptp(np.array(self.points, dtype=float), axis=0).tolist())
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Threshold(ClosedPath):
     """Particles where edges are strong, in an area; their positions depend on the image.
 

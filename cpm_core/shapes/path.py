@@ -32,8 +32,6 @@ def check_positions(name: str, positions: Sequence[Place], least: int) -> None:
 class WithoutOutline:
     """A shape without an outline: it has no handles, no size and no inside. Subclasses are frozen dataclasses."""
 
-    __slots__ = ()
-
     @property
     def outline(self) -> Array:
         """Empty, shape (0, 2)."""
@@ -56,7 +54,7 @@ class WithoutOutline:
         return False
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class OpenPath(WithoutOutline):
     """A line from corner to corner.
 
@@ -102,7 +100,7 @@ class OpenPath(WithoutOutline):
         return replace(self, points=points) if len(set(points)) >= self.least else self
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ClosedPath(OpenPath):
     """A line around an area; the last corner is joined to the first."""
 

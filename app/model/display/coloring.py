@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -52,7 +51,7 @@ def convergence(state: MethodState, _: RunMetrics) -> Array:
     return np.asarray(np.abs(distance @ signs))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Quantity:
     """A quantity by which particles can be colored.
 
@@ -72,22 +71,20 @@ class Quantity:
     range: tuple[float, float] | None = None
 
 
-QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
-    {
-        "speed": Quantity(tr("Speed"), tr("How fast each particle is [px / unit of time]."), speed),
-        "force": Quantity(tr("Force"), tr("Coulomb and Lorentz force on each particle, without damping."), force),
-        "age": Quantity(tr("Age"), tr("Steps since each particle was inserted, or since its scale began."), age),
-        "convergence": Quantity(
-            tr("Convergence"),
-            tr("Contribution of each particle to ε of eq. (23); the run is at rest when the mean is small."),
-            convergence,
-            (EPSILON / 10.0, 1000.0 * EPSILON),
-        ),
-    }
-)
+QUANTITIES: Mapping[str, Quantity] = {
+    "speed": Quantity(tr("Speed"), tr("How fast each particle is [px / unit of time]."), speed),
+    "force": Quantity(tr("Force"), tr("Coulomb and Lorentz force on each particle, without damping."), force),
+    "age": Quantity(tr("Age"), tr("Steps since each particle was inserted, or since its scale began."), age),
+    "convergence": Quantity(
+        tr("Convergence"),
+        tr("Contribution of each particle to ε of eq. (23); the run is at rest when the mean is small."),
+        convergence,
+        (EPSILON / 10.0, 1000.0 * EPSILON),
+    ),
+}
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Colored:
     """Colors of particles.
 
@@ -113,15 +110,10 @@ def colored(quantity: Quantity, state: MethodState, metrics: RunMetrics) -> Colo
         with np.errstate(divide="ignore"):
             fraction = np.log(values / low) / math.log(high / low)
     else:
-        low, high = 0.0, _end(values[~unknown])
+        end = float(np.nanpercentile(values, _IN_RANGE)) if not unknown.all() else 0.0
+        low, high = 0.0, round_up(end) if end > 0.0 else 1.0
         fraction = values / high
     fraction[unknown] = 0.0
     marks = np.clip(np.rint(fraction * (SHADES - 1)), 0, SHADES - 1).astype(np.uint8)
     marks[unknown] = SHADES
     return Colored(marks, low, high)
-
-
-def _end(values: Array) -> float:
-    """A round number above nearly all values."""
-    end = float(np.percentile(values, _IN_RANGE)) if len(values) else 0.0
-    return round_up(end) if end > 0.0 else 1.0

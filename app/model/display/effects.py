@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from types import MappingProxyType
 
 import numpy as np
 import scipy
@@ -17,13 +16,11 @@ from cpm_core.contours import Measures
 from cpm_core.numerics import Array
 from cpm_core.segmentation import MethodState
 
-FILTERS: Mapping[str, Callable[[Measures], float | None]] = MappingProxyType(
-    {
-        "min_strength": lambda row: row.strength,
-        "min_length": lambda row: row.length,
-        "min_contrast": lambda row: row.contrast,
-    }
-)
+FILTERS: Mapping[str, Callable[[Measures], float | None]] = {
+    "min_strength": lambda row: row.strength,
+    "min_length": lambda row: row.length,
+    "min_contrast": lambda row: row.contrast,
+}
 """Parameters under which contours are left out, and the measure that each of them is compared with."""
 
 GAP = "max_gap"

@@ -46,7 +46,7 @@ LEADING = (
 """Labels of the numbers that are always shown."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Resolved:
     """Texts of the window in a situation.
 

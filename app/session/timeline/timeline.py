@@ -38,7 +38,7 @@ _METHODS = 3
 """Methods with different regions that are kept for repeating steps."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Outline:
     """State of the timeline, as the window shows it.
 
@@ -69,7 +69,7 @@ class Outline:
     began: int = 0
 
 
-@dataclass(eq=False, slots=True)
+@dataclass(eq=False)
 class _Line:
     """A branch with the moment of each step of its run, of which others may have the beginning in common.
 

@@ -55,13 +55,6 @@ def runnable(ndim: int = 2) -> tuple[str, ...]:
     return tuple(name for name, method in CONTOUR_METHODS.items() if ndim == 2 or method.in_volumes)
 
 
-def method_named(name: str) -> AnyMethod:
-    """The method of a name; ValueError with the names that there are when there is none."""
-    if name not in CONTOUR_METHODS:
-        raise ValueError(f"{shown(name)} is not a method: choose among {', '.join(CONTOUR_METHODS)}.")
-    return CONTOUR_METHODS[name]
-
-
 FIRST = ("cpm", "gvf", "geodesic", "chan_vese")
 """The methods that are compared at first."""
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, partial
-from types import MappingProxyType
 from typing import Any, Generic, TypeVar
 
 import numpy as np
@@ -191,7 +190,7 @@ class Settings:
     @classmethod
     def table(cls) -> Mapping[str, ParameterInfo]:
         """The description of each parameter, by name."""
-        return MappingProxyType({one.name: replace(one.metadata["info"], name=one.name) for one in fields(cls)})
+        return {one.name: replace(one.metadata["info"], name=one.name) for one in fields(cls)}
 
 
 def smoothing_before_edges(default: float) -> Any:

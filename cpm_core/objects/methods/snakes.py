@@ -280,17 +280,15 @@ class GvfSnakeSettings(Settings):
     smoothing: float = smoothing_before_edges(1.0)
 
 
-def field_force(field: Array, attraction: float) -> Force:
-    """A field on the pixels, shape (2, H, W), as a force, linear between the pixels."""
-    sampled = scipy.ndimage.map_coordinates
-    return lambda at: attraction * np.stack([sampled(part, at.T, order=1, mode="nearest") for part in field], axis=1)
-
-
 def gvf_snake(image: Image, start: Start, settings: GvfSnakeSettings) -> Iterator[ContourState]:
     """States of the GVF snake."""
     field = evened(gradient_vector_flow(unit_edges(image, settings.smoothing), settings.mu))
     elasticity = Elasticity(settings.alpha, settings.beta, 1.0)
-    force = field_force(field, settings.attraction)
+
+    def force(at: Array) -> Array:
+        sampled = (scipy.ndimage.map_coordinates(part, at.T, order=1, mode="nearest") for part in field)
+        return settings.attraction * np.stack([*sampled], axis=1)
+
     return evolution(start.curves(SPACING), force, elasticity, image.shape)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 
 from cpm_core.contours.contour import Contour, check_color, check_name
-from cpm_core.contours.packed_surface import PackedSurface
+from cpm_core.contours.packed_surface import PackedBody
 from cpm_core.contours.surface import Surface
 from cpm_core.image.volume_regions import Voxels
 from cpm_core.numerics import polyline
@@ -93,8 +93,9 @@ class SegmentedObject:
         Whether it keeps its boundary and holds particles back.
     hidden : bool
         Whether it is not shown.
-    surface : tuple of PackedSurface
-        The boundary of an object in a volume, which has no closed curves; empty in an image.
+    surface : tuple of PackedSurface or PackedVoxels
+        The boundary of an object in a volume, which has no closed curves, or its voxels once it has been painted; empty
+        in an image.
 
     Raises
     ------
@@ -113,7 +114,7 @@ class SegmentedObject:
     category: int = 1
     frozen: bool = False
     hidden: bool = False
-    surface: tuple[PackedSurface, ...] = ()
+    surface: tuple[PackedBody, ...] = ()
 
     def __post_init__(self) -> None:
         if self.number < 1:
@@ -161,6 +162,14 @@ class SegmentedObject:
         (top, left), window = self._window(shape)
         found[top : top + window.shape[0], left : left + window.shape[1]] = window
         return found
+
+    def values(self, values: Array) -> Array:
+        """The values of the pixels of an image, or of the voxels of a volume, whose centers lie inside, shape (N,)."""
+        if not self.surface:
+            return values[self.mask(values.shape)]
+        low, high = np.clip([self.surface[0].box[0], self.surface[0].box[1] + 1], 0, values.shape).astype(int)
+        there = tuple(map(slice, low, high))
+        return values[there][self.surface[0].part(low, high - low)]
 
     @property
     def outer(self) -> tuple[Line, ...]:

@@ -23,7 +23,7 @@ _ROWS = 32
 """Rows that one thread fills at the least."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Picture:
     """Colors, shape (H, W, 3), and distances behind the picture's plane [px], shape (H, W)."""
 

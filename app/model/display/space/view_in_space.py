@@ -31,7 +31,7 @@ _OVER = 1.5
 """The same, at least [radii of a particle]."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Look:
     """Colors of what has none of its own, and the radius of a particle [px]."""
 
@@ -42,7 +42,7 @@ class Look:
     radius: float = 2.0
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ShownParts:
     """The parts that are shown; `cut_axis` is None for no cut, `cut_at` from 0 to 1 along that axis."""
 
@@ -57,7 +57,7 @@ class ShownParts:
     cut_at: float = 0.5
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Particles:
     """Positions (N, 3) [voxels] and colors (N, 3); `size` is a factor for their radius."""
 
@@ -66,7 +66,7 @@ class Particles:
     size: float = 1.0
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Wires:
     """Ends of straight lines, shape (N, 2, 3) [voxels], and their colors, shape (N, 3)."""
 
@@ -74,7 +74,7 @@ class Wires:
     colors: Colors
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class ColoredMesh:
     """A surface in a color of its own."""
 
@@ -82,7 +82,7 @@ class ColoredMesh:
     color: Color
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class ViewInSpace:
     """All that could be seen of a volume, and which of it is shown.
 
@@ -145,17 +145,14 @@ class ViewInSpace:
             places = self.wires.ends.reshape(-1, 3) * np.array(spacing)
             draw_lines(picture, camera.seen(places, size), self.wires.colors)
         if self.particles is not None and shown.particles:
-            self._draw_particles(picture, self.particles, camera, look)
+            places, colors, cut = self.particles.positions * np.array(spacing), self.particles.colors, self.cut
+            if cut is not None:
+                kept = cut.before(places) <= 0.0
+                places, colors = places[kept], colors[kept]
+            draw_balls(picture, camera.seen(places, size), colors, self.particles.size * look.radius)
         if shown.opacity > 0.0:
             self._draw_surfaces(picture, camera, look)
         return picture
-
-    def _draw_particles(self, picture: Picture, particles: Particles, camera: Camera, look: Look) -> None:
-        places, colors, cut = particles.positions * np.array(self.image.spacing), particles.colors, self.cut
-        if cut is not None:
-            kept = cut.before(places) <= 0.0
-            places, colors = places[kept], colors[kept]
-        draw_balls(picture, camera.seen(places, picture.size), colors, particles.size * look.radius)
 
     def _draw_surfaces(self, picture: Picture, camera: Camera, look: Look) -> None:
         """The objects and the surface, all of the same opacity: an object often is the surface."""

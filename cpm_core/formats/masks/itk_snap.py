@@ -1,0 +1,70 @@
+"""Label descriptions of ITK-SNAP: a text next to a label volume with the name and the color of each label."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from cpm_core.contours.contour import MOST_LETTERS, Label
+from cpm_core.formats.common.printable import printable
+
+SUFFIX = ".txt"
+_SUFFIXES = (SUFFIX, ".label")
+"""Suffixes by which ITK-SNAP saves descriptions."""
+
+_HEAD = """\
+################################################
+# ITK-SnAP Label Description File
+# File format:
+# IDX   -R-  -G-  -B-  -A--  VIS MSH  LABEL
+# Fields:
+#    IDX:   Zero-based index
+#    -R-:   Red color component (0..255)
+#    -G-:   Green color component (0..255)
+#    -B-:   Blue color component (0..255)
+#    -A-:   Label transparency (0.00 .. 1.00)
+#    VIS:   Label visibility (0 or 1)
+#    MSH:   Label mesh visibility (0 or 1)
+#  LABEL:   Label description
+################################################
+"""
+_LINE = re.compile(r'\s*(\d+)\s+(\d+)\s+(\d+)\s+(\d+)\s+[\d.eE+-]+\s+[01]\s+[01]\s+"(.*)"\s*')
+_LARGEST = 2**22
+"""Most bytes of a file that is read."""
+
+
+def encode(labels: Sequence[Label]) -> bytes:
+    """Describe labels, which all have a color; label 0 is what lies outside."""
+    lines = [f'{0:5d}{0:6d}{0:5d}{0:5d}{0:9d}{0:3d}{0:3d}    "Clear Label"\n']
+    for label in labels:
+        red, green, blue = bytes.fromhex(label.color[1:])
+        name = (label.name or f"Label {label.number}").replace('"', "'")  # which would end the name
+        lines.append(f'{label.number:5d}{red:6d}{green:5d}{blue:5d}{1:9d}{1:3d}{1:3d}    "{name}"\n')
+    return "".join([_HEAD, *lines]).encode()
+
+
+def read(path: Path) -> tuple[Label, ...] | None:
+    """The labels that a file describes; None for a file of another kind."""
+    try:
+        if path.stat().st_size > _LARGEST:
+            return None
+        text = path.read_text(encoding="utf-8", errors="replace")
+    except OSError:
+        return None
+    lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
+    found = [_LINE.fullmatch(line) for line in lines]
+    if not found or not all(found):
+        return None
+    rows = [(int(one[1]), [min(int(one[n]), 255) for n in (2, 3, 4)], one[5]) for one in found if one is not None]
+    return tuple(
+        Label(number, printable(name)[:MOST_LETTERS], f"#{bytes(color).hex()}")
+        for number, color, name in rows
+        if number
+    )
+
+
+def next_to(path: Path, suffix: str) -> tuple[Label, ...]:
+    """The labels of a volume, whose name ends in a suffix, by the description next to it; none without one."""
+    stem = path.name[: len(path.name) - len(suffix)]
+    return next((found for other in _SUFFIXES if (found := read(path.with_name(stem + other)))), ())
