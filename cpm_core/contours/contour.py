@@ -85,8 +85,8 @@ class Contour:
         Whether it is the boundary of a hole in an object: what is inside does not belong to it.
     bridged : float
         Length of its stretches that follow no edge that was found, but were closed [px].
-    reached : {"", "flight", "weak", "junction", "launched"}
-        How particles came to most of it; empty where it is not known.
+    way : callable or None
+        Finds out `reached`; None where it is not known.
     category : str
         Name of the class of the object that it bounds, or empty.
 
@@ -120,7 +120,7 @@ class Contour:
     group: int = 0
     hole: bool = False
     bridged: float = 0.0
-    reached: Reached = ""
+    way: Callable[[], str] | None = field(default=None, repr=False)
     category: str = ""
 
     def __post_init__(self) -> None:
@@ -134,7 +134,12 @@ class Contour:
         """
         return self.sides() if self.sides else 0.0
 
-    @property
+    @cached_property
+    def reached(self) -> str:
+        """How particles came to most of it; found out at the first access, which may take longer than the contours."""
+        return self.way() if self.way else ""
+
+    @cached_property
     def path(self) -> Array:
         """Vertices with the first repeated at the end when the contour is closed."""
         return np.concatenate([self.points, self.points[:1]]) if self.closed else self.points

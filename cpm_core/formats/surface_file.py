@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+from cpm_core.contours.contour import Label
 from cpm_core.contours.ground_truth import labels_of
 from cpm_core.contours.surface import Surface, surface_of_labels, surfaces_joined
 from cpm_core.formats.common.atomic import suffix_among
@@ -17,7 +18,7 @@ from cpm_core.formats.images.decoded import Decoded
 from cpm_core.formats.images.readers import READABLE, load_volume, open_stack
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.images.stack import volume_of
-from cpm_core.formats.masks import itk_snap, nrrd
+from cpm_core.formats.masks import dicom_seg, itk_snap, nrrd
 from cpm_core.formats.meshes import obj, ply, stl, vtk
 from cpm_core.formats.meshes.coordinates import place_of
 from cpm_core.formats.meshes.triangles import Triangles
@@ -42,6 +43,9 @@ _HEAD = 4096
 
 _ASIDE = 0.5
 """How far labels may lie from where their volume lies [voxels]."""
+
+_OFF_GRID = 0.2
+"""How far the voxels of a part of a volume may lie from its own [voxels]."""
 
 _MOST_LABELS = 100_000
 """Largest label that is the number of an object."""
@@ -131,6 +135,8 @@ def decode_surface(
 
 def _of_labels(file: Path, image: Image | None) -> Surface:
     """The surfaces of the objects of a label volume, halfway between voxels; whole numbers and names are kept."""
+    if in_series := _segments_of_dicom(file):
+        return _of_planes(file, image, in_series)
     segments = nrrd.segments_of(file)
     layers = sorted({one.layer for one in segments})
     of_layers = {layer: _label_values(file, image, layer + 1 if layers[1:] else None) for layer in layers or [0]}
@@ -166,7 +172,10 @@ def labels_like(file: Path, volume: Image, channel: int | None = None) -> Array:
     stack = open_stack(file)
     with decoding(file.name, "is damaged: get a sound copy of it."):
         found = volume_of(stack, Reading(channel=channel))
-    values = _turned_as(found, file.name, volume)
+    values, part = _turned_as(found, file.name, volume)
+    if part is not None:
+        values, given = np.zeros(volume.shape), values
+        values[part] = given
     if values.shape != volume.shape:
         has, wanted = (" x ".join(map(str, shape)) for shape in (found.values.shape, volume.shape))
         raise ValueError(
@@ -175,13 +184,16 @@ def labels_like(file: Path, volume: Image, channel: int | None = None) -> Array:
     return values
 
 
-def _turned_as(labels: Decoded, name: str, volume: Image) -> Array:
-    """The values of labels in the order of the axes of a volume; ValueError when they lie elsewhere in space."""
+def _turned_as(labels: Decoded, name: str, volume: Image) -> tuple[Array, tuple[slice, ...] | None]:
+    """The values of labels in the order of the axes of a volume, and which part of it they fill, None for all of it.
+
+    ValueError when they lie elsewhere in space.
+    """
     from nibabel.orientations import apply_orientation, inv_ornt_aff, io_orientation
 
     values: Array = np.asarray(labels.values, np.float64)
     if labels.geometry is None or volume.geometry is None:
-        return values
+        return values, None
     measured = labels.unit == volume.unit and np.allclose(sorted(labels.spacing), sorted(volume.spacing), rtol=1e-3)
     sides = (labels.spacing, volume.spacing) if measured else 2 * ((1.0, 1.0, 1.0),)  # else they were set by hand
     there, here = labels.geometry.affine(sides[0], "LPS"), volume.geometry.affine(sides[1], "LPS")
@@ -190,16 +202,39 @@ def _turned_as(labels: Decoded, name: str, volume: Image) -> Array:
     lies = to_volume @ inv_ornt_aff(turn, values.shape)
     values = np.ascontiguousarray(apply_orientation(values, turn))
     first = np.rint(lies[:3, 3]).astype(int)
-    last = first + values.shape
+    last, part = first + values.shape, None
     if measured and values.shape != volume.shape and (first >= 0).all() and (last <= volume.shape).all():
         lies[:3, 3] -= first
-        part = values
-        values = np.zeros(volume.shape)
-        values[tuple(map(slice, first, last))] = part
+        part = tuple(map(slice, first, last))
     aside = np.abs(lies - np.eye(4))[:3]
-    if (aside @ [*volume.shape, 1.0 if measured else 0.0]).max() > _ASIDE:
+    if (aside @ [*volume.shape, 1.0 if measured else 0.0]).max() > (_ASIDE if part is None else _OFF_GRID):
         raise ValueError(
             f"{name} lies elsewhere in space than {volume.source}: choose the labels of this very volume, or "
             "save them without a place, as .npy or .tif."
         )
-    return values
+    return values, part
+
+
+def _segments_of_dicom(file: Path) -> list[tuple[Label, list[Decoded]]]:
+    with decoding(file.name, "is damaged: get a sound copy of it."):
+        return dicom_seg.read(file)
+
+
+def _of_planes(file: Path, volume: Image | None, segments: Sequence[tuple[Label, list[Decoded]]]) -> Surface:
+    """The surfaces of segments of DICOM, whose planes lie in a volume."""
+    if volume is None:
+        raise ValueError(f"{file.name} has segments in a series: name the series with --image, or open it first.")
+    bodies = []
+    for label, planes in segments:
+        mask = np.zeros(volume.shape, np.int32)
+        for plane in planes:
+            depths = list(volume.spacing)
+            for side in plane.spacing[1:]:
+                depths.remove(min(depths, key=lambda other: abs(other - side)))
+            values, part = _turned_as(replace(plane, spacing=(*depths, *plane.spacing[1:])), file.name, volume)
+            if part is None:
+                raise ValueError(f"{file.name} has segments outside of {volume.source}: open the series of this file.")
+            mask[part] += values > 0.0
+        bodies.append((label.number, surface_of_labels(np.minimum(mask, 1), volume.spacing, volume.unit)))
+    labels = tuple(label for label, _ in segments)
+    return replace(surfaces_joined(bodies, volume.spacing, volume.unit), labels=labels)

@@ -33,7 +33,7 @@ from cpm_core.formats.contours import (
     points_csv,
     svg,
 )
-from cpm_core.formats.masks import itk_snap, labels, nifti, nrrd
+from cpm_core.formats.masks import dicom_seg, itk_snap, labels, nifti, nrrd
 from cpm_core.formats.meshes import obj, ply, stl, swc, vtk
 from cpm_core.image.geometry import Convention
 from cpm_core.medial_axis.centerlines import Centerlines
@@ -59,7 +59,8 @@ class Format:
         What is written of contours, of a skeleton, of the result of a volume, and of center lines in a volume; empty
         where a file holds none of it.
     options : tuple of str
-        What `encode` is given as well: ``outlines``, of masks, or ``space``, of files with coordinates of a patient.
+        What `encode` is given as well: ``outlines``, of masks, ``space``, of files with coordinates of a patient, or
+        ``image``, the file of the image.
     """
 
     suffix: str
@@ -125,6 +126,12 @@ FORMATS: tuple[Format, ...] = (
     _MASK(".nii.gz", nifti.encode_packed, "the same, compressed"),
     _MASK(
         ".nrrd", nrrd.encode, f"{_LABELS} of one slice", volume="the objects inside a surface as segments of 3D Slicer"
+    ),
+    Format(
+        ".seg.dcm",
+        dicom_seg.encode,
+        volume="the objects inside a surface as segments in a DICOM series",
+        options=("image",),
     ),
     Format(".dxf", dxf.encode, "contours as polylines for CAD", "branches as polylines for CAD"),
     Format(".png", labels.encode_png, _LABELS, _LINES, options=("outlines",)),
@@ -193,7 +200,7 @@ def export(
     outlines : bool
         Whether masks hold contours as lines, open ones too, in place of the insides of closed ones.
     image : path-like, optional
-        File of the image, for files that refer to it (labelme); by default its name.
+        File of the image, or folder of the series, for files that refer to it (labelme, DICOM SEG).
     space : {"LPS", "RAS"}
         Where x, y and z of surfaces and center lines point, which the files name; see `Geometry`.
     warn : callable, optional
@@ -222,7 +229,7 @@ def export(
         if suffix_of(file) == ".labelme.json" and image is not None and not isinstance(result, Centerlines):
             shown_as = labelme.located(result, file, Path(image))
         try:
-            content = encoded(shown_as, suffix_of(file), outlines=outlines, space=space)
+            content = encoded(shown_as, suffix_of(file), outlines=outlines, space=space, image=image)
             contents += [(file, content), *descriptions(result, file, outlines=outlines)]
         except ValueError as error:
             if refused is None or (file is files[-1] and not contents):
@@ -281,7 +288,9 @@ def omission(result: Found, suffix: str, *, outlines: bool = False) -> str:
     return " ".join(sentences)
 
 
-def encoded(result: Found, suffix: str, *, outlines: bool = False, space: Convention = "LPS") -> bytes:
+def encoded(
+    result: Found, suffix: str, *, outlines: bool = False, space: Convention = "LPS", image: AnyPath | None = None
+) -> bytes:
     """Encode what `export` would write, for the clipboard and other places without a file.
 
     Parameters
@@ -294,6 +303,8 @@ def encoded(result: Found, suffix: str, *, outlines: bool = False, space: Conven
         Whether masks hold contours as lines.
     space : {"LPS", "RAS"}
         Where x, y and z of surfaces and center lines point; see `export`.
+    image : path-like, optional
+        File of the image; see `export`.
 
     Returns
     -------
@@ -335,7 +346,7 @@ def encoded(result: Found, suffix: str, *, outlines: bool = False, space: Conven
         if isinstance(result, Result) and result.surface is not None:
             named = tuple(map(_printable, result.surface.labels))
             result = replace(result, surface=replace(result.surface, labels=named))
-    options: Entries = {"outlines": outlines, "space": space}
+    options: Entries = {"outlines": outlines, "space": space, "image": None if image is None else Path(image)}
     return form.encode(result, **{name: options[name] for name in form.options})
 
 

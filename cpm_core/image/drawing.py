@@ -111,11 +111,12 @@ def frame(ax: Axes, shape: tuple[int, ...], spacing: Sequence[float] = (1.0, 1.0
 
 def show_curves(ax: Axes, curves: Sequence[Curve]) -> None:
     """Lines with a dark halo, closed ones in blue and open ones in orange, except those with a color of their own."""
-    for halo in (True, False):
-        for curve in curves:
-            row, col = curve.path.T
-            color, thickness = (HALO, 2.6) if halo else (color_of(curve), 1.5)
-            ax.plot(col, row, color=color, linewidth=thickness, solid_joinstyle="round")
+    from matplotlib.collections import LineCollection
+
+    paths = [curve.path[:, ::-1] for curve in curves]
+    for colors, thickness in ((HALO, 2.6), ([color_of(curve) for curve in curves], 1.5)):
+        style = {"colors": colors, "linewidths": thickness, "capstyle": "projecting", "joinstyle": "round"}
+        ax.add_collection(LineCollection(paths, zorder=2, **style))
 
 
 def show_particles(ax: Axes, places: Array) -> None:

@@ -331,7 +331,7 @@ class SkeletonMethod(ImageFields):
         field = cast("VolumeField", self.scale_field(parameters))
         smoothed = -field.smoothed if dark else field.smoothed  # inside is what is lighter
         places = field.ridges.place / field.pitch
-        surface = find_surface(smoothed, field.edge_map, places, image.spacing, image.unit, smoothing=field.smoothing)
+        surface = find_surface(smoothed, field.edges, places, image.spacing, image.unit, smoothing=field.smoothing)
         return inside_of(surface, image.shape)
 
     def __repr__(self) -> str:

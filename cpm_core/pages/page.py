@@ -146,6 +146,7 @@ def without_image(result: Result) -> Result:
             points=np.round(contour.points, _DECIMALS),
             strength=round(contour.strength, _OF_MEASURES),
             sides=None if contour.sides is None else partial(round, contour.contrast, _OF_MEASURES),
+            way=partial(str, contour.reached),
         )
         for contour in result.contours
     )

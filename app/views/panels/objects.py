@@ -45,10 +45,10 @@ from app.views.theme.icons import fill_colors, swatch
 from app.views.widgets.containers import arrange, wrapped
 from app.views.widgets.fields import DecimalField
 from cpm_core import Image
-from cpm_core.contours import Measures, Reached
+from cpm_core.contours import Measures
 from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects
 
-REACHED: Mapping[Reached, str] = {
+REACHED: Mapping[str, str] = {
     "flight": tr("in free flight"), "weak": tr("beyond a weak edge"), "junction": tr("over a junction"),
     "launched": tr("inserted elsewhere"), "": "–",
 }  # fmt: skip
@@ -151,7 +151,7 @@ def columns_of(objects: SegmentedObjects, spacing: tuple[float, ...] = (1.0, 1.0
         Column("reached", tr("Reached"), tr("How particles reached it: in free flight from the start, "
                                             "beyond a weak edge, along edges over a junction, or by "
                                             "insertion elsewhere."),
-               lambda row: REACHED[row.contour.contour.reached] if row.contour else None, "beyond a weak edge"),
+               _measure(lambda found: REACHED[found.reached]), "beyond a weak edge"),
     )  # fmt: skip
 
 

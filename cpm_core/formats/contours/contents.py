@@ -7,6 +7,7 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, get_args
 
 import numpy as np
@@ -120,7 +121,7 @@ class Contents:
 
 def checked(properties: Entries) -> Entries:
     """Properties of a contour; those that it cannot have are dropped."""
-    reached = properties.get("reached", "")
+    reached = properties.pop("reached", "")
     return {
         **properties,
         "name": str(properties.get("name") or "")[:MOST_LETTERS],
@@ -129,7 +130,7 @@ def checked(properties: Entries) -> Entries:
         "strength": _finite(properties.get("strength")),
         "bridged": _finite(properties.get("bridged")),
         "number": max(0, int(properties.get("number") or 0)),
-        "reached": reached if reached in get_args(Reached) else "",
+        "way": partial(str, reached) if reached in get_args(Reached) else None,
     }
 
 
