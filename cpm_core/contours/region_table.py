@@ -147,9 +147,9 @@ def _row(label: int, outlines: Sequence[Contour], holes: Sequence[Contour], side
     area, whole = max(float(net[0]), 0.0), float(filled[0])
     outer = sum(polyline.length(path) for path in paths)
     points = np.concatenate([np.zeros((0, 2)), *paths])
-    import shapely  # noqa: PLC0415 - needed for tables only
-
-    hull = float(shapely.MultiPoint(points).convex_hull.area) or whole
+    hull = whole
+    if len(points) > 2 and np.linalg.matrix_rank(points - points[0]) == 2:
+        hull = float(scipy.spatial.ConvexHull(points).volume)
     center = net[1:3] / area if area > 0.0 else points.mean(axis=0) if len(points) else np.zeros(2)
     low, high = (points.min(axis=0), points.max(axis=0)) if len(points) else (np.zeros(2), np.zeros(2))
     return {
