@@ -85,7 +85,7 @@ _WRITABLE: Mapping[What, Mapping[str, str]] = {
 _SAME = {".tiff": ".tif", ".nii": ".nii.gz", ".roi": ".zip", ".apng": ".png"}
 """Suffixes of the same format, or of one that holds less."""
 
-_LEFT_OUT: Mapping[str, str] = {"objects": ".measures.csv .points.csv", "contours": ".table.csv"}
+_LEFT_OUT = {"objects": ".measures.csv .points.csv", "contours": ".table.csv"}
 _ENDINGS = {".table.csv": ".csv", ".measures.csv": ".csv", ".csv": ".vertices.csv", ".nrrd": ".seg.nrrd"}
 """How files end whose suffixes only tell formats of one writer apart, and as 3D Slicer knows its segmentations."""
 

@@ -140,7 +140,7 @@ def truth_of_mask(values: NDArray[np.generic], source: str = "ground truth") -> 
 def labels_of(values: NDArray[np.generic], source: str) -> Labels:
     """Numbers of the gray levels of a mask, from 0; ValueError when it is none, as for `truth_of_mask`."""
     levels, index = np.unique(values, return_inverse=True)
-    labels: Labels = index.reshape(values.shape).astype(np.int32)
+    labels = index.reshape(values.shape).astype(np.int32)
     if len(levels) > 8:
         span = (np.asarray(values, dtype=np.float64) - float(levels[0])) / (float(levels[-1]) - float(levels[0]))
         if np.minimum(span, 1.0 - span).max() < _CLEAR:  # black and white from a lossy format

@@ -53,7 +53,7 @@ class Table(dict[str, Column]):
 
     def __init__(self, columns: Mapping[str, Column], units: Mapping[str, str]) -> None:
         super().__init__(columns)
-        self.units: dict[str, str] = {name: units.get(name, "") for name in columns}
+        self.units = {name: units.get(name, "") for name in columns}
 
     @property
     def rows(self) -> int:
@@ -117,7 +117,7 @@ def region_table(
         holes = [place for outline in outlines for place in inner.get(outline, ()) if place not in outlines]
         rows.append(_row(label, [contours[p] for p in outlines], [contours[p] for p in holes], sides))
     names = list(rows[0]) if rows else list(_row(0, [], [], sides))
-    columns: dict[str, Column] = {name: np.array([row[name] for row in rows]) for name in names}
+    columns = {name: np.array([row[name] for row in rows]) for name in names}
     columns["label"] = columns["label"].astype(np.int64)
     columns["name"] = columns["name"].astype(object)
     return Table({**columns, **_gray_columns(columns["label"], labels, gray)}, _units(columns, unit or "px", "²"))

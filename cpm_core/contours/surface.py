@@ -183,7 +183,7 @@ class Surface:
     def _edge_counts(self) -> Index:
         """Number of triangles at each edge."""
         ends = np.sort(self.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-        numbers: Index = ends[:, 0] * len(self.vertices) + ends[:, 1]
+        numbers = ends[:, 0] * len(self.vertices) + ends[:, 1]
         return np.unique(numbers, return_counts=True)[1]
 
 

@@ -43,7 +43,7 @@ _DPI, _NOTEBOOK_DPI = 200, 80
 _LARGEST = 6.0
 """Longer side of the figure of a file [inches]."""
 
-FIGURES: Mapping[str, str] = {".svg": "svg", ".png": "png", ".pdf": "pdf"}
+FIGURES = {".svg": "svg", ".png": "png", ".pdf": "pdf"}
 """Suffix of a figure -> what matplotlib calls its format."""
 
 
@@ -82,8 +82,7 @@ def axes_for(ax: Axes | None, *, space: bool = False) -> Axes:
         return ax
     from matplotlib import pyplot
 
-    made: Axes = pyplot.subplots(subplot_kw={"projection": "3d"} if space else {})[1]
-    return made
+    return pyplot.subplots(subplot_kw={"projection": "3d"} if space else {})[1]
 
 
 def show_image(

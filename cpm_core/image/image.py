@@ -133,7 +133,7 @@ class Image(drawing.Pictured):
         fits = given.dtype == np.float64 and type(owner) is np.ndarray and given.flags.c_contiguous
         unchanging = fits and not (given.flags.writeable or owner.flags.writeable)  # nobody writes to its memory
         with np.errstate(invalid="ignore"):  # of NaN of the signaling kind, which are refused as all others
-            values: NDArray[Any] = given if unchanging else np.array(given, precision, order="C")
+            values = given if unchanging else np.array(given, precision, order="C")
         if not whole:
             values[masked if masked.shape == values.shape else masked.any(axis=-1)] = NO_DATA
             given = values
@@ -168,8 +168,7 @@ class Image(drawing.Pictured):
             values.flags.writeable = False
             known.setdefault("values", values)
             known.pop("_stored", None)
-        found: Array = known["values"]
-        return found
+        return known["values"]
 
     @property
     def stored(self) -> NDArray[Any]:

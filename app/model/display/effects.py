@@ -13,7 +13,6 @@ from app.model.parameters.controls import RATIO
 from app.model.text.language import tr, written
 from cpm_core import Contour, Parameters, State
 from cpm_core.contours import Measures
-from cpm_core.numerics import Array
 from cpm_core.segmentation import MethodState
 
 FILTERS: Mapping[str, Callable[[Measures], float | None]] = {
@@ -64,7 +63,7 @@ class Distribution:
     def __init__(self) -> None:
         self._moment: object = None
         self._threshold = 0.0
-        self.values: Array = np.zeros(0)
+        self.values = np.zeros(0)
         """In ascending order."""
 
     def update(self, moment: object, threshold: float, values: Sequence[float]) -> None:
@@ -92,7 +91,7 @@ class FilterCounts:
 
     def __init__(self) -> None:
         self._filters = {name: Distribution() for name in FILTERS}
-        self._ends: Array = np.zeros((0, 2))
+        self._ends = np.zeros((0, 2))
         self.present = 0
         """Number of contours that there are now."""
 
