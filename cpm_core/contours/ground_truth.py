@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -216,7 +216,7 @@ class VolumeTruth(_Labeled):
     spacing: tuple[float, ...] = (1.0, 1.0, 1.0)
     unit: str | None = None
     source: str = "ground truth"
-    boundary: Surface | None = field(default=None, repr=False)
+    boundary: Surface | None = None
 
     def __post_init__(self) -> None:
         given = real_numbers(self.labels)

@@ -128,7 +128,7 @@ def volume_table(labels: NDArray[np.integer], gray: Array | None, spacing: Seque
     sides = np.array(spacing, dtype=float)
     numbers = np.unique(labels[labels > 0]).astype(np.int64)
     counts = np.bincount(labels.ravel())[numbers]
-    columns: dict[str, Column] = {"label": numbers, "volume": counts * float(np.prod(sides))}
+    columns = {"label": numbers, "volume": counts * float(np.prod(sides))}
     columns["equivalent_diameter"] = np.cbrt(6.0 * columns["volume"] / np.pi)
     centers = np.array(scipy.ndimage.center_of_mass(labels > 0, labels, numbers)).reshape(-1, 3)
     parts = [part for part in scipy.ndimage.find_objects(labels) if part is not None]

@@ -37,7 +37,7 @@ _AIR = (-3072.0, -900.0)
 """Between which the least gray level of a CT lies that its file does not name one."""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False)
 class Image(drawing.Pictured):
     """Gray levels on a regular grid, pixel centers at integers: an image (row, col) or a volume (plane, row, col).
 

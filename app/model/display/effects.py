@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import scipy
@@ -15,7 +15,7 @@ from cpm_core import Contour, Parameters, State
 from cpm_core.contours import Measures
 from cpm_core.segmentation import MethodState
 
-FILTERS: Mapping[str, Callable[[Measures], float | None]] = {
+FILTERS = {
     "min_strength": lambda row: row.strength,
     "min_length": lambda row: row.length,
     "min_contrast": lambda row: row.contrast,
