@@ -67,7 +67,7 @@ class PreferencesDialog(QDialog):
         self.rows: dict[str, QWidget] = {}
         self._preferences = preferences
         self._show: dict[str, Callable[[], object]] = {}
-        self.contents = QListWidget()
+        self.contents = QListWidget(self)
         self.contents.setObjectName("contents")
         self.contents.setAccessibleName(tr("Pages of the preferences"))
         self.contents.addItems(list(PAGES.values()))
