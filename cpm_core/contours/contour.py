@@ -139,7 +139,7 @@ class Contour:
         """How particles came to most of it; found out at the first access, which may take longer than the contours."""
         return self.way() if self.way else ""
 
-    @property
+    @cached_property
     def path(self) -> Array:
         """Vertices with the first repeated at the end when the contour is closed."""
         return np.concatenate([self.points, self.points[:1]]) if self.closed else self.points

@@ -18,6 +18,9 @@ from cpm_core.numerics.types import Array, Index, Mask, Single
 
 Values = TypeVar("Values", Array, Mask)
 
+Labels = NDArray[np.int32]
+"""Numbers of parts, or columns."""
+
 Window = tuple[slice, ...]
 """Pixels of a grid, a range along each axis."""
 
@@ -70,42 +73,151 @@ def sides_of(window: Window) -> tuple[int, ...]:
 
 @dataclass(frozen=True, eq=False)
 class Parts:
-    """The connected parts of a mask of three axes.
+    """The connected parts of a mask of three axes, as runs of voxels along the last one.
 
     Attributes
     ----------
-    labels : ndarray of int32, shape (P, R, C)
-        Number of the part of each voxel plus one; 0 where the mask is False.
+    shape : tuple of int
+        Shape of the mask.
+    begin : ndarray of int64, shape (P R + 1,)
+        First run of each row of the mask.
+    first, end : ndarray of int32, shape (M,)
+        First column of each run, and the one behind its last.
+    part : ndarray of int64, shape (M,)
+        Number of the part of each run.
     count : int
         Number of parts.
     """
 
-    labels: NDArray[np.int32]
+    shape: tuple[int, ...]
+    begin: Index
+    first: Labels
+    end: Labels
+    part: Index
     count: int
+
+    @property
+    def labels(self) -> Labels:
+        """Number of the part of each voxel plus one; 0 where the mask is False."""
+        labels = np.zeros(self.shape, np.int32)
+        _label(self.begin, self.first, self.end, self.part, labels)
+        return labels
 
     @property
     def sizes(self) -> Index:
         """Number of voxels of each part."""
-        return np.bincount(self.labels.ravel(), minlength=self.count + 1)[1:]
+        return np.bincount(self.part, self.end - self.first, self.count).astype(np.int64)
 
     @property
     def at_border(self) -> Mask:
         """Which parts touch the border of the mask."""
-        found = np.zeros(self.count + 1, np.bool_)
-        for axis in range(3):
-            found[np.moveaxis(self.labels, axis, 0)[[0, -1]]] = True
-        return found[1:]
+        planes, rows, cols = self.shape
+        outer = np.ones((planes, rows), np.bool_)
+        outer[1:-1, 1:-1] = False
+        at = np.repeat(outer.ravel(), np.diff(self.begin)) | (self.first == 0) | (self.end == cols)
+        found = np.zeros(self.count, np.bool_)
+        found[self.part[at]] = True
+        return found
 
     def part_at(self, voxels: Index) -> Index:
         """Part that voxels, shape (N, 3), belong to; -1 where the mask is False."""
-        return self.labels[tuple(voxels.T)].astype(np.int64) - 1
+        found = np.empty(len(voxels), np.int64)
+        _look_up(self.begin, self.first, self.end, self.part, self.shape[1], voxels, found)
+        return found
 
 
 def parts_of(mask: Mask, *, corners: bool) -> Parts:
     """Parts of a mask of three axes; with `corners` voxels have 26 neighbors, else 6."""
-    structure = scipy.ndimage.generate_binary_structure(3, 3 if corners else 1)
-    labels = np.empty(mask.shape, np.int32)
-    return Parts(labels, int(scipy.ndimage.label(mask, structure, output=labels)))
+    begin = np.zeros(mask.shape[0] * mask.shape[1] + 1, np.int64)
+    first, end = _runs(mask, begin)
+    part = np.arange(len(first))
+    return Parts(mask.shape, begin, first, end, part, _join_runs(begin, first, end, mask.shape[1], corners, part))
+
+
+@compiled
+def _runs(mask: Mask, begin: Index) -> tuple[Labels, Labels]:
+    """First columns of the runs of a mask, and those behind their last; their number up to each row into `begin`."""
+    planes, rows, cols = mask.shape
+    for row in range(planes * rows):
+        line, before, count = mask[row // rows, row % rows], False, begin[row]
+        for k in range(cols):
+            count += line[k] and not before
+            before = line[k]
+        begin[row + 1] = count
+    first, end = np.empty(begin[-1], np.int32), np.empty(begin[-1], np.int32)
+    for row in range(planes * rows):
+        line, before, n = mask[row // rows, row % rows], False, begin[row]
+        for k in range(cols):
+            if line[k] and not before:
+                first[n] = k
+            elif before and not line[k]:
+                end[n] = k
+                n += 1
+            before = line[k]
+        if before:
+            end[n] = cols
+    return first, end
+
+
+@compiled
+def _join_runs(begin: Index, first: Labels, end: Labels, rows: int, corners: bool, group: Index) -> int:
+    """Number the parts of some runs, each a part at first, in the order of their first ones; return how many."""
+    reach = int(corners)
+    for row in range(len(begin) - 1):
+        for n in range(4):  # the row before, and three in the plane before
+            plane, at = row // rows - (n > 0), row % rows + (n - 2 if n else -1)
+            if plane < 0 or not 0 <= at < rows or (n % 2 and not corners):
+                continue
+            other = plane * rows + at
+            a, b = begin[row], begin[other]
+            while a < begin[row + 1] and b < begin[other + 1]:
+                if first[a] < end[b] + reach and first[b] < end[a] + reach:
+                    one, two = root(group, a), root(group, b)
+                    group[max(one, two)] = min(one, two)
+                if end[a] < end[b]:
+                    a += 1
+                else:
+                    b += 1
+    return renumber(group)
+
+
+@compiled
+def renumber(group: Index) -> int:
+    """Number groups from 0 in the order of their first members, which lead to themselves; return how many there are."""
+    count = 0
+    for q in range(len(group)):
+        if group[q] == q:
+            group[q] = count
+            count += 1
+        else:
+            group[q] = group[group[q]]
+    return count
+
+
+@compiled
+def _label(begin: Index, first: Labels, end: Labels, part: Index, labels: Labels) -> None:
+    """Write the parts of some runs plus one."""
+    rows = labels.shape[1]
+    for row in range(len(begin) - 1):
+        line = labels[row // rows, row % rows]
+        for n in range(begin[row], begin[row + 1]):
+            for k in range(first[n], end[n]):
+                line[k] = part[n] + 1
+
+
+@compiled
+def _look_up(begin: Index, first: Labels, end: Labels, part: Index, rows: int, voxels: Index, found: Index) -> None:
+    """Write the parts of some voxels, -1 where there is none."""
+    for q in range(len(voxels)):
+        row = voxels[q, 0] * rows + voxels[q, 1]
+        low, high = begin[row], begin[row + 1]
+        while low < high:
+            middle = (low + high) // 2
+            if end[middle] <= voxels[q, 2]:
+                low = middle + 1
+            else:
+                high = middle
+        found[q] = part[low] if low < begin[row + 1] and first[low] <= voxels[q, 2] else -1
 
 
 def parts_joined(pairs: Iterable[Index], count: int) -> Index:

@@ -80,7 +80,7 @@ def surface_of(state: State, image: Image, field: VolumeField, parameters: Param
     if field.walls is not None:
         shut = field.walls.shut(field.shape, field.pitch, particles.position[particles.contact.seated])
     spacing = tuple(side * 2.0**scale for side in image.spacing)
-    fields = field.smoothed, field.edge_map
+    fields = field.smoothed, field.edges
     surface = find_surface(*fields, points, spacing, image.unit, smoothing=field.smoothing, shut=shut)
     if scale:
         surface = replace(surface, vertices=to_image(surface.vertices, scale, image.shape), spacing=image.spacing)

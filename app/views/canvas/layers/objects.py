@@ -118,7 +118,7 @@ class ObjectLayer(Layer):
             for item in seen
         }  # fmt: skip
         paths = [(self._paths[item.number][1], objects.color(item)) for item in seen]
-        self.fills.show([([path[:-1] for path in own], color, fill) for own, color in paths])
+        self.fills.show([(own, color, fill) for own, color in paths])
         outlines = [(path, color) for own, color in paths for path in own]
         self._outlines.show([path for path, _ in outlines], [color for _, color in outlines])
         self._gaps.show([np.array(gap) for item in seen for gap in item.gaps])
