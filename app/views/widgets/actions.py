@@ -187,8 +187,11 @@ class Actions:
         if not (volume or self._limited):
             return
         changed, self._limited = volume != self._limited, volume
-        for name, (text, _) in OTHERWISE_IN_VOLUMES.items() if changed else ():
-            self._actions[name].setText(text if volume else self._specs[name].text)
+        for name, (in_volume, _) in OTHERWISE_IN_VOLUMES.items() if changed else ():
+            action, text = self._actions[name], in_volume if volume else self._specs[name].text
+            on_button = _plain(text) if action.iconText() == _plain(action.text()) else action.iconText()
+            action.setText(text)
+            action.setIconText(on_button)
             if name in ICONS_IN_VOLUMES:
                 self._icons[name] = ICONS_IN_VOLUMES[name] if volume else self._specs[name].icon
                 self._tint(name)
