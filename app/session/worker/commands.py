@@ -158,6 +158,7 @@ def write_files(
 
         run, needs_run = context.run, any(file.what != "objects" for file in order.files)
         image = None if run.method is None else run.method.image
+        source = None if document.image is None else document.image.path
         made: dict[tuple[What, bool], Result | Skeleton] = {}
         contents, counts = [], dict[What, str]()
         try:
@@ -171,7 +172,7 @@ def write_files(
                     result = chosen(whole, document, order, file.what, image)
                     made[key] = thinned(result, order.tolerance) if key[1] else result
                 shaped = _shaped(made[key], file, document, image)
-                contents.append((file.path, context.core.encode(shaped, file.suffix, space=order.space)))
+                contents.append((file.path, context.core.encode(shaped, file.suffix, space=order.space, image=source)))
                 contents += [] if then else descriptions(made[key], file.path)
                 counts.setdefault(file.what, summary_text(made[key], file.what, file.suffix))
             if then is not None:
