@@ -202,7 +202,7 @@ def _thinned(contour: Contour, tolerance: float) -> Contour:
     points = contour.points
     if not contour.closed:
         return replace(contour, points=np.array(polyline.thinned(points.tolist(), tolerance)))
-    middle = int(np.linalg.norm(points - points[0], axis=1).argmax())
+    middle = np.linalg.norm(points - points[0], axis=1).argmax()
     halves = points[: middle + 1], np.concatenate([points[middle:], points[:1]])
     few = [corner for half in halves for corner in polyline.thinned(half.tolist(), tolerance)[:-1]]
     return replace(contour, points=np.array(few)) if len(few) > 2 else contour

@@ -10,7 +10,7 @@ import argparse
 import json
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -163,12 +163,10 @@ def contours_of(found: Any, kind: str = "contour") -> str:
     return f"{counted(len(found.contours), kind)} ({closed} closed)"
 
 
-def longest(items: Sequence[Any], line: Callable[[Any], str]) -> Iterator[str]:
-    """Numbered lines on the first ten of some contours or lines, which are the longest."""
-    for number, item in enumerate(items[:10], start=1):
-        yield f"  {number}. {line(item)}"
-    if len(items) > 10:
-        yield f"  ... and {len(items) - 10} shorter ones"
+def longest(lines: Sequence[str]) -> list[str]:
+    """The first ten of some lines on contours, numbered, which are on the longest."""
+    more = [f"  ... and {len(lines) - 10} shorter ones"] if len(lines) > 10 else []
+    return [f"  {number}. {line}" for number, line in enumerate(lines[:10], start=1)] + more
 
 
 _AXES = ("planes", "rows", "columns")

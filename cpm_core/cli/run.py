@@ -365,12 +365,12 @@ def _on_contours(result: Result, chosen: Selection | None, seconds: float) -> tu
     facts: dict[str, Any] = {**facts_of_run(result, seconds), "bridges": len(result.bridges), ENTRY: facts_of(result)}
     lines = [f"{result.source}: {contours_of(result)}"]
     lines += longest(
-        result.contours,
-        lambda contour: (
+        [
             f"length {contour.length:.1f} px, "
             + (f"closed, area {contour.area:.1f} px²" if contour.closed else "open")
             + f", strength {contour.strength:.3g}"
-        ),
+            for contour in result.contours
+        ]
     )
     if chosen is not None:
         on_object = {

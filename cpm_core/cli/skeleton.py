@@ -110,4 +110,4 @@ def _outcome(found: Skeleton | Centerlines, seconds: float) -> tuple[dict[str, A
         f"length {length:.1f} {unit}, radius {radii.min():.1f} to {radii.max():.1f} {unit}"
         for length, radii in zip(lengths, found.radii, strict=True)
     ]
-    return facts, [f"{found.source}: {first} in {seconds:.2f} s", *longest(lines, str)]
+    return facts, [f"{found.source}: {first} in {seconds:.2f} s", *longest(lines)]

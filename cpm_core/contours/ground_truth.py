@@ -141,10 +141,9 @@ def labels_of(values: NDArray[np.generic], source: str) -> Labels:
     """Numbers of the gray levels of a mask, from 0; ValueError when it is none, as for `truth_of_mask`."""
     levels, index = np.unique(values, return_inverse=True)
     labels: Labels = index.reshape(values.shape).astype(np.int32)
-    if len(levels) > 2 and values.dtype.kind != "b":
+    if len(levels) > 8:
         span = (np.asarray(values, dtype=np.float64) - float(levels[0])) / (float(levels[-1]) - float(levels[0]))
-        smeared = np.minimum(span, 1.0 - span)
-        if len(levels) > 8 and smeared.max() < _CLEAR:  # black and white from a lossy format
+        if np.minimum(span, 1.0 - span).max() < _CLEAR:  # black and white from a lossy format
             labels = (span > 0.5).astype(np.int32)
     if len(levels) < 2:
         raise ValueError(f"{source} has one gray level everywhere, so it shows no object: choose another mask.")

@@ -78,7 +78,7 @@ class Surface:
             np.shape(self.numbers) != (len(faces),) or np.min(self.numbers, initial=1) < 1
         ):
             raise ValueError("The numbers of a surface must be one of at least 1 for each triangle.")
-        farthest = float(np.abs(vertices).max(initial=0.0))
+        farthest = np.abs(vertices).max(initial=0.0)
         if farthest > _FARTHEST:
             raise ValueError(f"A vertex lies at {farthest:g} voxels, but must lie within {_FARTHEST:g}: correct it.")
         object.__setattr__(self, "spacing", tuple(voxel_sides("The spacing of a surface", self.spacing).tolist()))
@@ -276,7 +276,7 @@ def surface_of_labels(
         corners.append(faces + count)
         numbers.append(np.full(len(faces), number))
         count += len(vertices)
-    of = np.concatenate(numbers) if sum(part is not None for part in parts) > 1 else None
+    of = np.concatenate(numbers) if len(numbers) > 2 else None
     return Surface(np.concatenate(places), np.concatenate(corners), spacing, unit, numbers=of)
 
 

@@ -80,7 +80,7 @@ def clean(values: Array) -> Cleaned:
     within the length of the averages.
     """
     seen = _estimate(values)
-    length = float(np.clip(_SHORTEST * seen.ratio**_GROWTH, _SHORTEST, _LONGEST))
+    length = np.clip(_SHORTEST * seen.ratio**_GROWTH, _SHORTEST, _LONGEST)
     if length < _COARSE:
         image = _regions(values, total_variation(values, _FIRST * seen.noise), seen.noise, length, _ROUNDS)
     else:
@@ -114,9 +114,9 @@ def _estimate(values: Array) -> _Estimate:
     # mean height of the steps, with most weight on the high and the long ones [gray levels]
     width, contrast = 2.0, 0.0
     slope = scipy.ndimage.gaussian_gradient_magnitude(rough, width, mode="nearest")
-    if square := float((slope**2).sum()):
+    if square := (slope**2).sum():
         # across a smoothed step, cubes over squares of the slopes give sqrt(2/3) of the largest slope
-        contrast = _STEP * width * float(np.sqrt(1.5)) * float((slope**3).sum()) / square
+        contrast = _STEP * width * np.sqrt(1.5) * (slope**3).sum() / square
     return _Estimate(values, halved, noise, rough, noise / max(contrast, 1e-6 * noise, 1e-300))
 
 
@@ -315,14 +315,14 @@ def expected(values: Array, estimate: Array) -> Array:
     `estimate` is an image without most of the noise. All arrays have the shape (\*shape), and `values` must not be
     constant. The result is scaled so that the steps between regions keep their height.
     """
-    low, high = float(values.min()), float(values.max())
+    low, high = values.min(), values.max()
     classes = np.rint((values - low) * ((_LEVELS - 1) / (high - low))).astype(np.intp)
-    mean = float(estimate.mean())
+    mean = estimate.mean()
     count = np.bincount(classes.ravel(), minlength=_LEVELS)
     total = np.bincount(classes.ravel(), estimate.ravel() - mean, _LEVELS)
     fitted = (total / (count + _PRIOR))[classes]
     fitted -= fitted.mean()
-    steps = float((fitted * estimate).sum())
+    steps = (fitted * estimate).sum()
     if steps <= 0.0:
         return values
-    return values.mean() + fitted * (float(((values - values.mean()) * estimate).sum()) / steps)
+    return values.mean() + fitted * (((values - values.mean()) * estimate).sum() / steps)

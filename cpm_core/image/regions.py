@@ -16,7 +16,7 @@ from cpm_core.numerics.grids import Window
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.segments import meet, nearest_distances, rim_of, segments_of
 from cpm_core.numerics.types import Array, Mask, Position
-from cpm_core.parameters.quotation import counted, described, shown
+from cpm_core.parameters.quotation import counted, described, shown, sized
 
 Line = tuple[Position, ...]
 
@@ -70,13 +70,14 @@ class Regions:
 
     def check(self, shape: tuple[int, ...]) -> None:
         """Raise a `ValueError` unless every region of interest contains a pixel of an image of this shape."""
-        size = " x ".join(map(str, shape))
         if len(shape) != 2:
-            raise ValueError(f"these regions are for an image, but this is a volume of {size}: use VolumeRegions.")
+            raise ValueError(
+                f"these regions are for an image, but this is a volume of {sized(shape, '')}: use VolumeRegions."
+            )
         for number, polygon in enumerate(self.interest, start=1):
             if not _pixels(polygon, shape).any():
                 raise ValueError(
-                    f"region of interest {number} holds no pixel of the image ({size} pixels): "
+                    f"region of interest {number} holds no pixel of the image ({sized(shape, 'pixels')}): "
                     "draw it inside the image, around an object."
                 )
 

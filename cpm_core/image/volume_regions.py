@@ -28,7 +28,7 @@ from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.real_numbers import checked_number, real_numbers
 from cpm_core.numerics.types import Array, Index, Mask, Position, Voxel
 from cpm_core.numerics.vectors import Vector, row_of
-from cpm_core.parameters.quotation import counted, described, shown
+from cpm_core.parameters.quotation import counted, described, shown, sized
 
 OFF = 1e-6
 """Distance from a wall within which a position touches it [voxels]."""
@@ -306,14 +306,14 @@ class VolumeRegions:
 
     def check(self, shape: tuple[int, ...]) -> None:
         """Raise a `ValueError` unless masks have this shape and every region of interest holds one of its voxels."""
-        size = " x ".join(map(str, shape))
+        size = sized(shape, "")
         if len(shape) != 3:
             raise ValueError(f"these regions are for a volume, but the image is one of {size} pixels: use Regions.")
         for noun, limits in (("region of interest", self.interest), ("barrier", self.barriers)):
             for number, limit in enumerate(limits, start=1):
                 if isinstance(limit, Voxels) and limit.first is None and limit.mask.shape != shape:
                     raise ValueError(
-                        f"the mask of {noun} {number} has {' x '.join(map(str, limit.mask.shape))} voxels but must "
+                        f"the mask of {noun} {number} has {sized(limit.mask.shape, 'voxels')} but must "
                         f"have those of the volume, {size}."
                     )
         for number, limit in enumerate(self.interest, start=1):

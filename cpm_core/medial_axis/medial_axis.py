@@ -65,6 +65,11 @@ class Axis:
         return Axis(self.points[used], joined, self.radius[used], self.nearest[used], beside)
 
     @property
+    def middles(self) -> Array:
+        """Middles of the edges, shape (M, 2) [px]."""
+        return self.points[self.edges].mean(axis=1)
+
+    @property
     def lengths(self) -> Array:
         """Lengths of the edges, shape (M,) [px]."""
         return np.linalg.norm(np.diff(self.points[self.edges], axis=1)[:, 0], axis=1)
@@ -84,9 +89,9 @@ class Axis:
         thin = 2.0 * self.radius <= width
         return self.only(self.edges[thin[self.edges].all(axis=1)], np.flatnonzero(thin & self.alone))
 
-    def inside(self, low: Array, high: Array) -> Mask:
+    def inside(self, low: Array | float, high: Array) -> Mask:
         """Which vertices lie in a rectangle, shape (N,)."""
-        return np.asarray(((self.points >= low) & (self.points <= high)).all(axis=1))
+        return np.all((self.points >= low) & (self.points <= high), axis=1)
 
     def within(self, low: Array, high: Array) -> Axis:
         """The part of the axis in a rectangle; edges are clipped."""
@@ -175,11 +180,13 @@ def prune(axis: Axis, pruning: float) -> Axis:
     if not len(axis.edges):
         return axis
     count, part = parts(axis)
-    roots = _largest(axis.radius, part, count)
+    order = np.argsort(axis.radius, kind="stable")
+    roots = np.zeros(count, np.int64)  # the vertex with the largest disk of each part
+    roots[part[order]] = order  # the last value written is kept
     reach = axis.radius.copy()  # how far the shape removed behind a vertex reaches around it
 
     def is_covered(tip: int, following: int) -> bool:
-        reached = float(np.linalg.norm(axis.points[tip] - axis.points[following])) + reach[tip]
+        reached = np.linalg.norm(axis.points[tip] - axis.points[following]) + reach[tip]
         covered = bool(reached - axis.radius[following] <= pruning)
         if covered:
             reach[following] = max(reach[following], reached)
@@ -196,14 +203,6 @@ def parts(axis: Axis) -> tuple[int, Index]:
     """Number of connected parts of an axis, and the part that each of its points belongs to."""
     part = parts_joined(axis.edges.T, len(axis.points))
     return int(part.max(initial=-1)) + 1, part
-
-
-def _largest(radius: Array, part: Index, count: int) -> Index:
-    """Vertex with the largest disk of each part."""
-    order = np.argsort(radius, kind="stable")
-    largest = np.zeros(count, np.int64)
-    largest[part[order]] = order  # the last value written is kept
-    return largest
 
 
 def without_tips(axis: Axis, leaves: Callable[[int, int], bool], kept: frozenset[int] = frozenset()) -> Index:

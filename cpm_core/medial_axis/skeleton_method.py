@@ -298,13 +298,14 @@ class SkeletonMethod(ImageFields):
         if self._within or self._outside:
             axis = medial_axis(found.boundary, self.image.shape)
             if self._within:
-                middle = axis.points[axis.edges].mean(axis=1)
-                continued = middle.clip(0.0, np.array(self.image.shape) - 1.0)  # objects continue beyond the border
+                continued = axis.middles.clip(
+                    0.0, np.array(self.image.shape) - 1.0
+                )  # objects continue beyond the border
                 axis = axis.chosen(inside_outlines(self._outlines, continued))
         else:
             found, axis = with_axis(found, self.image.gray(parameters.channel), parameters)
         if isinstance(self.regions, Regions):
-            axis = axis.chosen(np.asarray(self.regions.contains(axis.points)[axis.edges].all(axis=1)))
+            axis = axis.chosen(np.all(self.regions.contains(axis.points)[axis.edges], axis=1))
         return found, axis
 
     def _inside(self, parameters: Parameters) -> Mask:

@@ -65,8 +65,7 @@ a darker and a lighter side, or in a region of the other polarity, for an image 
 
 def polarities(axis: Axis, boundary: Boundary) -> NDArray[np.int8]:
     """Polarity of every edge of an axis with sides, shape (M,): `DARK`, `LIGHT` or 0 between different sides."""
-    middle = axis.points[axis.edges].mean(axis=1)
-    outward = boundary.points[axis.sides] - middle[:, None]
+    outward = boundary.points[axis.sides] - axis.middles[:, None]
     gradient = boundary.normals[axis.sides]
     size = np.linalg.norm(outward, axis=2) * np.linalg.norm(gradient, axis=2)
     rise = np.einsum("msk,msk->ms", outward, gradient) / np.maximum(size, 1e-300)
@@ -107,8 +106,8 @@ def common_polarity(
     shape : tuple of int
         Shape of the image; what lies outside has no effect.
     """
-    inside = axis.inside(np.full(2, -0.5), np.array(shape) - 0.5)[axis.edges].all(axis=1)
-    outward = boundary.points[axis.sides] - axis.points[axis.edges].mean(axis=1)[:, None]
+    inside = axis.inside(-0.5, np.array(shape) - 0.5)[axis.edges].all(axis=1)
+    outward = boundary.points[axis.sides] - axis.middles[:, None]
     across = np.linalg.norm(outward[:, 1] - outward[:, 0], axis=1)
     # how far apart the sides of each edge are, 1 for opposite ones; small at irregularities
     breadth = (across / np.maximum(np.linalg.norm(outward, axis=2).sum(axis=1), 1e-300)) ** 2
@@ -116,10 +115,10 @@ def common_polarity(
     count, part = parts(axis)
     of_part = part[axis.edges[:, 0]]
     dark, light, mixed = (np.bincount(of_part, length * (polarity == sign), count) for sign in (DARK, LIGHT, 0))
-    whole = float(length.sum())
+    whole = length.sum()
     if mixed.sum() > _PURE * whole or np.minimum(dark, light).sum() > _PURE * whole:
         return 0
-    shares = [float(length[objects & (polarity == sign)].sum()) for sign in (DARK, LIGHT)]
+    shares = [length[objects & (polarity == sign)].sum() for sign in (DARK, LIGHT)]
     if max(shares) <= _CLEAR * sum(shares):
         return 0
     return DARK if shares[0] > shares[1] else LIGHT
@@ -159,7 +158,6 @@ def within_objects(axis: Axis, boundary: Boundary, values: Array, smoothing: flo
     """
     if not len(axis.edges):
         return np.zeros(0, np.bool_)
-    low, high = np.full(2, -0.5), np.array(values.shape) - 0.5
     clear = _AWAY * step_width(smoothing)
     # two positions are compared: the vertex itself and one just next to the edge, since beyond a sharp tip the object
     # is still visible for some distance, and far away there may be something else without edges
@@ -171,7 +169,7 @@ def within_objects(axis: Axis, boundary: Boundary, values: Array, smoothing: flo
     gray = [scipy.ndimage.map_coordinates(smooth, where.T, order=1, mode="nearest") for where in (places, axis.points)]
     away = np.min(np.abs(np.array(gray) - np.median(border)), axis=0)
     contrast = boundary.strength[axis.nearest] * np.sqrt(2.0 * np.pi) * step_width(smoothing)  # height of the steps
-    inside = axis.inside(low, high)
+    inside = axis.inside(-0.5, np.array(values.shape) - 0.5)
     count, part = parts(axis)
     every = np.arange(count)
     largest = scipy.ndimage.maximum(np.where(inside, axis.radius, 0.0), part, every)
@@ -213,7 +211,7 @@ def strips(axis: Axis, boundary: Boundary, width: float, sure: float) -> Axis:
 
     def is_mouth(tip: int, following: int) -> bool:
         """Whether a tip widens into an open region."""
-        away = float(np.linalg.norm(thin.points[tip] - thin.points[following]))
+        away = np.linalg.norm(thin.points[tip] - thin.points[following])
         return bool(thin.radius[tip] - thin.radius[following] > _OPPOSITE * away)
 
     cut = thin.only(without_tips(thin, is_mouth))
@@ -342,7 +340,7 @@ def with_axis(found: Structure, values: Array, parameters: Parameters) -> tuple[
         return replace(found, polarity=polarity), chosen
     options = [(p, of_polarity(axis, sign, p)) for p in (DARK, LIGHT) if found.polarity in (0, p)]
     tried = [found.pruned(option, parameters.pruning, values.shape) for _, option in options]
-    best = int(np.argmax([evidence(one, found.boundary) for one in tried]))
+    best = np.argmax([evidence(one, found.boundary) for one in tried])
     width = parameters.max_width or own_width(tried[best], found.boundary) or found.width
     polarity, axis = options[best]
     return replace(found, polarity=polarity, width=width), axis

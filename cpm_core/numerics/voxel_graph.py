@@ -150,17 +150,14 @@ def _chain(way: list[int], voxels: Index, neighbors: list[list[int]], junction: 
         touched = sorted({int(junction[n]) for n in neighbors[way[0]] if junction[n] >= 0})
         at = [*touched[:2], *[-1] * (2 - len(touched[:2]))]
     ring = at == [-1, -1] and len(way) > 2 and way[0] in neighbors[way[-1]]
-    pieces = [centers[at[0]][None]] if at[0] >= 0 else []
-    pieces.append(own.astype(float))
-    if at[1] >= 0:
-        pieces.append(centers[at[1]][None])
-    if ring:
-        pieces.append(own[:1].astype(float))
+    before, behind = (centers[[k]] if k >= 0 else centers[:0] for k in at)
     first, last = (
         k if k >= 0 else len(centers) + end for k, end in zip(at, (way[0], way[0] if ring else way[-1]), strict=True)
     )
     free = (at[0] < 0) != (at[1] < 0)
-    return Chain(np.concatenate(pieces), own, (first, last), (0 if at[0] < 0 else 1) if free else -1)
+    return Chain(
+        np.concatenate([before, own, behind, own[:ring]]), own, (first, last), (0 if at[0] < 0 else 1) if free else -1
+    )
 
 
 _OFF_GRID = np.array([0.0317, 0.0271, 0.0193])

@@ -116,7 +116,7 @@ class ClosedPath(OpenPath):
         """The shape enlarged around its center, so that its farthest corner moves outward by so many px."""
         off = polyline.corners_of(self.points)
         center = off.mean(axis=0)
-        farthest = float(np.linalg.norm(off - center, axis=1).max())
+        farthest = np.linalg.norm(off - center, axis=1).max()
         corners = (center + max(farthest + by, 1.0) / farthest * (off - center)).tolist()
         return self._with_points(tuple(map(tuple, corners)))
 

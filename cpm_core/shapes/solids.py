@@ -15,7 +15,7 @@ from cpm_core.image.volume_regions import Pair
 from cpm_core.model.volume import starts as volume_starts
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Place, Voxel
-from cpm_core.shapes.areas import changed_fraction, changed_spacing, check_spacing, evenly, finest_spacing
+from cpm_core.shapes.areas import OnStrongEdges, Spaced, check_spacing, evenly, finest_spacing
 from cpm_core.shapes.ellipse import Round
 from cpm_core.shapes.path import LARGEST, WithoutOutline, check_number
 
@@ -144,7 +144,7 @@ class BoxRegion(Cuboid):
 
 
 @dataclass(frozen=True)
-class BoxGrid(Cuboid):
+class BoxGrid(Spaced, Cuboid):
     """Particles spread evenly in a box.
 
     Attributes
@@ -179,18 +179,14 @@ class BoxGrid(Cuboid):
         """Positions of the particles, shape (N, 3), centered in the box."""
         return evenly(self._lengths, self.spacing) / np.array(self.sides) + self.first
 
-    def resized(self, by: float) -> BoxGrid:
-        """The same box with the spacing changed by so much."""
-        return replace(self, spacing=changed_spacing(self.spacing + by, self._lengths))
-
     @property
-    def _lengths(self) -> Sequence[float]:
+    def _lengths(self) -> list[float]:
         """Lengths of the box along the axes, in sides of the smallest voxel."""
         return [(b - a) * side for a, b, side in zip(self.first, self.last, self.sides, strict=True)]
 
 
 @dataclass(frozen=True)
-class BoxThreshold(Cuboid):
+class BoxThreshold(OnStrongEdges, Cuboid):
     """Particles where edges are strong, in a box; their positions depend on the volume.
 
     Attributes
@@ -200,9 +196,6 @@ class BoxThreshold(Cuboid):
     fraction : float
         Fraction of the largest edge strength in the box above which a voxel gets a particle.
     """
-
-    title: ClassVar[str] = "threshold"
-    follows_smoothing: ClassVar[bool] = True
 
     fraction: float = 0.3
 
@@ -219,10 +212,6 @@ class BoxThreshold(Cuboid):
         if not inside.size:
             return np.empty((0, 3))
         return np.argwhere(inside > self.fraction * inside.max()).astype(float) + low
-
-    def resized(self, by: float) -> BoxThreshold:
-        """The same box with the threshold raised by so many steps of 0.02."""
-        return replace(self, fraction=changed_fraction(self.fraction, by))
 
 
 @dataclass(frozen=True)

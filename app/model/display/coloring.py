@@ -27,12 +27,12 @@ _IN_RANGE = 99.0
 
 def speed(state: MethodState, _: RunMetrics) -> Array:
     """Speed [px of the image / unit of time]."""
-    return np.asarray(np.linalg.norm(state.particles.velocity, axis=1) * 2.0**state.scale)
+    return np.linalg.norm(state.particles.velocity, axis=1) * 2.0**state.scale
 
 
 def force(state: MethodState, _: RunMetrics) -> Array:
     """Force without damping at the last step, in the unit of its scale: the Lorentz force is at most 1."""
-    return np.asarray(np.linalg.norm(state.particles.force[:, 0], axis=1))
+    return np.linalg.norm(state.particles.force[:, 0], axis=1)
 
 
 def age(state: MethodState, metrics: RunMetrics) -> Array:
@@ -48,7 +48,7 @@ def convergence(state: MethodState, _: RunMetrics) -> Array:
     """Share of each particle in ε of eq. (23): ``|sum_i (-1)^i |r(t_k-i)||`` [px]; NaN before it has a history."""
     distance = state.particles.distance
     signs = np.where(np.arange(distance.shape[1]) % 2, 1.0, -1.0)
-    return np.asarray(np.abs(distance @ signs))
+    return np.abs(distance @ signs)
 
 
 @dataclass(frozen=True)

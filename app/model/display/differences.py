@@ -58,7 +58,7 @@ def differences(contours: Sequence[Contour], comparison: Comparison) -> tuple[Di
 
 
 def _difference(kind: Literal["missing", "wrong"], points: Array, away: Array) -> Difference:
-    worst = int(away.argmax())
+    worst = away.argmax()
     row, col = points[worst].tolist()
     return Difference(kind, points, float(away[worst]), (row, col))
 
@@ -95,7 +95,7 @@ class Apart:
         order = np.argsort(self.surface.component_of_vertex, kind="stable")
         ends = np.flatnonzero(np.diff(self.surface.component_of_vertex[order])) + 1
         for members in np.split(order, ends) if len(order) else []:
-            worst = members[int(self.away[members].argmax())]
+            worst = members[self.away[members].argmax()]
             plane, row, col = self.surface.vertices[worst].tolist()
             places = self.surface.vertices[members]
             yield Difference(self.kind, places, float(self.away[worst]), (plane, row, col))

@@ -13,7 +13,7 @@ from cpm_core.contours import REACH, Mark, Measures, attached, middle, neighborh
 from cpm_core.numerics import Position
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class TrackedContours:
     """The contours of a reconstruction, each with a key that later reconstructions keep, and its measures."""
 

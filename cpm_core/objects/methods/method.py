@@ -301,7 +301,7 @@ def until_at_rest(functions: Iterable[NDArray[Any]], level: float, most_steps: i
     """States of a front, where functions cross a level, until it is at rest, vanishes, or has done `most_steps`."""
     before: NDArray[np.bool_] | None = None
     for step, values in enumerate(functions):
-        inside = np.asarray(values > level)
+        inside = values > level
         reason, at_rest = "", False
         if not inside.any():
             reason = "nothing is left"

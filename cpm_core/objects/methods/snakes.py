@@ -78,8 +78,7 @@ def gradient_vector_flow(edges: Array, mu: float) -> Array:
         return out.ravel()
 
     def about_inverse(flat: Array) -> Array:
-        found = scipy.fft.idctn(scipy.fft.dctn(flat.reshape(edges.shape)) / spectrum)
-        return np.asarray(found).ravel()
+        return scipy.fft.idctn(scipy.fft.dctn(flat.reshape(edges.shape)) / spectrum).ravel()
 
     operator, preconditioner = (
         scipy.sparse.linalg.LinearOperator((edges.size, edges.size), act) for act in (applied, about_inverse)
@@ -100,7 +99,7 @@ def evened(field: Array, evenness: float = 1.0) -> Array:
     An `evenness` of 0 leaves the ratios of their lengths, 1 makes all lengths 1, except where the field is negligible.
     """
     size = np.hypot(*field)
-    most = float(size.max(initial=0.0))
+    most = size.max(initial=0.0)
     if most == 0.0:
         return np.zeros_like(field)
     return field / most * np.maximum(size / most, _NEGLIGIBLE) ** -evenness

@@ -87,7 +87,7 @@ class Camera:
         away = np.asarray(positions, np.float32) - self.center.astype(np.float32)
         found = away @ (self.axes * self.scale).astype(np.float32).T
         found[:, :2] += 0.5 * (size[1] - 1), 0.5 * (size[0] - 1)
-        return np.asarray(found)
+        return found
 
     def corner(self, size: tuple[int, int]) -> Array:
         """Position in the picture's plane that its first pixel shows, in units of length."""
