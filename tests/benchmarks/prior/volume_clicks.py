@@ -28,8 +28,8 @@ import cpm_core as cpm
 from cpm_core.numerics.types import Array, Mask
 from tests.benchmarks.prior.bodies import KINDS, body
 
-MOST, GOAL, SIDE, DISK = 20, 0.9, 64, 2
-"""Clicks at most, Dice coefficient at which the robot stops, side of drawn volumes, and radius of the seeds of peers."""
+MOST, GOAL, SIDE = 20, 0.9, 64
+"""Clicks at most, Dice coefficient at which the robot stops, and side of drawn volumes."""
 
 Answer = Callable[[Array, Array], Mask]
 """The body of places inside and outside, each of shape (N, 3)."""
@@ -208,7 +208,7 @@ def main() -> None:
     parser.add_argument("--peers", action="store_true", help="next to other methods")
     given = parser.parse_args()
     methods = {"cpm": ours} | ({"walker": walker, "grabcut": grab_cut} if given.peers else {})
-    print(f"{'body':10}{'voxels':>9}  {'method':8}{'clicks':>7}  Dice@1    @3    @5   @10   first s (cpu)   next s (cpu)")
+    print(f"{'body':10}{'voxels':>9}  {'method':8}{'clicks':>7}  Dice@1  @3  @5  @10  first s (cpu)  next s (cpu)")
     means: dict[str, list[int]] = {name: [] for name in methods}
     for name, values, truth, spacing in things(given.data, given.seeds):
         if given.only and name not in given.only:
