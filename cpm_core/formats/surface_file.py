@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -135,35 +135,38 @@ def decode_surface(
 
 def _of_labels(file: Path, image: Image | None) -> Surface:
     """The surfaces of the objects of a label volume, halfway between voxels; whole numbers and names are kept."""
-    if in_series := _segments_of_dicom(file):
-        return _of_planes(file, image, in_series)
-    segments = nrrd.segments_of(file)
-    layers = sorted({one.layer for one in segments})
-    of_layers = {layer: _label_values(file, image, layer + 1 if layers[1:] else None) for layer in layers or [0]}
-    values, spacing, unit = of_layers[layers[0] if layers else 0]
-    if layers[1:]:  # whose segments overlap
-        alone = [(one, (of_layers[one.layer][0] == one.value).astype(np.int32)) for one in segments]
-        bodies = [(one.label.number, surface_of_labels(mask, spacing, unit)) for one, mask in alone]
-        return replace(surfaces_joined(bodies, spacing, unit), labels=tuple(one.label for one in segments))
+    with decoding(file.name, "is damaged: get a sound copy of it."):
+        named = nrrd.segments_of(file)
+        parts = dicom_seg.read(file) or nrrd.overlapping(file, named)
+    if parts:
+        return _of_parts(file, image, parts)
+    volume = image or load_volume(file)
+    values = volume.values if image is None else labels_like(file, image)
     labels = labels_of(values, file.name)
     if values.min() == 0 and values.max() <= _MOST_LABELS and not (values % 1.0).any():
         labels = values.astype(np.int32)
-    surface = surface_of_labels(labels, spacing, unit)
-    named = tuple(one.label for one in segments) or itk_snap.next_to(file, suffix_among(file, READABLE))
-    if named and surface.numbers is None:
+    surface = surface_of_labels(labels, volume.spacing, volume.unit)
+    known = tuple(one.label for one in named) or itk_snap.next_to(file, suffix_among(file, READABLE))
+    if known and surface.numbers is None:
         surface = replace(surface, numbers=np.full(len(surface.faces), labels.max()))
-    return replace(surface, labels=named)
+    return replace(surface, labels=known)
 
 
-def _label_values(file: Path, image: Image | None, channel: int | None) -> tuple[Array, tuple[float, ...], str | None]:
-    """The values of a label volume as they lie in its volume, if that is known, and the size of a voxel."""
-    if image is None:
-        alone = load_volume(file, channel=channel)
-        return alone.values, alone.spacing, alone.unit
-    return labels_like(file, image, channel), image.spacing, image.unit
+def _of_parts(file: Path, volume: Image | None, segments: Iterable[tuple[Label, Sequence[Decoded]]]) -> Surface:
+    """The surfaces of segments that may overlap, each given by masks that lie anywhere in a volume."""
+    if volume is None:
+        raise ValueError(f"{file.name} has segments that lie in another file: name it with --image, or open it first.")
+    labels, bodies = [], []
+    for label, parts in segments:
+        mask = np.zeros(volume.shape)
+        for part in parts:
+            _put(part, file.name, volume, mask)
+        labels.append(label)
+        bodies.append((label.number, surface_of_labels((mask > 0.0).astype(np.int32), volume.spacing, volume.unit)))
+    return replace(surfaces_joined(bodies, volume.spacing, volume.unit), labels=tuple(labels))
 
 
-def labels_like(file: Path, volume: Image, channel: int | None = None) -> Array:
+def labels_like(file: Path, volume: Image) -> Array:
     """The values of a label volume in the order of the axes of the volume that it belongs to.
 
     Where only a part of it was saved, as programs do around what is not 0, the rest is 0. ValueError when it cannot be
@@ -171,70 +174,48 @@ def labels_like(file: Path, volume: Image, channel: int | None = None) -> Array:
     """
     stack = open_stack(file)
     with decoding(file.name, "is damaged: get a sound copy of it."):
-        found = volume_of(stack, Reading(channel=channel))
-    values, part = _turned_as(found, file.name, volume)
-    if part is not None:
-        values, given = np.zeros(volume.shape), values
-        values[part] = given
-    if values.shape != volume.shape:
-        has, wanted = (" x ".join(map(str, shape)) for shape in (found.values.shape, volume.shape))
-        raise ValueError(
-            f"{file.name} has {has} voxels, but this volume has {wanted}: choose the labels of this very volume."
-        )
+        found = volume_of(stack, Reading())
+    values = np.zeros(volume.shape)
+    _put(found, file.name, volume, values)
     return values
 
 
-def _turned_as(labels: Decoded, name: str, volume: Image) -> tuple[Array, tuple[slice, ...] | None]:
-    """The values of labels in the order of the axes of a volume, and which part of it they fill, None for all of it.
+def _put(labels: Decoded, name: str, volume: Image, into: Array) -> None:
+    """Add the values of labels to those of a volume, in the order of its axes.
 
-    ValueError when they lie elsewhere in space.
+    ValueError when they lie elsewhere in space, or have another size.
     """
     from nibabel.orientations import apply_orientation, inv_ornt_aff, io_orientation
 
     values: Array = np.asarray(labels.values, np.float64)
-    if labels.geometry is None or volume.geometry is None:
-        return values, None
-    measured = labels.unit == volume.unit and np.allclose(sorted(labels.spacing), sorted(volume.spacing), rtol=1e-3)
-    sides = (labels.spacing, volume.spacing) if measured else 2 * ((1.0, 1.0, 1.0),)  # else they were set by hand
-    there, here = labels.geometry.affine(sides[0], "LPS"), volume.geometry.affine(sides[1], "LPS")
-    to_volume = np.linalg.solve(here, there)
-    turn = io_orientation(to_volume)
-    lies = to_volume @ inv_ornt_aff(turn, values.shape)
-    values = np.ascontiguousarray(apply_orientation(values, turn))
-    first = np.rint(lies[:3, 3]).astype(int)
-    last, part = first + values.shape, None
-    if measured and values.shape != volume.shape and (first >= 0).all() and (last <= volume.shape).all():
-        lies[:3, 3] -= first
-        part = tuple(map(slice, first, last))
-    aside = np.abs(lies - np.eye(4))[:3]
-    if (aside @ [*volume.shape, 1.0 if measured else 0.0]).max() > (_ASIDE if part is None else _OFF_GRID):
+    part: tuple[slice, ...] = (slice(None),) * 3
+    if labels.geometry is not None and volume.geometry is not None:
+        spacing = labels.spacing
+        if len(values) == 1:  # a slice, which is as thick as the volume's
+            across = labels.geometry.affine((1.0, 1.0, 1.0), "LPS")[:3, 0]
+            thick = np.abs(np.linalg.solve(volume.geometry.affine(volume.spacing, "LPS")[:3, :3], across)).max()
+            spacing = (1.0 / float(thick), *spacing[1:])
+        measured = labels.unit == volume.unit and np.allclose(sorted(spacing), sorted(volume.spacing), rtol=1e-3)
+        sides = (spacing, volume.spacing) if measured else 2 * ((1.0, 1.0, 1.0),)  # else they were set by hand
+        there, here = labels.geometry.affine(sides[0], "LPS"), volume.geometry.affine(sides[1], "LPS")
+        to_volume = np.linalg.solve(here, there)
+        turn = io_orientation(to_volume)
+        lies = to_volume @ inv_ornt_aff(turn, values.shape)
+        values, most = apply_orientation(values, turn), _ASIDE
+        first = np.rint(lies[:3, 3]).astype(int)
+        last = first + values.shape
+        if measured and values.shape != volume.shape and (first >= 0).all() and (last <= volume.shape).all():
+            lies[:3, 3] -= first
+            part, most = tuple(map(slice, first, last)), _OFF_GRID
+        aside = np.abs(lies - np.eye(4))[:3]
+        if (aside @ [*volume.shape, 1.0 if measured else 0.0]).max() > most:
+            raise ValueError(
+                f"{name} lies elsewhere in space than {volume.source}: choose the labels of this very volume, or "
+                "save them without a place, as .npy or .tif."
+            )
+    if values.shape != into[part].shape:
+        has, wanted = (" x ".join(map(str, shape)) for shape in (labels.values.shape, volume.shape))
         raise ValueError(
-            f"{name} lies elsewhere in space than {volume.source}: choose the labels of this very volume, or "
-            "save them without a place, as .npy or .tif."
+            f"{name} has {has} voxels, but this volume has {wanted}: choose the labels of this very volume."
         )
-    return values, part
-
-
-def _segments_of_dicom(file: Path) -> list[tuple[Label, list[Decoded]]]:
-    with decoding(file.name, "is damaged: get a sound copy of it."):
-        return dicom_seg.read(file)
-
-
-def _of_planes(file: Path, volume: Image | None, segments: Sequence[tuple[Label, list[Decoded]]]) -> Surface:
-    """The surfaces of segments of DICOM, whose planes lie in a volume."""
-    if volume is None:
-        raise ValueError(f"{file.name} has segments in a series: name the series with --image, or open it first.")
-    bodies = []
-    for label, planes in segments:
-        mask = np.zeros(volume.shape, np.int32)
-        for plane in planes:
-            depths = list(volume.spacing)
-            for side in plane.spacing[1:]:
-                depths.remove(min(depths, key=lambda other: abs(other - side)))
-            values, part = _turned_as(replace(plane, spacing=(*depths, *plane.spacing[1:])), file.name, volume)
-            if part is None:
-                raise ValueError(f"{file.name} has segments outside of {volume.source}: open the series of this file.")
-            mask[part] += values > 0.0
-        bodies.append((label.number, surface_of_labels(np.minimum(mask, 1), volume.spacing, volume.unit)))
-    labels = tuple(label for label, _ in segments)
-    return replace(surfaces_joined(bodies, volume.spacing, volume.unit), labels=labels)
+    into[part] += values

@@ -13,7 +13,6 @@ from pathlib import Path
 
 import numpy as np
 
-from cpm_core.contours.contour import Label
 from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.atomic import check_target, suffix_among, write_together
@@ -249,18 +248,14 @@ def descriptions(result: Found, path: Path, *, outlines: bool = False) -> list[t
     suffix = suffix_of(path)
     if suffix not in _DESCRIBED or isinstance(result, Centerlines):
         return []
-    named = [_printable(label) for label in labels.named_labels(result, outlines=outlines)]
+    named = labels.named_labels(result, outlines=outlines)
     beside = path.with_name(path.name[: -len(suffix)] + itk_snap.SUFFIX)
-    if named and beside.exists() and itk_snap.read(beside) is None:
+    if named and beside.exists() and not itk_snap.read(beside):
         raise ValueError(
             f"The names of the labels of {path.name} belong into {beside.name}, but this is another file: "
             "choose another name for the labels."
         )
     return [(beside, itk_snap.encode(named))] if named else []
-
-
-def _printable(label: Label) -> Label:
-    return replace(label, name=printable(label.name))
 
 
 def left_out(result: Found, suffix: str, *, outlines: bool = False) -> int:
@@ -343,9 +338,6 @@ def encoded(
             for contour in result.contours
         )
         result = replace(result, contours=contours, source=printable(result.source))
-        if isinstance(result, Result) and result.surface is not None:
-            named = tuple(map(_printable, result.surface.labels))
-            result = replace(result, surface=replace(result.surface, labels=named))
     options: Entries = {"outlines": outlines, "space": space, "image": None if image is None else Path(image)}
     return form.encode(result, **{name: options[name] for name in form.options})
 

@@ -143,7 +143,7 @@ def can_step(situation: Situation) -> bool:
 
 NOT_IN_VOLUMES = frozenset(
     (
-        *("outline", "close_contours", "show_rejected"),
+        *("outline", "drop_missed_edits", "close_contours", "show_rejected"),
         *("split", "objects_alike", "apply_to_folder"),
     )
 )

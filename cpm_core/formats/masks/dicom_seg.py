@@ -133,9 +133,7 @@ def read(path: Path) -> list[tuple[Label, list[Decoded]]]:
     """
     import pydicom
 
-    if not is_dicom(path):
-        return []
-    dataset = pydicom.dcmread(path)
+    dataset: Any = pydicom.dcmread(path) if is_dicom(path) else {}
     kind = dataset.get("SOPClassUID")
     if kind not in (_STORAGE, _LABELMAP):
         return []
@@ -145,25 +143,20 @@ def read(path: Path) -> list[tuple[Label, list[Decoded]]]:
         pixels = 2 * pixels.astype(float) >= float(dataset.MaximumFractionalValue)
     found: dict[int, tuple[Label, list[Decoded]]] = {}
     for segment in dataset.SegmentSequence:
-        number = int(segment.SegmentNumber)
-        if number:  # a label map describes what lies outside as well
-            name = printable(str(segment.get("SegmentLabel", "")))[:MOST_LETTERS]
-            found[number] = Label(number, name, _color(segment.get("RecommendedDisplayCIELabValue"))), []
-    shared = (dataset.get("SharedFunctionalGroupsSequence") or [{}])[0]
-    for frame, own in zip(frames, dataset.PerFrameFunctionalGroupsSequence, strict=True):
+        name = printable(str(segment.get("SegmentLabel", "")))[:MOST_LETTERS]
+        label = Label(int(segment.SegmentNumber), name, _color(segment.get("RecommendedDisplayCIELabValue")))
+        found[label.number] = label, []
+    for frame, values, own in zip(frames, pixels, dataset.PerFrameFunctionalGroupsSequence, strict=True):
         if frame.origin is None or frame.along is None or frame.spacing is None:
             raise UnreadableError(f"{path.name} does not state where its segments lie: save it again.")
-        values = pixels[frame.index]
-        numbers = np.unique(values[values > 0]).tolist()
-        if kind == _STORAGE and numbers:
-            known = own.get("SegmentIdentificationSequence") or shared.get("SegmentIdentificationSequence")
-            numbers = [int(known[0].ReferencedSegmentNumber)]
-            values = np.where(values > 0, numbers[0], 0)
-        directions = (np.cross(*frame.along), frame.along[1], frame.along[0])
-        geometry = Geometry(tuple(frame.origin), tuple(map(tuple, directions)), "LPS")  # type: ignore[arg-type]
-        for number in numbers:
-            plane = Decoded((values == number)[None], (1.0, *frame.spacing), "mm", geometry=geometry)
-            found[number][1].append(plane)
+        masks = {number: values == number for number in np.unique(values[values > 0]).tolist()}
+        if kind == _STORAGE:
+            group = own if "SegmentIdentificationSequence" in own else dataset.SharedFunctionalGroupsSequence[0]
+            masks = {int(group.SegmentIdentificationSequence[0].ReferencedSegmentNumber): values > 0}
+        axes = (np.cross(*frame.along), frame.along[1], frame.along[0])
+        geometry = Geometry(frame.origin, axes, "LPS")  # type: ignore[arg-type]
+        for number, mask in masks.items():
+            found[number][1].append(Decoded(mask[np.newaxis], (1.0, *frame.spacing), "mm", geometry=geometry))
     return list(found.values())
 
 

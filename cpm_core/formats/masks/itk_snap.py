@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from cpm_core.contours.contour import MOST_LETTERS, Label
+from cpm_core.formats.common.content import content_of
 from cpm_core.formats.common.printable import printable
 
 SUFFIX = ".txt"
@@ -44,23 +45,18 @@ def encode(labels: Sequence[Label]) -> bytes:
     return "".join([_HEAD, *lines]).encode()
 
 
-def read(path: Path) -> tuple[Label, ...] | None:
-    """The labels that a file describes; None for a file of another kind."""
-    try:
-        if path.stat().st_size > _LARGEST:
-            return None
-        text = path.read_text(encoding="utf-8", errors="replace")
-    except OSError:
-        return None
+def read(path: Path) -> tuple[Label, ...]:
+    """The labels that a file describes; none where it is of another kind, or there is no such file."""
+    text = content_of(path, part=_LARGEST).decode("utf-8", "replace") if path.is_file() else ""
     lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
-    found = [_LINE.fullmatch(line) for line in lines]
-    if not found or not all(found):
-        return None
-    rows = [(int(one[1]), [min(int(one[n]), 255) for n in (2, 3, 4)], one[5]) for one in found if one is not None]
+    found = [match for line in lines if (match := _LINE.fullmatch(line))]
+    if len(found) < len(lines):
+        return ()
+    colors = (bytes(min(int(part), 255) for part in match.group(2, 3, 4)).hex() for match in found)
     return tuple(
-        Label(number, printable(name)[:MOST_LETTERS], f"#{bytes(color).hex()}")
-        for number, color, name in rows
-        if number
+        Label(int(match[1]), printable(match[5])[:MOST_LETTERS], f"#{color}")
+        for match, color in zip(found, colors, strict=True)
+        if int(match[1])
     )
 
 

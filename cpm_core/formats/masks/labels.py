@@ -5,7 +5,6 @@ from __future__ import annotations
 import colorsys
 import io
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 import PIL.Image
@@ -18,6 +17,7 @@ from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.rasterize import MOST_LABELS, label_type
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.plain import Entries
+from cpm_core.formats.common.printable import printable
 from cpm_core.formats.common.provenance import PROGRAM, Outcome, entries_of, facts_of, text_of
 from cpm_core.formats.images import resolution
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -70,7 +70,9 @@ def named_labels(result: Outcome, *, outlines: bool = False) -> tuple[Label, ...
     if not any(label.name or label.color for label in labels):
         return ()
     colors = palette(max(label.number for label in labels))
-    return tuple(replace(one, color=one.color or f"#{bytes(colors[one.number]).hex()}") for one in labels)
+    return tuple(
+        Label(one.number, printable(one.name), one.color or f"#{bytes(colors[one.number]).hex()}") for one in labels
+    )
 
 
 def paint_lines(

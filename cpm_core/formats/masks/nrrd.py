@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import contextlib
 import gzip
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -18,6 +17,10 @@ from cpm_core.contours.contour import MOST_LETTERS, Label
 from cpm_core.formats.common.content import content_of
 from cpm_core.formats.common.printable import printable
 from cpm_core.formats.common.provenance import Outcome, facts_of, text_of
+from cpm_core.formats.images.decoded import Decoded
+from cpm_core.formats.images.readers import open_stack
+from cpm_core.formats.images.reading import Reading
+from cpm_core.formats.images.stack import volume_of
 from cpm_core.formats.masks.labels import labels_of, named_labels
 from cpm_core.formats.masks.nifti import placed
 from cpm_core.numerics.types import Array
@@ -96,10 +99,7 @@ _SEGMENT = re.compile(r"Segment(\d+)_(\w+):=(.*)")
 
 
 def segments_of(path: Path) -> tuple[Segment, ...]:
-    """The segments that the header of a file names, none for other files.
-
-    The number of a label is the value of its voxels, or where segments overlap its place among them.
-    """
+    """The segments that the header of a file names, none for other files."""
     content = content_of(path, part=_LONGEST_HEAD) if path.is_file() else b""
     if not content.startswith(b"NRRD"):
         return ()
@@ -110,13 +110,23 @@ def segments_of(path: Path) -> tuple[Segment, ...]:
             entries.setdefault(int(match[1]), {})[match[2]] = match[3]
     found = []
     for index, known in sorted(entries.items()):
-        value, layer = (int(known.get(name, usual)) for name, usual in (("LabelValue", index + 1), ("Layer", 0)))
-        color = ""
-        with contextlib.suppress(ValueError):
-            parts = [round(255 * min(max(float(part), 0.0), 1.0)) for part in known.get("Color", "").split()]
-            color = f"#{bytes(parts).hex()}" if len(parts) == 3 else ""
+        # files of before 2020 have a volume for each segment
+        value, layer = (int(known.get(name, usual)) for name, usual in (("LabelValue", 1), ("Layer", index)))
+        parts = [round(255 * min(max(float(part), 0.0), 1.0)) for part in known.get("Color", "").split()]
         name = printable(known.get("Name", "").replace("\\\\", "\\"))[:MOST_LETTERS]
-        found.append(Segment(Label(value, name, color), value, layer))
-    if len({one.layer for one in found}) > 1:
-        found = [one._replace(label=replace(one.label, number=n)) for n, one in enumerate(found, start=1)]
+        found.append(Segment(Label(value, name, f"#{bytes(parts).hex()}" if len(parts) == 3 else ""), value, layer))
     return tuple(found)
+
+
+def overlapping(path: Path, segments: Sequence[Segment]) -> Iterator[tuple[Label, list[Decoded]]] | None:
+    """Segments of several volumes with their masks, numbered in their order; None where there is but one volume."""
+    if len({one.layer for one in segments}) < 2:
+        return None
+    stack = open_stack(path)
+
+    def masks() -> Iterator[tuple[Label, list[Decoded]]]:
+        for number, one in enumerate(segments, start=1):
+            layer = volume_of(stack, Reading(channel=one.layer + 1))
+            yield replace(one.label, number=number), [replace(layer, values=layer.values == one.value)]
+
+    return masks()

@@ -144,5 +144,5 @@ def test_segments_of_another_series_and_without_one_are_refused(tmp_path):
     written(tmp_path / "a.dcm", [(1, (-20.0, 10.0, 6.0), 200 * (LABELS[3] > 0))])
     with pytest.raises(ValueError, match="lies elsewhere in space"):
         load_surface(tmp_path / "a.dcm", load_volume(series))
-    with pytest.raises(ValueError, match="name the series with --image"):
+    with pytest.raises(ValueError, match="name it with --image"):
         load_surface(tmp_path / "a.dcm")
