@@ -321,8 +321,8 @@ _FILTERS: tuple[tuple[str, tuple[Kind, ...]], ...] = (
 )
 """What the table can be limited to."""
 
-BUTTONS = ("shrink", "enlarge", "split", "merge_objects", "objects_alike")
-"""Actions with a button."""
+BUTTONS = ("shrink", "enlarge", "split", "merge_objects", "objects_alike", "fill_between", "freeze_object")
+"""Actions with a button, where there are such."""
 
 
 class ObjectPanel(QWidget):
@@ -423,16 +423,26 @@ class ObjectPanel(QWidget):
         for name in BUTTONS if not self.buttons else ():
             action = self._action(name)
             if action is not None:
-                button = self.buttons[name] = QToolButton()
+                button = self.buttons[name] = QToolButton(self)
                 button.setDefaultAction(action)
                 button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
                 button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
-                self._grid.addWidget(button, *divmod(len(self.buttons) - 1, 3))
+                action.visibleChanged.connect(self._arrange_buttons)
+        self._arrange_buttons()
         self.show_chosen()
 
     def sizeHint(self) -> QSize:
         """As narrow as the other panels on the right."""
         return QSize(330, 500)
+
+    def _arrange_buttons(self) -> None:
+        """Place the buttons of the actions that there are in this image, or in this volume, without holes."""
+        there = [button for button in self.buttons.values() if button.defaultAction().isVisible()]
+        for button in self.buttons.values():
+            self._grid.removeWidget(button)
+            button.setVisible(button in there)
+        for place, button in enumerate(there):
+            self._grid.addWidget(button, *divmod(place, 3))
 
     def _show_brush(self) -> None:
         self.brush.show_value(self._list.brush)

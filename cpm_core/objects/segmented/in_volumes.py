@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
@@ -16,6 +17,9 @@ from cpm_core.objects.segmented.segmented_object import SegmentedObject, Segment
 
 Part = tuple[Index, Mask]
 """The first voxel of a box of a volume, and which voxels of the box are meant."""
+
+_ROUGH = 0.01
+"""Largest height of a ripple along the way of a brush, which consists of balls [smallest sides of a voxel]."""
 
 
 def brush_in(
@@ -40,23 +44,18 @@ def brush_in(
     reach = radius / size
     if axis is not None:
         reach[axis] = 0.0
-    low = np.clip(np.ceil(ends.min(axis=0) - reach), 0, shape).astype(np.int64)
-    high = np.clip(np.floor(ends.max(axis=0) + reach) + 1, low, shape).astype(np.int64)
     last = np.clip(np.rint(ends[-1]), 0, np.array(shape) - 1).astype(np.int64)
-    low, high = np.minimum(low, last), np.maximum(high, last + 1)
-    along = [
-        (np.arange(a, b, dtype=np.float32) - at) * side
-        for a, b, at, side in zip(low, high, ends[0], size.tolist(), strict=True)
-    ]
-    off = np.ix_(*along)
-    way = (ends[-1] - ends[0]) * size
-    away = sum(each**2 for each in off)
-    if way.any():
-        share = np.clip(sum(each * np.float32(by) for each, by in zip(off, way / (way @ way), strict=True)), 0.0, 1.0)
-        # what is nearest on the way: |off - share way|² = |off|² - 2 share (off, way) + share² |way|²
-        ahead = sum(each * np.float32(by) for each, by in zip(off, way, strict=True))
-        away = away + share * (share * np.float32(way @ way) - 2.0 * ahead)
-    mask = away <= radius**2
+    low = np.minimum(np.clip(np.ceil(ends.min(axis=0) - reach), 0, shape).astype(np.int64), last)
+    high = np.maximum(np.clip(np.floor(ends.max(axis=0) + reach) + 1, 0, shape).astype(np.int64), last + 1)
+    plane, row, col = (np.arange(a, b) * side for a, b, side in zip(low, high, sides, strict=True))
+    # on each row it covers what lies between two columns, since it is convex
+    first, behind = (np.full((len(plane), len(row)), end) for end in (np.inf, -np.inf))
+    count = 1 + math.ceil(float(np.linalg.norm((ends[-1] - ends[0]) * size)) / math.sqrt(8.0 * radius * _ROUGH))
+    for at in np.linspace(ends[0], ends[-1], count) * size:
+        square = radius**2 - (plane[:, None] - at[0]) ** 2 - (row - at[1]) ** 2
+        half = np.sqrt(np.where(square >= 0.0, square, np.nan))
+        first, behind = np.fmin(first, at[2] - half), np.fmax(behind, at[2] + half)
+    mask = (col >= first[..., None]) & (col <= behind[..., None])
     mask[tuple(last - low)] = True
     return low, mask
 

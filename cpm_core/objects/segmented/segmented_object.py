@@ -121,7 +121,7 @@ class SegmentedObject:
             raise ValueError(f"The number of an object is {self.number} but must be at least 1.")
         if len(self.surface) > 1 or (self.surface and self.boundary):
             raise ValueError("An object has one surface in a volume, or closed curves in an image, not more.")
-        if not (self.boundary or self.surface) or any(len(set(curve)) < 3 for curve in self.boundary):
+        if not (self.boundary or self.surface) or any(len({*curve[:3]}) < 3 > len({*curve}) for curve in self.boundary):
             raise ValueError("The boundary of an object needs closed curves of at least three different points each.")
         if not 1 <= self.category <= MOST_CLASSES:
             raise ValueError(f"The class of an object is {self.category} but must be from 1 to {MOST_CLASSES}.")
@@ -210,11 +210,17 @@ class SegmentedObject:
         row, col = (0.5 * (low + high)).tolist()
         return row, col
 
-    def innermost(self, shape: tuple[int, ...]) -> Position:
+    def innermost(self, shape: tuple[int, ...]) -> Place:
         """The pixel (row, col) inside that is farthest from the boundary and the border of an image of this shape.
 
-        A vertex when no pixel lies inside.
+        A vertex when no pixel lies inside. In a volume it is that of the plane with most of its voxels.
         """
+        if self.surface:
+            voxels = self.surface[0].voxels
+            at = int(voxels.mask.sum(axis=(1, 2)).argmax())
+            depth = scipy.ndimage.distance_transform_edt(np.pad(voxels.mask[at], 1))[1:-1, 1:-1]
+            deepest = (at, *np.unravel_index(int(np.argmax(depth)), depth.shape))
+            return tuple(np.add(deepest, voxels.first or 0).astype(float).tolist())
         first, window = self._window(shape)
         if not window.any():
             return self.boundary[0][0]

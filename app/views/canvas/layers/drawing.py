@@ -12,7 +12,7 @@ from PySide6.QtGui import QColor, QPainter, QPainterPath
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
 from app.model.text.language import tr
-from app.model.volume.shape_sections import ChargeSection, Section, StartSection, sections
+from app.model.volume.shape_sections import ChargeSection, Section, StartSection, circle_in
 from app.session.scene import Scene
 from app.views.canvas.items.curves import Curves
 from app.views.canvas.items.discs import NO_POSITIONS, Discs
@@ -232,8 +232,8 @@ class DrawingLayer(Layer):
         slices, volume = self.scene.slices, self.scene.volume
         if slices is None or volume is None or len(center) == 2:
             return Circle(center, radius).outline
-        cuts = sections(Sphere.round(center, radius, volume.spacing), slices.current)
-        return _joined([cut.outline for cut in cuts])
+        line = circle_in(Sphere.round(center, radius, volume.spacing), slices.current)
+        return NO_POSITIONS if line is None else line.outline
 
     def _show_starts(self) -> None:
         """Show lines, areas and handles; during a run, the particles that it started from would only hide its own."""
