@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
@@ -112,7 +112,7 @@ class Contour:
     closed: bool
     strength: float = 0.0
     junctions: tuple[bool, bool] = (False, False)
-    sides: Callable[[], float] | None = field(default=None, repr=False)
+    sides: Callable[[], float] | None = None
     name: str = ""
     color: str = ""
     number: int = 0
@@ -120,7 +120,7 @@ class Contour:
     group: int = 0
     hole: bool = False
     bridged: float = 0.0
-    way: Callable[[], str] | None = field(default=None, repr=False)
+    way: Callable[[], str] | None = None
     category: str = ""
 
     def __post_init__(self) -> None:

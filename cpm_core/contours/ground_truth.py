@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -145,7 +145,7 @@ def labels_of(values: NDArray[np.generic], source: str) -> Labels:
     """Numbers of the gray levels of a mask, from 0; ValueError when it is none, as for `truth_of_mask`."""
     low, high = float(values.min()), float(values.max())
     if high - low <= _FEW_LEVELS and not (values % 1).any():  # sorting a volume would take seconds
-        shifted = values.astype(np.int32) - int(low)
+        shifted = np.subtract(values, low).astype(np.int32)
         there = np.bincount(shifted.ravel()) > 0
         levels, labels = low + np.flatnonzero(there), (np.cumsum(there) - 1).astype(np.int32)[shifted]
     else:
@@ -226,7 +226,7 @@ class VolumeTruth(_Labeled):
     spacing: tuple[float, ...] = (1.0, 1.0, 1.0)
     unit: str | None = None
     source: str = "ground truth"
-    boundary: Surface | None = field(default=None, repr=False)
+    boundary: Surface | None = None
 
     def __post_init__(self) -> None:
         given = real_numbers(self.labels)

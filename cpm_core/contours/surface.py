@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -22,7 +22,7 @@ _FARTHEST = 1e9
 """Largest coordinate of a vertex, beyond any volume that can be processed [voxels]."""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False)
 class Surface:
     """Triangles in a volume.
 
@@ -65,8 +65,8 @@ class Surface:
     unit: str | None = None
     unsupported: float = np.nan
     left_out: int = 0
-    numbers: Index | None = field(default=None, repr=False)
-    labels: tuple[Label, ...] = field(default=(), repr=False)
+    numbers: Index | None = None
+    labels: tuple[Label, ...] = ()
 
     def __post_init__(self) -> None:
         vertices = rows_of_three("vertices", self.vertices).copy()
@@ -183,7 +183,7 @@ class Surface:
     def _edge_counts(self) -> Index:
         """Number of triangles at each edge."""
         ends = np.sort(self.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-        numbers: Index = ends[:, 0] * len(self.vertices) + ends[:, 1]
+        numbers = ends[:, 0] * len(self.vertices) + ends[:, 1]
         return np.unique(numbers, return_counts=True)[1]
 
 

@@ -48,8 +48,8 @@ def running_maximum(values: Values, reach: int) -> Values:
         before = values
         values = before.copy()
         for shift in range(1, min(reach, values.shape[axis] - 1) + 1):
-            ahead: tuple[slice, ...] = (slice(None),) * axis + (slice(shift, None),)
-            behind: tuple[slice, ...] = (slice(None),) * axis + (slice(None, -shift),)
+            ahead = (slice(None),) * axis + (slice(shift, None),)
+            behind = (slice(None),) * axis + (slice(None, -shift),)
             np.maximum(values[ahead], before[behind], out=values[ahead])
             np.maximum(values[behind], before[ahead], out=values[behind])
     return values
@@ -99,8 +99,12 @@ class Parts:
     @property
     def labels(self) -> Labels:
         """Number of the part of each voxel plus one; 0 where the mask is False."""
+        return self.labels_of(np.arange(self.count) + 1)
+
+    def labels_of(self, number: Index) -> Labels:
+        """The number of the part of each voxel, from those of all parts; 0 where the mask is False."""
         labels = np.zeros(self.shape, np.int32)
-        _label(self.begin, self.first, self.end, self.part, labels)
+        _label(self.begin, self.first, self.end, number[self.part], labels)
         return labels
 
     @property
@@ -195,14 +199,14 @@ def renumber(group: Index) -> int:
 
 
 @compiled
-def _label(begin: Index, first: Labels, end: Labels, part: Index, labels: Labels) -> None:
-    """Write the parts of some runs plus one."""
+def _label(begin: Index, first: Labels, end: Labels, number: Index, labels: Labels) -> None:
+    """Write the numbers of some runs."""
     rows = labels.shape[1]
     for row in range(len(begin) - 1):
         line = labels[row // rows, row % rows]
         for n in range(begin[row], begin[row + 1]):
             for k in range(first[n], end[n]):
-                line[k] = part[n] + 1
+                line[k] = number[n]
 
 
 @compiled
@@ -252,12 +256,13 @@ def zero_surface(values: Single, inner: tuple[tuple[int, int], ...] | None = Non
     """
     begin, end = np.transpose(inner if inner is not None else [(0, size) for size in values.shape])
     part = values[tuple(map(slice, begin, end))]
-    inside = part > 0.0
-    if min(part.shape) < 2 or inside.all() or not inside.any():
+    if min(part.shape) < 2 or not part.max() > 0.0 >= part.min():
         return np.empty((0, 3)), np.empty((0, 3), np.int64)
     least = np.float32(_NEAREST) * np.median(np.abs(part), overwrite_input=True)
-    darker, small = -part, np.abs(part) < least
-    darker[small] = np.where(inside[small], -least, least)
+    darker = -part
+    for plane in darker:
+        small = np.abs(plane) < least
+        plane[small] = np.where(plane[small] < 0.0, -least, least)
     vertices, faces, _, _ = skimage.measure.marching_cubes(darker, 0.0, method="lorensen")  # type: ignore[no-untyped-call]
     return vertices.astype(float) + begin, faces.astype(np.int64)
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Protocol, runtime_checkable
 
 from PySide6.QtCore import QPoint
 from PySide6.QtGui import QAction, QActionGroup, QKeySequence
-from PySide6.QtWidgets import QMenu, QWidget
+from PySide6.QtWidgets import QMenu, QToolBar, QToolButton, QWidget
 
 from app.model.state.situation import (
     ICONS_IN_VOLUMES,
@@ -23,6 +24,7 @@ from app.model.text.keys import with_keys
 from app.model.text.language import from_core
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
+from app.views.widgets.turns import Turns
 
 
 def native(key: str) -> str:
@@ -201,11 +203,14 @@ class Actions:
         for name in self._specs:
             self._tell(name)
 
-    def use_theme(self, theme: Theme) -> None:
-        """Tint the icons."""
+    def use_theme(self, theme: Theme, turns: Turns) -> None:
+        """Tint the icons, those that are only in menus in later turns."""
         self._theme = theme
         for name in self._icons:
-            self._tint(name)
+            if any(isinstance(owner, QToolBar | QToolButton) for owner in self._actions[name].associatedObjects()):
+                self._tint(name)
+            else:
+                turns.ask(partial(self._tint, name))
 
     def _make(self, spec: ActionSpec, parent: QWidget) -> QAction:
         action = QAction(spec.text, parent)

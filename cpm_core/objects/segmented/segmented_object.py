@@ -121,7 +121,7 @@ class SegmentedObject:
             raise ValueError(f"The number of an object is {self.number} but must be at least 1.")
         if len(self.surface) > 1 or (self.surface and self.boundary):
             raise ValueError("An object has one surface in a volume, or closed curves in an image, not more.")
-        if not (self.boundary or self.surface) or any(len(set(curve)) < 3 for curve in self.boundary):
+        if not (self.boundary or self.surface) or any(len({*curve[:3]}) < 3 > len({*curve}) for curve in self.boundary):
             raise ValueError("The boundary of an object needs closed curves of at least three different points each.")
         if not 1 <= self.category <= MOST_CLASSES:
             raise ValueError(f"The class of an object is {self.category} but must be from 1 to {MOST_CLASSES}.")
