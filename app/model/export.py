@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Literal
 
@@ -30,7 +30,7 @@ from cpm_core.numerics import polyline
 
 What = Literal["objects", "contours", "skeleton", "surface", "lines", "pages", "space", "turntable", "run"]
 
-KINDS: Mapping[What, tuple[str, str]] = {
+KINDS = {
     "objects": (tr("Objects"), tr("Export objects")),
     "contours": (tr("Contours except rejected"), tr("Export contours")),
     "skeleton": (tr("Skeleton"), tr("Export skeleton")),
@@ -52,6 +52,7 @@ _NAMES = {
     ".tif": tr("Labels, TIFF"),
     ".nii.gz": tr("Labels, NIfTI"),
     ".nrrd": tr("Labels, NRRD"),
+    ".seg.dcm": tr("Segments, DICOM"),
     ".table.csv": tr("CSV, one row per object"),
     ".measures.csv": tr("CSV, one row per contour"),
     ".csv": tr("CSV, one row per vertex"),
@@ -71,7 +72,7 @@ _NAMES = {
 """Formats by the suffixes that writers know them by, in the order shown."""
 
 _MOVING = {".gif": tr("GIF"), ".png": tr("APNG, in full color"), ".mp4": tr("MP4 video")}
-_WRITABLE: Mapping[What, Mapping[str, str]] = {
+_WRITABLE = {
     "skeleton": FOR_SKELETONS,
     "surface": FOR_VOLUMES,
     "lines": FOR_CENTERLINES,
@@ -83,21 +84,24 @@ _WRITABLE: Mapping[What, Mapping[str, str]] = {
 _SAME = {".tiff": ".tif", ".nii": ".nii.gz", ".roi": ".zip", ".apng": ".png"}
 """Suffixes of the same format, or of one that holds less."""
 
-_LEFT_OUT: Mapping[str, str] = {"objects": ".measures.csv .points.csv", "contours": ".table.csv"}
-_ENDINGS = {".table.csv": ".csv", ".measures.csv": ".csv", ".csv": ".vertices.csv"}
-"""How files end whose suffixes only tell formats of one writer apart."""
+_LEFT_OUT = {"objects": ".measures.csv .points.csv", "contours": ".table.csv"}
+_ENDINGS = {".table.csv": ".csv", ".measures.csv": ".csv", ".csv": ".vertices.csv", ".nrrd": ".seg.nrrd"}
+"""How files end whose suffixes only tell formats of one writer apart, and as 3D Slicer knows its segmentations."""
 
 
-def formats(what: What = "contours", in_volume: bool = False) -> dict[str, str]:
+def formats(what: What = "contours", in_volume: bool = False, of_dicom: bool = False) -> dict[str, str]:
     """Names of the formats of something, by suffix; new ones are last.
 
-    A frozen application without matplotlib, which nobody can add to it, offers no figures.
+    Segments of DICOM are offered where the image is `of_dicom` and the package that writes them is installed. A frozen
+    application without matplotlib, which nobody can add to it, offers no figures.
     """
     writable = FOR_VOLUMES if in_volume and what == "objects" else _WRITABLE.get(what, WRITABLE)
     names = {"space": writable, "run": _MOVING, "turntable": _MOVING}.get(what, _NAMES)
     lacking = {*_SAME, *_LEFT_OUT.get(what, "").split()}
     if getattr(sys, "frozen", False) and not has_matplotlib():
         lacking |= DRAWN
+    if not of_dicom or find_spec("highdicom") is None:
+        lacking.add(".seg.dcm")
     known = {suffix: name for suffix, name in names.items() if suffix in writable}
     known |= {suffix: from_core(text) for suffix, text in writable.items() if suffix not in known}
     return {suffix: name for suffix, name in known.items() if suffix not in lacking}
@@ -114,7 +118,7 @@ BY_HAND = frozenset({".labelme.json"})
 """Suffixes of formats that are edited by hand, for which few vertices count."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ExportFile:
     """A file to write: where, what, and the suffix of its format."""
 
@@ -123,7 +127,7 @@ class ExportFile:
     suffix: str
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ExportOrder:
     """Files to write, and how.
 
@@ -197,7 +201,7 @@ def _thinned(contour: Contour, tolerance: float) -> Contour:
     points = contour.points
     if not contour.closed:
         return replace(contour, points=np.array(polyline.thinned(points.tolist(), tolerance)))
-    middle = int(np.linalg.norm(points - points[0], axis=1).argmax())
+    middle = np.linalg.norm(points - points[0], axis=1).argmax()
     halves = points[: middle + 1], np.concatenate([points[middle:], points[:1]])
     few = [corner for half in halves for corner in polyline.thinned(half.tolist(), tolerance)[:-1]]
     return replace(contour, points=np.array(few)) if len(few) > 2 else contour

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from app.napari.layers import LayerData, contours_of, layer_of_contours, layer_of_points
+from app.napari.layers import LayerData, contours_of, layer_of_contours
 from cpm_core import Result, Surface, export
 from cpm_core.formats import CONTOURS_READABLE, read_contours
 
@@ -26,7 +26,7 @@ def _read(path: str | Sequence[str]) -> list[LayerData]:
         if found.contours:
             layers.append(layer_of_contours(found.contours, file.stem, found.shape or ()))
         if len(found.places):
-            layers.append(layer_of_points(found.places, file.stem))
+            layers.append((found.places, {"name": f"{file.stem} points", "size": 3}, "points"))
     return layers
 
 

@@ -44,11 +44,6 @@ def layer_of_contours(contours: Sequence[Contour], name: str, shape: Sequence[in
     return [contour.points for contour in lines], {"name": name, **look, **settings}, "shapes"
 
 
-def layer_of_points(places: Array, name: str) -> LayerData:
-    """A layer of single points."""
-    return places, {"name": f"{name} points", "size": 3}, "points"
-
-
 def layers_of_result(result: Result, name: str, **settings: Any) -> list[LayerData]:
     """The contours of an image, or the surface in a volume, as layers; `settings` place them as their image."""
     if result.surface is not None:

@@ -26,7 +26,7 @@ from cpm_core.objects.segmented import Click, SegmentedObject
 from cpm_core.shapes import NO_SEEDS, ImageSeeds
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Item:
     """A contour as table and canvas show it; its key stays the same through all reconstructions."""
 
@@ -45,7 +45,7 @@ class Item:
         return self.contour.name or tr("contour {number}").format(number=self.measures.number)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class ReviewedContours:
     """The contours of a reconstruction, longest first, with their marks.
 
@@ -100,7 +100,7 @@ class Proposal:
         return self.followed or made(self.selection, self.clicks, self.number or 1, 1)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Preview:
     """What a click under the pointer would change.
 
@@ -119,7 +119,7 @@ class Preview:
     adds: bool
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class ShownObjects:
     """What is shown of the selection of objects next to those of the document.
 
@@ -141,7 +141,7 @@ class ShownObjects:
     hovered: int = 0
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class NearParticles:
     """The particles of a volume that a slice shows.
 
@@ -157,7 +157,7 @@ class NearParticles:
     away: Array
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Scene:
     """What is shown on the canvas.
 

@@ -11,7 +11,7 @@ from app.model.document.document import Document, ImageReference
 DEEPEST = 500
 
 
-@dataclass(eq=False, slots=True)
+@dataclass(eq=False)
 class Erasure:
     """The particles that a gesture takes away from a run, which undo brings back: its number among all of them.
 
@@ -22,7 +22,7 @@ class Erasure:
     sources: Counter[Hashable] = field(default_factory=Counter)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Change:
     """A change that can be undone.
 

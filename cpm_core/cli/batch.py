@@ -9,16 +9,11 @@ import itertools
 import time
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import fields, replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
-from cpm_core.cli.arguments import (
-    add,
-    add_parameters,
-    parameters_of,
-    whole_number,
-)
+from cpm_core.cli.arguments import add, add_parameters, parameters_of, whole_number
 from cpm_core.cli.output import IN_PART, StatusLine, announce_compilation, print_json, say, say_notes
 from cpm_core.cli.workers import Job, Row, elsewhere, here
 from cpm_core.formats import WRITABLE
@@ -110,7 +105,7 @@ def run(arguments: argparse.Namespace) -> int:
             for row in rows
         ]  # fmt: skip
         counts = {"done": len(rows) - failed, "failed": failed, "lacking_files": lacking, "seconds": round(seconds, 3)}
-        print_json("batch", {"images": images, **counts, "summary": str(output / NAME)})
+        print_json(arguments, {"images": images, **counts, "summary": str(output / NAME)})
     else:
         for row in rows:
             if not row.trouble:
@@ -168,8 +163,8 @@ class Batch:
         again: bool = False,
     ) -> None:
         parameters = parameters or session.parameters
-        values = {field.name: getattr(parameters, field.name) for field in fields(Parameters)}
-        asked = [f"{name}={value}" for name, value in values.items() if value != getattr(session.parameters, name)]
+        usual = asdict(session.parameters)
+        asked = [f"{name}={value}" for name, value in asdict(parameters).items() if value != usual[name]]
         asked += [] if max_steps is None else [f"max_steps={max_steps}"]
         plain = Row("", session_sha256=fingerprint(source), settings=" ".join([*asked, f"export={','.join(suffixes)}"]))
         self._images, self._folder, self._suffixes = images, output, suffixes
@@ -274,20 +269,19 @@ def _rows(path: Path) -> list[Row]:
     """Rows of a table; none where there is no table yet."""
     try:
         content = path.read_bytes()
-        text = content[: content.rfind(b"\n") + 1].decode()  # a row that was cut short is that of an image not done
     except FileNotFoundError:
         return []
     except OSError as error:
         raise ValueError(f"{path} cannot be read: {error.strerror or error}.") from error
-    except UnicodeDecodeError:
-        raise ValueError(f"{path} is damaged: remove it, or choose another folder.") from None
-    lines = list(csv.DictReader(io.StringIO(text, newline="")))
-    if lines and "image" not in lines[0]:
-        raise ValueError(f"{path} is not the table of a batch, and would be replaced: choose another folder.")
-    try:
-        return [_row({name: text_of_cell(line.get(name) or "") for name in _COLUMNS}) for line in lines]
+    try:  # a row that was cut short is that of an image not done
+        text = content[: content.rfind(b"\n") + 1].decode()
+        lines = list(csv.DictReader(io.StringIO(text, newline="")))
+        rows = [_row({name: text_of_cell(line.get(name) or "") for name in _COLUMNS}) for line in lines]
     except ValueError:
         raise ValueError(f"{path} is damaged: remove it, or choose another folder.") from None
+    if lines and "image" not in lines[0]:
+        raise ValueError(f"{path} is not the table of a batch, and would be replaced: choose another folder.")
+    return rows
 
 
 def _row(line: Mapping[str, str]) -> Row:

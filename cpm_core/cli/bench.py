@@ -49,7 +49,7 @@ def run(arguments: argparse.Namespace) -> None:
             print(f"{what:44}{rows[-1]['value']:10.1f} ms", flush=True)
     if arguments.json:
         facts = {"machine": machine, "quick": arguments.quick, "seconds": time.perf_counter() - began}
-        print_json("bench", facts | {"measurements": rows})
+        print_json(arguments, facts | {"measurements": rows})
     else:
         print(", ".join(f"{name} {value}" for name, value in machine.items()))
 

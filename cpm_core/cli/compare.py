@@ -37,7 +37,6 @@ from cpm_core.objects.methods import (
     Settings,
     Start,
     facts_of,
-    method_named,
     result_of,
     run_method,
     runnable,
@@ -112,7 +111,10 @@ def run(arguments: argparse.Namespace) -> int:
     if ndim == 3:
         refuse(arguments, ("circle", "polygon", "start", "session"), "images, but --sphere is for volumes")
     named = arguments.methods or [name for name in compared.methods if name]
-    for method in map(method_named, named):
+    for name in named:
+        if name not in CONTOUR_METHODS:
+            raise ValueError(f"{shown(name)} is not a method: choose among {', '.join(CONTOUR_METHODS)}.")
+        method = CONTOUR_METHODS[name]
         if ndim == 3 and not method.in_volumes:
             raise ValueError(f"{method.title} is for images: in a volume choose among {', '.join(runnable(ndim))}.")
     names = list(dict.fromkeys(named or runnable(ndim)))
@@ -149,7 +151,6 @@ def run(arguments: argparse.Namespace) -> int:
         results.append(result_of(facts, moment.state.contours, image, start, settings[name], moment.state.surface))
     files = Files()
     files.written += map(str, write_comparison(found, results, arguments.export, say, files.refuse))
-    status = files.status()
     given = {"image": image.source, "around": start.around, "truth": source, "unit": unit}
     # JSON has no infinite distances
     rows = [
@@ -159,8 +160,7 @@ def run(arguments: argparse.Namespace) -> int:
         }
         for one in found
     ]
-    report("compare", {**given, "methods": rows}, (), files, as_json=arguments.json)
-    return status
+    return report(arguments, {**given, "methods": rows}, (), files)
 
 
 def _cells(title: str, *cells: object) -> str:

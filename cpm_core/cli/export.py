@@ -84,11 +84,9 @@ def run(arguments: argparse.Namespace) -> int:
     files = Files()
     options = {"outlines": arguments.outlines, "space": arguments.space or "LPS"}
     files.export(result, arguments.to, image=image, warn=say, **options)
-    status = files.status()
     missing = {path: left_out(result, suffix_of(path), outlines=arguments.outlines) for path in files.written}
     said, line = _on_result(result, source)
-    report("export", {"source": str(source), "left_out": missing, **said}, [line], files, as_json=arguments.json)
-    return status
+    return report(arguments, {"source": str(source), "left_out": missing, **said}, [line], files)
 
 
 def _on_result(result: Result | Centerlines, source: Path) -> tuple[dict[str, Any], str]:

@@ -41,5 +41,5 @@ def run(arguments: argparse.Namespace) -> int:
             print(f"{image.source}: {size}, gray levels {low:g} to {high:g}")
             print(*lines_on_place(image), *(f"Note: {note}" for note in image.notes), sep="\n")
     if arguments.json:
-        print_json("info", {**(facts[0] if single else {}), "images": facts})
+        print_json(arguments, {**(facts[0] if single else {}), "images": facts})
     return IN_PART if any("trouble" in one for one in facts) else 0

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import glob
 import os
-import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -18,6 +17,7 @@ from cpm_core.formats import (
     CONTOURS_READABLE,
     FOR_CENTERLINES,
     READABLE,
+    in_natural_order,
     load_centerlines,
     load_surface,
 )
@@ -49,7 +49,7 @@ def expanded(given: Sequence[str]) -> list[str]:
         if Path(text).is_dir():
             found += _in_folder(Path(text))
         elif glob.has_magic(text) and not os.path.lexists(text):
-            names = sorted(filter(os.path.isfile, glob.glob(text, recursive=True)), key=_natural)  # noqa: PTH207 - names as given
+            names = sorted(filter(os.path.isfile, glob.glob(text, recursive=True)), key=in_natural_order)  # noqa: PTH207 - names as given
             if not names:
                 raise ValueError(f"No file is named like {shown(text)}: check the pattern and the folder.")
             found += names
@@ -77,12 +77,7 @@ def _in_folder(folder: Path) -> list[str]:
         raise ValueError(f"{folder} cannot be read: {error.strerror or error}.") from error
     if not inside:
         raise ValueError(f"{folder} is a folder without images: choose another one, or name a file.")
-    return sorted(map(str, inside), key=_natural)
-
-
-def _natural(name: str) -> list[tuple[int, str]]:
-    """Key by which a2 comes before a10."""
-    return [(int(part), "") if part.isdecimal() else (-1, part.lower()) for part in re.split(r"(\d+)", name)]
+    return sorted(map(str, inside), key=in_natural_order)
 
 
 def session_of(arguments: argparse.Namespace) -> SessionFile:
@@ -113,7 +108,7 @@ def image_of(named: str | None, session: SessionFile, source: str | Path | None)
 
 def fitted(image: Image, parameters: Parameters, *, scales: bool = True) -> Parameters:
     """Parameters for an image, whose notes are printed; with as many `scales` as it has room for."""
-    notes: tuple[str, ...] = image.notes if image.ndim == 3 else notes_on(image, parameters)
+    notes = image.notes if image.ndim == 3 else notes_on(image, parameters)
     if scales and image.ndim == 2:
         parameters, more = with_room(parameters, image)
         notes += more

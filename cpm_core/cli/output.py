@@ -6,10 +6,11 @@ in `SCHEMA_FILE`, a JSON Schema of all commands; its number is raised when an en
 
 from __future__ import annotations
 
+import argparse
 import json
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -118,27 +119,29 @@ class Files:
         known = {str(Path(path)) for path in self.refused}
         self.written += [path for path in dict.fromkeys(paths) if str(Path(path)) not in known]
 
-    def status(self, advice: str = "") -> int:
-        """Exit status of the command; sentences say what is not written. ValueError when nothing is."""
-        for path, reason in self.refused.items():
-            if not self.written:
-                raise ValueError(f"{reason} {advice}".rstrip())
-            say(f"{path} was not written: {reason} {advice}".rstrip())
-        return IN_PART if self.refused else 0
 
-
-def print_json(command: str, facts: Mapping[str, Any]) -> None:
+def print_json(arguments: argparse.Namespace, facts: Mapping[str, Any]) -> None:
     """Print the outcome of a command as one JSON object."""
-    print(json.dumps({"command": command, "schema": SCHEMA, "version": VERSION, **facts}))
+    print(json.dumps({"command": arguments.name, "schema": SCHEMA, "version": VERSION, **facts}))
 
 
-def report(command: str, facts: Mapping[str, Any], lines: Iterable[str], files: Files, *, as_json: bool) -> None:
-    """Print the outcome of a command as JSON, or as sentences with the files that were written."""
-    if as_json:
-        print_json(command, {**facts, "not_written": files.refused})
-        return
-    for line in (*lines, *(f"Wrote {path}" for path in files.written)):
-        print(printable(line))
+def report(
+    arguments: argparse.Namespace, facts: Mapping[str, Any], lines: Iterable[str], files: Files, advice: str = ""
+) -> int:
+    """Print the outcome of a command as JSON, or as sentences with the files that were written; its exit status.
+
+    Sentences say first what is not written, with `advice`. ValueError when nothing is.
+    """
+    for path, reason in files.refused.items():
+        if not files.written:
+            raise ValueError(f"{reason} {advice}".rstrip())
+        say(f"{path} was not written: {reason} {advice}".rstrip())
+    if arguments.json:
+        print_json(arguments, {**facts, "not_written": files.refused})
+    else:
+        for line in (*lines, *(f"Wrote {path}" for path in files.written)):
+            print(printable(line))
+    return IN_PART if files.refused else 0
 
 
 def facts_of_run(result: Result, seconds: float) -> dict[str, object]:
@@ -160,12 +163,10 @@ def contours_of(found: Any, kind: str = "contour") -> str:
     return f"{counted(len(found.contours), kind)} ({closed} closed)"
 
 
-def longest(items: Sequence[Any], line: Callable[[Any], str]) -> Iterator[str]:
-    """Numbered lines on the first ten of some contours or lines, which are the longest."""
-    for number, item in enumerate(items[:10], start=1):
-        yield f"  {number}. {line(item)}"
-    if len(items) > 10:
-        yield f"  ... and {len(items) - 10} shorter ones"
+def longest(lines: Sequence[str]) -> list[str]:
+    """The first ten of some lines on contours, numbered, which are on the longest."""
+    more = [f"  ... and {len(lines) - 10} shorter ones"] if len(lines) > 10 else []
+    return [f"  {number}. {line}" for number, line in enumerate(lines[:10], start=1)] + more
 
 
 _AXES = ("planes", "rows", "columns")

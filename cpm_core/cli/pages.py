@@ -10,7 +10,6 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from cpm_core.cli.arguments import check_targets, refuse
 from cpm_core.cli.inputs import notes_on
 from cpm_core.cli.output import (
     IN_PART,
@@ -24,8 +23,7 @@ from cpm_core.cli.output import (
 )
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats import load_pages
-from cpm_core.formats.common.atomic import check_target
-from cpm_core.formats.stack_files import FOR_STACKS, export_stack
+from cpm_core.formats.stack_files import export_stack
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.types import Array
@@ -33,17 +31,6 @@ from cpm_core.pages.follow import follow
 from cpm_core.pages.page import Page, StackResult
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import counted, shown
-
-_NOT_OF_PAGES = ("page", "object", "close", "truth", "save_session")
-"""Options that have a meaning for one image only; ``--not`` follows ``--object``."""
-
-
-def check_pages(arguments: argparse.Namespace, image: Path) -> None:
-    """Raise ValueError for options that do not belong together, and for files that cannot be written."""
-    refuse(arguments, _NOT_OF_PAGES, "one image, but --pages runs several")
-    for path in arguments.export:
-        check_target(path, FOR_STACKS, "for all pages of a stack")
-    check_targets(arguments.export, arguments, image)
 
 
 def run_pages(
@@ -109,8 +96,7 @@ def run_pages(
     if interrupted:
         done = f"{len(found)} of {counted(len(numbers), 'page')} were done, and the files hold them"
         raise KeyboardInterrupt(f"{done}; --pages runs the others")
-    status = files.status()
-    _report(whole, files, time.perf_counter() - began, as_json=arguments.json)
+    status = _report(arguments, whole, files, time.perf_counter() - began)
     return status or (IN_PART if len(whole.results) < len(found) else 0)
 
 
@@ -133,7 +119,7 @@ def numbers_of_pages(given: str, count: int, name: str) -> list[int]:
     return numbers
 
 
-def _report(found: StackResult, files: Files, seconds: float, *, as_json: bool) -> None:
+def _report(arguments: argparse.Namespace, found: StackResult, files: Files, seconds: float) -> int:
     plain: list[dict[str, Any]] = []
     lines: list[str] = []
     said: list[str] = []
@@ -150,4 +136,4 @@ def _report(found: StackResult, files: Files, seconds: float, *, as_json: bool) 
     counts = f"{counted(len(found.pages), 'page')}, {counted(tracks, 'track')} in {seconds:.2f} s"
     last = f"{found.source}: {counts}" + (f", {failed} failed" if failed else "")
     whole = {"tracks": tracks, "done": len(found.results), "failed": failed, "seconds": round(seconds, 3)}
-    report("run", {"pages": plain, **whole}, [*lines, *said, last], files, as_json=as_json)
+    return report(arguments, {"pages": plain, **whole}, [*lines, *said, last], files)

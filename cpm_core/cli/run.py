@@ -18,6 +18,7 @@ from cpm_core.cli.arguments import (
     add,
     add_parameters,
     check_exports,
+    check_targets,
     numbers_of,
     parameters_of,
     part_of,
@@ -46,7 +47,7 @@ from cpm_core.cli.output import (
     report,
     say,
 )
-from cpm_core.cli.pages import check_pages, run_pages
+from cpm_core.cli.pages import run_pages
 from cpm_core.contours.agreement import compare
 from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.contours.result import Result
@@ -63,11 +64,12 @@ from cpm_core.formats import (
     load_volume,
     suffix_of,
 )
-from cpm_core.formats.common.atomic import check_place
+from cpm_core.formats.common.atomic import check_place, check_target
 from cpm_core.formats.common.provenance import ENTRY, facts_of, plain_shapes, with_shapes
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.sessions.recorded_run import Recorder, with_run
 from cpm_core.formats.sessions.session_file import SUFFIX, ImageFile, SessionFile, save_session
+from cpm_core.formats.stack_files import FOR_STACKS
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
 from cpm_core.model.state import State
@@ -171,7 +173,11 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.pages is None:
         check_exports(arguments.export, arguments, path)
         return _run_image(arguments, session, path, reading | part, parameters, drawn)
-    check_pages(arguments, path)
+    # --not follows --object
+    refuse(arguments, ("page", "object", "close", "truth", "save_session"), "one image, but --pages runs several")
+    for target in arguments.export:
+        check_target(target, FOR_STACKS, "for all pages of a stack")
+    check_targets(arguments.export, arguments, path)
     reading.pop("page", None)
     shapes = _shapes(drawn, arguments)
     return run_pages(
@@ -201,7 +207,10 @@ def _run_image(
     image = (load_volume if volume else load_image)(path, **part)
     parameters = fitted(image, parameters, scales=arguments.scales is None)
     truth = truth_for(arguments, image)
-    _check_places(drawn["object"], image)
+    for place in drawn["object"]:
+        if not all(-0.5 <= at <= side - 0.5 for at, side in zip(place, image.shape, strict=True)):
+            at = ",".join(f"{number:g}" for number in place)
+            raise ValueError(f"--object is {at} but lies outside the image, which has {sized(image.shape)}.")
     started = time.perf_counter()
     shapes = _shapes(drawn, arguments, image if volume else None)
     starting = _starting(arguments, session, image, shapes)
@@ -254,16 +263,15 @@ def _run_image(
         )
         with files.writing(arguments.save_session):
             save_session(with_run(whole, recorder), Path(arguments.save_session))
-    status = files.status(_CLOSE if any(left_out(shown, suffix_of(path)) for path in files.refused) else "")
     facts, lines = _on_surface(result, seconds) if volume else _on_contours(result, chosen, seconds)
     if not volume:
         written = [path for path in files.written if path in arguments.export]
         facts["left_out"] = {path: left_out(shown, suffix_of(path)) for path in written}
     if truth is not None:
-        facts["truth"] = _agreement(shown, truth)
-        lines.append(_sentence_on(facts["truth"]))
-    report("run", facts, lines, files, as_json=arguments.json)
-    return status
+        facts["truth"], sentence = _agreement(shown, truth)
+        lines.append(sentence)
+    advice = _CLOSE if any(left_out(shown, suffix_of(path)) for path in files.refused) else ""
+    return report(arguments, facts, lines, files, advice)
 
 
 def _check_options(arguments: argparse.Namespace, session: SessionFile, volume: bool) -> None:
@@ -352,25 +360,17 @@ def _surface(found: Result, drawn: Drawn) -> Result:
     return replace(found, surface=chosen.surface)
 
 
-def _check_places(places: Sequence[tuple[float, ...]], image: Image) -> None:
-    """Raise ValueError when a place of the object lies outside the image, before the run."""
-    for place in places:
-        if not all(-0.5 <= at <= side - 0.5 for at, side in zip(place, image.shape, strict=True)):
-            at = ",".join(f"{number:g}" for number in place)
-            raise ValueError(f"--object is {at} but lies outside the image, which has {sized(image.shape)}.")
-
-
 def _on_contours(result: Result, chosen: Selection | None, seconds: float) -> tuple[dict[str, Any], list[str]]:
     """The report on contours, as values by name and as sentences."""
     facts: dict[str, Any] = {**facts_of_run(result, seconds), "bridges": len(result.bridges), ENTRY: facts_of(result)}
     lines = [f"{result.source}: {contours_of(result)}"]
     lines += longest(
-        result.contours,
-        lambda contour: (
+        [
             f"length {contour.length:.1f} px, "
             + (f"closed, area {contour.area:.1f} px²" if contour.closed else "open")
             + f", strength {contour.strength:.3g}"
-        ),
+            for contour in result.contours
+        ]
     )
     if chosen is not None:
         on_object = {
@@ -415,25 +415,20 @@ def _on_run(result: Result, seconds: float) -> Iterator[str]:
     yield f"Stopped: {result.stop_reason}"
 
 
-def _agreement(result: Result, truth: Truth | VolumeTruth) -> dict[str, Any]:
-    """How well contours, or a surface, agree with a ground truth, as values by name."""
+def _agreement(result: Result, truth: Truth | VolumeTruth) -> tuple[dict[str, Any], str]:
+    """How well contours, or a surface, agree with a ground truth, as values by name and as a sentence."""
     found: Any
-    measures, unit = ["dice", "jaccard", "precision", "recall", "f", "hausdorff"], {}
+    measures, of, unit = ["dice", "jaccard", "precision", "recall", "f", "hausdorff"], {}, "px"
     if isinstance(truth, VolumeTruth):
-        found, unit = compare_surface(result.surface, truth), {"unit": truth.unit}
+        found, of, unit = compare_surface(result.surface, truth), {"unit": truth.unit}, truth.unit or "voxels"
         measures.append("hausdorff95")
     else:
         found = compare(result.contours, truth)
     values = {name: getattr(found, name) for name in measures} | {"mean_distance": found.mean_boundary_distance}
-    finite = {name: round(value, 6) if math.isfinite(value) else None for name, value in values.items()}
-    return {"source": truth.source, **finite, **unit}
-
-
-def _sentence_on(agreed: Mapping[str, Any]) -> str:
-    """The agreement as a sentence."""
-    unit = agreed.get("unit", "px") or "voxels"
-    dice = "not known" if agreed["dice"] is None else f"{agreed['dice']:.3f}"
-    away = ""
+    agreed = {name: round(value, 6) if math.isfinite(value) else None for name, value in values.items()}
+    sentence = f"Beside {truth.source}: Dice "
+    sentence += "not known" if agreed["dice"] is None else f"{agreed['dice']:.3f}"
+    sentence += f", F {agreed['f']:.3f}"
     if agreed["hausdorff"] is not None:
-        away = f", {agreed['mean_distance']:.2g} {unit} apart on average, {agreed['hausdorff']:.1f} {unit} at most"
-    return f"Beside {agreed['source']}: Dice {dice}, F {agreed['f']:.3f}{away}"
+        sentence += f", {agreed['mean_distance']:.2g} {unit} apart on average, {agreed['hausdorff']:.1f} {unit} at most"
+    return {"source": truth.source, **agreed, **of}, sentence

@@ -81,10 +81,7 @@ def run(arguments: argparse.Namespace) -> int:
     seconds = time.perf_counter() - started
     files = Files()
     files.export(found, arguments.export, **({"space": arguments.space or "LPS"} if volume else {}))
-    status = files.status()
-    facts, lines = _outcome(found, seconds)
-    report("skeleton", facts, lines, files, as_json=arguments.json)
-    return status
+    return report(arguments, *_outcome(found, seconds), files)
 
 
 def _outcome(found: Skeleton | Centerlines, seconds: float) -> tuple[dict[str, Any], list[str]]:
@@ -113,4 +110,4 @@ def _outcome(found: Skeleton | Centerlines, seconds: float) -> tuple[dict[str, A
         f"length {length:.1f} {unit}, radius {radii.min():.1f} to {radii.max():.1f} {unit}"
         for length, radii in zip(lengths, found.radii, strict=True)
     ]
-    return facts, [f"{found.source}: {first} in {seconds:.2f} s", *longest(lines, str)]
+    return facts, [f"{found.source}: {first} in {seconds:.2f} s", *longest(lines)]

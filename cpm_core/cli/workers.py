@@ -36,7 +36,7 @@ _LOOK = 0.2
 _DIED = "The process that worked on it ended unexpectedly; perhaps there was not enough memory."
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Row:
     """What has been done with one image.
 
@@ -77,7 +77,7 @@ class Row:
     contents: dict[str, bytes] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Job:
     """A run on one image."""
 

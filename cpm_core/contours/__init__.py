@@ -5,6 +5,7 @@ from cpm_core.contours.agreement import Agreement as Agreement
 from cpm_core.contours.agreement import ObjectCounts as ObjectCounts
 from cpm_core.contours.agreement import agreement as agreement
 from cpm_core.contours.agreement import distance_to as distance_to
+from cpm_core.contours.contour import Label as Label
 from cpm_core.contours.contour import Reached as Reached
 from cpm_core.contours.contour import bridges_on as bridges_on
 from cpm_core.contours.contour import neighborhood as neighborhood
@@ -17,7 +18,9 @@ from cpm_core.contours.hand_edits import Kind as Kind
 from cpm_core.contours.hand_edits import Path as Path
 from cpm_core.contours.measurements import Measures as Measures
 from cpm_core.contours.measurements import centroid as centroid
+from cpm_core.contours.packed_surface import PackedBody as PackedBody
 from cpm_core.contours.packed_surface import PackedSurface as PackedSurface
+from cpm_core.contours.packed_surface import PackedVoxels as PackedVoxels
 from cpm_core.contours.review import REACH as REACH
 from cpm_core.contours.review import Mark as Mark
 from cpm_core.contours.review import Outline as Outline
@@ -32,3 +35,4 @@ from cpm_core.contours.review import reviewed as reviewed
 from cpm_core.contours.review import with_kept as with_kept
 from cpm_core.contours.surface import inside_of as inside_of
 from cpm_core.contours.surface import numbered as numbered
+from cpm_core.contours.surface import surfaces_joined as surfaces_joined

@@ -26,7 +26,7 @@ TOLERANCE = 2.0
 """Default distance up to which two boundaries count as the same [px]."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ObjectCounts:
     """Counts of objects; one is found by a closed contour if their Jaccard index is above 1/2.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
@@ -42,6 +42,19 @@ def check_color(what: str, color: str) -> None:
         )
 
 
+@dataclass(frozen=True, slots=True)
+class Label:
+    """What the object with a number is called, and its color, ``"#rrggbb"``; either may be empty."""
+
+    number: int
+    name: str = ""
+    color: str = ""
+
+    def __post_init__(self) -> None:
+        check_name("a label", self.name)
+        check_color("a label", self.color)
+
+
 @dataclass(frozen=True, eq=False)
 class Contour:
     """A polygonal curve through particles.
@@ -72,8 +85,8 @@ class Contour:
         Whether it is the boundary of a hole in an object: what is inside does not belong to it.
     bridged : float
         Length of its stretches that follow no edge that was found, but were closed [px].
-    reached : {"", "flight", "weak", "junction", "launched"}
-        How particles came to most of it; empty where it is not known.
+    way : callable or None
+        Finds out `reached`; None where it is not known.
     category : str
         Name of the class of the object that it bounds, or empty.
     gray : float or None
@@ -101,7 +114,7 @@ class Contour:
     closed: bool
     strength: float = 0.0
     junctions: tuple[bool, bool] = (False, False)
-    sides: Callable[[], float] | None = field(default=None, repr=False)
+    sides: Callable[[], float] | None = None
     name: str = ""
     color: str = ""
     number: int = 0
@@ -109,7 +122,7 @@ class Contour:
     group: int = 0
     hole: bool = False
     bridged: float = 0.0
-    reached: Reached = ""
+    way: Callable[[], str] | None = None
     category: str = ""
     gray: float | None = None
 
@@ -124,7 +137,12 @@ class Contour:
         """
         return self.sides() if self.sides else 0.0
 
-    @property
+    @cached_property
+    def reached(self) -> str:
+        """How particles came to most of it; found out at the first access, which may take longer than the contours."""
+        return self.way() if self.way else ""
+
+    @cached_property
     def path(self) -> Array:
         """Vertices with the first repeated at the end when the contour is closed."""
         return np.concatenate([self.points, self.points[:1]]) if self.closed else self.points

@@ -109,7 +109,7 @@ class Graph:
         neighbor with the lowest number.
         """
         if self._ways is None:
-            total = int(self.degrees.sum())  # each edge twice: room for its two vertices
+            total = self.degrees.sum()  # each edge twice: room for its two vertices
             vertices, start = np.empty(total, np.int64), np.zeros(total // 2 + 1, np.int64)
             closed = np.zeros(total // 2, np.bool_)
             walked = np.zeros(self._near.shape, np.bool_)

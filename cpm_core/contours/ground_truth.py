@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -140,11 +140,10 @@ def truth_of_mask(values: NDArray[np.generic], source: str = "ground truth") -> 
 def labels_of(values: NDArray[np.generic], source: str) -> Labels:
     """Numbers of the gray levels of a mask, from 0; ValueError when it is none, as for `truth_of_mask`."""
     levels, index = np.unique(values, return_inverse=True)
-    labels: Labels = index.reshape(values.shape).astype(np.int32)
-    if len(levels) > 2 and values.dtype.kind != "b":
+    labels = index.reshape(values.shape).astype(np.int32)
+    if len(levels) > 8:
         span = (np.asarray(values, dtype=np.float64) - float(levels[0])) / (float(levels[-1]) - float(levels[0]))
-        smeared = np.minimum(span, 1.0 - span)
-        if len(levels) > 8 and smeared.max() < _CLEAR:  # black and white from a lossy format
+        if np.minimum(span, 1.0 - span).max() < _CLEAR:  # black and white from a lossy format
             labels = (span > 0.5).astype(np.int32)
     if len(levels) < 2:
         raise ValueError(f"{source} has one gray level everywhere, so it shows no object: choose another mask.")
@@ -217,7 +216,7 @@ class VolumeTruth(_Labeled):
     spacing: tuple[float, ...] = (1.0, 1.0, 1.0)
     unit: str | None = None
     source: str = "ground truth"
-    boundary: Surface | None = field(default=None, repr=False)
+    boundary: Surface | None = None
 
     def __post_init__(self) -> None:
         given = real_numbers(self.labels)

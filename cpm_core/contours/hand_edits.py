@@ -47,7 +47,7 @@ _FINE = 0.5
 """Distance between samples along a line that is compared with an outline [px]."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class HandEdit:
     """One change of contours by hand.
 
@@ -91,12 +91,6 @@ class HandEdit:
         if self.closed:
             return "outline"
         return "join" if self.before and self.after else "extension" if self.before or self.after else "line"
-
-    @property
-    def place(self) -> Position:
-        """A place where it acts, for messages and marks."""
-        path = self.added or self.removed
-        return path[len(path) // 2]
 
 
 def apply(contours: Sequence[Contour], edits: Sequence[HandEdit]) -> tuple[tuple[Contour, ...], tuple[int, ...]]:

@@ -23,7 +23,7 @@ _MARGIN = 1.0
 """How far a contour may extend beyond the one around it, since contours may share a stretch of edge [px]."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Measures:
     """A row of the table of contours.
 
@@ -58,6 +58,8 @@ class Measures:
         its label in the label mask. 0 when open, and for the hole of an object.
     net_area_in_units : float
         The same in the square of the unit.
+    reached : {"", "flight", "weak", "junction", "launched"}
+        How particles came to it; empty where it is not known, or was not requested with the contrast.
     """
 
     number: int
@@ -76,6 +78,7 @@ class Measures:
     net_area: float
     net_area_in_units: float
     by_hand: float = 0.0
+    reached: str = ""
 
     def __repr__(self) -> str:
         kind = "closed" if self.closed else "open"
@@ -118,7 +121,8 @@ def measure(
     spacing : sequence of float
         Size of a pixel along (row, col), in any unit.
     contrast : bool
-        Whether to measure the contrast, which takes longer than everything else at the first access.
+        Whether to measure the contrast and find out how contours were reached, which takes longer than everything else
+        at the first access.
 
     Returns
     -------
@@ -160,6 +164,7 @@ def measure(
             length_in_units=length(contour.path * spacing),
             area_in_units=contour.area * spacing[0] * spacing[1],
             by_hand=contour.length_by_hand,
+            reached=contour.reached if contrast else "",
             net_area=own,
             net_area_in_units=own * spacing[0] * spacing[1],
         )

@@ -1,4 +1,7 @@
-"""Arrays and surfaces as text, as sessions hold them: compressed bytes, which are checked before they are unpacked."""
+"""Bodies of objects as documents and sessions hold them: a closed surface as text, or voxels, eight in a byte.
+
+Text is compressed bytes, which are checked before they are unpacked.
+"""
 
 from __future__ import annotations
 
@@ -6,8 +9,9 @@ import base64
 import binascii
 import math
 import zlib
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -16,7 +20,8 @@ from numpy.typing import DTypeLike, NDArray
 
 from cpm_core.contours.surface import Surface, inside_of
 from cpm_core.image.volume_regions import Voxels
-from cpm_core.numerics.types import Place
+from cpm_core.numerics.grids import zero_surface
+from cpm_core.numerics.types import Array, Index, Mask, Place
 
 _LARGEST = 256 * 2**20
 """Most bytes of an array that is read."""
@@ -102,11 +107,211 @@ class PackedSurface:
         return Voxels(inside_of(there, tuple(shape.tolist())), tuple(first.tolist()))
 
     @cached_property
+    def painted(self) -> PackedVoxels:
+        """The same body as voxels, which a brush can change."""
+        return PackedVoxels.of(self.voxels)
+
+    def part(self, begin: Sequence[int], shape: Sequence[int]) -> Mask:
+        """Which voxels of a box, given its first voxel and its shape, have their centers inside."""
+        return self.painted.part(begin, shape)
+
+    @property
+    def exact(self) -> PackedSurface:
+        """The same body as a surface."""
+        return self
+
+    @property
+    def volume(self) -> float:
+        """What it encloses [voxels]."""
+        return self.surface.volume
+
+    @property
+    def box(self) -> Array:
+        """The least, and the largest, plane, row and column of it [voxels], shape (2, 3)."""
+        vertices = self.surface.vertices
+        return np.array([vertices.min(axis=0), vertices.max(axis=0)])
+
+    @cached_property
     def shell(self) -> Voxels:
         """Those of them that have a side in common with a voxel outside."""
-        inside = self.voxels.mask
-        return Voxels(inside & ~scipy.ndimage.binary_erosion(inside), self.voxels.first)
+        return _shell_of(self.voxels)
 
     def moved(self, by: Place) -> PackedSurface:
         """The same surface displaced by so much along each axis [voxels]."""
         return PackedSurface.of(replace(self.surface, vertices=self.surface.vertices + np.array(by)))
+
+
+def _shell_of(voxels: Voxels) -> Voxels:
+    return Voxels(voxels.mask & ~scipy.ndimage.binary_erosion(voxels.mask), voxels.first)
+
+
+_BYTE = 8
+
+_SMOOTH, _MARGIN = 0.8, 3
+"""Standard deviation by which the steps between voxels are smoothed for a surface, and what is around it [voxels]."""
+
+_LEAST = 0.15
+"""Least difference of a smoothed voxel from the level of the surface, so that it stays on its side."""
+
+_MOST_KEPT = 64
+"""Bodies of voxels of which surfaces and shells are kept: documents that can be undone hold many versions of each."""
+
+
+@dataclass(frozen=True)
+class PackedVoxels:
+    """Voxels of a volume in a box, eight in a byte; another version of them shares the planes that have not changed.
+
+    Attributes
+    ----------
+    first : tuple of int
+        The voxel that the box begins at, (plane, row, col).
+    width : int
+        Bytes of a row.
+    planes : tuple of bytes
+        The planes, row after row.
+
+    Raises
+    ------
+    ValueError
+        When there is no voxel.
+    """
+
+    first: tuple[int, ...]
+    width: int
+    planes: tuple[bytes, ...]
+
+    def __post_init__(self) -> None:
+        if not _any(self.planes):
+            raise ValueError("An object in a volume needs at least one voxel.")
+
+    @classmethod
+    def of(cls, voxels: Voxels) -> PackedVoxels:
+        """The voxels as bytes."""
+        bits = np.packbits(voxels.mask, axis=2)
+        return cls(voxels.first or (0, 0, 0), bits.shape[2], tuple(plane.tobytes() for plane in bits))
+
+    @property
+    def shape(self) -> tuple[int, int, int]:
+        """Planes, rows and columns of the box."""
+        return len(self.planes), len(self.planes[0]) // self.width, _BYTE * self.width
+
+    def part(self, begin: Sequence[int], shape: Sequence[int]) -> Mask:
+        """Which voxels of another box, given its first voxel and its shape, are among them."""
+        found = np.zeros(shape, np.bool_)
+        low, high = np.maximum(begin, self.first), np.minimum(np.add(begin, shape), np.add(self.first, self.shape))
+        if (low < high).all():
+            (plane, row, col), (planes, rows, cols) = low - self.first, high - low
+            width = slice(col // _BYTE, -(-(col + cols) // _BYTE))
+            raw = np.stack([self._rows(at)[row : row + rows, width] for at in range(plane, plane + planes)])
+            bits = np.unpackbits(raw, axis=2).view(np.bool_)
+            found[_window(low, high, begin)] = bits[:, :, col % _BYTE :][:, :, :cols]
+        return found
+
+    def with_part(self, begin: Sequence[int], mask: Mask) -> PackedVoxels | None:
+        """These with a mask instead of what is in its box, which begins at a voxel; None without any voxel."""
+        known = self._around(begin, mask)
+        low, high = np.maximum(begin, known.first), np.add(begin, mask.shape)
+        high = np.minimum(high, np.add(known.first, known.shape))
+        if (low >= high).any():
+            return known
+        # whole bytes are changed
+        first, last = low.copy(), high.copy()
+        first[2] -= (low[2] - known.first[2]) % _BYTE
+        last[2] += (known.first[2] - high[2]) % _BYTE
+        bits = known.part(first, last - first)
+        bits[_window(low, high, first)] = mask[_window(low, high, begin)]
+        (plane, row, col), planes = first - known.first, [*known.planes]
+        for at, changed in enumerate(np.packbits(bits, axis=2), start=plane):
+            rows = known._rows(at).copy()
+            rows[row : row + len(changed), col // _BYTE :][:, : changed.shape[1]] = changed
+            planes[at] = rows.tobytes()
+        return replace(known, planes=tuple(planes)) if _any(planes) else None
+
+    @property
+    def voxels(self) -> Voxels:
+        """They as a mask."""
+        return Voxels(self.part(self.first, self.shape), self.first)
+
+    @property
+    def shell(self) -> Voxels:
+        """Those that have a side in common with another voxel."""
+        return _shell(self)
+
+    @property
+    def surface(self) -> Surface:
+        """A smooth surface around them, which encloses the very same voxels [voxels]."""
+        return _surface(self)
+
+    @property
+    def painted(self) -> PackedVoxels:
+        """The same body as voxels."""
+        return self
+
+    @property
+    def exact(self) -> PackedSurface:
+        """The same body as a surface."""
+        return PackedSurface.of(self.surface)
+
+    @property
+    def volume(self) -> float:
+        """Their number."""
+        return float(sum(int(np.bitwise_count(self._rows(at)).sum()) for at in range(len(self.planes))))
+
+    @property
+    def box(self) -> Array:
+        """The least, and the largest, plane, row and column of them, shape (2, 3)."""
+        return _ends(self.part(self.first, self.shape)) + self.first
+
+    def _rows(self, plane: int) -> NDArray[np.uint8]:
+        """The bytes of a plane of the box, a row of the array for each of its rows."""
+        return np.frombuffer(self.planes[plane], np.uint8).reshape(-1, self.width)
+
+    def _around(self, begin: Sequence[int], mask: Mask) -> PackedVoxels:
+        """The same voxels in a box with room for those of a mask."""
+        if not mask.any():
+            return self
+        low, high = _ends(mask) + begin
+        before = np.maximum(np.subtract(self.first, low), 0)
+        after = np.maximum(high + 1 - np.add(self.first, self.shape), 0)
+        before[2], after[2] = -(-before[2] // _BYTE), -(-after[2] // _BYTE)
+        if not before.any() and not after.any():
+            return self
+        room = tuple(zip(before.tolist(), after.tolist(), strict=True))
+        planes = [np.pad(self._rows(at), room[1:]).tobytes() for at in range(len(self.planes))]
+        nothing = (bytes(len(planes[0])),)
+        first = np.subtract(self.first, before * (1, 1, _BYTE))
+        return PackedVoxels(
+            tuple(first.tolist()), self.width + sum(room[2]), (*nothing * room[0][0], *planes, *nothing * room[0][1])
+        )
+
+
+PackedBody = PackedVoxels | PackedSurface
+
+
+def _any(planes: Sequence[bytes]) -> bool:
+    return any(plane != bytes(len(plane)) for plane in planes)
+
+
+def _window(low: Index, high: Index, begin: Sequence[int] | Index) -> tuple[slice, ...]:
+    """A box in one that begins at a voxel."""
+    return tuple(slice(a, b) for a, b in zip(low - begin, high - begin, strict=True))
+
+
+def _ends(mask: Mask) -> Index:
+    """First and last plane, row and column with a voxel of a mask, which has one; shape (2, 3)."""
+    lines = (np.flatnonzero(mask.any(axis=axes)) for axes in ((1, 2), (0, 2), (0, 1)))
+    return np.array([(line[0], line[-1]) for line in lines]).T
+
+
+@lru_cache(maxsize=_MOST_KEPT)
+def _shell(body: PackedVoxels) -> Voxels:
+    return _shell_of(body.voxels)
+
+
+@lru_cache(maxsize=_MOST_KEPT)
+def _surface(body: PackedVoxels) -> Surface:
+    inside = np.pad(body.voxels.mask, _MARGIN)
+    level = scipy.ndimage.gaussian_filter(inside.astype(np.float32), _SMOOTH) - np.float32(0.5)
+    level = np.where(inside, np.maximum(level, _LEAST), np.minimum(level, -_LEAST))
+    vertices, faces = zero_surface(level)
+    return Surface(vertices + np.array(body.first) - _MARGIN, faces)

@@ -94,9 +94,9 @@ class PolygonalLine:
         if not len(begin):
             return 0.0, float(np.linalg.norm(self.points[0] - place))
         away = distances_to_segments(np.array(place), begin, along)
-        n = int(np.argmin(away))
-        square = float(along[n] @ along[n])
-        share = float((np.array(place) - begin[n]) @ along[n]) / square if square > 0.0 else 0.0
+        n = np.argmin(away)
+        square = along[n] @ along[n]
+        share = (place - begin[n]) @ along[n] / square if square > 0.0 else 0.0
         return float(self.lengths[n] + min(max(share, 0.0), 1.0) * np.sqrt(square)), float(away[n])
 
     def part(self, first: float, last: float) -> PolygonalLine:

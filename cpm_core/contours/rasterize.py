@@ -2,22 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
-import skimage
 from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import containment, contour_labels
-from cpm_core.numerics.types import Mask
+from cpm_core.numerics.types import Array, Mask
 from cpm_core.parameters.quotation import shown
 
 Labels = NDArray[np.unsignedinteger]
 
 MOST_LABELS = 65535
 """Labels that 16 bits can hold."""
+
+_NEAR = 1e-9
+"""Distance from an edge up to which a pixel lies on it [px]."""
 
 
 def paint(contours: Sequence[Contour], shape: tuple[int, ...]) -> Labels:
@@ -45,13 +47,38 @@ def paint(contours: Sequence[Contour], shape: tuple[int, ...]) -> Labels:
     labels = contour_labels(contours)
     of_group = {contour.group: label for contour, label in zip(contours, labels, strict=True) if label}
     closed = [(contour, label) for contour, label in zip(contours, labels, strict=True) if contour.closed]
-    for contour, label in sorted(closed, key=lambda pair: -pair[0].area):
-        inside = skimage.draw.polygon(contour.points[:, 0], contour.points[:, 1], shape)  # type: ignore[no-untyped-call]
+    closed.sort(key=lambda pair: -pair[0].area)
+    for index, row, first, end in _runs([contour.points for contour, _ in closed], shape):
+        contour, label = closed[index]
+        pixels = mask[row, first:end]
         if contour.hole:  # other objects may be there already
-            mask[inside] = np.where(mask[inside] == of_group.get(contour.group, 0), 0, mask[inside])
+            pixels[pixels == of_group.get(contour.group, 0)] = 0
         else:
-            mask[inside] = label
+            pixels[:] = label
     return mask
+
+
+def _runs(polygons: Sequence[Array], shape: tuple[int, ...]) -> Iterable[list[int]]:
+    """Pixels inside polygons or on their edges, as runs: the polygon, in order, row, first column and end."""
+    if not polygons:
+        return []
+    index = np.repeat(np.arange(len(polygons)), [len(points) for points in polygons])
+    row, col = np.concatenate(polygons).T
+    below, right = np.concatenate([np.roll(points, -1, axis=0) for points in polygons]).T
+    low, high = np.clip([np.minimum(row, below), np.maximum(row, below)], -1, shape[0])
+    places = []
+    # an edge crosses its first row but not its last one, then the other way around: both know the pixels off edges
+    for side, (begin, end) in enumerate(((np.ceil(low), np.ceil(high)), (np.floor(low) + 1, np.floor(high) + 1))):
+        count = (end - begin).astype(int)
+        edge = np.repeat(np.arange(len(row)), count)
+        line = begin[edge] + np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count)
+        slope = (right[edge] - col[edge]) / (below[edge] - row[edge])
+        places.append([index[edge], np.full(len(edge), side), line, col[edge] + slope * (line - row[edge])])
+    crossed = np.concatenate(places, axis=1)
+    crossed = crossed[:, (crossed[2] >= 0) & (crossed[2] < shape[0])]
+    crossed = crossed[:, np.lexsort(crossed[::-1])]
+    ends = np.clip([np.ceil(crossed[3, ::2] - _NEAR), np.floor(crossed[3, 1::2] + _NEAR) + 1], 0, shape[1])
+    return np.stack([crossed[0, ::2], crossed[2, ::2], *ends], axis=1).astype(int).tolist()
 
 
 def check_plane(shape: Sequence[int]) -> None:

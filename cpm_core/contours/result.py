@@ -26,7 +26,7 @@ _MOST_NAMES = 400
 """Labels that are written into a picture."""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False)
 class Result(drawing.Pictured):
     """Outcome of a run.
 
@@ -89,10 +89,10 @@ class Result(drawing.Pictured):
     unit: str | None
     source: str
     bridges: tuple[Bridge, ...] = ()
-    image: Image | None = field(default=None, repr=False)
+    image: Image | None = None
     regions: AnyRegions | None = None
     channel: str = "luminance"
-    provenance: Provenance = field(default_factory=Provenance, repr=False)
+    provenance: Provenance = field(default_factory=Provenance)
 
     @cached_property
     def labels(self) -> NDArray[np.int32]:
@@ -178,9 +178,9 @@ class Result(drawing.Pictured):
         if particles and len(self.particles):
             drawing.show_particles(ax, self.particles)
         if labels:
-            numbered = zip(self.contours, contour_labels(self.contours), strict=True)
-            named = [(one.name or str(n), centroid(one)) for one, n in numbered if n][:_MOST_NAMES]
-            drawing.show_names(ax, [name for name, _ in named], [place for _, place in named])
+            labeled = zip(self.contours, contour_labels(self.contours), strict=True)
+            for contour, label in [one for one in labeled if one[1]][:_MOST_NAMES]:
+                drawing.show_name(ax, contour.name or str(label), centroid(contour))
         if scale_bar:
             drawing.show_scale_bar(ax, self.shape, self.spacing, self.unit)
         return ax

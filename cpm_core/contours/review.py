@@ -33,7 +33,7 @@ _ALONE = 3.0 * REACH
 """Distance from all other contours beyond which positions are equally good [px]."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Outline:
     """Where a contour ran when it was kept; the attributes are those of `Contour`, the default is none."""
 
@@ -48,7 +48,7 @@ class Outline:
         return Contour(points, self.closed, self.strength, name=name, color=color, number=self.number)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Mark:
     """Verdict, name and color of the contour at a position.
 
@@ -88,7 +88,7 @@ class Mark:
         check_color("a mark", self.color)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class ReviewedContour:
     """A contour with its mark.
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
+from cpm_core.contours.contour import Label
 from cpm_core.image import drawing
 from cpm_core.numerics.grids import parts_joined, parts_of, zero_surface
 from cpm_core.numerics.jit import compiled
@@ -21,7 +22,7 @@ _FARTHEST = 1e9
 """Largest coordinate of a vertex, beyond any volume that can be processed [voxels]."""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False)
 class Surface:
     """Triangles in a volume.
 
@@ -42,6 +43,8 @@ class Surface:
         Number of components that were left out, because they had too few particles or vertices without any near.
     numbers : ndarray of int64, shape (F,), or None
         Number, from 1 up, of the object that each triangle bounds; None where objects have none of their own.
+    labels : tuple of Label
+        What these objects are called; empty where nobody has named them.
 
     Examples
     --------
@@ -62,7 +65,8 @@ class Surface:
     unit: str | None = None
     unsupported: float = np.nan
     left_out: int = 0
-    numbers: Index | None = field(default=None, repr=False)
+    numbers: Index | None = None
+    labels: tuple[Label, ...] = ()
 
     def __post_init__(self) -> None:
         vertices = rows_of_three("vertices", self.vertices).copy()
@@ -74,7 +78,7 @@ class Surface:
             np.shape(self.numbers) != (len(faces),) or np.min(self.numbers, initial=1) < 1
         ):
             raise ValueError("The numbers of a surface must be one of at least 1 for each triangle.")
-        farthest = float(np.abs(vertices).max(initial=0.0))
+        farthest = np.abs(vertices).max(initial=0.0)
         if farthest > _FARTHEST:
             raise ValueError(f"A vertex lies at {farthest:g} voxels, but must lie within {_FARTHEST:g}: correct it.")
         object.__setattr__(self, "spacing", tuple(voxel_sides("The spacing of a surface", self.spacing).tolist()))
@@ -179,7 +183,7 @@ class Surface:
     def _edge_counts(self) -> Index:
         """Number of triangles at each edge."""
         ends = np.sort(self.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-        numbers: Index = ends[:, 0] * len(self.vertices) + ends[:, 1]
+        numbers = ends[:, 0] * len(self.vertices) + ends[:, 1]
         return np.unique(numbers, return_counts=True)[1]
 
 
@@ -272,5 +276,17 @@ def surface_of_labels(
         corners.append(faces + count)
         numbers.append(np.full(len(faces), number))
         count += len(vertices)
-    of = np.concatenate(numbers) if sum(part is not None for part in parts) > 1 else None
+    of = np.concatenate(numbers) if len(numbers) > 2 else None
     return Surface(np.concatenate(places), np.concatenate(corners), spacing, unit, numbers=of)
+
+
+def surfaces_joined(bodies: Sequence[tuple[int, Surface]], spacing: tuple[float, ...], unit: str | None) -> Surface:
+    """The surfaces of objects, each with its number, as one."""
+    firsts = np.cumsum([0, *(len(body.vertices) for _, body in bodies)])
+    return Surface(
+        np.concatenate([body.vertices for _, body in bodies]),
+        np.concatenate([body.faces + first for (_, body), first in zip(bodies, firsts, strict=False)]),
+        spacing,
+        unit,
+        numbers=np.concatenate([np.full(len(body.faces), number) for number, body in bodies]),
+    )

@@ -8,7 +8,7 @@ the centers of the outermost voxels is not compared.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -97,13 +97,12 @@ def triangles_of(surface: Surface, shape: tuple[int, ...]) -> Triangles:
         halves = 0.5 * (a + b), 0.5 * (b + c), 0.5 * (c + a)
         four = (a, halves[0], halves[2]), (halves[0], b, halves[1]), (halves[2], halves[1], c), halves
         corners = np.concatenate([corners[~large], *(np.stack(some, axis=1) for some in four)])
-    found = Triangles(corners)
-    return Triangles(corners[within_border(found.centers / sides, shape)])
+    return Triangles(corners[within_border(corners.mean(axis=1) / sides, shape)])
 
 
 def within_border(voxels: Array, shape: tuple[int, ...]) -> Mask:
     """Which of positions, shape (N, 3) [voxels], lie between the centers of the outermost voxels of a volume."""
-    return np.asarray(((voxels >= 0.0) & (voxels <= np.array(shape) - 1.0)).all(axis=1))
+    return np.all((voxels >= 0.0) & (voxels <= np.array(shape) - 1.0), axis=1)
 
 
 def _from_triangles(points: Array, corners: Array) -> Array:
@@ -154,8 +153,8 @@ class SurfaceComparison(Agreement):
     dice: float
     jaccard: float
     objects: ObjectCounts
-    wrong: Array = field(repr=False)
-    missing: Array = field(repr=False)
+    wrong: Array
+    missing: Array
     unit: str | None = None
 
     def __repr__(self) -> str:

@@ -23,8 +23,8 @@ from cpm_core.numerics.types import Array, Single
 _MOST_KEPT = 2**21
 """Pixels of an image up to which the spectra of its kernels are kept for the next image of the same size."""
 
-_AT_ONCE = 2**19
-"""Pixels whose spectrum is multiplied with the kernels at once."""
+_AT_ONCE, _LEAST_AT_ONCE = 2**14, 8
+"""Pixels whose spectrum, small enough for the cache, is multiplied with the kernels at once; least columns of it."""
 
 _MOST_IN_DOUBLE = 2**22
 """Pixels up to which kernels are transformed in double precision."""
@@ -53,7 +53,7 @@ def convolved_field(
     kernels = [kernel_of(k, half, power, made_in, f.dtype, pitch or (1.0,) * f.ndim) for k in range(f.ndim)]
     spectrum = scipy.fft.rfft(f, 2 * half[-1], workers=cores())
     fields = [*(np.empty_like(spectrum) for _ in half[1:]), spectrum]
-    at_once = max(_AT_ONCE // math.prod(half[:-1]), 1)
+    at_once = max(_AT_ONCE // math.prod(half[:-1]), _LEAST_AT_ONCE)
     for first in range(0, spectrum.shape[-1], at_once):
         some = (..., slice(first, first + at_once))
         charges: NDArray[Any] = spectrum[some] * spectrum.dtype.type(1j)  # the kernels' spectra are imaginary

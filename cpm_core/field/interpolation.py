@@ -6,7 +6,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.jit import compiled, inlined
 from cpm_core.numerics.types import Array, Single
 from cpm_core.numerics.vectors import Vector
 
@@ -39,13 +39,19 @@ def component(packed: Single, c: int, place: tuple[int, int, float, float]) -> f
 
 
 @compiled
-def value_at(volume: Single, plane: float, row: float, col: float) -> float:
-    """Trilinear interpolation at a position in voxels; beyond the outermost ones the value at the border."""
-    z = min(max(0.0, plane), volume.shape[0] - 1.0)  # 0 first: that is the larger one when the other is no number
-    y = min(max(0.0, row), volume.shape[1] - 1.0)
-    x = min(max(0.0, col), volume.shape[2] - 1.0)
-    i, j, k = min(int(z), volume.shape[0] - 2), min(int(y), volume.shape[1] - 2), min(int(x), volume.shape[2] - 2)
-    z, y, x = z - i, y - j, x - k
+def between_voxels(count: int, at: float) -> tuple[int, float]:
+    """Voxel before a position along an axis of so many voxels, and the distance of the position from it."""
+    at = min(max(0.0, at), count - 1.0)  # 0 first: that is the larger one when the other is no number
+    index = max(min(int(at), count - 2), 0)  # never negative, as the compiler sees too
+    return index, at - index
+
+
+@inlined
+def mean_of_eight(volume: Single, plane: tuple[int, float], row: tuple[int, float], col: tuple[int, float]) -> float:
+    """Trilinear interpolation between eight voxels, by the first of them along each axis and the distances from it."""
+    i, z = plane
+    j, y = row
+    k, x = col
     a = volume[i, j, k] * (1.0 - x) + volume[i, j, k + 1] * x
     b = volume[i, j + 1, k] * (1.0 - x) + volume[i, j + 1, k + 1] * x
     c = volume[i + 1, j, k] * (1.0 - x) + volume[i + 1, j, k + 1] * x
@@ -53,7 +59,14 @@ def value_at(volume: Single, plane: float, row: float, col: float) -> float:
     return (a * (1.0 - y) + b * y) * (1.0 - z) + (c * (1.0 - y) + d * y) * z
 
 
-@compiled
+@inlined
+def value_at(volume: Single, plane: float, row: float, col: float) -> float:
+    """Trilinear interpolation at a position in voxels; beyond the outermost ones the value at the border."""
+    planes, rows, cols = volume.shape
+    return mean_of_eight(volume, between_voxels(planes, plane), between_voxels(rows, row), between_voxels(cols, col))
+
+
+@inlined
 def sampled(volume: Single, pitch: Vector, place: Vector) -> float:
     """Value of a volume at a place."""
     return value_at(volume, place[0] / pitch[0], place[1] / pitch[1], place[2] / pitch[2])
@@ -62,12 +75,17 @@ def sampled(volume: Single, pitch: Vector, place: Vector) -> float:
 @compiled
 def slope_at(volume: Single, pitch: Vector, place: Vector) -> Vector:
     """Slope of a volume at a place: differences over one unit to both sides along each axis."""
+    planes, rows, cols = volume.shape
     z, y, x = place[0] / pitch[0], place[1] / pitch[1], place[2] / pitch[2]
     dz, dy, dx = 1.0 / pitch[0], 1.0 / pitch[1], 1.0 / pitch[2]
+    plane, row, col = between_voxels(planes, z), between_voxels(rows, y), between_voxels(cols, x)
+    above, below = between_voxels(planes, z - dz), between_voxels(planes, z + dz)
+    before, behind = between_voxels(rows, y - dy), between_voxels(rows, y + dy)
+    left, right = between_voxels(cols, x - dx), between_voxels(cols, x + dx)
     return (
-        0.5 * (value_at(volume, z + dz, y, x) - value_at(volume, z - dz, y, x)),
-        0.5 * (value_at(volume, z, y + dy, x) - value_at(volume, z, y - dy, x)),
-        0.5 * (value_at(volume, z, y, x + dx) - value_at(volume, z, y, x - dx)),
+        0.5 * (mean_of_eight(volume, below, row, col) - mean_of_eight(volume, above, row, col)),
+        0.5 * (mean_of_eight(volume, plane, behind, col) - mean_of_eight(volume, plane, before, col)),
+        0.5 * (mean_of_eight(volume, plane, row, right) - mean_of_eight(volume, plane, row, left)),
     )
 
 

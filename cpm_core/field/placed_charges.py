@@ -54,7 +54,7 @@ _NORM = 1.0 / (9.0 * _REST**2 / RADII**3 * 2.0**-0.25 + _REST**3 * 2.0**-1.25)
 """Factor that makes the force of a charge of one equal to one at its radius."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class PlacedCharge:
     """A charge that the user places.
 

@@ -61,22 +61,20 @@ import numpy as np
 import scipy
 
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array
 
 _CUTOFFS = {2: 20.0, 3: 10.0}
-"""Cut-offs by default [px]; in a volume the time of the direct sums grows with the cube of the cut-off."""
+"""Cut-offs [px]; in a volume the time of the direct sums grows with the cube of the cut-off."""
 
 
-def pppm_field(f: Array, cutoff: float | None = None, iterations: int | None = None) -> Array:
+def pppm_field(f: Array) -> Array:
     r"""Electric field of the fixed charges by the published PPPM method, shape (D, \*shape); an inverse square.
 
-    `f` is the edge strength of every pixel, shape (H, W) or (P, H, W); `cutoff` the reach of the direct sums, five
-    times the cell of the mesh, by default 20 px in the plane and 10 px in a volume; `iterations` the number of sweeps
-    of successive over-relaxation, by default 50, and more in a volume of more than some 70 px along each axis.
+    `f` is the edge strength of every pixel, shape (H, W) or (P, H, W). There are 50 sweeps of successive
+    over-relaxation, and more in a volume of more than some 70 px along each axis.
     """
-    reach = _CUTOFFS[f.ndim] if cutoff is None else cutoff
-    return short_range(f, reach) + mesh_field(f, reach / CELLS_A_CUTOFF, iterations)
+    cutoff = _CUTOFFS[f.ndim]
+    return short_range(f, cutoff) + mesh_field(f, cutoff / CELLS_A_CUTOFF)
 
 
 def short_range(f: Array, cutoff: float) -> Array:
@@ -117,18 +115,18 @@ _MARGIN = 8
 represent."""
 
 _SWEEPS, _SWEEPS_A_NODE = 50, 1.25
-"""Sweeps of over-relaxation by default: the paper's, or those for each node along one side of a cubic mesh. A sweep
+"""Sweeps of over-relaxation: the paper's, or those for each node along one side of a cubic mesh. A sweep
 carries the potential of the faces inward by a cell or so. Those of a slab are near, those of a volume may be far."""
 
-_WORTH_A_THREAD = 200_000
-"""Pairs of a lump and a node from which a thread pays."""
+_AT_ONCE = 256
+"""Nodes on the faces of the mesh whose distances from all lumps are taken at once."""
 
 
-def mesh_field(f: Array, cell: float, iterations: int | None) -> Array:
+def mesh_field(f: Array, cell: float) -> Array:
     r"""Field of the charges spread to Gaussians, shape (D, \*shape), from Poisson's equation on a mesh.
 
     `f` is the edge strength, shape (\*shape), of two or three axes. The sweeps of successive over-relaxation begin with
-    a potential of zero inside the mesh; by default there are as many as leave only the error of the mesh.
+    a potential of zero inside the mesh; there are as many as leave only the error of the mesh.
     """
     flat = f.ndim == 2
     shares = []
@@ -148,8 +146,7 @@ def mesh_field(f: Array, cell: float, iterations: int | None) -> Array:
     angles[0] *= 0.5 if flat else 1.0
     # the factor by which a Jacobi sweep reduces the slowest error; it sets the over-relaxation
     radius = sum(map(math.cos, angles)) / 3.0
-    usual = max(_SWEEPS, math.ceil(_SWEEPS_A_NODE * math.pi / math.sqrt(2.0 * (1.0 - radius))))
-    sweeps = usual if iterations is None else iterations
+    sweeps = max(_SWEEPS, math.ceil(_SWEEPS_A_NODE * math.pi / math.sqrt(2.0 * (1.0 - radius))))
     _relax(potential, 4.0 * math.pi * density, sweeps, radius, 0 if flat else 1)
     back = [part.T for part in shares]  # the same shares, so that no charge acts on itself, eq. (20)
     there = potential[: len(charge)]
@@ -191,23 +188,10 @@ def _charge_faces(potential: Array, charge: Array, flat: bool) -> None:
     lumps = _carried([_hats(np.arange(n) / _LUMP, (n - 1) // _LUMP + 1) for n in charge.shape], charge)
     faces = np.ones(potential.shape, bool)
     faces[0 if flat else 1 : -1, 1:-1, 1:-1] = False
-    held = np.ascontiguousarray(np.argwhere(faces).T, float)
-    charged = np.argwhere(lumps)
-    place, size = _LUMP * charged.astype(float), lumps[tuple(charged.T)]
-    values = np.zeros(held.shape[1])
-    least = _WORTH_A_THREAD // max(len(size), 1) + 1
-    share(lambda first, last: _sum_lumps(held, place, size, first, last, values), len(values), least)
-    potential[faces] = values
-
-
-@compiled
-def _sum_lumps(held: Array, place: Array, charge: Array, first: int, last: int, out: Array) -> None:
-    """Add the potential of lumps, positions of shape (L, 3), to some of the nodes, positions of shape (3, N)."""
-    for j in range(len(charge)):
-        p, r, c = place[j, 0], place[j, 1], place[j, 2]
-        for i in range(first, last):
-            plane, row, col = held[0, i] - p, held[1, i] - r, held[2, i] - c
-            out[i] += charge[j] / np.sqrt(plane * plane + row * row + col * col)
+    nodes, places, charges = np.argwhere(faces), _LUMP * np.argwhere(lumps), lumps[lumps != 0.0]
+    for first in range(0, len(nodes), _AT_ONCE):
+        some = nodes[first : first + _AT_ONCE]
+        potential[tuple(some.T)] = (1.0 / scipy.spatial.distance.cdist(some, places)) @ charges
 
 
 @compiled

@@ -12,12 +12,14 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 
 from cpm_core.field.convolution import block_means, convolved_field, convolved_potential
-from cpm_core.field.edge_map import NO_SMOOTHING, smoothed_along
+from cpm_core.field.edge_map import NO_SMOOTHING
 from cpm_core.field.scale_field import WEAKEST_EDGE
 from cpm_core.field.scale_space import SourceImages
+from cpm_core.field.volume_edges import Edges, Slopes
 from cpm_core.field.volume_surface import Ridges, force_on_voxels, ridges_of
 from cpm_core.image.pyramid import shape_of_scale, to_image
 from cpm_core.image.volume_regions import VolumeRegions, Walls
+from cpm_core.numerics.grids import extend, half_gaussian, sum_across, sum_along
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Mask, Single
@@ -62,12 +64,12 @@ class FarField(NamedTuple):
     block: Vector
 
 
-class _Edges(NamedTuple):
-    """Sigma of the smoothing, the smoothed volume, its edge map, and the edge strength of its background."""
+class _Smoothed(NamedTuple):
+    """Sigma of the smoothing, the smoothed volume, its largest edge strength, and that of its background."""
 
     sigma: float
     smoothed: Single
-    strength: Single
+    strongest: float
     background: float
 
 
@@ -77,10 +79,8 @@ class VolumeField:
 
     Attributes
     ----------
-    smoothed : ndarray of float32, shape (P, R, C)
-        The smoothed volume; on an edge its slope is normal to it.
-    edge_map : ndarray of float32, shape (P, R, C)
-        Edge strength f [gray levels / unit]; zero outside the regions of interest.
+    slopes : Slopes
+        The smoothed volume, and what its edge strengths are computed from.
     pitch : tuple of float
         Sides of a voxel [units].
     strongest : float
@@ -99,8 +99,7 @@ class VolumeField:
         What no particle crosses.
     """
 
-    smoothed: Single
-    edge_map: Single
+    slopes: Slopes
     pitch: Vector
     strongest: float
     floor: float
@@ -111,9 +110,24 @@ class VolumeField:
     walls: Walls | None = None
 
     @property
+    def smoothed(self) -> Single:
+        """The smoothed volume, shape (P, R, C); on an edge its slope is normal to it."""
+        return self.slopes.smoothed
+
+    @property
     def shape(self) -> tuple[int, ...]:
         """Shape of the volume at this scale."""
-        return self.edge_map.shape
+        return self.smoothed.shape
+
+    @property
+    def edge_map(self) -> Single:
+        """Edge strength f of every voxel [gray levels / unit]; zero outside the regions of interest."""
+        return self.slopes.strengths(0, len(self.smoothed))
+
+    @cached_property
+    def edges(self) -> Edges:
+        """The edge map where particles feel it; found on first use."""
+        return Edges.of(self.slopes, self.floor)
 
     @property
     def extent(self) -> Vector:
@@ -132,7 +146,7 @@ class VolumeField:
         wanted = BLOCK if self.accuracy == "standard" else 1.0
         block = [max(1, round(wanted / side)) for side in self.pitch]
         deep = _LEAST_LINES * block[0]
-        slabs = (self.edge_map[k : k + deep] for k in range(0, self.shape[0], deep))
+        slabs = (self.slopes.strengths(k, k + deep) for k in range(0, self.shape[0], deep))
         weak = _CHARGED * self.floor
         charges = np.concatenate([block_means(np.where(slab < weak, np.float32(0), slab), block) for slab in slabs])
         sides = tuple(n * side for n, side in zip(block, self.pitch, strict=True))
@@ -143,8 +157,8 @@ class VolumeField:
     def lorentz(self) -> Single:
         """Lorentz force on the voxels, shape (3, P, R, C), as particles there feel it."""
         out = np.empty((3, *self.shape), np.float32)
-        fields = (self.smoothed, self.edge_map, self.far.force, self.pitch, self.far.block, self.floor)
-        share(lambda first, last: force_on_voxels(*fields, first, last, out), len(self.edge_map), _LEAST_LINES)
+        fields = (self.smoothed, self.edges, self.far.force, self.pitch, self.far.block, self.floor)
+        share(lambda first, last: force_on_voxels(*fields, first, last, out), len(self.smoothed), _LEAST_LINES)
         return out
 
     @cached_property
@@ -161,8 +175,7 @@ class VolumeField:
     def with_far_field(self, exponent: float, accuracy: Accuracy) -> VolumeField:
         """The same edges with another field of their charges, with all that is known of the edges."""
         other = replace(self, exponent=exponent, accuracy=accuracy)
-        if "ridges" in self.__dict__:
-            other.__dict__["ridges"] = self.ridges
+        other.__dict__.update({name: known for name, known in self.__dict__.items() if name in ("edges", "ridges")})
         return other
 
     def with_walls(self, walls: Walls | None) -> VolumeField:
@@ -178,7 +191,7 @@ class VolumeField:
     @cached_property
     def ridges(self) -> Ridges:
         """Ridges of the edge map; found on first use."""
-        return ridges_of(self.smoothed, self.edge_map, self.pitch, self.floor, -1.0 if self.noisy else _TURN)
+        return ridges_of(self.smoothed, self.edges, self.pitch, self.floor, -1.0 if self.noisy else _TURN)
 
 
 def build_volume_field(
@@ -196,70 +209,73 @@ def build_volume_field(
     decides alone; outside `interest` there are no edges, and `walls` are what no particle crosses.
     """
     if smoothing == "auto":
-        sigma, smoothed, edges, background = _automatic_edges(values, pitch, interest)
+        sigma, smoothed, strongest, background = _automatic_edges(values, pitch, interest)
     else:
-        sigma, smoothed, edges, background = _edges(values, pitch, float(smoothing), interest)
-    strongest = float(edges.max())
+        sigma, smoothed, strongest, background = _smooth_edges(values, pitch, float(smoothing), interest)
     least = max(WEAKEST_EDGE, edge_floor) * strongest
     noise = min(background, _MOST_BACKGROUND * strongest)
     floor = max(least, noise) if strongest > 0.0 else math.inf
-    return VolumeField(smoothed, edges, pitch, strongest, floor, sigma, noisy=noise > least, walls=walls)
+    slopes = Slopes.of(smoothed, pitch, interest)
+    return VolumeField(slopes, pitch, strongest, floor, sigma, noisy=noise > least, walls=walls)
 
 
-def _automatic_edges(values: Array, pitch: Vector, interest: Mask | None) -> _Edges:
+def _automatic_edges(values: Array, pitch: Vector, interest: Mask | None) -> _Smoothed:
     """Edges after the least smoothing that raises them above the noise."""
     usable: float | None = None
     for sigma, clear in zip(_SERIES, _CLEAR, strict=True):
-        found = _edges(values, pitch, sigma, interest)
-        strongest = float(found.strength.max())
-        if found.background <= clear * strongest:
+        found = _smooth_edges(values, pitch, sigma, interest)
+        if found.background <= clear * found.strongest:
             return found
         if usable is not None:
-            return _edges(values, pitch, usable, interest)
-        usable = sigma if found.background <= _USABLE * strongest else None
+            return _smooth_edges(values, pitch, usable, interest)
+        usable = sigma if found.background <= _USABLE * found.strongest else None
     return found
 
 
-def _edges(values: Array, pitch: Vector, sigma: float, interest: Mask | None) -> _Edges:
-    """Edges of a volume after a Gaussian of this sigma [units]; there are none outside `interest`."""
+def _smooth_edges(values: Array, pitch: Vector, sigma: float, interest: Mask | None) -> _Smoothed:
+    """A volume after a Gaussian of this sigma [units], and its edges; there are none outside `interest`."""
     smoothed = smoothed_volume(values, [sigma / side for side in pitch])
-    edges = edge_strength(smoothed, pitch)
-    some = edges[::_EVERY, ::_EVERY, ::_EVERY] if interest is None else edges[interest]
-    background = _DEVIATIONS * float(np.percentile(some, 25.0)) / _MAXWELL_QUARTILE
-    if interest is not None:
-        edges[~interest] = 0.0
-    return _Edges(sigma, smoothed, edges, background)
+    slopes, strongest, some = Slopes.of(smoothed, pitch, interest), 0.0, []
+    for first in range(0, len(smoothed), _LEAST_LINES * _EVERY):
+        window = slice(first, first + _LEAST_LINES * _EVERY)
+        found = slopes.strengths(window.start, window.stop)
+        strongest = max(strongest, float(found.max()))
+        some.append(found[::_EVERY, ::_EVERY, ::_EVERY].ravel() if interest is None else found[interest[window]])
+    background = _DEVIATIONS * float(np.percentile(np.concatenate(some), 25.0)) / _MAXWELL_QUARTILE
+    return _Smoothed(sigma, smoothed, strongest, background)
 
 
 def smoothed_volume(values: Array, sigmas: list[float]) -> Single:
     """A volume after a Gaussian with a sigma for each axis [voxels], in single precision."""
-    smoothed: Single = values.astype(np.float32) if not any(sigmas) else values  # type: ignore[assignment]
-    for axis, sigma in enumerate(sigmas):
-        if sigma > NO_SMOOTHING:
-            smoothed = smoothed_along(smoothed, sigma, axis, np.float32)
-    return smoothed
-
-
-def edge_strength(smoothed: Single, pitch: Vector) -> Single:
-    """Size of the slope of a volume at every voxel, from central differences [gray levels / unit]."""
-    out = np.empty_like(smoothed)
-    factors = tuple(np.float32(0.5 / side) for side in pitch)
-    share(partial(_strengths, smoothed, factors, out), len(out), _LEAST_LINES)
+    weights = tuple(half_gaussian(sigma) if sigma > NO_SMOOTHING else np.ones(1) for sigma in sigmas)
+    out = np.empty(values.shape, np.float32)
+    share(partial(_smooth, values, weights, out), len(out), _LEAST_LINES)
     return out
 
 
 @compiled
-def _strengths(smoothed: Single, factors: tuple[np.float32, ...], out: Single, first: int, end: int) -> None:
-    """Sizes of the slopes in some planes; the factors turn differences of voxels two apart into slopes."""
-    (planes, rows, cols), (plane, row, col) = out.shape, factors
+def _smooth(values: Array, weights: tuple[Array, ...], out: Single, first: int, end: int) -> None:
+    """Write planes after a Gaussian, axis by axis, each rounded to single precision."""
+    (rows, cols), reach = out.shape[1:], len(weights[2]) - 1
+    flat, line, total = np.empty((rows, cols)), np.empty(cols + 2 * reach), np.empty(cols)
     for i in range(first, end):
-        above, below = smoothed[max(i - 1, 0)], smoothed[min(i + 1, planes - 1)]
         for j in range(rows):
-            before, here, after = smoothed[i, max(j - 1, 0)], smoothed[i, j], smoothed[i, min(j + 1, rows - 1)]
+            sum_across(values[:, j], i, weights[0], total)
             for k in range(cols):
-                down, back = (below[j, k] - above[j, k]) * plane, (after[k] - before[k]) * row
-                right = (here[min(k + 1, cols - 1)] - here[max(k - 1, 0)]) * col
-                out[i, j, k] = np.sqrt(down * down + back * back + right * right)
+                flat[j, k] = np.float32(total[k])
+        for j in range(rows):
+            sum_across(flat, j, weights[1], total)
+            for k in range(cols):
+                line[reach + k] = np.float32(total[k])
+            extend(line, reach)
+            sum_along(line, weights[2], total)
+            for k in range(cols):
+                out[i, j, k] = total[k]
+
+
+def edge_strength(smoothed: Single, pitch: Vector) -> Single:
+    """Size of the slope of a volume at every voxel [gray levels / unit]."""
+    return Slopes.of(smoothed, pitch).strengths(0, len(smoothed))
 
 
 LONGEST = 10.0

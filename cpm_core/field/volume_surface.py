@@ -14,8 +14,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cpm_core.field.interpolation import normal_at, sampled, value_at
-from cpm_core.numerics.grids import root
+from cpm_core.field.interpolation import normal_at, value_at
+from cpm_core.field.volume_edges import HALF_NEAR, Edges, edge_at
+from cpm_core.numerics.grids import renumber, root
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Index, Mask, Single
@@ -24,24 +25,21 @@ from cpm_core.numerics.vectors import Vector, dot, length, lengths, moved, row_o
 GATE = 0.45
 """Relative slope of the edge map under which a particle on an edge is on its ridge."""
 
-_HALF_NEAR = 0.5
-"""Edge strength, as a fraction of the floor, at which the slope of the edge map begins to count."""
-
 _RIDGE_STEP, _LONGEST_STEP, _SHORTEST_STEP = 0.7, 0.6, 0.01
 """Distance of the two samples next to a ridge, longest step towards it, and the one after which it is reached."""
 
 
 @compiled
 def force_at(
-    smoothed: Single, edges: Single, far: Single, pitch: Vector, block: Vector, floor: float, place: Vector
+    smoothed: Single, edges: Edges, far: Single, pitch: Vector, block: Vector, floor: float, place: Vector
 ) -> tuple[Vector, Vector, float, float, float]:
     """Force at a place, normal, edge strength, relative slope of the edge map, and how much of the force it is."""
     normal = normal_at(smoothed, pitch, place)
-    here = sampled(edges, pitch, place)
-    ahead = sampled(edges, pitch, moved(place, 1.0, normal))
-    behind = sampled(edges, pitch, moved(place, -1.0, normal))
+    here = edge_at(edges, pitch, place)
+    ahead = edge_at(edges, pitch, moved(place, 1.0, normal))
+    behind = edge_at(edges, pitch, moved(place, -1.0, normal))
     slope = (ahead - behind) / (ahead + behind + 1e-30)
-    near = min(max((max(here, ahead, behind) / floor - _HALF_NEAR) / (1.0 - _HALF_NEAR), 0.0), 1.0)
+    near = min(max((max(here, ahead, behind) / floor - HALF_NEAR) / (1.0 - HALF_NEAR), 0.0), 1.0)
     force = scaled(normal, near * slope)
     if near < 1.0:
         away = far_at(far, pitch, block, place)
@@ -52,7 +50,7 @@ def force_at(
 @compiled
 def force_on_voxels(
     smoothed: Single,
-    edges: Single,
+    edges: Edges,
     far: Single,
     pitch: Vector,
     block: Vector,
@@ -63,8 +61,8 @@ def force_on_voxels(
 ) -> None:
     """`force_at` of the voxels of some planes, shape (3, P, R, C)."""
     for i in range(first, last):
-        for j in range(edges.shape[1]):
-            for k in range(edges.shape[2]):
+        for j in range(edges.rows):
+            for k in range(edges.cols):
                 place = (i * pitch[0], j * pitch[1], k * pitch[2])
                 force = force_at(smoothed, edges, far, pitch, block, floor, place)[0]
                 out[0, i, j, k], out[1, i, j, k], out[2, i, j, k] = force
@@ -80,13 +78,13 @@ def far_at(far: Single, pitch: Vector, block: Vector, place: Vector) -> Vector:
 
 
 @compiled
-def on_ridge(smoothed: Single, edges: Single, pitch: Vector, place: Vector, rounds: int) -> Vector:
+def on_ridge(smoothed: Single, edges: Edges, pitch: Vector, place: Vector, rounds: int) -> Vector:
     """The place on the ridge of the edge map next to another one, along the normal: the top of a parabola, repeated."""
     for _ in range(rounds):
         normal = normal_at(smoothed, pitch, place)
-        here = sampled(edges, pitch, place)
-        ahead = sampled(edges, pitch, moved(place, _RIDGE_STEP, normal))
-        behind = sampled(edges, pitch, moved(place, -_RIDGE_STEP, normal))
+        here = edge_at(edges, pitch, place)
+        ahead = edge_at(edges, pitch, moved(place, _RIDGE_STEP, normal))
+        behind = edge_at(edges, pitch, moved(place, -_RIDGE_STEP, normal))
         bend = ahead - 2.0 * here + behind
         step = _RIDGE_STEP * (-0.5 * (ahead - behind) / bend if bend < 0.0 else np.sign(ahead - behind))
         step = min(max(step, -_LONGEST_STEP), _LONGEST_STEP)
@@ -97,22 +95,29 @@ def on_ridge(smoothed: Single, edges: Single, pitch: Vector, place: Vector, roun
 
 
 @compiled
-def is_ridge(smoothed: Single, edges: Single, pitch: Vector, place: Vector, reach: float) -> bool:
+def is_ridge(smoothed: Single, edges: Edges, pitch: Vector, place: Vector, reach: float) -> bool:
     """Whether the edge is nowhere stronger at a distance along the normal, to either side."""
     normal = normal_at(smoothed, pitch, place)
-    here = sampled(edges, pitch, place)
+    here = edge_at(edges, pitch, place)
     return bool(
-        sampled(edges, pitch, moved(place, reach, normal)) <= here
-        and sampled(edges, pitch, moved(place, -reach, normal)) <= here
+        edge_at(edges, pitch, moved(place, reach, normal)) <= here
+        and edge_at(edges, pitch, moved(place, -reach, normal)) <= here
     )
 
 
+def on_ridges(smoothed: Single, edges: Edges, pitch: Vector, places: Array, rounds: int) -> Array:
+    """`on_ridge` of places of shape (N, 3)."""
+    out = np.empty_like(places)
+    share(partial(_on_ridges, smoothed, edges, pitch, places, rounds, out), len(places), _WORTH_A_THREAD)
+    return out
+
+
 @compiled
-def on_ridges(smoothed: Single, edges: Single, pitch: Vector, places: Array, rounds: int, out: Array) -> None:
-    """`on_ridge` of places of shape (N, 3), into `out`."""
-    for i in range(len(places)):
-        found = on_ridge(smoothed, edges, pitch, (places[i, 0], places[i, 1], places[i, 2]), rounds)
-        out[i, 0], out[i, 1], out[i, 2] = found[0], found[1], found[2]
+def _on_ridges(
+    smoothed: Single, edges: Edges, pitch: Vector, places: Array, rounds: int, out: Array, first: int, last: int
+) -> None:
+    for i in range(first, last):
+        set_row(out, i, on_ridge(smoothed, edges, pitch, row_of(places, i), rounds))
 
 
 @compiled
@@ -153,20 +158,19 @@ class Ridges(NamedTuple):
         return Ridges(self.place[index], self.normal[index], self.strength[index], self.component[index])
 
 
-def ridges_of(smoothed: Single, edges: Single, pitch: Vector, floor: float, turn: float) -> Ridges:
+def ridges_of(smoothed: Single, edges: Edges, pitch: Vector, floor: float, turn: float) -> Ridges:
     """All ridges of the edge map of a smoothed volume.
 
     A voxel is connected with those of the 26 around it that have a normal like its own: the scalar product is at least
     `turn`, so that walls of two objects that nearly touch each other stay apart.
     """
-    voxels = np.argwhere(edges >= np.float32(floor))
+    voxels = edges.above(floor)
     count, component = len(voxels), _connected(smoothed, voxels, pitch, turn)
     place = voxels * np.array(pitch)
     normal, ridge = np.empty((count, 3)), np.empty(count, np.bool_)
     share(partial(_test, smoothed, edges, pitch, place, normal, ridge), count, _WORTH_A_THREAD)
-    found = voxels[ridge]
-    strength = edges[tuple(found.T)].astype(float)
-    return Ridges(place[ridge], normal[ridge], strength, component[ridge])
+    place = place[ridge]
+    return Ridges(place, normal[ridge], edges.at(pitch, place), component[ridge])
 
 
 def _connected(smoothed: Single, voxels: Index, pitch: Vector, turn: float) -> Index:
@@ -200,20 +204,14 @@ def _parts_alike(voxels: Index, slope: Array, size: Array, turn: float, shape: t
                     one, two = root(group, q), root(group, other)
                     group[max(one, two)] = min(one, two)
         window[p % 2, r + 1, c + 1] = q
-    count = 0
-    for q in range(len(group)):
-        if group[q] == q:
-            group[q] = count
-            count += 1
-        else:
-            group[q] = group[group[q]]
+    renumber(group)
     return group
 
 
 @compiled
 def _test(
     smoothed: Single,
-    edges: Single,
+    edges: Edges,
     pitch: Vector,
     place: Array,
     normal: Array,

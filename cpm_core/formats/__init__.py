@@ -21,6 +21,7 @@ from cpm_core.formats.common.plain import regions_to_plain as regions_to_plain
 from cpm_core.formats.common.plain import shape_from_plain as shape_from_plain
 from cpm_core.formats.common.plain import shape_to_plain as shape_to_plain
 from cpm_core.formats.common.plain import to_plain as to_plain
+from cpm_core.formats.common.printable import in_natural_order as in_natural_order
 from cpm_core.formats.common.provenance import facts_on as facts_on
 from cpm_core.formats.common.provenance import plain_shapes as plain_shapes
 from cpm_core.formats.common.provenance import text_of as text_of
@@ -76,6 +77,7 @@ from cpm_core.formats.writers import (
     suffix_of,
 )
 from cpm_core.formats.writers import IN_SPACE as IN_SPACE
+from cpm_core.formats.writers import descriptions as descriptions
 
 __all__ = [
     "CONTOURS_READABLE",

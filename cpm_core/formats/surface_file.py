@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+from cpm_core.contours.contour import Label
 from cpm_core.contours.ground_truth import labels_of
-from cpm_core.contours.surface import Surface, surface_of_labels
+from cpm_core.contours.surface import Surface, surface_of_labels, surfaces_joined
+from cpm_core.formats.common.atomic import suffix_among
 from cpm_core.formats.common.content import AnyPath, content_of, decoding
-from cpm_core.formats.images.readers import load_volume
+from cpm_core.formats.images.decoded import Decoded
+from cpm_core.formats.images.readers import READABLE, load_volume, open_stack
+from cpm_core.formats.images.reading import Reading
+from cpm_core.formats.images.stack import volume_of
+from cpm_core.formats.masks import dicom_seg, itk_snap, nrrd
 from cpm_core.formats.meshes import obj, ply, stl, vtk
 from cpm_core.formats.meshes.coordinates import place_of
 from cpm_core.formats.meshes.triangles import Triangles
@@ -37,6 +43,9 @@ _HEAD = 4096
 
 _ASIDE = 0.5
 """How far labels may lie from where their volume lies [voxels]."""
+
+_OFF_GRID = 0.2
+"""How far the voxels of a part of a volume may lie from its own [voxels]."""
 
 _MOST_LABELS = 100_000
 """Largest label that is the number of an object."""
@@ -125,45 +134,88 @@ def decode_surface(
 
 
 def _of_labels(file: Path, image: Image | None) -> Surface:
-    """The surfaces of the objects of a label volume, halfway between voxels; whole numbers are kept."""
+    """The surfaces of the objects of a label volume, halfway between voxels; whole numbers and names are kept."""
+    with decoding(file.name, "is damaged: get a sound copy of it."):
+        named = nrrd.segments_of(file)
+        parts = dicom_seg.read(file) or nrrd.overlapping(file, named)
+    if parts:
+        return _of_parts(file, image, parts)
     volume = image or load_volume(file)
     values = volume.values if image is None else labels_like(file, image)
     labels = labels_of(values, file.name)
     if values.min() == 0 and values.max() <= _MOST_LABELS and not (values % 1.0).any():
         labels = values.astype(np.int32)
-    return surface_of_labels(labels, volume.spacing, volume.unit)
+    surface = surface_of_labels(labels, volume.spacing, volume.unit)
+    known = tuple(one.label for one in named) or itk_snap.next_to(file, suffix_among(file, READABLE))
+    if known and surface.numbers is None:
+        surface = replace(surface, numbers=np.full(len(surface.faces), labels.max()))
+    return replace(surface, labels=known)
+
+
+def _of_parts(file: Path, volume: Image | None, segments: Iterable[tuple[Label, Sequence[Decoded]]]) -> Surface:
+    """The surfaces of segments that may overlap, each given by masks that lie anywhere in a volume."""
+    if volume is None:
+        raise ValueError(f"{file.name} has segments that lie in another file: name it with --image, or open it first.")
+    labels, bodies = [], []
+    for label, parts in segments:
+        mask = np.zeros(volume.shape)
+        for part in parts:
+            _put(part, file.name, volume, mask)
+        labels.append(label)
+        bodies.append((label.number, surface_of_labels((mask > 0.0).astype(np.int32), volume.spacing, volume.unit)))
+    return replace(surfaces_joined(bodies, volume.spacing, volume.unit), labels=tuple(labels))
 
 
 def labels_like(file: Path, volume: Image) -> Array:
     """The values of a label volume in the order of the axes of the volume that it belongs to.
 
-    ValueError when it cannot be read, has another size, or lies elsewhere in space.
+    Where only a part of it was saved, as programs do around what is not 0, the rest is 0. ValueError when it cannot be
+    read, has another size, or lies elsewhere in space.
     """
-    labels = load_volume(file)
-    values = _turned_as(labels, volume)
-    if values.shape != volume.shape:
-        found, wanted = (" x ".join(map(str, shape)) for shape in (labels.shape, volume.shape))
-        raise ValueError(
-            f"{file.name} has {found} voxels, but this volume has {wanted}: choose the labels of this very volume."
-        )
+    stack = open_stack(file)
+    with decoding(file.name, "is damaged: get a sound copy of it."):
+        found = volume_of(stack, Reading())
+    values = np.zeros(volume.shape)
+    _put(found, file.name, volume, values)
     return values
 
 
-def _turned_as(labels: Image, volume: Image) -> Array:
-    """The values of labels in the order of the axes of a volume; ValueError when they lie elsewhere in space."""
+def _put(labels: Decoded, name: str, volume: Image, into: Array) -> None:
+    """Add the values of labels to those of a volume, in the order of its axes.
+
+    ValueError when they lie elsewhere in space, or have another size.
+    """
     from nibabel.orientations import apply_orientation, inv_ornt_aff, io_orientation
 
-    if labels.geometry is None or volume.geometry is None:
-        return labels.values
-    measured = labels.unit == volume.unit and np.allclose(sorted(labels.spacing), sorted(volume.spacing), rtol=1e-3)
-    sides = (labels.spacing, volume.spacing) if measured else 2 * ((1.0, 1.0, 1.0),)  # else they were set by hand
-    there, here = labels.geometry.affine(sides[0], "LPS"), volume.geometry.affine(sides[1], "LPS")
-    to_volume = np.linalg.solve(here, there)
-    turn = io_orientation(to_volume)
-    aside = np.abs(to_volume @ inv_ornt_aff(turn, labels.shape) - np.eye(4))[:3]
-    if (aside @ [*volume.shape, 1.0 if measured else 0.0]).max() > _ASIDE:
+    values: Array = np.asarray(labels.values, np.float64)
+    part: tuple[slice, ...] = (slice(None),) * 3
+    if labels.geometry is not None and volume.geometry is not None:
+        spacing = labels.spacing
+        if len(values) == 1:  # a slice, which is as thick as the volume's
+            across = labels.geometry.affine((1.0, 1.0, 1.0), "LPS")[:3, 0]
+            thick = np.abs(np.linalg.solve(volume.geometry.affine(volume.spacing, "LPS")[:3, :3], across)).max()
+            spacing = (1.0 / float(thick), *spacing[1:])
+        measured = labels.unit == volume.unit and np.allclose(sorted(spacing), sorted(volume.spacing), rtol=1e-3)
+        sides = (spacing, volume.spacing) if measured else 2 * ((1.0, 1.0, 1.0),)  # else they were set by hand
+        there, here = labels.geometry.affine(sides[0], "LPS"), volume.geometry.affine(sides[1], "LPS")
+        to_volume = np.linalg.solve(here, there)
+        turn = io_orientation(to_volume)
+        lies = to_volume @ inv_ornt_aff(turn, values.shape)
+        values, most = apply_orientation(values, turn), _ASIDE
+        first = np.rint(lies[:3, 3]).astype(int)
+        last = first + values.shape
+        if measured and values.shape != volume.shape and (first >= 0).all() and (last <= volume.shape).all():
+            lies[:3, 3] -= first
+            part, most = tuple(map(slice, first, last)), _OFF_GRID
+        aside = np.abs(lies - np.eye(4))[:3]
+        if (aside @ [*volume.shape, 1.0 if measured else 0.0]).max() > most:
+            raise ValueError(
+                f"{name} lies elsewhere in space than {volume.source}: choose the labels of this very volume, or "
+                "save them without a place, as .npy or .tif."
+            )
+    if values.shape != into[part].shape:
+        has, wanted = (" x ".join(map(str, shape)) for shape in (labels.values.shape, volume.shape))
         raise ValueError(
-            f"{labels.source} lies elsewhere in space than {volume.source}: choose the labels of this very volume, or "
-            "save them without a place, as .npy or .tif."
+            f"{name} has {has} voxels, but this volume has {wanted}: choose the labels of this very volume."
         )
-    return np.ascontiguousarray(apply_orientation(labels.values, turn))
+    into[part] += values

@@ -32,7 +32,7 @@ from cpm_core.formats.contours import (
     points_csv,
     svg,
 )
-from cpm_core.formats.masks import labels, nifti, nrrd
+from cpm_core.formats.masks import dicom_seg, itk_snap, labels, nifti, nrrd
 from cpm_core.formats.meshes import obj, ply, stl, swc, vtk
 from cpm_core.image.geometry import Convention
 from cpm_core.medial_axis.centerlines import Centerlines
@@ -58,7 +58,8 @@ class Format:
         What is written of contours, of a skeleton, of the result of a volume, and of center lines in a volume; empty
         where a file holds none of it.
     options : tuple of str
-        What `encode` is given as well: ``outlines``, of masks, or ``space``, of files with coordinates of a patient.
+        What `encode` is given as well: ``outlines``, of masks, ``space``, of files with coordinates of a patient, or
+        ``image``, the file of the image.
     """
 
     suffix: str
@@ -122,7 +123,15 @@ FORMATS: tuple[Format, ...] = (
     _MASK(".tiff", labels.encode_tiff, f"{_LABELS} {_SIZED}"),
     _MASK(".nii", nifti.encode, f"{_LABELS} of one slice"),
     _MASK(".nii.gz", nifti.encode_packed, "the same, compressed"),
-    _MASK(".nrrd", nrrd.encode, f"{_LABELS} of one slice"),
+    _MASK(
+        ".nrrd", nrrd.encode, f"{_LABELS} of one slice", volume="the objects inside a surface as segments of 3D Slicer"
+    ),
+    Format(
+        ".seg.dcm",
+        dicom_seg.encode,
+        volume="the objects inside a surface as segments in a DICOM series",
+        options=("image",),
+    ),
     Format(".dxf", dxf.encode, "contours as polylines for CAD", "branches as polylines for CAD"),
     Format(".png", labels.encode_png, _LABELS, _LINES, options=("outlines",)),
     *(
@@ -160,6 +169,9 @@ IN_SPACE = frozenset(one.suffix for one in FORMATS if "space" in one.options and
 DRAWN = frozenset(suffix for suffix in WRITABLE if suffix.startswith(".figure"))
 """Suffixes of figures, which show the image."""
 
+_DESCRIBED = frozenset({".nii", ".nii.gz"})
+"""Suffixes of masks that contain no names, which a description of ITK-SNAP next to them has."""
+
 _CLOSED_ONLY = OUTLINABLE | {".coco.json"}
 """Suffixes of files that hold no open contours."""
 
@@ -175,7 +187,8 @@ def export(
 ) -> None:
     """Write contours, a skeleton, or center lines in a volume, in the format that each suffix names.
 
-    Everything is encoded before anything is written, and no incomplete file is ever left behind.
+    Everything is encoded before anything is written, and no incomplete file is ever left behind. Next to label masks in
+    NIfTI whose objects have names or colors these are written as a label description of ITK-SNAP (.txt).
 
     Parameters
     ----------
@@ -186,7 +199,7 @@ def export(
     outlines : bool
         Whether masks hold contours as lines, open ones too, in place of the insides of closed ones.
     image : path-like, optional
-        File of the image, for files that refer to it (labelme); by default its name.
+        File of the image, or folder of the series, for files that refer to it (labelme, DICOM SEG).
     space : {"LPS", "RAS"}
         Where x, y and z of surfaces and center lines point, which the files name; see `Geometry`.
     warn : callable, optional
@@ -215,7 +228,8 @@ def export(
         if suffix_of(file) == ".labelme.json" and image is not None and not isinstance(result, Centerlines):
             shown_as = labelme.located(result, file, Path(image))
         try:
-            contents.append((file, encoded(shown_as, suffix_of(file), outlines=outlines, space=space)))
+            content = encoded(shown_as, suffix_of(file), outlines=outlines, space=space, image=image)
+            contents += [(file, content), *descriptions(result, file, outlines=outlines)]
         except ValueError as error:
             if refused is None or (file is files[-1] and not contents):
                 raise
@@ -224,6 +238,24 @@ def export(
         if missing := omission(result, suffix_of(file), outlines=outlines):
             warn(f"{file}: {missing}")
     write_together(contents)
+
+
+def descriptions(result: Found, path: Path, *, outlines: bool = False) -> list[tuple[Path, bytes]]:
+    """The file of names that belongs next to a label mask, with its content; none for other files and without names.
+
+    ValueError when there is another file of that name.
+    """
+    suffix = suffix_of(path)
+    if suffix not in _DESCRIBED or isinstance(result, Centerlines):
+        return []
+    named = labels.named_labels(result, outlines=outlines)
+    beside = path.with_name(path.name[: -len(suffix)] + itk_snap.SUFFIX)
+    if named and beside.exists() and not itk_snap.read(beside):
+        raise ValueError(
+            f"The names of the labels of {path.name} belong into {beside.name}, but this is another file: "
+            "choose another name for the labels."
+        )
+    return [(beside, itk_snap.encode(named))] if named else []
 
 
 def left_out(result: Found, suffix: str, *, outlines: bool = False) -> int:
@@ -251,7 +283,9 @@ def omission(result: Found, suffix: str, *, outlines: bool = False) -> str:
     return " ".join(sentences)
 
 
-def encoded(result: Found, suffix: str, *, outlines: bool = False, space: Convention = "LPS") -> bytes:
+def encoded(
+    result: Found, suffix: str, *, outlines: bool = False, space: Convention = "LPS", image: AnyPath | None = None
+) -> bytes:
     """Encode what `export` would write, for the clipboard and other places without a file.
 
     Parameters
@@ -264,6 +298,8 @@ def encoded(result: Found, suffix: str, *, outlines: bool = False, space: Conven
         Whether masks hold contours as lines.
     space : {"LPS", "RAS"}
         Where x, y and z of surfaces and center lines point; see `export`.
+    image : path-like, optional
+        File of the image; see `export`.
 
     Returns
     -------
@@ -302,7 +338,7 @@ def encoded(result: Found, suffix: str, *, outlines: bool = False, space: Conven
             for contour in result.contours
         )
         result = replace(result, contours=contours, source=printable(result.source))
-    options: Entries = {"outlines": outlines, "space": space}
+    options: Entries = {"outlines": outlines, "space": space, "image": None if image is None else Path(image)}
     return form.encode(result, **{name: options[name] for name in form.options})
 
 

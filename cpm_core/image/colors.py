@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import skimage
@@ -34,7 +34,7 @@ _DARKEST = 1e-6
 """Least light that `rgb2hed` distinguishes; it measures stains in units of its logarithm."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Colors:
     """Red, green and blue of each pixel, one byte each.
 
@@ -83,18 +83,8 @@ def channel_of(luminance: Array, colors: Colors | None, channel: str) -> Array:
     return light
 
 
-def most_contrast(colors: Colors) -> str:
-    """The channel, red, green or blue, whose gray levels vary the most: their standard deviation is the largest."""
-    spread = [float(colors.samples[..., place].std(dtype=np.float64)) for place in range(len(_PRIMARIES))]
-    return _PRIMARIES[int(np.argmax(spread))]
-
-
-class Reduced(NamedTuple):
-    """Gray levels of pixels of several samples, their colors where they have any, and what was done."""
-
-    values: NDArray[Any]
-    colors: Colors | None
-    notes: tuple[str, ...]
+Reduced = tuple[NDArray[Any], Colors | None, tuple[str, ...]]
+"""Gray levels of pixels of several samples, their colors where they have any, and what was done."""
 
 
 def full_scale(values: NDArray[Any]) -> float:
@@ -135,12 +125,12 @@ def reduced(samples: NDArray[Any], alpha: NDArray[Any] | None = None, white: flo
     if not opaque:
         said.append("Transparent parts were laid on white.")
     if alike and opaque:
-        return Reduced(samples[..., 0], None, tuple(said))
+        return samples[..., 0], None, tuple(said)
     gray = np.empty(shape)
     if opaque and samples.dtype == np.uint8:
         in_bands(lambda first, end: _weigh_bytes(samples[first:end], WEIGHTS, gray[first:end]), shape[0])
         gray.flags.writeable = False  # an image takes them over
-        return Reduced(gray, Colors(samples, white), tuple(said))
+        return gray, Colors(samples, white), tuple(said)
     colors = None if alike else Colors(np.empty((*shape, count), np.uint8), white)
 
     def reduce_rows(first: int, end: int) -> None:  # without more images of eight bytes a sample
@@ -154,7 +144,7 @@ def reduced(samples: NDArray[Any], alpha: NDArray[Any] | None = None, white: flo
             colors.samples[first:end] = np.rint(np.nan_to_num(255.0 * shares))
 
     in_bands(reduce_rows, shape[0])
-    return Reduced(gray, colors, tuple(said))
+    return gray, colors, tuple(said)
 
 
 @compiled
@@ -185,9 +175,11 @@ def in_color(luminance: NDArray[Any], colors: Colors, color: str) -> tuple[Array
     checked_color(color)
     if color == LUMINANCE:
         return luminance, LUMINANCE_NOTE
-    taken = most_contrast(colors) if color == CONTRAST else color
-    varies = ", which varies the most" if color == CONTRAST else ""
-    return channel_of(luminance, colors, taken), f"The channel {taken} of its colors was taken{varies}."
+    varies = ""
+    if color == CONTRAST:
+        spread = [float(colors.samples[..., place].std(dtype=np.float64)) for place in range(len(_PRIMARIES))]
+        color, varies = _PRIMARIES[int(np.argmax(spread))], ", which varies the most"
+    return channel_of(luminance, colors, color), f"The channel {color} of its colors was taken{varies}."
 
 
 def checked_color(given: object) -> str:

@@ -80,7 +80,7 @@ def clean(values: Array) -> Cleaned:
     within the length of the averages.
     """
     seen = _estimate(values)
-    length = float(np.clip(_SHORTEST * seen.ratio**_GROWTH, _SHORTEST, _LONGEST))
+    length = np.clip(_SHORTEST * seen.ratio**_GROWTH, _SHORTEST, _LONGEST)
     if length < _COARSE:
         image = _regions(values, total_variation(values, _FIRST * seen.noise), seen.noise, length, _ROUNDS)
     else:
@@ -111,7 +111,12 @@ def _estimate(values: Array) -> _Estimate:
     # halving the size halves white noise, but leaves more than half of correlated noise and of texture
     noise = max(2.0 * noise_level(halved), 4.0 * noise_level(_halved(halved)))
     rough = total_variation(halved, 0.5 * _FIRST * noise)
-    contrast = _contrast(rough)
+    # mean height of the steps, with most weight on the high and the long ones [gray levels]
+    width, contrast = 2.0, 0.0
+    slope = scipy.ndimage.gaussian_gradient_magnitude(rough, width, mode="nearest")
+    if square := (slope**2).sum():
+        # across a smoothed step, cubes over squares of the slopes give sqrt(2/3) of the largest slope
+        contrast = _STEP * width * np.sqrt(1.5) * (slope**3).sum() / square
     return _Estimate(values, halved, noise, rough, noise / max(contrast, 1e-6 * noise, 1e-300))
 
 
@@ -122,15 +127,6 @@ def _regions(values: Array, image: Array, noise: float, length: float, rounds: i
         way = directions(image, max(_FINEST, _SLENDERNESS * length), _AGREEING * length)
         image = total_variation(averaged_along(surface, way, length), _FURTHER * noise)
     return image
-
-
-def _contrast(image: Array) -> float:
-    """Mean height of the steps in an image, with most weight on the high and the long ones [gray levels]."""
-    width = 2.0
-    slope = scipy.ndimage.gaussian_gradient_magnitude(image, width, mode="nearest")
-    square = float((slope**2).sum())
-    # across a smoothed step, cubes over squares of the slopes give sqrt(2/3) of the largest slope
-    return _STEP * width * float(np.sqrt(1.5)) * float((slope**3).sum()) / square if square > 0.0 else 0.0
 
 
 def _halved(values: Array) -> Array:
@@ -319,14 +315,14 @@ def expected(values: Array, estimate: Array) -> Array:
     `estimate` is an image without most of the noise. All arrays have the shape (\*shape), and `values` must not be
     constant. The result is scaled so that the steps between regions keep their height.
     """
-    low, high = float(values.min()), float(values.max())
+    low, high = values.min(), values.max()
     classes = np.rint((values - low) * ((_LEVELS - 1) / (high - low))).astype(np.intp)
-    mean = float(estimate.mean())
+    mean = estimate.mean()
     count = np.bincount(classes.ravel(), minlength=_LEVELS)
     total = np.bincount(classes.ravel(), estimate.ravel() - mean, _LEVELS)
     fitted = (total / (count + _PRIOR))[classes]
     fitted -= fitted.mean()
-    steps = float((fitted * estimate).sum())
+    steps = (fitted * estimate).sum()
     if steps <= 0.0:
         return values
-    return values.mean() + fitted * (float(((values - values.mean()) * estimate).sum()) / steps)
+    return values.mean() + fitted * (((values - values.mean()) * estimate).sum() / steps)

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
@@ -37,14 +36,14 @@ _DOTS = ((700, 5.0), (2500, 2.5), (np.inf, 0.5))
 _LONGEST_BAR = 0.3
 """Largest length of a scale bar, as a share of the width of the image."""
 
-_BOX: Mapping[str, Any] = MappingProxyType({"facecolor": HALO, "edgecolor": "none", "alpha": 0.6, "pad": 1.5})
+_BOX = {"facecolor": HALO, "edgecolor": "none", "alpha": 0.6, "pad": 1.5}
 """What lies behind texts, so that they can be read on any gray; with outlines they would be no texts in SVG."""
 
 _DPI, _NOTEBOOK_DPI = 200, 80
 _LARGEST = 6.0
 """Longer side of the figure of a file [inches]."""
 
-FIGURES: Mapping[str, str] = {".svg": "svg", ".png": "png", ".pdf": "pdf"}
+FIGURES = {".svg": "svg", ".png": "png", ".pdf": "pdf"}
 """Suffix of a figure -> what matplotlib calls its format."""
 
 
@@ -83,8 +82,7 @@ def axes_for(ax: Axes | None, *, space: bool = False) -> Axes:
         return ax
     from matplotlib import pyplot
 
-    made: Axes = pyplot.subplots(subplot_kw={"projection": "3d"} if space else {})[1]
-    return made
+    return pyplot.subplots(subplot_kw={"projection": "3d"} if space else {})[1]
 
 
 def show_image(
@@ -112,11 +110,12 @@ def frame(ax: Axes, shape: tuple[int, ...], spacing: Sequence[float] = (1.0, 1.0
 
 def show_curves(ax: Axes, curves: Sequence[Curve]) -> None:
     """Lines with a dark halo, closed ones in blue and open ones in orange, except those with a color of their own."""
-    for halo in (True, False):
-        for curve in curves:
-            row, col = curve.path.T
-            color, thickness = (HALO, 2.6) if halo else (color_of(curve), 1.5)
-            ax.plot(col, row, color=color, linewidth=thickness, solid_joinstyle="round")
+    from matplotlib.collections import LineCollection
+
+    paths = [curve.path[:, ::-1] for curve in curves]
+    for colors, thickness in ((HALO, 2.6), ([color_of(curve) for curve in curves], 1.5)):
+        style = {"colors": colors, "linewidths": thickness, "capstyle": "projecting", "joinstyle": "round"}
+        ax.add_collection(LineCollection(paths, zorder=2, **style))
 
 
 def show_particles(ax: Axes, places: Array) -> None:
@@ -128,10 +127,9 @@ def show_particles(ax: Axes, places: Array) -> None:
     ax.scatter(col, row, s=size, c=PARTICLE, linewidths=0.0, zorder=6)
 
 
-def show_names(ax: Axes, names: Sequence[str], places: Sequence[Sequence[float]]) -> None:
-    """Names at places (row, col)."""
-    for name, (row, col) in zip(names, places, strict=True):
-        ax.text(col, row, name, color="#ffffff", ha="center", va="center", fontsize=8, bbox=_BOX, zorder=7)
+def show_name(ax: Axes, name: str, place: Sequence[float]) -> None:
+    """A name at a place (row, col)."""
+    ax.text(place[1], place[0], name, color="#ffffff", ha="center", va="center", fontsize=8, bbox=_BOX, zorder=7)
 
 
 def show_scale_bar(ax: Axes, shape: tuple[int, ...], spacing: Sequence[float], unit: str | None) -> None:
@@ -181,7 +179,7 @@ def encoded_figure(figure: Figure, suffix: str, about: str, dpi: int = _DPI) -> 
     import matplotlib as mpl
 
     stream = io.BytesIO()
-    metadata: dict[str, dict[str, Any]] = {
+    metadata = {
         ".svg": {"Date": None, "Description": about},
         ".png": {"Description": about},
         ".pdf": {"CreationDate": None, "Subject": about},
@@ -198,7 +196,7 @@ KNOWN = {**METRIC, "um": 1e-6, "cm": 1e-2}
 """Units that images have."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Bar:
     """A scale bar of round length, `pixels` of the image long."""
 
@@ -215,14 +213,9 @@ def longest_bar(most: float, spacing: float, unit: str | None, *, keep_unit: boo
     size, name = (most * spacing, unit) if unit else (most, "px")
     if not keep_unit:
         size, name = _readable(size, name)
-    length = round_down(size)
+    power = 10.0 ** math.floor(math.log10(size))
+    length = next((factor * power for factor in (5.0, 2.0, 1.0) if factor * power <= size), power / 2.0)
     return Bar(most * (length / size), f"{length:g} {name}" if length < 1e6 else f"{length:,.0f} {name}")
-
-
-def round_down(value: float) -> float:
-    """The largest round number, 1, 2 or 5 times a power of ten, that is not above a positive value."""
-    power = 10.0 ** math.floor(math.log10(value))
-    return next((factor * power for factor in (5.0, 2.0, 1.0) if factor * power <= value), power / 2.0)
 
 
 def _readable(size: float, unit: str) -> tuple[float, str]:

@@ -17,7 +17,7 @@ Convention = Literal["LPS", "RAS"]
 """Where x, y and z point: to the Left, Posterior (back) and Superior (head) of a patient, or Right, Anterior and
 Superior."""
 
-CONVENTIONS: tuple[Convention, ...] = ("LPS", "RAS")
+CONVENTIONS = ("LPS", "RAS")
 
 Triple = tuple[float, float, float]
 
@@ -138,7 +138,7 @@ class Geometry:
         upright = left @ right  # the nearest axes at right angles
         found = ["", "", ""]
         for axis in np.argsort(-np.max(upright**2, axis=1), kind="stable"):
-            end = int(np.abs(upright[axis]).argmax())
+            end = np.abs(upright[axis]).argmax()
             found[2 - axis] = _ENDS[end][int(upright[axis, end] < 0.0)]
             upright[:, end] = 0.0
         return found[0], found[1], found[2]

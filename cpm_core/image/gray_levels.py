@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import numpy as np
 import scipy
@@ -27,14 +27,7 @@ _BESIDE = 2
 """Widths of a pixel up to which a known pixel lies next to an unknown one."""
 
 
-class Usable(NamedTuple):
-    r"""Gray levels to compute with, shape (\*shape), and what was changed, one sentence each."""
-
-    values: Array
-    notes: tuple[str, ...] = ()
-
-
-def usable(values: Array, ends: tuple[float, float]) -> Usable:
+def usable(values: Array, ends: tuple[float, float]) -> tuple[Array, tuple[str, ...]]:
     r"""Fill pixels without data from their surroundings, and bring extreme gray levels into a range for fields.
 
     A single value of 9e36 or more, far beyond all others, stands for no data: this is what geographic and medical
@@ -54,7 +47,7 @@ def usable(values: Array, ends: tuple[float, float]) -> Usable:
         values = values / 10.0**power
         notes.append(f"Its gray levels were divided by 1e{power:+d}, because they span {2.0 * half:.3g}."
                      if math.isfinite(2.0 * half) else f"Its gray levels were divided by 1e{power:+d}.")  # fmt: skip
-    return Usable(values, tuple(notes))
+    return values, tuple(notes)
 
 
 def no_data_note(count: int) -> str:

@@ -33,7 +33,11 @@ _FEW_BYTES = 2
 _COUNTS = {2: "two", 3: "three"}
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+_AIR = (-3072.0, -900.0)
+"""Between which the least gray level of a CT lies that its file does not name one."""
+
+
+@dataclass(frozen=True, eq=False)
 class Image(drawing.Pictured):
     """Gray levels on a regular grid, pixel centers at integers: an image (row, col) or a volume (plane, row, col).
 
@@ -57,6 +61,8 @@ class Image(drawing.Pictured):
         Hash of its file, as `fingerprint` makes it; empty for an image that is not from a file.
     geometry : Geometry, optional
         Where it lies in space; None where that is not known. What is written lies there as well.
+    hounsfield : bool, optional
+        Whether gray levels are Hounsfield units; None where the file does not say, see `is_ct`.
     color : {"luminance", "red", "green", "blue", "contrast"}, optional
         What gray levels are made of color, as in `load_image`: how bright it is to the eye, one of its channels, or
         the channel whose gray levels vary the most. With the luminance the image keeps its colors, so that
@@ -98,6 +104,7 @@ class Image(drawing.Pictured):
     file_sha256: str = ""
     geometry: Geometry | None = None
     color: InitVar[str] = LUMINANCE
+    hounsfield: bool | None = None
 
     def __post_init__(self, color: str) -> None:
         checked_color(color)
@@ -110,21 +117,23 @@ class Image(drawing.Pictured):
             raise _not_a_plane(self.source, given.shape)
         if given.ndim == 3 and min(given.shape) < MINIMUM_SIDE:
             raise ValueError(
-                f"{self.source} has {_size(given.shape)} voxels, but a volume needs at least {MINIMUM_SIDE} "
+                f"{self.source} has {sized(given.shape, 'voxels')}, but a volume needs at least {MINIMUM_SIDE} "
                 "planes, rows and columns."
             )
         if min(given.shape) < MINIMUM_SIDE:
             raise ValueError(
-                f"{self.source} is {given.shape[0]} x {given.shape[1]} px, "
-                f"but an image needs at least {MINIMUM_SIDE} px along each side."
+                f"{self.source} is {sized(given.shape)}, but an image needs at least {MINIMUM_SIDE} px along each side."
             )
         if given.ndim == 3:
             check_room(given.shape, _BYTES_A_VOXEL, self.source)
         known, whole = vars(self), masked is np.ma.nomask
         small = given.ndim == 2 and given.dtype.kind in "ui" and given.itemsize <= _FEW_BYTES and whole
         precision = given.dtype if small else np.float64
+        owner = given if given.base is None else given.base
+        fits = given.dtype == np.float64 and type(owner) is np.ndarray and given.flags.c_contiguous
+        unchanging = fits and not (given.flags.writeable or owner.flags.writeable)  # nobody writes to its memory
         with np.errstate(invalid="ignore"):  # of NaN of the signaling kind, which are refused as all others
-            values: NDArray[Any] = given if _unchanging(given) else np.array(given, precision, order="C")
+            values = given if unchanging else np.array(given, precision, order="C")
         if not whole:
             values[masked if masked.shape == values.shape else masked.any(axis=-1)] = NO_DATA
             given = values
@@ -159,8 +168,7 @@ class Image(drawing.Pictured):
             values.flags.writeable = False
             known.setdefault("values", values)
             known.pop("_stored", None)
-        found: Array = known["values"]
-        return found
+        return known["values"]
 
     @property
     def stored(self) -> NDArray[Any]:
@@ -170,12 +178,12 @@ class Image(drawing.Pictured):
 
     def _take_colors(self, samples: NDArray[Any], color: str) -> NDArray[Any]:
         """Gray levels of colors, which are kept next to the luminance."""
-        found = reduced(np.array(samples[..., :3]), samples[..., 3] if samples.shape[-1] == 4 else None)
-        values, notes = found.values, found.notes
-        if found.colors is not None and color == LUMINANCE:
-            object.__setattr__(self, "colors", found.colors)
-        elif found.colors is not None:
-            values, said = in_color(values, found.colors, color)
+        alpha = samples[..., 3] if samples.shape[-1] == 4 else None
+        values, colors, notes = reduced(np.array(samples[..., :3]), alpha)
+        if colors is not None and color == LUMINANCE:
+            object.__setattr__(self, "colors", colors)
+        elif colors is not None:
+            values, said = in_color(values, colors, color)
             notes = (said, *notes[1:])
         object.__setattr__(self, "notes", (*self.notes, *notes))
         return values
@@ -227,6 +235,17 @@ class Image(drawing.Pictured):
     def gray_range(self) -> tuple[float, float]:
         """Least and largest gray level."""
         return float(self.values.min()), float(self.values.max())
+
+    @property
+    def is_ct(self) -> bool:
+        """Whether gray levels are Hounsfield units: as the file says, or as it lies in space and shows air as CT does.
+
+        Air has -1000 of them. What lies outside of the scanner's circle is at most as low as 12 bits of it.
+        """
+        if self.hounsfield is not None or self.geometry is None or self.colors is not None:
+            return bool(self.hounsfield)
+        lowest, highest = _AIR
+        return lowest <= self.gray_range[0] <= highest
 
     def sized(self, spacing: tuple[float, ...], unit: str | None, factor: float = 1.0) -> Image:
         """The same gray levels, which are shared, with another size of a pixel; ValueError as for an image.
@@ -282,18 +301,6 @@ def _sizes(source: str, spacing: tuple[float, ...], ndim: int) -> tuple[float, .
     if ndim == 3:
         voxel_sides(f"The spacing of {source}", sizes)
     return sizes
-
-
-def _unchanging(given: NDArray[Any]) -> bool:
-    """Whether an array can be used as gray levels without a copy, since nobody writes to its memory."""
-    owner = given if given.base is None else given.base
-    if given.dtype != np.float64 or type(owner) is not np.ndarray or not given.flags.c_contiguous:
-        return False
-    return not (given.flags.writeable or owner.flags.writeable)
-
-
-def _size(shape: tuple[int, ...]) -> str:
-    return " x ".join(map(str, shape))
 
 
 def as_plane(values: ArrayLike | Image) -> Image:

@@ -45,28 +45,28 @@ def guessed_kind(values: Array) -> Kind | None:
         return None
     levels = np.clip((reduced - low) / (high - low), 0.0, 1.0)
     smooth = scipy.ndimage.gaussian_filter
-    dark, bright = float((levels < _ENDS).mean()), float((levels > 1.0 - _ENDS).mean())
+    dark, bright = (levels < _ENDS).mean(), (levels > 1.0 - _ENDS).mean()
     between = 1.0 - dark - bright
     if between < 0.15 and min(dark, bright) > 2.0 * between:  # except for blurred edges, two gray levels alone
         return "line art"
     quarter, median, three_quarters = np.percentile(levels, [25.0, 50.0, 75.0]).tolist()
     mean, fine = _blocks(levels).mean(1), _blocks(levels - smooth(levels, 4.0)).std(1)
-    structured = float((fine > 0.05).mean())  # share of the blocks that hold more than noise
+    structured = (fine > 0.05).mean()  # share of the blocks that hold more than noise
     kept = (mean > 0.03) & (mean < 0.97)
     # whether noise or structure grows with the signal, as speckle does
     growth, signal, rough = 0.0, np.log(mean[kept]), np.log(fine[kept] + 1e-3)
     if len(signal) >= _LEAST_BLOCKS and signal.std() > 0.0 and rough.std() > 0.0:
-        growth = float(np.corrcoef(signal, rough)[0, 1])
+        growth = np.corrcoef(signal, rough)[0, 1]
     band = smooth(levels, 2.0) - smooth(levels, 8.0)
     # skewness of structure of some pixels: positive for dark lines or spots, negative for bright ones
-    thinness = -float((band**3).mean() / max((band**2).mean() ** 1.5, 1e-300))
+    thinness = -(band**3).mean() / max((band**2).mean() ** 1.5, 1e-300)
     if median < 0.2 and thinness < -1.2 and structured < 0.55 and growth > 0.6:  # bright objects on a dark background
         return "fluorescence"
-    roughness = float(np.median(fine[kept] / mean[kept])) if kept.any() else 0.0
+    roughness = np.median(fine[kept] / mean[kept]) if kept.any() else 0.0
     even = structured < 0.25 and roughness < 0.08 and dark + bright < 0.08
     if even and thinness > 0.7 and three_quarters - quarter > 0.08:  # thin dark lines and almost nothing else
         return "angiogram"
-    down, across = (float(np.abs(np.diff(levels, axis=axis)).mean()) for axis in (0, 1))
+    down, across = (np.abs(np.diff(levels, axis=axis)).mean() for axis in (0, 1))
     # speckle that lies across the beam, since ultrasound resolves depth better, and bright layers
     if across > 0.0 and down / across > 1.9 and growth > 0.25 and thinness < -0.4:
         return "ultrasound"

@@ -16,7 +16,7 @@ from cpm_core.numerics.grids import Window
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.segments import meet, nearest_distances, rim_of, segments_of
 from cpm_core.numerics.types import Array, Mask, Position
-from cpm_core.parameters.quotation import counted, described, shown
+from cpm_core.parameters.quotation import counted, described, shown, sized
 
 Line = tuple[Position, ...]
 
@@ -27,7 +27,7 @@ _KEPT = 8
 """Polygons whose pixels and boundaries are cached: while a barrier is dragged they are needed again and again."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Regions:
     """Where particles may be.
 
@@ -70,13 +70,14 @@ class Regions:
 
     def check(self, shape: tuple[int, ...]) -> None:
         """Raise a `ValueError` unless every region of interest contains a pixel of an image of this shape."""
-        size = " x ".join(map(str, shape))
         if len(shape) != 2:
-            raise ValueError(f"these regions are for an image, but this is a volume of {size}: use VolumeRegions.")
+            raise ValueError(
+                f"these regions are for an image, but this is a volume of {sized(shape, '')}: use VolumeRegions."
+            )
         for number, polygon in enumerate(self.interest, start=1):
             if not _pixels(polygon, shape).any():
                 raise ValueError(
-                    f"region of interest {number} holds no pixel of the image ({size} pixels): "
+                    f"region of interest {number} holds no pixel of the image ({sized(shape, 'pixels')}): "
                     "draw it inside the image, around an object."
                 )
 
@@ -92,10 +93,7 @@ class Regions:
         """Which of points, shape (N, 2) [px], lie in a region of interest; all of them where there is none."""
         if not self.interest:
             return np.ones(len(points), np.bool_)
-        found = np.zeros(len(points), np.bool_)
-        for polygon in self.interest:
-            found |= polyline.inside(polygon, points)
-        return found
+        return np.any([polyline.inside(polygon, points) for polygon in self.interest], axis=0)
 
     def allows(self, points: Array) -> Mask:
         """Where of points, shape (N, 2) [px], a particle may be: in a region of interest, and on no rim or barrier."""

@@ -26,9 +26,9 @@ from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import Parts, parts_of
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.real_numbers import checked_number, real_numbers
-from cpm_core.numerics.types import Array, Index, Mask, Position
+from cpm_core.numerics.types import Array, Index, Mask, Position, Voxel
 from cpm_core.numerics.vectors import Vector, row_of
-from cpm_core.parameters.quotation import counted, described, shown
+from cpm_core.parameters.quotation import counted, described, shown, sized
 
 OFF = 1e-6
 """Distance from a wall within which a position touches it [voxels]."""
@@ -137,8 +137,7 @@ def _enters(a: Vector, b: Vector, center: Vector) -> bool:
     return begin <= end
 
 
-Place = tuple[float, float, float]
-Pair = tuple[Place, Place]
+Pair = tuple[Voxel, Voxel]
 """Two opposite corners of a box; a point of a plane and a direction across it."""
 
 _KEPT = 2
@@ -148,7 +147,7 @@ _FINE = 0.25
 """Distance between places on a line by which the voxels that it passes through are found [voxels]."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Voxels:
     """Some voxels of a volume; equal to others that are the same voxels.
 
@@ -186,7 +185,7 @@ class Voxels:
         filled[there] |= self.mask[here]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Extrusion:
     """A line in the slices across an axis of a volume, from one of them to another.
 
@@ -258,7 +257,7 @@ def _drawn(line: Line, closed: bool, shape: tuple[int, ...]) -> Mask:
 Limit = Pair | Voxels | Extrusion
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class VolumeRegions:
     """Where particles may be in a volume: inside the regions of interest, and on their side of every barrier.
 
@@ -307,14 +306,14 @@ class VolumeRegions:
 
     def check(self, shape: tuple[int, ...]) -> None:
         """Raise a `ValueError` unless masks have this shape and every region of interest holds one of its voxels."""
-        size = " x ".join(map(str, shape))
+        size = sized(shape, "")
         if len(shape) != 3:
             raise ValueError(f"these regions are for a volume, but the image is one of {size} pixels: use Regions.")
         for noun, limits in (("region of interest", self.interest), ("barrier", self.barriers)):
             for number, limit in enumerate(limits, start=1):
                 if isinstance(limit, Voxels) and limit.first is None and limit.mask.shape != shape:
                     raise ValueError(
-                        f"the mask of {noun} {number} has {' x '.join(map(str, limit.mask.shape))} voxels but must "
+                        f"the mask of {noun} {number} has {sized(limit.mask.shape, 'voxels')} but must "
                         f"have those of the volume, {size}."
                     )
         for number, limit in enumerate(self.interest, start=1):

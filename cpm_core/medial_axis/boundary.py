@@ -139,7 +139,7 @@ def _without_border(path: Array, shape: tuple[int, ...]) -> list[Array]:
     away = np.minimum(path + 0.5, size - 0.5 - path).min(axis=1) > _ON_BORDER
     if away.all():
         return [path]
-    turn = int(np.argmin(away))
+    turn = np.argmin(away)
     path, away = np.roll(path[:-1], -turn, axis=0), np.roll(away[:-1], -turn)
     pieces = np.split(path, np.flatnonzero(np.diff(away)) + 1)
     return [piece for piece in pieces[1::2] if len(piece) > 1]
@@ -166,7 +166,7 @@ def _continuation(path: Array, shape: tuple[int, ...]) -> Array:
     size = np.array(shape, dtype=float)
     end = path[-1]
     beyond = np.concatenate([end, size - 1.0 - end])
-    side = int(np.argmin(beyond))
+    side = np.argmin(beyond)
     if beyond[side] > _NEAR:
         return path[:0]
     outwards = np.zeros(2)

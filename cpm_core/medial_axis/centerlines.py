@@ -104,7 +104,7 @@ class Centerlines:
     unit: str | None = None
     source: str = "volume"
     geometry: Geometry | None = None
-    provenance: Provenance = field(default_factory=Provenance, repr=False)
+    provenance: Provenance = field(default_factory=Provenance)
 
     @cached_property
     def contours(self) -> tuple[Contour, ...]:
@@ -174,8 +174,8 @@ def centerlines(
     checked_number("pruning", pruning, lambda length: length >= 0.0, "0 or more")
     if not mask.any():
         return Centerlines((), tuple(spacing), unit)
-    low = np.argwhere(mask).min(0)
-    part = np.pad(mask[tuple(slice(a, b + 1) for a, b in zip(low, np.argwhere(mask).max(0), strict=True))], 1)
+    box = scipy.ndimage.find_objects(mask.astype(np.int8))[0]
+    part, low = np.pad(mask[box], 1), np.array([side.start for side in box])
     # from the surface, halfway between voxels inside and outside
     depth = np.maximum(scipy.ndimage.distance_transform_edt(part, sampling=size) - 0.5 * size.min(), 0.0)
     chains = _pruned(thinned(part, depth), depth, size, pruning)
@@ -196,7 +196,7 @@ def _pruned(lines: Mask, depth: Array, size: Array, pruning: float) -> list[Chai
         tip = chain.own[-1 if chain.free_end else 0]
         reach = pruning * float(depth[tuple(np.rint(points[0]).astype(int))])
         length = polyline.length(points * size)
-        away = float(np.linalg.norm((points[-1] - points[0]) * size))
+        away = np.linalg.norm((points[-1] - points[0]) * size)
         salient = away + depth[tuple(tip)] > reach + _SALIENT * size.min()
         return bool(length <= reach or (pruning > 0.0 and not salient))
 
@@ -224,5 +224,5 @@ def _branch(chain: Chain, depth: Array, walls: scipy.spatial.KDTree, size: Array
         straight = points[0] + np.linspace(0.0, 1.0, len(points))[:, None] * (points[-1] - points[0])
         bent = np.pad(points - straight, ((_MARGIN, _MARGIN), (0, 0)), "reflect", reflect_type="odd")
         points = straight + scipy.ndimage.gaussian_filter1d(bent, _SMOOTHING, axis=0)[_MARGIN:-_MARGIN]
-    distances = np.asarray(walls.query(points * size)[0])
+    distances = walls.query(points * size)[0]
     return Branch(points + begin, np.maximum(distances - _BEYOND * size.min(), 0.0), chain.nodes)

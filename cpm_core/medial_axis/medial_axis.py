@@ -64,16 +64,34 @@ class Axis:
         beside = np.zeros((0, 2), np.int64) if sides is None else sides
         return Axis(self.points[used], joined, self.radius[used], self.nearest[used], beside)
 
+    @property
+    def middles(self) -> Array:
+        """Middles of the edges, shape (M, 2) [px]."""
+        return self.points[self.edges].mean(axis=1)
+
+    @property
+    def lengths(self) -> Array:
+        """Lengths of the edges, shape (M,) [px]."""
+        return np.linalg.norm(np.diff(self.points[self.edges], axis=1)[:, 0], axis=1)
+
+    @property
+    def widths(self) -> Array:
+        """Mean diameters of the disks along the edges, shape (M,) [px]."""
+        return 2.0 * self.radius[self.edges].mean(axis=1)
+
+    @property
+    def alone(self) -> Mask:
+        """Which vertices no edge joins, shape (N,)."""
+        return np.bincount(self.edges.ravel(), minlength=len(self.points)) == 0
+
     def narrower(self, width: float) -> Axis:
         """The part of the axis where disks are at most `width` across [px]."""
         thin = 2.0 * self.radius <= width
-        joined = np.zeros(len(self.points), np.bool_)
-        joined[self.edges] = True
-        return self.only(self.edges[thin[self.edges].all(axis=1)], np.flatnonzero(thin & ~joined))
+        return self.only(self.edges[thin[self.edges].all(axis=1)], np.flatnonzero(thin & self.alone))
 
-    def inside(self, low: Array, high: Array) -> Mask:
+    def inside(self, low: Array | float, high: Array) -> Mask:
         """Which vertices lie in a rectangle, shape (N,)."""
-        return np.asarray(((self.points >= low) & (self.points <= high)).all(axis=1))
+        return np.all((self.points >= low) & (self.points <= high), axis=1)
 
     def within(self, low: Array, high: Array) -> Axis:
         """The part of the axis in a rectangle; edges are clipped."""
@@ -91,9 +109,7 @@ class Axis:
             edges[cut, np.where(one[cut] < 0.0, 0, 1)] = len(places) + np.arange(len(cut))
             places = np.concatenate([places, between])
             nearest = np.concatenate([nearest, nearest[np.where(share < 0.5, a, b)]])
-        joined = np.zeros(len(self.points), np.bool_)
-        joined[self.edges] = True
-        alone = np.flatnonzero(self.inside(low, high) & ~joined)
+        alone = np.flatnonzero(self.inside(low, high) & self.alone)
         clipped = Axis(places[:, :2], edges, places[:, 2], nearest)
         return clipped.only(edges[kept], alone, self.sides[kept] if len(self.sides) else None)
 
@@ -164,11 +180,13 @@ def prune(axis: Axis, pruning: float) -> Axis:
     if not len(axis.edges):
         return axis
     count, part = parts(axis)
-    roots = _largest(axis.radius, part, count)
+    order = np.argsort(axis.radius, kind="stable")
+    roots = np.zeros(count, np.int64)  # the vertex with the largest disk of each part
+    roots[part[order]] = order  # the last value written is kept
     reach = axis.radius.copy()  # how far the shape removed behind a vertex reaches around it
 
     def is_covered(tip: int, following: int) -> bool:
-        reached = float(np.linalg.norm(axis.points[tip] - axis.points[following])) + reach[tip]
+        reached = np.linalg.norm(axis.points[tip] - axis.points[following]) + reach[tip]
         covered = bool(reached - axis.radius[following] <= pruning)
         if covered:
             reach[following] = max(reach[following], reached)
@@ -185,14 +203,6 @@ def parts(axis: Axis) -> tuple[int, Index]:
     """Number of connected parts of an axis, and the part that each of its points belongs to."""
     part = parts_joined(axis.edges.T, len(axis.points))
     return int(part.max(initial=-1)) + 1, part
-
-
-def _largest(radius: Array, part: Index, count: int) -> Index:
-    """Vertex with the largest disk of each part."""
-    order = np.argsort(radius, kind="stable")
-    largest = np.zeros(count, np.int64)
-    largest[part[order]] = order  # the last value written is kept
-    return largest
 
 
 def without_tips(axis: Axis, leaves: Callable[[int, int], bool], kept: frozenset[int] = frozenset()) -> Index:

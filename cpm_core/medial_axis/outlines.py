@@ -15,7 +15,7 @@ from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Mask, Position
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Outlined:
     """What has a skeleton in place of what is found in an image; nothing for the image itself.
 

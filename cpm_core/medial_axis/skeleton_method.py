@@ -15,7 +15,7 @@ import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.packed_surface import PackedSurface
+from cpm_core.contours.packed_surface import PackedBody, PackedSurface, PackedVoxels
 from cpm_core.contours.surface import inside_of
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.field.volume_field import VolumeField
@@ -49,7 +49,7 @@ _MOST_SHOWN = 20_000
 _POLARITIES = {"dark": -1.0, "light": 1.0, "auto": 0.0}
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class SkeletonState:
     """A moment of a run of the skeleton: what it is of, axis and branches as far as they have been found.
 
@@ -171,7 +171,7 @@ class SkeletonMethod(ImageFields):
         super().__init__(image, chosen, _in_plane(regions))
         self.regions = regions
         self._outside = outside
-        self._within: tuple[Contour | PackedSurface | Mask, ...] = ()
+        self._within: tuple[Contour | PackedBody | Mask, ...] = ()
         if within is not None:
             self._within = outlines_of(within, image.shape) if plane else (mask_of(within, image.shape),)
 
@@ -190,8 +190,8 @@ class SkeletonMethod(ImageFields):
         other.regions = regions
         return other
 
-    def of_objects(self, objects: Sequence[Contour] | Sequence[PackedSurface]) -> Self:
-        """The same method for some closed outlines, or surfaces in a volume; without any for what it finds itself."""
+    def of_objects(self, objects: Sequence[Contour] | Sequence[PackedBody]) -> Self:
+        """The same method for some closed outlines, or bodies in a volume; without any for what it finds itself."""
         other = copy(self)
         other._within = tuple(objects)
         return other
@@ -298,13 +298,14 @@ class SkeletonMethod(ImageFields):
         if self._within or self._outside:
             axis = medial_axis(found.boundary, self.image.shape)
             if self._within:
-                middle = axis.points[axis.edges].mean(axis=1)
-                continued = middle.clip(0.0, np.array(self.image.shape) - 1.0)  # objects continue beyond the border
+                continued = axis.middles.clip(
+                    0.0, np.array(self.image.shape) - 1.0
+                )  # objects continue beyond the border
                 axis = axis.chosen(inside_outlines(self._outlines, continued))
         else:
             found, axis = with_axis(found, self.image.gray(parameters.channel), parameters)
         if isinstance(self.regions, Regions):
-            axis = axis.chosen(np.asarray(self.regions.contains(axis.points)[axis.edges].all(axis=1)))
+            axis = axis.chosen(np.all(self.regions.contains(axis.points)[axis.edges], axis=1))
         return found, axis
 
     def _inside(self, parameters: Parameters) -> Mask:
@@ -312,7 +313,7 @@ class SkeletonMethod(ImageFields):
         if self._within:
             inside = np.zeros(self.image.shape, np.bool_)
             for one in self._within:
-                if isinstance(one, PackedSurface):
+                if isinstance(one, PackedSurface | PackedVoxels):
                     one.voxels.fill(inside)
                 elif isinstance(one, np.ndarray):
                     inside |= one
@@ -330,7 +331,7 @@ class SkeletonMethod(ImageFields):
         field = cast("VolumeField", self.scale_field(parameters))
         smoothed = -field.smoothed if dark else field.smoothed  # inside is what is lighter
         places = field.ridges.place / field.pitch
-        surface = find_surface(smoothed, field.edge_map, places, image.spacing, image.unit, smoothing=field.smoothing)
+        surface = find_surface(smoothed, field.edges, places, image.spacing, image.unit, smoothing=field.smoothing)
         return inside_of(surface, image.shape)
 
     def __repr__(self) -> str:

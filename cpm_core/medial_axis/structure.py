@@ -65,8 +65,7 @@ a darker and a lighter side, or in a region of the other polarity, for an image 
 
 def polarities(axis: Axis, boundary: Boundary) -> NDArray[np.int8]:
     """Polarity of every edge of an axis with sides, shape (M,): `DARK`, `LIGHT` or 0 between different sides."""
-    middle = axis.points[axis.edges].mean(axis=1)
-    outward = boundary.points[axis.sides] - middle[:, None]
+    outward = boundary.points[axis.sides] - axis.middles[:, None]
     gradient = boundary.normals[axis.sides]
     size = np.linalg.norm(outward, axis=2) * np.linalg.norm(gradient, axis=2)
     rise = np.einsum("msk,msk->ms", outward, gradient) / np.maximum(size, 1e-300)
@@ -79,7 +78,7 @@ def of_polarity(axis: Axis, polarity: NDArray[np.int8], sign: int) -> Axis:
 
     At the sharp corners of a region, which smoothing rounds, the gradient does not point away from the axis.
     """
-    length = lengths(axis)
+    length = axis.lengths
     count, part = parts(axis)
     of_part = part[axis.edges[:, 0]]
     same = polarity == sign
@@ -107,27 +106,22 @@ def common_polarity(
     shape : tuple of int
         Shape of the image; what lies outside has no effect.
     """
-    inside = axis.inside(np.full(2, -0.5), np.array(shape) - 0.5)[axis.edges].all(axis=1)
-    outward = boundary.points[axis.sides] - axis.points[axis.edges].mean(axis=1)[:, None]
+    inside = axis.inside(-0.5, np.array(shape) - 0.5)[axis.edges].all(axis=1)
+    outward = boundary.points[axis.sides] - axis.middles[:, None]
     across = np.linalg.norm(outward[:, 1] - outward[:, 0], axis=1)
     # how far apart the sides of each edge are, 1 for opposite ones; small at irregularities
     breadth = (across / np.maximum(np.linalg.norm(outward, axis=2).sum(axis=1), 1e-300)) ** 2
-    length = np.where(inside, lengths(axis) * breadth, 0.0)
+    length = np.where(inside, axis.lengths * breadth, 0.0)
     count, part = parts(axis)
     of_part = part[axis.edges[:, 0]]
     dark, light, mixed = (np.bincount(of_part, length * (polarity == sign), count) for sign in (DARK, LIGHT, 0))
-    whole = float(length.sum())
+    whole = length.sum()
     if mixed.sum() > _PURE * whole or np.minimum(dark, light).sum() > _PURE * whole:
         return 0
-    shares = [float(length[objects & (polarity == sign)].sum()) for sign in (DARK, LIGHT)]
+    shares = [length[objects & (polarity == sign)].sum() for sign in (DARK, LIGHT)]
     if max(shares) <= _CLEAR * sum(shares):
         return 0
     return DARK if shares[0] > shares[1] else LIGHT
-
-
-def lengths(axis: Axis) -> Array:
-    """Lengths of the edges of an axis, shape (M,) [px]."""
-    return np.linalg.norm(np.diff(axis.points[axis.edges], axis=1)[:, 0], axis=1)
 
 
 _AWAY, _MIDDLE = 2.5, 0.5
@@ -164,7 +158,6 @@ def within_objects(axis: Axis, boundary: Boundary, values: Array, smoothing: flo
     """
     if not len(axis.edges):
         return np.zeros(0, np.bool_)
-    low, high = np.full(2, -0.5), np.array(values.shape) - 0.5
     clear = _AWAY * step_width(smoothing)
     # two positions are compared: the vertex itself and one just next to the edge, since beyond a sharp tip the object
     # is still visible for some distance, and far away there may be something else without edges
@@ -176,7 +169,7 @@ def within_objects(axis: Axis, boundary: Boundary, values: Array, smoothing: flo
     gray = [scipy.ndimage.map_coordinates(smooth, where.T, order=1, mode="nearest") for where in (places, axis.points)]
     away = np.min(np.abs(np.array(gray) - np.median(border)), axis=0)
     contrast = boundary.strength[axis.nearest] * np.sqrt(2.0 * np.pi) * step_width(smoothing)  # height of the steps
-    inside = axis.inside(low, high)
+    inside = axis.inside(-0.5, np.array(values.shape) - 0.5)
     count, part = parts(axis)
     every = np.arange(count)
     largest = scipy.ndimage.maximum(np.where(inside, axis.radius, 0.0), part, every)
@@ -218,14 +211,14 @@ def strips(axis: Axis, boundary: Boundary, width: float, sure: float) -> Axis:
 
     def is_mouth(tip: int, following: int) -> bool:
         """Whether a tip widens into an open region."""
-        away = float(np.linalg.norm(thin.points[tip] - thin.points[following]))
+        away = np.linalg.norm(thin.points[tip] - thin.points[following])
         return bool(thin.radius[tip] - thin.radius[following] > _OPPOSITE * away)
 
     cut = thin.only(without_tips(thin, is_mouth))
     if not len(cut.edges):
         return cut
     count, part = parts(cut)
-    of_part, length = part[cut.edges[:, 0]], lengths(cut)
+    of_part, length = part[cut.edges[:, 0]], cut.lengths
     change = np.abs(np.diff(cut.radius[cut.edges], axis=1)[:, 0])
     opposite = change / np.maximum(length, 1e-300) <= _OPPOSITE
     strong = boundary.strength[cut.nearest[cut.edges]].mean(axis=1) >= sure
@@ -235,7 +228,7 @@ def strips(axis: Axis, boundary: Boundary, width: float, sure: float) -> Axis:
             length,
             length * opposite,
             length * (opposite & strong),
-            length * 2.0 * cut.radius[cut.edges].mean(axis=1),
+            length * cut.widths,
         )
     )
     kept = (certain * total >= _LONG * area) & (between >= _MOSTLY * total)
@@ -244,22 +237,20 @@ def strips(axis: Axis, boundary: Boundary, width: float, sure: float) -> Axis:
 
 def evidence(found: Axis, boundary: Boundary) -> float:
     """How much speaks for strips: their length, in widths, times the strength of their edges [gray levels / px]."""
-    across = 2.0 * found.radius[found.edges].mean(axis=1)
-    return float((_weights(found, boundary) / np.maximum(across, 1e-300)).sum())
+    return float((_weights(found, boundary) / np.maximum(found.widths, 1e-300)).sum())
 
 
 def own_width(found: Axis, boundary: Boundary) -> float:
     """Width that nearly all of some strips stay well below [px]; 0 without any."""
     if not len(found.edges):
         return 0.0
-    across = 2.0 * found.radius[found.edges].mean(axis=1)
     weights = _weights(found, boundary)
-    return _ROOM * float(np.quantile(across, _NEARLY_ALL, weights=weights, method="inverted_cdf"))
+    return _ROOM * float(np.quantile(found.widths, _NEARLY_ALL, weights=weights, method="inverted_cdf"))
 
 
 def _weights(found: Axis, boundary: Boundary) -> Array:
     """Length of each edge of an axis times the strength of the boundary next to it, shape (M,)."""
-    return lengths(found) * boundary.strength[found.nearest[found.edges]].mean(axis=1)
+    return found.lengths * boundary.strength[found.nearest[found.edges]].mean(axis=1)
 
 
 _MOSTLY_LOOSE = 0.5
@@ -325,7 +316,13 @@ def find_structure(field_of: Callable[[Parameters], ScaleField], parameters: Par
     finest = max(_LEAST_SIGMA, (1.0 if parameters.max_width else _USUAL) * width / _WIDTH_PER_SIGMA)
     if parameters.smoothing == "auto" and usual.smoothing > finest:
         usual = field_of(replace(parameters, smoothing=finest))
-    faint, sure = _floors(usual, parameters)
+    strongest, strength = usual.strongest, usual.edge_map
+    if parameters.edge_floor:
+        faint = parameters.edge_floor * strongest
+        sure = max(parameters.edge_floor, parameters.sure_edge) * strongest
+    else:
+        background = max(background_strength(strength[strength > 0.0]), _LEAST * strongest)
+        faint, sure = _FAINT * background, parameters.sure_edge * strongest or background
     boundary = find_boundary(replace(usual, floor=faint), replace(parameters, sure_edge=0.0))
     return Structure(boundary, usual.smoothing, polarity, width, sure)
 
@@ -343,16 +340,7 @@ def with_axis(found: Structure, values: Array, parameters: Parameters) -> tuple[
         return replace(found, polarity=polarity), chosen
     options = [(p, of_polarity(axis, sign, p)) for p in (DARK, LIGHT) if found.polarity in (0, p)]
     tried = [found.pruned(option, parameters.pruning, values.shape) for _, option in options]
-    best = int(np.argmax([evidence(one, found.boundary) for one in tried]))
+    best = np.argmax([evidence(one, found.boundary) for one in tried])
     width = parameters.max_width or own_width(tried[best], found.boundary) or found.width
     polarity, axis = options[best]
     return replace(found, polarity=polarity, width=width), axis
-
-
-def _floors(scale_field: ScaleField, parameters: Parameters) -> tuple[float, float]:
-    """Least strength of the edges of strips, and of the sure ones among them [gray levels / px]."""
-    strongest, strength = scale_field.strongest, scale_field.edge_map
-    if parameters.edge_floor:
-        return parameters.edge_floor * strongest, max(parameters.edge_floor, parameters.sure_edge) * strongest
-    background = max(background_strength(strength[strength > 0.0]), _LEAST * strongest)
-    return _FAINT * background, parameters.sure_edge * strongest or background

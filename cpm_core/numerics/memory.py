@@ -12,7 +12,16 @@ _GROUP = Path("/sys/fs/cgroup")
 
 def free() -> float:
     """Memory that this process may still take [bytes]; infinite where the system does not say."""
-    return min(_of_the_computer(), _of_the_group())
+    room = math.inf
+    with suppress(OSError, ValueError, IndexError, StopIteration):
+        lines = Path("/proc/meminfo").read_text().splitlines()
+        room = next(1024.0 * int(line.split()[1]) for line in lines if line.startswith("MemAvailable:"))
+    with suppress(OSError, ValueError):  # "max" is no number: there is no limit
+        most, taken = (int((_GROUP / f"memory.{name}").read_text()) for name in ("max", "current"))
+        parts = (line.split() for line in (_GROUP / "memory.stat").read_text().splitlines())
+        given_back = sum(int(count) for name, count in parts if name in ("inactive_file", "active_file"))
+        room = min(room, float(max(most - taken + given_back, 0)))
+    return room
 
 
 def check_room(shape: tuple[int, ...], each: float, source: str) -> None:
@@ -44,20 +53,3 @@ def check_room(shape: tuple[int, ...], each: float, source: str) -> None:
 
 def _size(shape: tuple[int, ...]) -> str:
     return " × ".join(f"{side:,}" for side in shape)
-
-
-def _of_the_computer() -> float:
-    with suppress(OSError, ValueError, IndexError):
-        for line in Path("/proc/meminfo").read_text().splitlines():
-            if line.startswith("MemAvailable:"):
-                return 1024.0 * int(line.split()[1])
-    return math.inf
-
-
-def _of_the_group() -> float:
-    with suppress(OSError, ValueError):  # "max" is no number: there is no limit
-        most, taken = (int((_GROUP / f"memory.{name}").read_text()) for name in ("max", "current"))
-        lines = (line.split() for line in (_GROUP / "memory.stat").read_text().splitlines())
-        given_back = sum(int(count) for name, count in lines if name in ("inactive_file", "active_file"))
-        return float(max(most - taken + given_back, 0))
-    return math.inf

@@ -13,7 +13,7 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager
-from functools import cache, lru_cache
+from functools import lru_cache
 from itertools import pairwise
 
 _PARTS = 2
@@ -22,18 +22,16 @@ _PARTS = 2
 _MOST = 8
 """Threads beyond which the parts get too small to pay."""
 
+_USABLE = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+"""Cores that the system lets this process use."""
+
 _limits = [_MOST]
 """What those who run this process allow it, the last of them counts."""
 
 
 def cores() -> int:
     """Cores that this process may use, up to a sensible number, or to what `at_most` allows."""
-    return min(_usable(), _limits[-1])
-
-
-@cache
-def _usable() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    return min(_USABLE, _limits[-1])
 
 
 @contextmanager

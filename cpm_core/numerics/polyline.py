@@ -60,7 +60,7 @@ def resampled(path: Array, spacing: float) -> Array:
 
     Both ends are kept to the bit.
     """
-    whole = float(lengths_along(path)[-1])
+    whole = lengths_along(path)[-1]
     count = max(2, int(np.ceil(whole / spacing)))
     out = places_at(path, np.linspace(0.0, whole, count + 1))
     out[[0, -1]] = path[[0, -1]]
@@ -168,5 +168,5 @@ def moved(path: Sequence[Position], by: Position) -> tuple[Position, ...]:
 
 def with_handle_at(path: Sequence[Position], corner: Position, to: Position) -> tuple[Position, ...]:
     """Path with the corner nearest to a position moved to another position."""
-    nearest = int(np.linalg.norm(corners_of(path) - corner, axis=1).argmin())
+    nearest = np.linalg.norm(corners_of(path) - corner, axis=1).argmin()
     return (*path[:nearest], to, *path[nearest + 1 :])

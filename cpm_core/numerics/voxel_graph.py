@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Callable
 from itertools import product
 from typing import NamedTuple
 
@@ -23,13 +24,24 @@ def thinned(inside: Mask, depth: Array) -> Mask:
     return lines
 
 
+def _bits(chosen: Callable[[int, int, int], bool]) -> int:
+    """The chosen ones of the 27 voxels of a cube as bits, by their places along the axes from -1 to 1."""
+    return sum(1 << k for k, step in enumerate(product((-1, 0, 1), repeat=3)) if chosen(*step))
+
+
+_FACES = _bits(lambda p, r, c: abs(p) + abs(r) + abs(c) == 1)
+_SIDES = _bits(lambda p, r, c: 1 <= abs(p) + abs(r) + abs(c) <= 2)
+_UP, _LEFT, _RIGHT = _bits(lambda p, r, c: r > -1), _bits(lambda p, r, c: c > -1), _bits(lambda p, r, c: c < 1)
+_DOWN = _bits(lambda p, r, c: r < 1)
+"""Voxels of the cube by which a middle one touches others, and those that have one next to them in a direction."""
+
+
 @compiled
 def _thin(lines: Mask, voxels: Index) -> int:
     """Take simple voxels away, in order; return their number.
 
     Around a simple one the inside hangs together, and so does the outside at its sides.
     """
-    around, waiting = np.empty(27, np.bool_), np.empty(27, np.int64)
     taken = 0
     for n in range(len(voxels)):
         p, r, c = voxels[n]
@@ -38,44 +50,29 @@ def _thin(lines: Mask, voxels: Index) -> int:
             and lines[p, r + 1, c] and lines[p, r, c - 1] and lines[p, r, c + 1]
         ):  # fmt: skip
             continue  # the outside does not touch it, as most of them
-        count = 0
+        around = 0
         for k in range(27):
-            around[k] = lines[p + k // 9 - 1, r + k // 3 % 3 - 1, c + k % 3 - 1]
-            count += around[k]
-        if count > 2 and _parts(around, waiting, True) == 1 and _parts(around, waiting, False) == 1:
+            around |= int(lines[p + k // 9 - 1, r + k // 3 % 3 - 1, c + k % 3 - 1]) << k
+        around &= ~(1 << 13)
+        outside = ~around & _SIDES
+        if around & (around - 1) and _hangs(around, around, True) and _hangs(outside, outside & _FACES, False):
             lines[p, r, c] = False
             taken += 1
     return taken
 
 
 @compiled
-def _parts(around: Mask, waiting: Index, inside: bool) -> int:
-    """Number of parts of the inside with 26 neighbors, or of the outside with 6 that touch the middle by a side."""
-    seen = np.zeros(27, np.bool_)
-    count = 0
-    for start in range(27):
-        x, y, z = start // 9 - 1, start // 3 % 3 - 1, start % 3 - 1
-        off = abs(x) + abs(y) + abs(z)
-        if start == 13 or seen[start] or around[start] != inside or (not inside and off != 1):
-            continue
-        count += 1
-        seen[start] = True
-        waiting[0], many = start, 1
-        while many:
-            many -= 1
-            at = waiting[many]
-            for other in range(27):
-                if other == 13 or seen[other] or around[other] != inside:
-                    continue
-                u, v, w = other // 9 - 1, other // 3 % 3 - 1, other % 3 - 1
-                if not inside and abs(u) + abs(v) + abs(w) == 3:
-                    continue  # corners do not belong to the outside around the middle
-                a, b, d = abs(u - (at // 9 - 1)), abs(v - (at // 3 % 3 - 1)), abs(w - (at % 3 - 1))
-                if max(a, b, d) == 1 and (inside or a + b + d == 1):
-                    seen[other] = True
-                    waiting[many] = other
-                    many += 1
-    return count
+def _hangs(voxels: int, wanted: int, corners: bool) -> bool:
+    """Whether the wanted ones of some voxels of a cube, as bits, hang together, over corners or over sides alone."""
+    part, before = wanted & -wanted, 0
+    while part != before:
+        before = part
+        grown = part | (part & _RIGHT) << 1 | (part & _LEFT) >> 1
+        across = grown if corners else part
+        grown |= (across & _DOWN) << 3 | (across & _UP) >> 3
+        across = grown if corners else part
+        part = (grown | across << 9 | across >> 9) & voxels
+    return wanted & ~part == 0
 
 
 _AROUND = np.array([step for step in product((-1, 0, 1), repeat=3) if any(step)])
@@ -153,17 +150,14 @@ def _chain(way: list[int], voxels: Index, neighbors: list[list[int]], junction: 
         touched = sorted({int(junction[n]) for n in neighbors[way[0]] if junction[n] >= 0})
         at = [*touched[:2], *[-1] * (2 - len(touched[:2]))]
     ring = at == [-1, -1] and len(way) > 2 and way[0] in neighbors[way[-1]]
-    pieces = [centers[at[0]][None]] if at[0] >= 0 else []
-    pieces.append(own.astype(float))
-    if at[1] >= 0:
-        pieces.append(centers[at[1]][None])
-    if ring:
-        pieces.append(own[:1].astype(float))
+    before, behind = (centers[[k]] if k >= 0 else centers[:0] for k in at)
     first, last = (
         k if k >= 0 else len(centers) + end for k, end in zip(at, (way[0], way[0] if ring else way[-1]), strict=True)
     )
     free = (at[0] < 0) != (at[1] < 0)
-    return Chain(np.concatenate(pieces), own, (first, last), (0 if at[0] < 0 else 1) if free else -1)
+    return Chain(
+        np.concatenate([before, own, behind, own[:ring]]), own, (first, last), (0 if at[0] < 0 else 1) if free else -1
+    )
 
 
 _OFF_GRID = np.array([0.0317, 0.0271, 0.0193])

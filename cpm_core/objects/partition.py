@@ -25,7 +25,6 @@ from cpm_core.image.image import Image, as_image, as_plane
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import of_plane
 from cpm_core.model.starts import uniform_grid
-from cpm_core.model.volume.starts import everywhere
 from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import ends
 from cpm_core.numerics.real_numbers import as_places
@@ -42,7 +41,7 @@ from cpm_core.objects.prior.prior import Likely, Prior, Prompt
 from cpm_core.objects.selection import Selection, overlap
 from cpm_core.objects.vessels import vessel_tree
 from cpm_core.objects.volume_partition import VolumePartition
-from cpm_core.parameters import PRESETS, Parameters
+from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import counted, described, sized
 from cpm_core.segmentation.evolve import segment
 from cpm_core.segmentation.reach.bounding import thing_within
@@ -85,7 +84,8 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
     Parameters
     ----------
     values : array_like, shape (H, W) or (P, H, W), or Image, or Result
-        An image or a volume, in which a run from everywhere finds the contours or the surface, or the result of a run.
+        An image, in which a run from everywhere finds the contours, a volume, which needs no run, or the result of a
+        run.
     params : Parameters, optional
         Of the run on an image.
 
@@ -97,7 +97,7 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
     Raises
     ------
     ValueError
-        For an unusable image, a result that does not know its image, or a volume without a closed surface.
+        For an unusable image, or a result that does not know its image.
 
     Examples
     --------
@@ -108,12 +108,12 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
     if not isinstance(values, Result):
         image = as_image(values)
         if image.ndim == 3:
-            return partition(segment(image, everywhere(image), params or PRESETS["volume"]))
+            return VolumePartition(image)
         return partition(segment(image, uniform_grid(image.shape), params or EVERYWHERE))
     if values.image is None:
         raise ValueError("the result has no image: make a partition of the image itself.")
     if values.surface is not None:
-        return VolumePartition(values.image, values.surface)
+        return VolumePartition(values.image, values.surface) if values.surface.closed else VolumePartition(values.image)
     return Partition(as_plane(values.image), tuple(values.contours), of_plane(values.regions), values.channel)
 
 

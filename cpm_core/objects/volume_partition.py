@@ -1,9 +1,10 @@
-"""The bodies into which closed surfaces part a volume, and the choice of an object among them by clicks.
+"""A volume with the bodies that closed surfaces part it into, and the choice of a body by clicks.
 
 A body is a connected part of the volume without the surface: what a surface encloses, or what lies between two of them,
 such as the wall of a shell and the hollow in it. Its boundary are the components of the surface next to it, and its
-volume and area are those of the triangles, not of voxels. Nothing is closed across gaps here, nor chosen by gray
-levels: a click selects the body that it lies in, a further one adds another body, and one outside takes a body away.
+volume and area are those of the triangles, not of voxels. A click selects the body that it lies in, a further one adds
+another body, and one outside takes a body away. Where no surface encloses a click, a prior learned from outlined images
+answers (`prior.bodies`), and further clicks correct that.
 """
 
 from __future__ import annotations
@@ -16,31 +17,37 @@ from numpy.typing import ArrayLike
 
 from cpm_core.contours.packed_surface import PackedSurface
 from cpm_core.contours.surface import Surface, inside_of
+from cpm_core.field.volume_field import pitch_of
 from cpm_core.image.image import Image
 from cpm_core.numerics.grids import Parts, parts_of
 from cpm_core.numerics.real_numbers import as_places
 from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.objects.prior.bodies import Body, BodyPrior, body_of
+from cpm_core.objects.prior.body_surface import body_surface
 from cpm_core.parameters.quotation import counted, described, sized
 
 _BESIDE = 0.75
 """Distance from a surface at which the bodies on both sides are looked up [smallest sides of a voxel]."""
 
-_OUTSIDE = "A place that no surface encloses counts for nothing: click inside an object."
 _NOWHERE = "No place has been said to be inside."
 _SAME = "The same body has been said to be inside and outside; it is left out."
-_THIN = "The object at this place is thinner than a voxel, and has no boundary of its own."
+_BOTH = "The same place has been said to be inside and outside; what was said last counts."
+_THIN = "No body was found at this place."
+
+NO_SURFACE = Surface(np.empty((0, 3)), np.empty((0, 3), np.int64))
+"""The surface of a volume in which nothing has run yet."""
 
 
 @dataclass(frozen=True, eq=False)
 class VolumePartition:
-    """A volume that closed surfaces cut into bodies.
+    """A volume, with the bodies that closed surfaces cut it into.
 
     Attributes
     ----------
     image : Image
         The volume.
     surface : Surface
-        The surfaces along which it is cut, all in one.
+        The surfaces along which it is cut, all in one; without any, the prior answers everywhere.
 
     Examples
     --------
@@ -53,10 +60,10 @@ class VolumePartition:
     """
 
     image: Image
-    surface: Surface
+    surface: Surface = NO_SURFACE
 
     def __post_init__(self) -> None:
-        if not self.surface.closed:
+        if len(self.surface.faces) and not self.surface.closed:
             raise ValueError(
                 f"{self.image.source} has no closed surface, so nothing is enclosed: run until the particles are "
                 "at rest."
@@ -70,7 +77,7 @@ class VolumePartition:
     @property
     def labels(self) -> Index:
         """Body of every voxel, shape (P, R, C), from 1 up; 0 outside all surfaces."""
-        return np.asarray(sum(np.concatenate([[0], number])[parts.labels] for parts, number in self._parts))
+        return np.asarray(sum(parts.labels_of(number) for parts, number in self._parts))
 
     @cached_property
     def _parts(self) -> tuple[tuple[Parts, Index], ...]:
@@ -114,23 +121,52 @@ class VolumePartition:
         """
         within, beyond = (as_places(given, "planes, rows and columns") for given in (inside, outside))
         if previous is not None:
-            within = np.concatenate([previous.inside, within])
-            beyond = np.concatenate([previous.outside, beyond])
-        wanted, unwanted = self.bodies_at(within), self.bodies_at(beyond)
-        chosen = np.setdiff1d(wanted[wanted > 0], unwanted)
-        found = VolumeSelection(self, chosen, within, beyond)
+            within, beyond = _more(previous.inside, within), _more(previous.outside, beyond)
         if not len(within):
-            return replace(found, remark=_NOWHERE)
-        if np.isin(wanted[wanted > 0], unwanted).any():
-            return replace(found, remark=_SAME)
-        if not wanted.all():
-            return replace(found, remark=_OUTSIDE)
-        return found if found.found else replace(found, remark=_THIN)
+            return VolumeSelection(self, NO_SURFACE, within, beyond, _NOWHERE)
+        wanted, unwanted = self.bodies_at(within), self.bodies_at(beyond)
+        chosen = np.setdiff1d(wanted, unwanted)
+        if wanted.all() and len(chosen):
+            remark = _SAME if np.isin(wanted, unwanted).any() else ""
+            found = VolumeSelection(self, self.boundary_of(chosen), within, beyond, remark)
+        else:
+            found = self._likely(within, beyond, previous)
+        return found if found.found or found.remark else replace(found, remark=_THIN)
+
+    def _likely(self, inside: Array, outside: Array, previous: VolumeSelection | None) -> VolumeSelection:
+        """What the prior makes of places, next to what was chosen before."""
+        last = np.array(self.shape) - 1.0
+        within, beyond = np.clip(inside, 0.0, last), np.clip(outside, 0.0, last)
+        same = (np.rint(within)[:, None] == np.rint(beyond)).all(axis=2)
+        if same.any():  # what was said last counts
+            newer = np.arange(len(within)) >= (len(within) if previous is None else len(previous.inside))
+            within, beyond = within[newer | ~same.any(axis=1)], beyond[~(same & newer[:, None]).any(axis=0)]
+        if not len(within):
+            return VolumeSelection(self, NO_SURFACE, inside, outside, _BOTH)
+        size = self._prior.size
+        if previous is not None and previous.body is not None:
+            body = previous.body
+        elif previous is not None and previous.found:
+            body = body_of(previous.mask, size)
+        else:
+            body = self._prior.body_at(within[0] * size)
+        for places, adds in ((within, True), (beyond, False)):
+            for place in places:
+                if body.holds(place * size) != adds:
+                    body = self._prior.corrected(body, place * size, adds, within * size, beyond * size)
+        surface = body_surface(body, self.image.values, size, within, beyond, self.image.spacing, self.image.unit)
+        return VolumeSelection(self, surface, inside, outside, _BOTH if same.any() else "", body)
+
+    @cached_property
+    def _prior(self) -> BodyPrior:
+        return BodyPrior(self.image.values, np.array(pitch_of(self.image.spacing)))
 
     def bodies_at(self, places: Array) -> Index:
         """Numbers of the bodies that places, shape (N, 3) [voxels], lie in, 0 outside all."""
         voxels = np.clip(np.rint(places), 0, np.array(self.shape) - 1).astype(np.int64)
         found = np.zeros(len(voxels), np.int64)
+        if not len(self.surface.faces):
+            return found
         for parts, number in self._parts:
             part = parts.part_at(voxels)
             found[part >= 0] = number[part[part >= 0]]
@@ -166,59 +202,75 @@ class VolumePartition:
 
 @dataclass(frozen=True, eq=False)
 class VolumeSelection:
-    """Bodies that have been chosen by clicks in a volume.
+    """A body that has been chosen by clicks in a volume, or several.
 
     Attributes
     ----------
     partition : VolumePartition
-        What they are parts of.
-    bodies : ndarray of int, shape (B,)
-        Their numbers in `VolumePartition.labels`, ascending.
+        What it was chosen from.
+    surface : Surface
+        Its boundary: its triangles are turned outward, away from it.
     inside, outside : ndarray, shape (M, 3) and (K, 3)
         The places that have been said to be inside and outside [voxels].
     remark : str
         One sentence on what was unusual about the places, or empty.
+    body : Body or None
+        What the prior made of the places; None for what closed surfaces enclose.
 
     Examples
     --------
     >>> result = cpm.segment(cpm.example("ball"), cpm.sphere((15, 15, 15), 4, 60), cpm.PRESETS["volume"])
     >>> chosen = cpm.partition(result).select([(15, 15, 15)])
     >>> chosen
-    <VolumeSelection ball, 1 body>
+    <VolumeSelection ball, 1 part>
     >>> round(chosen.volume / result.surface.volume, 3), round(chosen.area / result.surface.area, 3)
     (1.0, 1.0)
     >>> chosen.mask.shape, chosen.surface.closed, chosen.found, chosen.only_places, chosen.same(chosen)
     ((31, 31, 31), True, True, False, True)
     >>> chosen.holds(np.array([(15.0, 15.0, 15.0), (2.0, 2.0, 2.0)])).tolist()
     [True, False]
-    >>> chosen.packed.surface.closed
-    True
+    >>> chosen.packed.surface.closed, chosen.body is None
+    (True, True)
     """
 
     partition: VolumePartition = field(repr=False)
-    bodies: Index
+    surface: Surface
     inside: Array
     outside: Array
     remark: str = ""
+    body: Body | None = field(default=None, repr=False)
 
     @cached_property
     def mask(self) -> Mask:
-        """Voxels whose centers lie in them, shape (P, R, C)."""
-        return np.isin(self.partition.labels, self.bodies)
+        """Voxels whose centers lie in it, shape (P, R, C), with those of the places inside, without those outside."""
+        found = np.zeros(self.partition.shape, np.bool_)
+        first, part = self._voxels
+        found[tuple(slice(at, at + side) for at, side in zip(first.tolist(), part.shape, strict=True))] = part
+        return found
 
     @cached_property
-    def surface(self) -> Surface:
-        """Their boundary: its triangles are turned outward, away from the bodies."""
-        return self.partition.boundary_of(self.bodies)
+    def _voxels(self) -> tuple[Index, Mask]:
+        """The first voxel of a box around it, and which voxels there lie in it: large volumes have many selections."""
+        shape = np.array(self.partition.shape)
+        places = [np.rint(np.clip(given, 0, shape - 1)).astype(np.int64) for given in (self.outside, self.inside)]
+        every = np.concatenate([self.surface.vertices, *places])
+        first = np.maximum(np.floor(every.min(axis=0)), 0).astype(np.int64) if len(every) else np.zeros(3, np.int64)
+        end = np.minimum(np.ceil(every.max(axis=0)).astype(np.int64) + 1, shape) if len(every) else first
+        there = replace(self.surface, vertices=self.surface.vertices - first)
+        part = inside_of(there, tuple((end - first).tolist())) if self.found else np.zeros(end - first, np.bool_)
+        for voxels, within in zip(places, (False, True), strict=True):
+            if self.body is not None and self.remark != _BOTH:
+                part[tuple((voxels - first).T)] = within
+        return first, part
 
     @cached_property
     def packed(self) -> PackedSurface:
-        """Their boundary as a session holds it; ValueError when it is empty."""
+        """Its boundary as a session holds it; ValueError when it is empty."""
         return PackedSurface.of(self.surface)
 
     @property
     def found(self) -> bool:
-        """Whether they have a boundary."""
+        """Whether it has a boundary."""
         return bool(len(self.surface.faces))
 
     @property
@@ -237,15 +289,25 @@ class VolumeSelection:
         return self.surface.area
 
     def __repr__(self) -> str:
-        return described("VolumeSelection", self.partition.image.source, counted(len(self.bodies), "body", "bodies"))
+        return described("VolumeSelection", self.partition.image.source, counted(self.surface.components, "part"))
 
     def same(self, other: VolumeSelection) -> bool:
         """Whether the same bodies have been chosen."""
-        return np.array_equal(self.bodies, other.bodies)
+        return np.array_equal(self.surface.vertices, other.surface.vertices)
 
     def holds(self, places: Array) -> Mask:
         """Which of places, shape (N, 3) [voxels], lie in it; one outside the volume counts as the nearest one in it."""
-        return np.isin(self.partition.bodies_at(places), self.bodies)
+        first, part = self._voxels
+        voxels = np.rint(np.clip(places, 0, np.array(self.partition.shape) - 1)).astype(np.int64) - first
+        there = ((voxels >= 0) & (voxels < part.shape)).all(axis=1)
+        there[there] = part[tuple(voxels[there].T)]
+        return there
+
+
+def _more(before: Array, places: Array) -> Array:
+    """Places, and those before that are not among them, in their order."""
+    fresh = (places[:, None] != before[None]).any(axis=2).all(axis=1) if len(places) else np.zeros(0, np.bool_)
+    return np.concatenate([before, places[fresh]])
 
 
 def _most_frequent(group: Index, value: Index) -> Index:

@@ -149,6 +149,7 @@ def without_image(result: Result) -> Result:
             strength=round(contour.strength, _OF_MEASURES),
             sides=None if contour.sides is None else partial(round, contour.contrast, _OF_MEASURES),
             gray=gray,
+            way=partial(str, contour.reached),
         )
         for contour, gray in zip(result.contours, _grays(result), strict=True)
     )

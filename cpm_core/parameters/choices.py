@@ -13,7 +13,7 @@ Accuracy = Literal["standard", "exact"]
 Channel = Literal["luminance", "red", "green", "blue", "hematoxylin", "eosin", "dab"]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ChoiceInfo:
     """Description of a parameter whose values are names.
 
@@ -38,7 +38,7 @@ class ChoiceInfo:
     invalidates: Invalidates
 
 
-CHOICES: dict[str, ChoiceInfo] = {
+CHOICES = {
     "edges": ChoiceInfo(
         "edges", "Edges from", "Where edges are found.",
         {

@@ -9,7 +9,7 @@ from typing import Any
 from cpm_core.parameters.parameters import Parameters
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Provenance:
     """How a result was found; files tell it next to the version of the program and the outcome of the run.
 

@@ -265,7 +265,7 @@ class Engine(ImageFields):
         if self.image.ndim == 3:
             found = surface_of(state, self.image, field, parameters)
         else:
-            found = contours_of(state, self.image, field, parameters, self.reach_map(state.start, parameters))
+            found = contours_of(state, self.image, field, parameters, self.reach_map)
         return replace(found, provenance=_provenance(self.image, state, parameters))
 
     def measures(self, state: State, parameters: Parameters, thorough: bool = False) -> Mapping[str, float]:

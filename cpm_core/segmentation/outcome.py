@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 from cpm_core.contours.contour import Bridge
@@ -41,7 +43,7 @@ def contours_of(
     image: Image,
     field: ScaleField,
     parameters: Parameters,
-    reached: ReachMap | None,
+    map_of: Callable[[Array, Parameters], ReachMap | None],
 ) -> Result:
     """Contours through the particles of a state, from the fields of its scale, in px of the image."""
     size = 2.0**state.scale
@@ -52,9 +54,16 @@ def contours_of(
     # an edge without particles may have been cleared by the user; it is then not traced
     filled = state.converged and not state.charges and not state.erased
     found, bridged = find_contours(state.particles.position, field, parameters, at_rest=filled)
-    contours = tuple(replace(c, points=seen(c.points), strength=c.strength / size) for c in found)
-    if reached is not None:
-        contours = tuple(replace(c, reached=reached.way_of(c.points)) for c in contours)
+
+    def reached(points: Array) -> str:
+        known = map_of(state.start, parameters)
+        return "" if known is None else known.way_of(points)
+
+    places = [seen(c.points) for c in found]
+    contours = tuple(
+        replace(c, points=points, strength=c.strength / size, way=partial(reached, points))
+        for c, points in zip(found, places, strict=True)
+    )
     bridges = tuple(Bridge(seen(b.points), b.length * size, b.strength / size) for b in bridged)
     return result_of(state, image, parameters, contours=contours, surface=None, bridges=bridges)
 
@@ -71,7 +80,7 @@ def surface_of(state: State, image: Image, field: VolumeField, parameters: Param
     if field.walls is not None:
         shut = field.walls.shut(field.shape, field.pitch, particles.position[particles.contact.seated])
     spacing = tuple(side * 2.0**scale for side in image.spacing)
-    fields = field.smoothed, field.edge_map
+    fields = field.smoothed, field.edges
     surface = find_surface(*fields, points, spacing, image.unit, smoothing=field.smoothing, shut=shut)
     if scale:
         surface = replace(surface, vertices=to_image(surface.vertices, scale, image.shape), spacing=image.spacing)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -24,8 +24,38 @@ LOWEST, HIGHEST, STEP = 0.02, 0.98, 0.02
 """Bounds of the fraction of a threshold, and how much it changes at a time."""
 
 
-@dataclass(frozen=True, slots=True)
-class Grid(ClosedPath):
+class Spaced:
+    """What is filled evenly; its size is the distance of the particles. Subclasses are frozen dataclasses."""
+
+    spacing: float
+
+    @property
+    def _lengths(self) -> list[float]:
+        raise NotImplementedError
+
+    def resized(self, by: float) -> Self:
+        """The same shape with the spacing changed by so much, as far as particles may be as dense and as sparse."""
+        finest = max(FINEST, finest_spacing(self._lengths))
+        spacing = min(max(self.spacing + by, finest), max(COARSEST, finest))
+        return replace(self, spacing=spacing)  # type: ignore[type-var]
+
+
+class OnStrongEdges:
+    """What has particles where edges are strong; its size is how strong. Subclasses are frozen dataclasses."""
+
+    follows_smoothing: ClassVar[bool] = True
+    title: ClassVar[str] = "threshold"
+
+    fraction: float
+
+    def resized(self, by: float) -> Self:
+        """The same shape with the threshold raised by so many steps of 0.02."""
+        fraction = round(min(max(self.fraction + STEP * by, LOWEST), HIGHEST), 6)
+        return replace(self, fraction=fraction)  # type: ignore[type-var]
+
+
+@dataclass(frozen=True)
+class Grid(Spaced, ClosedPath):
     """Particles spread evenly over an area.
 
     Attributes
@@ -50,18 +80,14 @@ class Grid(ClosedPath):
         found = places[polyline.inside(self.points, places)]
         return found if len(found) else np.mean(self.points, axis=0)[None]
 
-    def resized(self, by: float) -> Grid:
-        """The same area with the spacing changed by so many px."""
-        return replace(self, spacing=changed_spacing(self.spacing + by, self._lengths))
-
     @property
     def _lengths(self) -> list[float]:
         """Lengths of the box around the area along rows and columns [px]."""
         return list(np.ptp(np.array(self.points, dtype=float), axis=0).tolist())
 
 
-@dataclass(frozen=True, slots=True)
-class Threshold(ClosedPath):
+@dataclass(frozen=True)
+class Threshold(OnStrongEdges, ClosedPath):
     """Particles where edges are strong, in an area; their positions depend on the image.
 
     Attributes
@@ -71,9 +97,6 @@ class Threshold(ClosedPath):
     fraction : float
         Fraction of the largest edge strength in the area above which a pixel gets a particle.
     """
-
-    title: ClassVar[str] = "threshold"
-    follows_smoothing: ClassVar[bool] = True
 
     fraction: float = 0.3
 
@@ -91,10 +114,6 @@ class Threshold(ClosedPath):
         within = polyline.inside(self.points, pixels.astype(float)).reshape(window.shape)
         return above(np.where(within, window, 0.0), self.fraction) + low if within.any() else np.empty((0, 2))
 
-    def resized(self, by: float) -> Threshold:
-        """The same area with the threshold raised by so many steps of 0.02."""
-        return replace(self, fraction=changed_fraction(self.fraction, by))
-
 
 def check_spacing(spacing: float, lengths: Sequence[float]) -> None:
     """Check that a grid in a box of these lengths has no more particles than are allowed, else raise ValueError."""
@@ -109,19 +128,8 @@ def check_spacing(spacing: float, lengths: Sequence[float]) -> None:
 
 def finest_spacing(lengths: Sequence[float]) -> int:
     """The least spacing at which a box of these lengths has no more particles than are allowed."""
-    side: float = (2.0 * math.prod(length + 1.0 for length in lengths) / MOST_PLACES) ** (1.0 / len(lengths))
+    side = (2.0 * math.prod(length + 1.0 for length in lengths) / MOST_PLACES) ** (1.0 / len(lengths))
     return math.ceil(side)
-
-
-def changed_spacing(wanted: float, lengths: Sequence[float]) -> float:
-    """The spacing nearest to a wanted one that a grid in a box of these lengths can be given."""
-    finest = max(FINEST, finest_spacing(lengths))
-    return min(max(wanted, finest), max(COARSEST, finest))
-
-
-def changed_fraction(fraction: float, by: float) -> float:
-    """The fraction of a threshold raised by so many steps of 0.02."""
-    return round(min(max(fraction + STEP * by, LOWEST), HIGHEST), 6)
 
 
 def evenly(lengths: Sequence[float], spacing: float) -> Array:

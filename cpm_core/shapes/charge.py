@@ -14,7 +14,7 @@ WEAKEST, _STEP = 0.5, 0.5
 """Least absolute strength, and how much it changes at a time."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Charge(WithoutOutline):
     """A placed charge; it acts on all particles within its reach at once.
 

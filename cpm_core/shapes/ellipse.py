@@ -23,8 +23,6 @@ _CORNERS = 180
 class Round:
     """What is as far from its center all around. Subclasses are frozen dataclasses."""
 
-    __slots__ = ()
-
     center: Place
     radius: float
 
@@ -56,7 +54,7 @@ class Round:
         return replace(self, radius=min(max(radius, SMALLEST_RADIUS), LARGEST))  # type: ignore[type-var]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Circle(Round):
     """Particles on a circle.
 
@@ -96,7 +94,7 @@ _ARM, _OUT = 1.25, 4.0
 """Distance of the rotation handle from the center: a multiple of the first radius, plus a number of px."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Ellipse:
     """Particles on an ellipse.
 

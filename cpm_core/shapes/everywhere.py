@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Literal, get_args
 
 from cpm_core.image.image import Image
@@ -19,12 +18,14 @@ Kind = Literal["grid", "gradient", "centers"]
 
 KINDS: tuple[Kind, ...] = get_args(Kind)
 
-_TITLES: Mapping[Kind, str] = MappingProxyType(
-    {"grid": "start everywhere", "gradient": "start on strong edges", "centers": "start at centers"}
-)
+_TITLES = {
+    "grid": "start everywhere",
+    "gradient": "start on strong edges",
+    "centers": "start at centers",
+}
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Everywhere(WithoutOutline):
     """Particles all over the image, at positions that depend on it (`cpm_core.shapes.image_starts`).
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from functools import lru_cache
-from types import MappingProxyType
 
 from cpm_core.field.edge_map import automatic_smoothing, edge_map
 from cpm_core.image.image import Image
@@ -21,7 +20,7 @@ ImageStart = Everywhere | Threshold | BoxThreshold
 ImageSeeds = Mapping[ImageStart, Array]
 """Positions of the particles of each such start, shape (N, 2), or (N, 3) in a volume."""
 
-NO_SEEDS: ImageSeeds = MappingProxyType({})
+NO_SEEDS: ImageSeeds = {}
 
 
 _KEPT = 16

@@ -6,18 +6,18 @@ Strokes and polygons lie in an image, or in a volume, where each corner may lie 
 from __future__ import annotations
 
 import math
-import operator
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from cpm_core.model import starts as initialization
+from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Place, Position
 from cpm_core.shapes.path import ClosedPath, OpenPath, WithoutOutline, check_positions
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Stroke(OpenPath):
     """Particles along a freehand line; a stroke with a single corner is one particle."""
 
@@ -31,7 +31,7 @@ class Stroke(OpenPath):
         return initialization.stroke(self.points)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Polygon(ClosedPath):
     """Particles along a closed line."""
 
@@ -44,7 +44,7 @@ class Polygon(ClosedPath):
         return initialization.loop(self.points)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Region(ClosedPath):
     """A region of interest, which particles do not leave."""
 
@@ -55,14 +55,14 @@ class Region(ClosedPath):
         return False
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Barrier(OpenPath):
     """A line that particles do not cross."""
 
     title: ClassVar[str] = "barrier"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Points(WithoutOutline):
     """Particles placed one by one: `positions` (row, col) [px], or (plane, row, col) [voxels], at least one."""
 
@@ -84,7 +84,7 @@ class Points(WithoutOutline):
 
     def moved(self, by: Place) -> Points:
         """The same points displaced by so much along each axis."""
-        return Points(tuple(tuple(map(operator.add, position, by)) for position in self.positions))
+        return Points(polyline.moved(self.positions, by))
 
     def distance(self, position: Place) -> float:
         """Distance of a position from the nearest point [px]."""

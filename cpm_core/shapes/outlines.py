@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any
 
 import numpy as np
 
@@ -29,23 +28,22 @@ def starts_along(contours: Sequence[Contour], places: Array | None = None) -> tu
     """Starts along contours, with the corners that matter: polygons and strokes, and single points as one start."""
     starts: list[Polygon | Stroke | Points] = []
     for contour in contours:
-        corners = polyline.thinned([(row, col) for row, col in contour.path.tolist()])
+        corners = polyline.thinned(contour.path.tolist())
         closed = contour.closed and len(set(corners)) > 2
         starts.append(Polygon(corners[:-1]) if closed else Stroke(corners))
     if places is not None and len(places):
-        starts.append(Points(tuple((row, col) for row, col in np.asarray(places).tolist())))
+        starts.append(Points(tuple(map(tuple, places.tolist()))))
     return tuple(starts)
 
 
-def start_on_surface(surface: Surface, apart: float = APART) -> Points:
-    """A start on a surface: of its vertices one in each cube of this side, in smallest sides of a voxel."""
+def start_on_surface(surface: Surface) -> Points:
+    """A start on a surface: of its vertices one in each cube whose side is `APART`."""
     used = surface.vertices[np.unique(surface.faces)]
-    cubes = np.floor(used * surface.spacing / (apart * min(surface.spacing))).astype(np.int64)
+    cubes = np.floor(used * surface.spacing / (APART * min(surface.spacing))).astype(np.int64)
     first = np.sort(np.unique(cubes, axis=0, return_index=True)[1])
-    return Points(tuple((plane, row, col) for plane, row, col in used[first].tolist()))
+    return Points(tuple(map(tuple, used[first].tolist())))
 
 
 def starts_in(lines: Centerlines) -> tuple[Stroke, ...]:
     """Starts along center lines, with the corners that matter."""
-    paths: list[Any] = [branch.points.tolist() for branch in lines.branches]
-    return tuple(Stroke(polyline.thinned(path)) for path in paths)
+    return tuple(Stroke(polyline.thinned(branch.points.tolist())) for branch in lines.branches)

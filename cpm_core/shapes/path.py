@@ -32,8 +32,6 @@ def check_positions(name: str, positions: Sequence[Place], least: int) -> None:
 class WithoutOutline:
     """A shape without an outline: it has no handles, no size and no inside. Subclasses are frozen dataclasses."""
 
-    __slots__ = ()
-
     @property
     def outline(self) -> Array:
         """Empty, shape (0, 2)."""
@@ -56,7 +54,7 @@ class WithoutOutline:
         return False
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class OpenPath(WithoutOutline):
     """A line from corner to corner.
 
@@ -102,7 +100,7 @@ class OpenPath(WithoutOutline):
         return replace(self, points=points) if len(set(points)) >= self.least else self
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ClosedPath(OpenPath):
     """A line around an area; the last corner is joined to the first."""
 
@@ -118,7 +116,7 @@ class ClosedPath(OpenPath):
         """The shape enlarged around its center, so that its farthest corner moves outward by so many px."""
         off = polyline.corners_of(self.points)
         center = off.mean(axis=0)
-        farthest = float(np.linalg.norm(off - center, axis=1).max())
+        farthest = np.linalg.norm(off - center, axis=1).max()
         corners = (center + max(farthest + by, 1.0) / farthest * (off - center)).tolist()
         return self._with_points(tuple(map(tuple, corners)))
 

@@ -10,7 +10,6 @@ drawn shapes (`app.views.canvas.layers.drawn`) and its texts (`app.model.state.r
 from __future__ import annotations
 
 from collections.abc import Mapping
-from types import MappingProxyType
 from typing import get_args
 
 from cpm_core.shapes.areas import Grid, Threshold
@@ -34,5 +33,5 @@ Limit = Region | Barrier | BoxRegion | PrismRegion | Wall | EnclosedRegion | Enc
 
 Shape = Start | Limit | Charge
 
-SHAPES: Mapping[str, type[Shape]] = MappingProxyType({kind.__name__.lower(): kind for kind in get_args(Shape)})
+SHAPES: Mapping[str, type[Shape]] = {kind.__name__.lower(): kind for kind in get_args(Shape)}
 """Shapes by the names that files have for them."""

@@ -13,8 +13,9 @@ import numpy as np
 
 from cpm_core.image.volume_regions import Pair
 from cpm_core.model.volume import starts as volume_starts
+from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Place, Voxel
-from cpm_core.shapes.areas import changed_fraction, changed_spacing, check_spacing, evenly, finest_spacing
+from cpm_core.shapes.areas import OnStrongEdges, Spaced, check_spacing, evenly, finest_spacing
 from cpm_core.shapes.ellipse import Round
 from cpm_core.shapes.path import LARGEST, WithoutOutline, check_number
 
@@ -36,7 +37,7 @@ def sides_of(spacing: Sequence[float]) -> tuple[float, ...]:
     return tuple(side / min(spacing) for side in spacing)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Cuboid(WithoutOutline):
     """A box whose faces lie across the axes of the volume.
 
@@ -72,7 +73,7 @@ class Cuboid(WithoutOutline):
 
     def moved(self, by: Place) -> Self:
         """The same box displaced by so much along each axis."""
-        return self._between(tuple(map(operator.add, self.first, by)), tuple(map(operator.add, self.last, by)))
+        return self._between(*polyline.moved((self.first, self.last), by))
 
     def resized(self, by: float) -> Self:
         """The box with each face moved outward."""
@@ -108,7 +109,7 @@ def _off(end: float, other: float) -> float:
     return end if abs(end - other) >= SMALLEST else other + math.copysign(SMALLEST, end - other)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Box(Cuboid):
     """Particles on the faces of a box."""
 
@@ -126,7 +127,7 @@ class Box(Cuboid):
         return max(_APART, math.sqrt(area / _MOST))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class BoxRegion(Cuboid):
     """A region of interest in a volume, a box that particles do not leave."""
 
@@ -135,16 +136,15 @@ class BoxRegion(Cuboid):
     @property
     def limit(self) -> Pair:
         """It as the engine takes it."""
-        (plane, row, col), (last_plane, last_row, last_col) = self.first, self.last
-        return (plane, row, col), (last_plane, last_row, last_col)
+        return self.first, self.last
 
     def encloses(self, position: Place) -> bool:
         """Always false: a region is selected at its faces only, since other shapes lie inside it."""
         return False
 
 
-@dataclass(frozen=True, slots=True)
-class BoxGrid(Cuboid):
+@dataclass(frozen=True)
+class BoxGrid(Spaced, Cuboid):
     """Particles spread evenly in a box.
 
     Attributes
@@ -179,18 +179,14 @@ class BoxGrid(Cuboid):
         """Positions of the particles, shape (N, 3), centered in the box."""
         return evenly(self._lengths, self.spacing) / np.array(self.sides) + self.first
 
-    def resized(self, by: float) -> BoxGrid:
-        """The same box with the spacing changed by so much."""
-        return replace(self, spacing=changed_spacing(self.spacing + by, self._lengths))
-
     @property
-    def _lengths(self) -> Sequence[float]:
+    def _lengths(self) -> list[float]:
         """Lengths of the box along the axes, in sides of the smallest voxel."""
         return [(b - a) * side for a, b, side in zip(self.first, self.last, self.sides, strict=True)]
 
 
-@dataclass(frozen=True, slots=True)
-class BoxThreshold(Cuboid):
+@dataclass(frozen=True)
+class BoxThreshold(OnStrongEdges, Cuboid):
     """Particles where edges are strong, in a box; their positions depend on the volume.
 
     Attributes
@@ -200,9 +196,6 @@ class BoxThreshold(Cuboid):
     fraction : float
         Fraction of the largest edge strength in the box above which a voxel gets a particle.
     """
-
-    title: ClassVar[str] = "threshold"
-    follows_smoothing: ClassVar[bool] = True
 
     fraction: float = 0.3
 
@@ -220,12 +213,8 @@ class BoxThreshold(Cuboid):
             return np.empty((0, 3))
         return np.argwhere(inside > self.fraction * inside.max()).astype(float) + low
 
-    def resized(self, by: float) -> BoxThreshold:
-        """The same box with the threshold raised by so many steps of 0.02."""
-        return replace(self, fraction=changed_fraction(self.fraction, by))
 
-
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Sphere(Round, WithoutOutline):
     """Particles on a sphere, evenly spread.
 

@@ -18,7 +18,7 @@ _SAME = 1e-6
 """Distance within which a handle is a corner [voxels]."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Extruded(WithoutOutline):
     """A line in the slices across an axis, from one of them to another.
 
@@ -89,7 +89,7 @@ class Extruded(WithoutOutline):
         return replace(self, points=points, first=first, last=last)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class PrismRegion(Extruded):
     """A region of interest in a volume: what a line in a slice encloses, through a range of slices."""
 
@@ -97,7 +97,7 @@ class PrismRegion(Extruded):
     flat: ClassVar[type[Region]] = Region
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Wall(Extruded):
     """A barrier in a volume: a line in a slice, through a range of slices, that particles do not cross."""
 
@@ -105,7 +105,7 @@ class Wall(Extruded):
     flat: ClassVar[type[Barrier]] = Barrier
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True)
 class Enclosed(WithoutOutline):
     """The inside of a closed surface.
 
@@ -145,7 +145,7 @@ class Enclosed(WithoutOutline):
         return f"{type(self).__name__}({self.surface.surface!r})"
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, repr=False)
 class EnclosedRegion(Enclosed):
     """A region of interest in a volume: the voxels inside a surface."""
 
@@ -157,7 +157,7 @@ class EnclosedRegion(Enclosed):
         return self.surface.voxels
 
 
-@dataclass(frozen=True, slots=True, repr=False)
+@dataclass(frozen=True, repr=False)
 class EnclosingWall(Enclosed):
     """A barrier in a volume: the outermost voxels inside a surface, which no particle enters."""
 

@@ -26,6 +26,7 @@ from app.session.features.workspace import Workspace
 from app.views.application import make_application
 from app.views.features.files import OpenSaveFeature
 from app.views.main_window import make_window
+from app.views.widgets.turns import Turns
 from app.views.window.window import MainWindow
 from cpm_core.shapes import Circle, Sphere
 
@@ -46,7 +47,8 @@ def turn(window: MainWindow, do: Callable[[], object], done: Callable[[], bool] 
         nonlocal longest, at, busy
         now, clock = time.thread_time(), time.perf_counter()
         longest, at = max(longest, now - at), now
-        busy = busy if session.idle and window.turns.idle and done() else clock
+        idle = session.idle and all(turns.idle for turns in window.findChildren(Turns))
+        busy = busy if idle and done() else clock
         if clock - busy > REST or clock - begin > PATIENCE:
             loop.quit()
 

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,12 +27,12 @@ _IN_RANGE = 99.0
 
 def speed(state: MethodState, _: RunMetrics) -> Array:
     """Speed [px of the image / unit of time]."""
-    return np.asarray(np.linalg.norm(state.particles.velocity, axis=1) * 2.0**state.scale)
+    return np.linalg.norm(state.particles.velocity, axis=1) * 2.0**state.scale
 
 
 def force(state: MethodState, _: RunMetrics) -> Array:
     """Force without damping at the last step, in the unit of its scale: the Lorentz force is at most 1."""
-    return np.asarray(np.linalg.norm(state.particles.force[:, 0], axis=1))
+    return np.linalg.norm(state.particles.force[:, 0], axis=1)
 
 
 def age(state: MethodState, metrics: RunMetrics) -> Array:
@@ -49,10 +48,10 @@ def convergence(state: MethodState, _: RunMetrics) -> Array:
     """Share of each particle in ε of eq. (23): ``|sum_i (-1)^i |r(t_k-i)||`` [px]; NaN before it has a history."""
     distance = state.particles.distance
     signs = np.where(np.arange(distance.shape[1]) % 2, 1.0, -1.0)
-    return np.asarray(np.abs(distance @ signs))
+    return np.abs(distance @ signs)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Quantity:
     """A quantity by which particles can be colored.
 
@@ -72,22 +71,20 @@ class Quantity:
     range: tuple[float, float] | None = None
 
 
-QUANTITIES: Mapping[str, Quantity] = MappingProxyType(
-    {
-        "speed": Quantity(tr("Speed"), tr("How fast each particle is [px / unit of time]."), speed),
-        "force": Quantity(tr("Force"), tr("Coulomb and Lorentz force on each particle, without damping."), force),
-        "age": Quantity(tr("Age"), tr("Steps since each particle was inserted, or since its scale began."), age),
-        "convergence": Quantity(
-            tr("Convergence"),
-            tr("Contribution of each particle to ε of eq. (23); the run is at rest when the mean is small."),
-            convergence,
-            (EPSILON / 10.0, 1000.0 * EPSILON),
-        ),
-    }
-)
+QUANTITIES = {
+    "speed": Quantity(tr("Speed"), tr("How fast each particle is [px / unit of time]."), speed),
+    "force": Quantity(tr("Force"), tr("Coulomb and Lorentz force on each particle, without damping."), force),
+    "age": Quantity(tr("Age"), tr("Steps since each particle was inserted, or since its scale began."), age),
+    "convergence": Quantity(
+        tr("Convergence"),
+        tr("Contribution of each particle to ε of eq. (23); the run is at rest when the mean is small."),
+        convergence,
+        (EPSILON / 10.0, 1000.0 * EPSILON),
+    ),
+}
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Colored:
     """Colors of particles.
 
@@ -113,15 +110,10 @@ def colored(quantity: Quantity, state: MethodState, metrics: RunMetrics) -> Colo
         with np.errstate(divide="ignore"):
             fraction = np.log(values / low) / math.log(high / low)
     else:
-        low, high = 0.0, _end(values[~unknown])
+        end = float(np.nanpercentile(values, _IN_RANGE)) if not unknown.all() else 0.0
+        low, high = 0.0, round_up(end) if end > 0.0 else 1.0
         fraction = values / high
     fraction[unknown] = 0.0
     marks = np.clip(np.rint(fraction * (SHADES - 1)), 0, SHADES - 1).astype(np.uint8)
     marks[unknown] = SHADES
     return Colored(marks, low, high)
-
-
-def _end(values: Array) -> float:
-    """A round number above nearly all values."""
-    end = float(np.percentile(values, _IN_RANGE)) if len(values) else 0.0
-    return round_up(end) if end > 0.0 else 1.0

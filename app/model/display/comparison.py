@@ -24,7 +24,7 @@ _COUNT, _SPREAD = 3, 0.5
 """Number of values that are proposed, and the fraction of the slider's range that they span."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Axis:
     """A parameter that runs differ in, with its values in ascending order."""
 
@@ -32,7 +32,7 @@ class Axis:
     values: tuple[float, ...]
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Trial:
     """A run that is compared with others.
 

@@ -12,13 +12,13 @@ from app.model.volume.slices import Slice
 from app.model.volume.surface_section import section
 from cpm_core import Comparison, Contour, Surface, SurfaceComparison, Truth, VolumeTruth
 from cpm_core.contours import distance_to
-from cpm_core.numerics import Array, Index, Mask, Place, polyline
+from cpm_core.numerics import Array, Place, polyline
 
 _APART = 0.6
 """Distance of neighboring points above which a new part begins; along a boundary it is a quarter of a pixel [px]."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Difference:
     """A part of a boundary without a counterpart.
 
@@ -42,11 +42,12 @@ class Difference:
 
 def differences(contours: Sequence[Contour], comparison: Comparison) -> tuple[Difference, ...]:
     """The parts of contours and ground truth farther apart than the tolerance, the farthest first."""
-    found = [
-        _difference("wrong", contour.points[piece], away[piece])
-        for contour, away in zip(contours, comparison.distances, strict=True)
-        for piece in _stretches(away > comparison.tolerance, contour.closed)
-    ]
+    found = []
+    for contour, away in zip(contours, comparison.distances, strict=True):
+        far = away > comparison.tolerance
+        around = np.pad(far, 1, "wrap" if contour.closed else "constant")  # with the near neighbors of far vertices
+        runs = polyline.stretches(around[:-2] | far | around[2:], contour.closed) if far.any() else []
+        found += [_difference("wrong", contour.points[piece], away[piece]) for piece in runs]
     missing = comparison.missing
     if len(missing):
         away = distance_to(missing, contours)
@@ -57,18 +58,12 @@ def differences(contours: Sequence[Contour], comparison: Comparison) -> tuple[Di
 
 
 def _difference(kind: Literal["missing", "wrong"], points: Array, away: Array) -> Difference:
-    worst = int(away.argmax())
+    worst = away.argmax()
     row, col = points[worst].tolist()
     return Difference(kind, points, float(away[worst]), (row, col))
 
 
-def _stretches(far: Mask, closed: bool) -> list[Index]:
-    """Indices of consecutive far vertices, also around the end of a closed contour, with their near neighbors."""
-    around = np.pad(far, 1, "wrap" if closed else "constant")
-    return polyline.stretches(around[:-2] | far | around[2:], closed) if far.any() else []
-
-
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Apart:
     """The triangles of a surface that are farther from another one than the tolerance.
 
@@ -100,7 +95,7 @@ class Apart:
         order = np.argsort(self.surface.component_of_vertex, kind="stable")
         ends = np.flatnonzero(np.diff(self.surface.component_of_vertex[order])) + 1
         for members in np.split(order, ends) if len(order) else []:
-            worst = members[int(self.away[members].argmax())]
+            worst = members[self.away[members].argmax()]
             plane, row, col = self.surface.vertices[worst].tolist()
             places = self.surface.vertices[members]
             yield Difference(self.kind, places, float(self.away[worst]), (plane, row, col))

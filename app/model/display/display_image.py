@@ -29,7 +29,7 @@ _CODES = 1 << 12
 """Entries of the table of the gamma curve."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class IntensityWindow:
     """Range of gray values: those up to `low` are black, those from `high` on white.
 
@@ -41,7 +41,7 @@ class IntensityWindow:
     gamma: float = 1.0
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class DisplayImage:
     """Shades for the canvas at full size and reduced, so that a view draws about as many pixels as it shows.
 
@@ -99,7 +99,7 @@ def _halved(shades: Shades) -> Shades:
     return half
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class DisplayVolume:
     """Shades of a volume, shape (P, R, C), of which a slice at a time is shown."""
 
@@ -139,8 +139,7 @@ def color_curve(window: IntensityWindow, white: float) -> Shades:
     `white` is the gray level that a byte of 255 stands for.
     """
     levels = np.linspace(0.0, white, 256)[np.newaxis]
-    curve: Shades = apply_window(levels, window)[0]
-    return curve
+    return apply_window(levels, window)[0]
 
 
 _SAMPLE = 1 << 20

@@ -37,7 +37,7 @@ def prefer_unit(name: str) -> None:
     _preferred = name
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class PixelSize:
     """Size of a pixel in a unit, which is None for px; `factor` leads to it from the unit of the image."""
 
@@ -98,15 +98,10 @@ def round_up(value: float) -> float:
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
-def power_text(exponent: int) -> str:
-    """A power of ten as text."""
-    return "1" if exponent == 0 else "10" if exponent == 1 else f"10{str(exponent).translate(_RAISED)}"
-
-
 def scientific_text(value: float) -> str:
     """A very small or very large number as text, such as 3.1·10⁻⁴."""
     digits, _, exponent = f"{value:.1e}".partition("e")
-    return f"{digits}·{power_text(int(exponent))}"
+    return f"{digits}·10{str(int(exponent)).translate(_RAISED)}"
 
 
 def short_text(value: float) -> str:

@@ -16,7 +16,7 @@ _ENDS = {
 }
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class PageRow:
     """A contour on a page, or a page that could not be used.
 

@@ -11,7 +11,7 @@ from cpm_core.model import EPSILON
 from cpm_core.numerics import Array
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class RunMetrics:
     """The run so far, for plots: arrays of equal length, one entry a step, NaN for what a method does not measure.
 
@@ -43,7 +43,7 @@ class RunMetrics:
     numbered: Array
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Series:
     """One curve: its title, its values, and its colors on a light background and on a dark one."""
 
@@ -52,7 +52,7 @@ class Series:
     colors: tuple[str, str]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Plot:
     """Curves on one axis; `line` is a value at which a line is drawn, `first` whether it is shown by default."""
 
@@ -69,7 +69,7 @@ class Plot:
 _BLUE, _ORANGE, _GREEN = ("#0072b2", "#56b4e9"), ("#c2410c", "#ff9d1e"), ("#00785a", "#2bd4a4")
 _PURPLE, _PINK = ("#7c4fd6", "#b48cff"), ("#b5307f", "#ff7ac6")
 
-PLOTS: tuple[Plot, ...] = (
+PLOTS = (
     Plot(
         "epsilon",
         tr("ε"),

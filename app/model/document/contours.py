@@ -2,27 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 
 from app.model.document.document import Document
 from app.model.text.language import tr
 from cpm_core import Contour
-from cpm_core.contours import HandEdit, Kind, Mark, Outline, Verdict, outline_of
+from cpm_core.contours import HandEdit, Mark, Outline, Verdict, outline_of
 from cpm_core.numerics import Position
 
-NAMES: Mapping[Kind, str] = MappingProxyType(
-    {
-        "cut": tr("cut contour"),
-        "deletion": tr("delete segment of contour"),
-        "redrawing": tr("redraw segment of contour"),
-        "join": tr("join contours"),
-        "extension": tr("extend contour"),
-        "line": tr("draw contour"),
-        "outline": tr("draw outline"),
-    }
-)
+NAMES = {
+    "cut": tr("cut contour"),
+    "deletion": tr("delete segment of contour"),
+    "redrawing": tr("redraw segment of contour"),
+    "join": tr("join contours"),
+    "extension": tr("extend contour"),
+    "line": tr("draw contour"),
+    "outline": tr("draw outline"),
+}
 """What each kind of edit is called after "Undo"."""
 
 
@@ -37,7 +34,7 @@ def drop_hand_edits(document: Document, indices: Collection[int]) -> Document:
     return replace(document, hand_edits=left)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Target:
     """A contour to mark: its mark so far, the place (row, col) [px] of its first mark, where it runs."""
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from app.model.text.language import tr
 from cpm_core import PARAMETERS, PRESETS, Image, Parameters, PlacedCharge
-from cpm_core.contours import HandEdit, Mark, PackedSurface
+from cpm_core.contours import HandEdit, Mark, PackedBody
 from cpm_core.formats import Reading
 from cpm_core.formats.images import resolution
 from cpm_core.formats.images.reading import DEFAULT
@@ -47,7 +47,7 @@ NOTHING_TO_START_FROM_IN_VOLUME = tr(
 )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ImageReference:
     """The image of a document without its gray values: name, file, shape, contrast and SHA-256 of the file.
 
@@ -84,7 +84,7 @@ class ImageReference:
         return len(self.shape) == 3
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Document:
     """An image, the shapes drawn on it and the parameters of the run.
 
@@ -159,8 +159,8 @@ class Document:
         return (*lines, *self.outlined.contours)
 
     @property
-    def outlined_surfaces(self) -> tuple[PackedSurface, ...]:
-        """Surfaces of objects in a volume, as they are now, whose insides have a skeleton."""
+    def outlined_surfaces(self) -> tuple[PackedBody, ...]:
+        """Bodies of objects in a volume, as they are now, that have a skeleton."""
         chosen = self.outlined.objects
         return tuple(packed for item in self.objects.items if item.number in chosen for packed in item.surface)
 

@@ -112,7 +112,7 @@ def set_parameters(document: Document, parameters: Parameters) -> Document:
 Part = Literal["handle", "body"]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Hit:
     """Index of the shape that was hit, and its part: a handle, which is at a place, reshapes, the body moves."""
 

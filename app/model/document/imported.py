@@ -13,7 +13,7 @@ from app.model.document.document import Document
 from app.model.document.objects import name_class
 from app.model.text.language import tr
 from cpm_core import Centerlines, Contour, Image, Surface, VolumePartition
-from cpm_core.contours import PackedSurface, inside_of
+from cpm_core.contours import Label, PackedSurface, inside_of
 from cpm_core.formats import ContourFile
 from cpm_core.numerics import Place
 from cpm_core.objects.segmented import Click, SegmentedObject, line_of
@@ -25,7 +25,7 @@ MOST = 1000
 Kind = Literal["contours", "surface", "center lines"]
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Imported:
     """What was read, ready to be taken into a document.
 
@@ -115,18 +115,31 @@ def _grouped(contours: Sequence[Contour]) -> list[list[Contour]]:
 
 
 def bodies_of(surface: Surface, volume: Image) -> tuple[SegmentedObject, ...]:
-    """An object for each number that a closed surface has, or for each body inside it, with a click in its middle."""
+    """An object for each number that a closed surface has, or for each body inside it, with a click in its middle.
+
+    Those with numbers have their names and colors too.
+    """
     if surface.numbers is not None:
-        faces = [surface.faces[surface.numbers == number] for number in np.unique(surface.numbers)]
+        numbers = np.unique(surface.numbers).tolist()
+        faces = [surface.faces[surface.numbers == number] for number in numbers]
         bodies = [replace(surface, faces=own, numbers=None) for own in faces]
     else:
         partition = VolumePartition(volume, surface)
         bodies = [partition.boundary_of(np.array([number])) for number in partition.solid.tolist()]
+        bodies = [body for body in bodies if len(body.faces)]
+        numbers = range(1, len(bodies) + 1)
+    known = {label.number: label for label in surface.labels}
+    labels = [known.get(number, Label(number)) for number in numbers]
     return tuple(
         SegmentedObject(
-            number, (Click((_innermost(body, volume.shape),)),), surface=(PackedSurface.of(body),), confidence=1.0
+            label.number,
+            (Click((_innermost(body, volume.shape),)),),
+            name=label.name,
+            color=label.color,
+            confidence=1.0,
+            surface=(PackedSurface.of(body),),
         )
-        for number, body in enumerate((body for body in bodies if len(body.faces)), start=1)
+        for label, body in zip(labels, bodies, strict=True)
     )
 
 
@@ -144,8 +157,12 @@ def _innermost(body: Surface, shape: tuple[int, ...]) -> Place:
 
 
 def add_objects(document: Document, made: Sequence[SegmentedObject], classes: Sequence[str] = ()) -> Document:
-    """The document with objects, each of the class of its name, else of the class that is chosen."""
-    first = document.objects.next_number - 1
+    """The document with objects, each of the class of its name, else of the class that is chosen.
+
+    They keep their numbers where none of them is taken.
+    """
+    taken = {item.number for item in (*document.objects.items, *document.objects.rejected)}
+    first = document.objects.next_number - 1 if taken.intersection(item.number for item in made) else 0
     for index, item in enumerate(made):
         document, category = _class_called(document, classes[index] if classes else "")
         objects, added = document.objects, replace(item, number=first + item.number, category=category)

@@ -4,19 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 
 from app.model.document.document import Document, ImageReference, Mode
 from app.model.parameters.controls import RATIO
 from app.model.text.language import tr
 from cpm_core import METHODS, PRESETS, Parameters
-from cpm_core.image import Kind
 from cpm_core.medial_axis import Outlined
 from cpm_core.parameters import OF_PLANES, OF_VOLUMES
 from cpm_core.shapes import Everywhere, Limit, Shape
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ModeInfo:
     """Texts and settings of a mode.
 
@@ -43,33 +41,31 @@ class ModeInfo:
     hint: str = ""
 
 
-MODES: Mapping[Mode, ModeInfo] = MappingProxyType(
-    {
-        "shape": ModeInfo(
-            tr("Shape &recovery"),
-            tr("Shape"),
-            tr("Finds the whole outline from a start that you draw."),
-            "shape",
-            "cpm",
-        ),
-        "automatic": ModeInfo(
-            tr("&Automatic segmentation"),
-            tr("Automatic"),
-            tr("Finds all objects. No drawing needed."),
-            "automatic",
-            "cpm",
-            tr("Press {key:run} to run; particles start everywhere."),
-        ),
-        "skeleton": ModeInfo(
-            tr("S&keleton"),
-            tr("Skeleton"),
-            tr("Finds the center lines of objects and their thickness. No drawing needed."),
-            "noisy",
-            "skeleton",
-            tr("Press {key:run} to find the skeleton of the objects in the image."),
-        ),
-    }
-)
+MODES: Mapping[Mode, ModeInfo] = {
+    "shape": ModeInfo(
+        tr("Shape &recovery"),
+        tr("Shape"),
+        tr("Finds the whole outline from a start that you draw."),
+        "shape",
+        "cpm",
+    ),
+    "automatic": ModeInfo(
+        tr("&Automatic segmentation"),
+        tr("Automatic"),
+        tr("Finds all objects. No drawing needed."),
+        "automatic",
+        "cpm",
+        tr("Press {key:run} to run; particles start everywhere."),
+    ),
+    "skeleton": ModeInfo(
+        tr("S&keleton"),
+        tr("Skeleton"),
+        tr("Finds the center lines of objects and their thickness. No drawing needed."),
+        "noisy",
+        "skeleton",
+        tr("Press {key:run} to find the skeleton of the objects in the image."),
+    ),
+}
 
 
 _WIDTH = "max_width"
@@ -129,11 +125,9 @@ def starting(mode: Mode, shapes: tuple[Shape, ...]) -> tuple[Shape, ...]:
     return shapes
 
 
-ADVICE: Mapping[Kind, str] = MappingProxyType(
-    {
-        "fluorescence": tr("This looks like a fluorescence image. Find all objects with settings for fluorescence?"),
-        "angiogram": tr("This looks like an X-ray image of vessels. Find all vessels with settings for them?"),
-        "ultrasound": tr("This looks like an ultrasound image. Find strong outlines with settings for ultrasound?"),
-    }
-)
+ADVICE = {
+    "fluorescence": tr("This looks like a fluorescence image. Find all objects with settings for fluorescence?"),
+    "angiogram": tr("This looks like an X-ray image of vessels. Find all vessels with settings for them?"),
+    "ultrasound": tr("This looks like an ultrasound image. Find strong outlines with settings for ultrasound?"),
+}
 """Kinds of images for which there is a preset, and the sentences that offer it; others do best with the usual one."""

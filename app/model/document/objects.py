@@ -13,7 +13,7 @@ from app.model.document import edits
 from app.model.document.document import Document
 from app.model.text.language import tr
 from cpm_core import Bridge, Contour, Result, Selection, Surface, VolumeSelection
-from cpm_core.contours import PackedSurface
+from cpm_core.contours import Label, PackedSurface, surfaces_joined
 from cpm_core.numerics import Array, Place, Position, length, polyline, thinned
 from cpm_core.objects import boundaries_result
 from cpm_core.objects.segmented import (
@@ -26,8 +26,10 @@ from cpm_core.objects.segmented import (
     contours_of,
     lies_on,
     line_of,
+    painted_in,
     union,
 )
+from cpm_core.objects.segmented.in_volumes import Part
 from cpm_core.parameters import Provenance
 from cpm_core.shapes import Barrier, EnclosedRegion, EnclosingWall, Points, Polygon, Region
 
@@ -214,7 +216,7 @@ def _with_shapes(
     for number in numbers:
         item = document.objects[number]
         for surface in item.surface:
-            document = edits.add_shape(document, in_volume(surface))
+            document = edits.add_shape(document, in_volume(surface.exact))
         for curve in item.boundary if holes else item.outer:
             few = thinned(curve)
             document = edits.add_shape(document, shape(few if len(set(few)) > 2 else curve))
@@ -244,6 +246,9 @@ def objects_result(document: Document, only: Container[int] | None = None) -> Re
     if image is None or not shown:
         return None
     surface = surface_of(shown, image.spacing, image.unit)
+    if surface is not None:
+        labels = tuple(Label(item.number, title(objects, item), objects.color(item)) for item in shown)
+        surface = replace(surface, labels=labels)
     contours = [
         replace(
             contour,
@@ -263,16 +268,7 @@ def objects_result(document: Document, only: Container[int] | None = None) -> Re
 def surface_of(items: Iterable[SegmentedObject], spacing: tuple[float, ...], unit: str | None) -> Surface | None:
     """The surfaces of objects in a volume as one, with the number of its object for each triangle."""
     bodies = [(item.number, item.body) for item in items if item.body is not None]
-    if not bodies:
-        return None
-    firsts = np.cumsum([0, *(len(body.vertices) for _, body in bodies)])
-    return Surface(
-        spacing=spacing,
-        unit=unit,
-        vertices=np.concatenate([body.vertices for _, body in bodies]),
-        faces=np.concatenate([body.faces + first for (_, body), first in zip(bodies, firsts, strict=False)]),
-        numbers=np.concatenate([np.full(len(body.faces), number) for number, body in bodies]),
-    )
+    return surfaces_joined(bodies, spacing, unit) if bodies else None
 
 
 # Texts
@@ -301,6 +297,13 @@ def listed_classes(objects: SegmentedObjects) -> tuple[int, ...]:
 
 def _with(document: Document, **parts: Any) -> Document:
     return replace(document, objects=replace(document.objects, **parts))
+
+
+def paint_in_volume(
+    document: Document, number: int, part: Part, adds: bool = True, over_others: bool = True
+) -> Document:
+    """The document in which an object of a volume, or a new one, has some voxels more, or less; see `painted_in`."""
+    return replace(document, objects=painted_in(document.objects, number, part, adds, over_others))
 
 
 _ON_BRUSH = 0.1

@@ -16,7 +16,7 @@ from cpm_core.formats import shape_from_plain
 from cpm_core.shapes import Shape
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Sample:
     """A sample image with its shapes, parameters and mode."""
 

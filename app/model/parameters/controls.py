@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
-from types import MappingProxyType
 from typing import Any
 
 from app.model.text.language import from_core, tr, written
-from app.model.text.wording import FORMULAS, rich
+from app.model.text.wording import rich
 from cpm_core import PARAMETERS, Parameters
 from cpm_core.parameters import AUTOMATIC, CHOICES, OF_STARTS, Invalidates
 
@@ -32,12 +30,10 @@ BY_ITSELF = {
 _BY_HAND = {"exponent": 2.0}
 """Values for `Control.by_hand` by the names of their controls."""
 
-_WORDS: Mapping[str, tuple[tuple[float, str], ...]] = MappingProxyType(
-    {
-        "polarity": ((-1.0, tr("dark")), (0.0, tr("auto")), (1.0, tr("light"))),
-        "max_width": ((0.0, tr("auto")),),
-    }
-)
+_WORDS = {
+    "polarity": ((-1.0, tr("dark")), (0.0, tr("auto")), (1.0, tr("light"))),
+    "max_width": ((0.0, tr("auto")),),
+}
 """Words for values by the names of their controls."""
 
 _IN_VOLUMES = {
@@ -53,12 +49,7 @@ _ACTS = {
 }
 
 
-def acts(invalidates: Invalidates) -> str:
-    """When a change of a parameter acts, in words."""
-    return _ACTS[invalidates]
-
-
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Control:
     """One slider with its texts: what the core says of a parameter, in the language of the window.
 
@@ -101,7 +92,7 @@ class Control:
     @property
     def acts(self) -> str:
         """When a change acts, in words."""
-        return acts(self.invalidates)
+        return _ACTS[self.invalidates]
 
     @property
     def automatic(self) -> bool:
@@ -127,11 +118,6 @@ class Control:
     def decimals(self) -> int:
         """Number of decimals of its values, two or as many as its increment has."""
         return 0 if self.whole else max(2, -math.floor(math.log10(self.step)))
-
-    @property
-    def formula(self) -> str:
-        """Its formula, as rich text."""
-        return FORMULAS[self.name]
 
     @property
     def rich_symbol(self) -> str:
@@ -187,8 +173,7 @@ def value_of(parameters: Parameters, name: str) -> float | str:
     """Value that the control `name` shows."""
     if name == RATIO:
         return parameters.w1 / parameters.w2
-    value: float | str = getattr(parameters, name)
-    return value
+    return getattr(parameters, name)
 
 
 def with_value(parameters: Parameters, name: str, value: float | str) -> Parameters:
@@ -252,7 +237,7 @@ _TITLES = {
 """Names of the values in the window."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ChoiceControl:
     """One choice with its texts.
 
@@ -280,11 +265,6 @@ class ChoiceControl:
         effects = (tr("{choice}: {effect}").format(choice=title, effect=about) for _, title, about in self.choices)
         return (self.meaning, *effects, self.acts)
 
-    @property
-    def explanation(self) -> str:
-        """The explanation as one text."""
-        return " ".join(self.lines)
-
 
 def choice_controls() -> tuple[ChoiceControl, ...]:
     """All choices in the order shown."""
@@ -294,7 +274,7 @@ def choice_controls() -> tuple[ChoiceControl, ...]:
             from_core(info.title),
             from_core(info.meaning),
             tuple((value, _TITLES.get(value, value), from_core(about)) for value, about in info.choices.items()),
-            acts(info.invalidates),
+            _ACTS[info.invalidates],
         )
         for name, info in CHOICES.items()
     )

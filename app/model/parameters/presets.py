@@ -38,7 +38,7 @@ _BUILT_IN = {
 }
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Preset:
     """Named settings; `key` is the name among the core's `PRESETS`, empty for a preset of the user."""
 

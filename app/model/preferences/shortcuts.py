@@ -18,7 +18,7 @@ ON_THE_IMAGE = (
 """Keys that the image itself takes; no action can have them."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Keyed:
     """An action with its keys: name in code, title, group in the list, keys by default."""
 

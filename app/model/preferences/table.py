@@ -20,7 +20,7 @@ V = TypeVar("V")
 _COLOR = re.compile(r"#[0-9a-f]{6}")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Preference(ABC, Generic[V]):
     """One preference.
 
@@ -46,7 +46,7 @@ class Preference(ABC, Generic[V]):
         """The value that a file holds, perhaps as text; None when it is none of this kind."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Flag(Preference[bool]):
     """Something that is on or off; `text` is next to the check box."""
 
@@ -57,7 +57,7 @@ class Flag(Preference[bool]):
         return {True: True, False: False, "true": True, "false": False}.get(stored) if _plain(stored) else None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Number(Preference[float]):
     """A number from `low` to `high` in increments of `step`, with the unit `suffix`."""
 
@@ -78,7 +78,7 @@ class Number(Preference[float]):
         return number if math.isfinite(number) and self.low <= number <= self.high else None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Choice(Preference[str]):
     """One of several alternatives, `ways`: names and titles."""
 
@@ -89,7 +89,7 @@ class Choice(Preference[str]):
         return stored if isinstance(stored, str) and stored in self.ways else None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class Color(Preference[str]):
     """A color, as ``"#rrggbb"``."""
 

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import Literal
 
 from app.model.document.document import Document
@@ -15,7 +14,7 @@ from cpm_core import Contour, Result, Skeleton, Surface
 Phase = Literal["empty", "ready", "running", "paused", "finished"]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class RunStatus:
     """State of the run.
 
@@ -83,7 +82,7 @@ class RunStatus:
         return self.started and (self.step > 0 or self.count > 0)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Situation:
     """Everything that decides what the window shows and enables.
 
@@ -144,55 +143,52 @@ def can_step(situation: Situation) -> bool:
 
 NOT_IN_VOLUMES = frozenset(
     (
-        *("mend", "outline", "close_contours", "show_rejected"),
+        *("outline", "drop_missed_edits", "close_contours", "show_rejected"),
         *("split", "objects_alike", "apply_to_folder"),
     )
 )
 """Names of actions and of tools that are hidden while a volume is open."""
 
 
-OTHERWISE_IN_VOLUMES: Mapping[str, tuple[str, str]] = MappingProxyType(
-    {
-        "circle": (tr("Sphe&re"), tr("Drag from the center to draw a sphere.")),
-        "add_circle": (
-            tr("Add sphere in the &middle"),
-            tr("Add a sphere in the middle of the visible part of the slice."),
-        ),
-        "ellipse": (
-            tr("Bo&x"),
-            tr("Drag from corner to corner to draw a box, as deep as its shorter side; Shift makes it a square."),
-        ),
-        "grid_area": (
-            tr("&Grid"),
-            tr("Drag a box, as deep as its shorter side, to fill with an even grid; [ and ] change its spacing."),
-        ),
-        "threshold": (
-            tr("T&hreshold"),
-            tr(
-                "Drag a box, as deep as its shorter side, in which to start on strong edges; [ and ] change how strong."
-            ),
-        ),
-        "points": (tr("&Points"), tr("Click to place a point in the slice.")),
-        "import_contours": (
-            tr("&Import surface…"),
-            tr("Import a surface, labels or center lines as a start, as objects or as ground truth."),
-        ),
-        "region": (
-            tr("Region of &interest"),
-            tr(
-                "Drag a box, or click corner by corner, around the region that particles must stay in, "
-                "through all slices."
-            ),
-        ),
-        "barrier": (
-            tr("&Barrier"),
-            tr("Drag, or click corner by corner, to draw a line that no particle crosses, through all slices."),
-        ),
-    }
-)
+OTHERWISE_IN_VOLUMES = {
+    "circle": (tr("Sphe&re"), tr("Drag from the center to draw a sphere.")),
+    "add_circle": (
+        tr("Add sphere in the &middle"),
+        tr("Add a sphere in the middle of the visible part of the slice."),
+    ),
+    "ellipse": (
+        tr("Bo&x"),
+        tr("Drag from corner to corner to draw a box, as deep as its shorter side; Shift makes it a square."),
+    ),
+    "grid_area": (
+        tr("&Grid"),
+        tr("Drag a box, as deep as its shorter side, to fill with an even grid; [ and ] change its spacing."),
+    ),
+    "threshold": (
+        tr("T&hreshold"),
+        tr("Drag a box, as deep as its shorter side, in which to start on strong edges; [ and ] change how strong."),
+    ),
+    "points": (tr("&Points"), tr("Click to place a point in the slice.")),
+    "import_contours": (
+        tr("&Import surface…"),
+        tr("Import a surface, labels or center lines as a start, as objects or as ground truth."),
+    ),
+    "mend": (
+        tr("&Brush"),
+        tr("Drag in a slice to paint an object, Shift-drag to erase, Ctrl-drag for a new one; [ and ] size it."),
+    ),
+    "region": (
+        tr("Region of &interest"),
+        tr("Drag a box, or click corner by corner, around the region that particles must stay in, through all slices."),
+    ),
+    "barrier": (
+        tr("&Barrier"),
+        tr("Drag, or click corner by corner, to draw a line that no particle crosses, through all slices."),
+    ),
+}
 """Names of actions that do something else in a volume -> their text and tip there."""
 
-ICONS_IN_VOLUMES: Mapping[str, str] = MappingProxyType({"ellipse": "box"})
+ICONS_IN_VOLUMES = {"ellipse": "box"}
 """Names of actions with another icon in a volume -> its name."""
 
 

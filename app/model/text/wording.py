@@ -5,9 +5,6 @@ The name itself is in the table of the core.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from types import MappingProxyType
-
 from app.model.text.language import tr
 
 FIRST_WORDING = "name"
@@ -16,8 +13,7 @@ FIRST_WORDING = "name"
 
 _FORCES = "<i>F</i> = <i>w</i>₁<i>F</i><sub>c</sub> + <i>w</i>₂<i>F</i><sub>l</sub> − <i>β</i> <i>v</i>"
 
-FORMULAS: Mapping[str, str] = MappingProxyType(
-    {
+FORMULAS = {
         "reach": tr("at most {law} beyond a junction").format(law="<i>r</i>"),
         "weakest_edge": tr("reached where {law} around the start").format(
             law="<i>f</i> ≥ <i>f</i><sub>first</sub> · median <i>f</i>"),
@@ -59,8 +55,7 @@ FORMULAS: Mapping[str, str] = MappingProxyType(
             law="2 <i>r</i> ≤ <i>w</i><sub>max</sub>"),
         "pruning": tr("cut back where {law}").format(
             law="<i>d</i> + <i>r</i>₁ − <i>r</i>₂ ≤ <i>ρ</i>"),
-    }
-)  # fmt: skip
+    }  # fmt: skip
 """Formulas as rich text, by the names of the controls."""
 
 

@@ -197,11 +197,16 @@ def _near(seeds: Array, here: Slice, reach: float) -> Array:
 
 
 def _of_sphere(sphere: Sphere, here: Slice) -> Iterator[StartSection]:
-    side = sphere.sides[here.axis]
-    square = sphere.radius**2 - ((here.index - sphere.center[here.axis]) * side) ** 2
-    if square > 0.0:
-        line = _circle(sphere, here, math.sqrt(square))
-        yield StartSection(line, line.handles()[:4], _spread(_near(sphere.seeds(), here, NEAR / side)))
+    line = circle_in(sphere, here)
+    if line is not None:
+        particles = _spread(_near(sphere.seeds(), here, NEAR / sphere.sides[here.axis]))
+        yield StartSection(line, line.handles()[:4], particles)
+
+
+def circle_in(sphere: Sphere, here: Slice) -> Ellipse | None:
+    """The circle in which a slice cuts a sphere; None where it does not."""
+    square = sphere.radius**2 - ((here.index - sphere.center[here.axis]) * sphere.sides[here.axis]) ** 2
+    return _circle(sphere, here, math.sqrt(square)) if square > 0.0 else None
 
 
 def _circle(sphere: Sphere, here: Slice, radius: float) -> Ellipse:

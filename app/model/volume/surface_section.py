@@ -1,18 +1,20 @@
-"""The lines in which a slice cuts surfaces, objects and center lines."""
+"""The lines in which a slice cuts surfaces, objects, painted ones among them, and center lines."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
+from functools import lru_cache
 from weakref import WeakKeyDictionary
 
 import numpy as np
 import scipy
+import skimage
 
 from app.model.document.objects import AnySelection
 from app.model.volume.slices import Slice
 from cpm_core import Contour, Selection, Skeleton, Surface, VolumeSelection
-from cpm_core.contours import Graph, Measures
+from cpm_core.contours import Graph, Measures, PackedBody, PackedVoxels
 from cpm_core.numerics import Array, Place, polyline
 from cpm_core.objects.segmented import Click, Line, SegmentedObject, SegmentedObjects
 
@@ -73,10 +75,35 @@ def unmeasured(contour: Contour, number: int) -> Measures:
 _NEAR = 1.0
 """Distance from a slice up to which it shows a click [voxels]."""
 
+_MOST_CUTS = 256
+"""Cuts of objects that are kept: an edit leaves those of the others, and undo brings back many versions."""
+
 
 def _closed(surface: Surface, here: Slice) -> tuple[Contour, ...]:
     """The closed lines in which a slice cuts a surface."""
     return tuple(each for each in section(surface, here) if each.closed and len(each.points) > 2)
+
+
+@lru_cache(maxsize=_MOST_CUTS)
+def boundary_in(body: PackedBody, here: Slice) -> tuple[Line, ...]:
+    """The closed lines in which a slice cuts a body; around voxels they run halfway to others."""
+    return tuple(_lines(body, here))
+
+
+def _lines(body: PackedBody, here: Slice) -> Iterable[Line]:
+    if isinstance(body, PackedVoxels):
+        first, shape = [*body.first], [*body.shape]
+        first[here.axis], shape[here.axis] = here.index, 1
+        pixels = np.pad(body.part(first, shape).any(axis=here.axis), 1)
+        begin = np.array(here.within(tuple(first))) - 1.0
+        curves = skimage.measure.find_contours(pixels.astype(np.float32), 0.5)  # type: ignore[no-untyped-call]
+        for curve in curves:
+            yield tuple(map(tuple, (curve[:-1] + begin).tolist()))
+    else:
+        for contour in _closed(body.surface, here):
+            line = tuple(map(tuple, contour.points.tolist()))
+            if len(set(line)) > 2:
+                yield line
 
 
 def objects_in(objects: SegmentedObjects, here: Slice) -> SegmentedObjects:
@@ -87,9 +114,7 @@ def objects_in(objects: SegmentedObjects, here: Slice) -> SegmentedObjects:
 
 
 def _cut(item: SegmentedObject, here: Slice) -> SegmentedObject | None:
-    lines = _closed(item.body, here) if item.body is not None else ()
-    boundary: tuple[Line, ...] = tuple(tuple((row, col) for row, col in line.points.tolist()) for line in lines)
-    boundary = tuple(line for line in boundary if len(set(line)) > 2)
+    boundary = boundary_in(item.surface[0], here) if item.surface else ()
     return replace(item, clicks=(), boundary=boundary, surface=()) if boundary else None
 
 
@@ -109,16 +134,15 @@ def selection_in(selection: AnySelection, here: Slice) -> Selection:
 
 def holds(item: SegmentedObject, place: Place) -> bool:
     """Whether a place (plane, row, col) lies in an object."""
-    if item.body is None:
-        return False
     here = Slice(0, round(place[0]))
     within = np.array([here.within(place)], dtype=float)
-    return bool(sum(bool(polyline.inside(line.points, within)[0]) for line in _closed(item.body, here)) % 2)
+    lines = boundary_in(item.surface[0], here) if item.surface else ()
+    return bool(sum(bool(polyline.inside(line, within)[0]) for line in lines) % 2)
 
 
 def size_of(item: SegmentedObject) -> float:
     """Volume of an object, in the unit of its volume; its area [px²] in an image."""
-    return item.area if item.body is None else item.body.volume
+    return item.surface[0].volume if item.surface else item.area
 
 
 _LINES_NEAR = 1.5

@@ -45,7 +45,7 @@ from cpm_core.warm_up import warm_up_runs, warm_up_volumes
 log = logging.getLogger(__name__)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Core:
     """The core's functions that run on the worker thread.
 
@@ -93,7 +93,7 @@ _ENDS = (".", "!", "?", "。", "！", "？")
 # Snapshots: the newest wins.
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Snapshot:
     """The particles after a step, as the window shows them.
 
@@ -127,7 +127,7 @@ class Snapshot:
     timeline: Outline
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Reconstruction:
     """The contours of a recent snapshot, with edits by hand; `tracked` is None for a skeleton.
 
@@ -149,7 +149,7 @@ class Reconstruction:
         return cls(generation, tracked.result, tracked)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ReconstructionFailed:
     """The contours of a recent snapshot could not be reconstructed; those made last stay."""
 
@@ -161,7 +161,7 @@ Drawn = NDArray[np.generic] | DisplayImage | DisplayVolume | SampledForce
 """An overlay: an array or an image, or what those of the slices of a volume are made from."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Overlays:
     """The requested overlays by name, for the image opened as `generation`; see `app.session.worker.prepared_methods`.
 
@@ -179,17 +179,15 @@ class Overlays:
 class Report:
     """A message that the window must not miss; each kind is passed to its listeners."""
 
-    __slots__ = ()
 
-
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Finished(Report):
     """Work on another thread is done; `then` is called on the window's thread."""
 
     then: Callable[[], object]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Saved(Report):
     """A session file has been written or read; `path` is None for work that has none yet.
 
@@ -204,7 +202,7 @@ class Saved(Report):
     known: Document | None = None
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Opened(Report):
     """An image is opened: it has been read, and a method is ready.
 
@@ -229,21 +227,21 @@ class Opened(Report):
     reading: Reading = DEFAULT
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class ImageReady(Report):
     """An image has been prepared and can replace the one that is open."""
 
     opened: Opened
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class NotOpened(Report):
     """An image could not be used; what is open stays."""
 
     sentence: str
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class RunsKept(Report):
     """The runs on the timeline while none of them is shown, as after a reset."""
 
@@ -251,7 +249,7 @@ class RunsKept(Report):
     timeline: Outline
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class RunFailed(Report):
     """A run could not start or continue."""
 
@@ -259,14 +257,14 @@ class RunFailed(Report):
     sentence: str
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class WentOn(Report):
     """A run that had ended continues after an intervention."""
 
     generation: int
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class SeedsFound(Report):
     """Seeds that depend on the image opened as `generation`, or an error message."""
 
@@ -275,7 +273,7 @@ class SeedsFound(Report):
     sentence: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Exported(Report):
     """A file has been written, the first of several where `counts` says so, and how much they hold."""
 
@@ -283,7 +281,7 @@ class Exported(Report):
     counts: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class CommandFailed(Report):
     """A command failed and nothing changed; the sentence belongs to an attempt of the kind `topic`."""
 
@@ -291,13 +289,13 @@ class CommandFailed(Report):
     topic: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Compiling(Report):
     """The kernels are being compiled, this part of them is done."""
 
     percent: int
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class WarmedUp(Report):
     """The kernels are ready."""

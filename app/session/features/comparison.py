@@ -55,7 +55,7 @@ Agreed = Comparison | SurfaceComparison
 _Marked = tuple[tuple[Difference, ...], tuple[Apart, ...]]
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Row:
     """A result that is compared.
 

@@ -25,7 +25,7 @@ _RESULTS, _APPLIED, _TABLE = "contours", f"session{SUFFIX}", "summary.csv"
 """The folder of the results in that of the images, and in it the session they were made with and the table of all."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class BatchDone:
     """All images of a folder are done: how many there are, how many could not be used, and the table of all."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial, reduce
 from typing import Literal, get_args
@@ -14,7 +14,7 @@ from PySide6.QtCore import QObject, Signal
 from app.model.document import contours, objects
 from app.model.document.contours import Target
 from app.model.document.document import Document, ImageReference
-from app.model.document.objects import brushed
+from app.model.document.objects import brushed, paint_in_volume
 from app.model.text.language import tr
 from app.model.volume.surface_section import holds, size_of
 from app.session.features.background import IdentityCache, LatestOnlyWorker, is_same
@@ -24,7 +24,18 @@ from app.session.session import Session
 from cpm_core import Image, Surface
 from cpm_core.contours import bridges_on
 from cpm_core.numerics import Array, Place, Position, polyline
-from cpm_core.objects.segmented import Halves, Line, SegmentedObject, SegmentedObjects, painted, union
+from cpm_core.objects.segmented import (
+    Halves,
+    Line,
+    SegmentedObject,
+    SegmentedObjects,
+    between_slices,
+    brush_in,
+    painted,
+    union,
+)
+from cpm_core.objects.segmented.in_volumes import Part
+from cpm_core.shapes import sides_of
 
 BINS = 32
 """Number of bars of a histogram."""
@@ -44,6 +55,8 @@ class Figures:
         Of an object in a volume, in the unit of the image; 0 in an image, as the rest.
     parts, euler : int
         Parts of its surface that do not hang together, and its Euler characteristic.
+    body : Surface or None
+        Its surface in a volume [voxels].
     """
 
     gray: float
@@ -52,6 +65,7 @@ class Figures:
     area: float = 0.0
     parts: int = 0
     euler: int = 0
+    body: Surface | None = None
 
 
 Key = tuple[Literal["object", "proposal", "contour"], int]
@@ -114,14 +128,16 @@ def histogram(values: Array, image: Image) -> tuple[int, ...]:
 
 
 def _measured(item: SegmentedObject, image: Image) -> Figures:
-    values = image.values[item.mask(image.shape)]
+    values = item.values(image.values)
     gray, counts = float(values.mean()) if len(values) else float("nan"), histogram(values, image)
-    if item.body is None:
+    body = item.body
+    if body is None:
         return Figures(gray, counts)
     # limits are made of it on the window's thread
     assert all(len(packed.shell.mask) for packed in item.surface)
-    surface: Surface = replace(item.body, spacing=image.spacing, unit=image.unit)
-    return Figures(gray, counts, surface.volume, surface.area, surface.components, surface.euler)
+    surface = replace(body, spacing=image.spacing, unit=image.unit)
+    volume = item.surface[0].volume * math.prod(image.spacing)
+    return Figures(gray, counts, volume, surface.area, surface.components, surface.euler, body)
 
 
 def _as_objects(offered: tuple[Proposal, ...], known: SegmentedObjects) -> tuple[SegmentedObject, ...]:
@@ -173,6 +189,10 @@ class ObjectList(QObject):
         self._session, self._review = session, review
         self.selection_changed = review.selection_changed
         self._brush: float | None = None
+        self.ball, self.over_others = False, True
+        """Whether the brush paints in space, and not only in one slice; whether it takes from other objects there."""
+        self.painting = False
+        """Whether a stroke has begun, after which objects are measured."""
         self._seen: tuple[object, ...] = ()
         """Objects, image and proposals that have been listed."""
         self._figures: dict[int, tuple[Image, object, Figures]] = {}
@@ -253,6 +273,20 @@ class ObjectList(QObject):
         image, boundary, figures = self._figures.get(item.number, (None, None, None))
         return figures if image is self._session.image and boundary is _boundary(item) else None
 
+    @property
+    def bodies(self) -> Mapping[int, Surface]:
+        """The surfaces of the objects of a volume by their numbers, as they were last measured."""
+        image = self._session.image
+        return self._parts.named(
+            "bodies",
+            lambda: {
+                number: figures.body
+                for number, (of, _, figures) in self._figures.items()
+                if of is image and figures.body is not None
+            },
+            *(self._figures, image),
+        )
+
     def title(self, item: SegmentedObject) -> str:
         """Name of an object, or the name of its class and its number."""
         return objects.title(self.objects, item)
@@ -319,6 +353,12 @@ class ObjectList(QObject):
     def set_brush(self, radius: float | None) -> None:
         """Set the radius of the brush [px]; for None it depends on the size of the image again."""
         self._brush = radius
+        self.brush_changed.emit(self.brush)
+
+    def set_way(self, *, ball: bool | None = None, over_others: bool | None = None) -> None:
+        """Let the brush paint in space in a volume, or in a slice, and over other objects, or beside them."""
+        self.ball = self.ball if ball is None else ball
+        self.over_others = self.over_others if over_others is None else over_others
         self.brush_changed.emit(self.brush)
 
     # Selecting
@@ -457,6 +497,15 @@ class ObjectList(QObject):
         elif len(rows) > 1:
             self._with_objects(tr("merge {what}"), rows, objects.merge)
 
+    def fill_between(self) -> None:
+        """Fill the slices between those across the axis in use that the selected object of a volume is painted in."""
+        slices, image, items = self._session.scene.slices, self._session.document.image, self.items
+        if slices is not None and image is not None and len(items) == 1:
+            body, axis, over_others = items[0].surface[0], slices.axis, self.over_others
+            self._merging.ask(
+                lambda: between_slices(body, axis, image.spacing), partial(self._use_filled, items[0], over_others)
+            )
+
     def whole(self, row: Row) -> SegmentedObject | None:
         """The object that a row is, or would be once it is accepted; None for one that is hidden, rejected or open."""
         return next(iter(self._bounded([row])), row.drawn)
@@ -552,15 +601,15 @@ class ObjectList(QObject):
         numbers = {item.number for item in (*known.items, *known.rejected)}
         numbers |= {each.key for each in scene.objects.proposals}
         self._review.choose(scene.selected_contours, scene.objects.chosen & numbers)
-        self._measure()
+        self.measure()
         self.changed.emit()
 
-    def _measure(self) -> None:
+    def measure(self) -> None:
         """Measure what has not been measured, on another thread: large objects have many pixels."""
         image, known = self._session.image, self.objects
         offered = self._parts.get(_as_objects, self._session.scene.objects.proposals, known)
         missing = [item for item in (*known.items, *known.rejected, *offered) if self.figures(item) is None]
-        if image is None or not missing:
+        if image is None or not missing or self.painting:
             return
 
         def use(measured: dict[int, tuple[Image, object, Figures]]) -> None:
@@ -580,6 +629,19 @@ class ObjectList(QObject):
         self._edit(tr("merge {what}"), rows, lambda document: objects.merge_into(document, items, whole))
         self.choose((whole.number,))
 
+    def _use_filled(self, item: SegmentedObject, over_others: bool, found: tuple[Part, int]) -> None:
+        """Add what lies between the slices of an object, unless it has changed meanwhile, and say in how many."""
+        part, count = found
+        name = self.title(item)
+        if not any(known is item for known in self.objects.items):
+            self._session.say(tr("The objects changed meanwhile: fill between the slices again."), True)
+        elif not count:
+            self._session.say(tr("{name} has no gap between the slices across this axis.").format(name=name))
+        else:
+            words = tr("fill {what} between slices").format(what=name)
+            self._session.edit(words, partial(paint_in_volume, number=item.number, part=part, over_others=over_others))
+            self._session.say(tr("Slices of {name} that were filled: {count}.").format(name=name, count=count))
+
 
 _LEAST_MOVE = 0.3
 """Distance that the brush moves before it paints on [px]."""
@@ -594,10 +656,11 @@ class ObjectBrush:
 
     def __init__(self, session: Session, object_list: ObjectList) -> None:
         self._session, self._list = session, object_list
-        self._path: list[Position] = []
+        self._path: list[Place] = []
         self._before: SegmentedObject | None = None
         self._boundary: tuple[Line, ...] = ()
         self._number, self._radius, self._gesture = 0, 0.0, ""
+        self._axis: int | None = None
         self.adds = True
         """Whether the stroke adds, and does not take away."""
 
@@ -606,13 +669,18 @@ class ObjectBrush:
         """Whether a stroke has begun."""
         return bool(self._path)
 
-    def begin(self, at: Position, radius: float, adds: bool, gesture: str) -> None:
-        """Begin a stroke at a place; `gesture` makes one step of undo of it."""
-        self._path, self._radius, self.adds, self._gesture = [at], radius, adds, gesture
-        self._number = 0
+    def begin(self, at: Place, radius: float, adds: bool, gesture: str, axis: int | None, fresh: bool) -> None:
+        """Begin a stroke at a place, in a volume across an axis; `gesture` makes one step of undo of it.
+
+        A `fresh` one makes a new object.
+        """
+        self._path, self._radius, self.adds, self._gesture, self._axis = [at], radius, adds, gesture, axis
+        self._number = self._list.objects.next_number if fresh else 0
+        self._before, self._boundary = None, ()
+        self._list.painting = True
         self._apply()
 
-    def paint(self, to: Position) -> None:
+    def paint(self, to: Place) -> None:
         """Paint on to a place."""
         if self._path and math.dist(self._path[-1], to) >= _LEAST_MOVE:
             self._path.append(to)
@@ -623,9 +691,18 @@ class ObjectBrush:
         if self._path and not self._number:
             self._session.say(tr("There is no object under the brush to erase from."))
         self._path = []
+        self._list.painting = False
+        self._list.measure()
 
-    def target(self, newest: Sequence[Position], radius: float) -> SegmentedObject | None:
-        """The object that a stroke along some places would paint; None where it would begin a new one."""
+    def target(self, newest: Sequence[Place], radius: float) -> SegmentedObject | None:
+        """The object that a stroke along some places would paint; None where it would begin a new one.
+
+        In a volume it is a chosen one even where the brush does not touch it, so that it continues in other slices.
+        """
+        if len(newest[-1]) == 3:
+            under, chosen = self._list.under(newest[-1]), [item for item in self._list.items if not item.hidden]
+            found = [item for item in chosen or self._list.objects.items if item.number == under]
+            return next(iter((*found, *chosen)), None)
         way = polyline.sampled(np.array(newest), 0.5 * radius) if len(newest) > 1 else np.array(newest)
         near = [
             item for item in self._list.near(way, radius)
@@ -649,8 +726,23 @@ class ObjectBrush:
                 return
             self._before, self._boundary = item, item.boundary if item else ()
             self._number = item.number if item else self._list.objects.next_number
+        self._session.edit(tr("paint object"), self._painted(image, stretch), self._gesture)
+        there = any(item.number == self._number for item in self._list.objects.items)
+        self._list.choose((self._number,) if there else ())
+
+    def _painted(self, image: ImageReference, stretch: Sequence[Place]) -> Callable[[Document], Document]:
+        """The edit that paints a stretch of the path."""
+        if image.is_volume:
+            part = brush_in(image.shape, stretch, self._radius, sides_of(image.spacing), self._axis)
+            return partial(
+                paint_in_volume,
+                number=self._number,
+                part=part,
+                adds=self.adds,
+                over_others=self._list.over_others,
+            )
         self._boundary = painted(self._boundary, stretch, self._radius, self.adds, image.shape)
-        edit = partial(
+        return partial(
             brushed,
             before=self._before,
             number=self._number,
@@ -658,5 +750,3 @@ class ObjectBrush:
             path=tuple(self._path),
             radius=self._radius,
         )
-        self._session.edit(tr("paint object"), edit, self._gesture)
-        self._list.choose((self._number,) if self._boundary else ())

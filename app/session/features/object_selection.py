@@ -57,8 +57,9 @@ class Pointed:
     said: Click
 
     def preview(self) -> Preview | None:
-        """What it would change."""
-        after = self.selector.selection((*self.clicks, self.said))
+        """What it would change; None where that is not known at once."""
+        clicks = (*self.clicks, self.said)
+        after = self.selector.selection(clicks) if self.selector.quick(clicks) else None
         return None if after is None else Preview(after, self.selector.selection(self.clicks), self.said.inside)
 
 

@@ -121,7 +121,7 @@ class Journal(QObject):
         return trouble
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Leftover:
     """A journal whose process has ended; while its lock is held, no other window offers it.
 

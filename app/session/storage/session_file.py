@@ -25,7 +25,7 @@ _PATIENCE = 10.0
 """Longest time that a file waits for the worker to finish its step; then it has the runs collected last [s]."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Written(Report):
     """A session file has been written: what it holds, as which number its image was opened, the edition of its runs."""
 

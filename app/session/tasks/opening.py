@@ -22,6 +22,7 @@ from cpm_core.formats import (
     UnreadableError,
     dicom_files_beside,
     find_image,
+    in_natural_order,
     load_session,
     open_stack,
 )
@@ -30,14 +31,12 @@ from cpm_core.formats.images.reading import DEFAULT
 from cpm_core.image import MINIMUM_SIDE, most_scales
 from cpm_core.shapes import check_axes
 
-_NUMBER = re.compile(r"(\d+)")
 _EXPORTED = re.compile(rf"(.+)_(?:{'|'.join(KINDS)})\.")
 
 
 def images_beside(image: Path) -> tuple[Path, ...]:
     """The images in the folder of an image, this one among them: 2 comes before 10."""
-    others = {path.name for path in images_in(image.parent)}
-    return tuple(image.parent / name for name in sorted(others | {image.name}, key=_counted))
+    return tuple(sorted({*images_in(image.parent), image}, key=lambda path: in_natural_order(path.name)))
 
 
 def images_in(folder: Path) -> tuple[Path, ...]:
@@ -49,7 +48,7 @@ def images_in(folder: Path) -> tuple[Path, ...]:
         return ()
     stems = {stem for name in names for stem in (Path(name).stem, name.partition(".")[0])}
     exported = {name for name in names if (parts := _EXPORTED.match(name)) and parts[1] in stems}
-    return tuple(folder / name for name in sorted({*names} - exported, key=_counted))
+    return tuple(folder / name for name in sorted({*names} - exported, key=in_natural_order))
 
 
 def session_beside(image: Path) -> Path | None:
@@ -67,12 +66,6 @@ def session_beside(image: Path) -> Path | None:
 
 def _is_image(entry: os.DirEntry[str]) -> bool:
     return Path(entry.name).suffix.lower() in READABLE and not entry.name.startswith(".") and entry.is_file()
-
-
-def _counted(name: str) -> tuple[list[str | int], str]:
-    """Key of the natural order: numbers count by value, letters regardless of case."""
-    parts = _NUMBER.split(name.casefold())
-    return [int(part) if index % 2 else part for index, part in enumerate(parts)], name
 
 
 PAGED = frozenset({".tif", ".tiff", *raster.READS})
@@ -100,7 +93,7 @@ def parts_of(path: Path, reading: Reading) -> tuple[Parts | None, Reading]:
         return None, reading
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Wanted:
     """A request to open an image or a session file at `path`.
 
@@ -119,39 +112,34 @@ class Wanted:
     reading: Reading = DEFAULT
 
 
-def is_session(path: Path) -> bool:
-    """Whether a file is a session rather than an image, by its suffix."""
-    return path.suffix.lower() == SUFFIX
-
-
 def prepare(core: Core, wanted: Wanted, check_cancelled: Callable[[], None]) -> Opened:
     """Read an image and prepare the charged particles for it, with as many scales as it has room for.
 
     `check_cancelled` is called between the steps, and raises when the task has been cancelled. ValueError when the
     image or the session cannot be used.
     """
-    path, parameters, saved, notes = wanted.path, wanted.parameters, wanted.saved, wanted.notes
-    beside = None if saved is not None or is_session(path) else session_beside(path)
+    path, parameters, saved, notes, named = wanted.path, wanted.parameters, wanted.saved, wanted.notes, None
+    beside = session_beside(path) if saved is None else None
     if beside is not None and wanted.resumes:
         path, beside = beside, None
-    if saved is None and is_session(path):
+    if saved is None and path.suffix.lower() == SUFFIX:
         saved = Saved(path, load_session(path))
     if saved is not None:
-        parameters, notes = saved.file.parameters, (*notes, *saved.file.notes)
-        if saved.file.image is None:
+        parameters, named = saved.file.parameters, saved.file.image
+        if named is None:
             raise ValueError(tr("{name} does not name an image.").format(name=path.name))
-        path, warnings = find_image(saved.file.image, path.absolute().parent, check_cancelled)
-        notes = (*notes, *warnings)
-    reading = saved.file.image.reading if saved is not None and saved.file.image is not None else wanted.reading
-    parts, reading = parts_of(path, reading)
+        path, warnings = find_image(named, path.absolute().parent, check_cancelled)
+        notes = (*notes, *saved.file.notes, *warnings)
+    parts, reading = parts_of(path, wanted.reading if named is None else named.reading)
     check_cancelled()
-    image, refused = _read(core, replace(wanted, path=path, reading=reading, saved=saved), parts, check_cancelled)
+    asked = wanted.as_volume if named is None or not named.shape else len(named.shape) == 3
+    image, refused = _read(core, path, reading, asked, parts, check_cancelled)
     notes = (*refused, *notes)
     check_cancelled()
     if saved is not None:
         _check(saved, image)
-    if saved is None:
-        parameters = PRESETS["volume"] if image.ndim == 3 else parameters
+    elif image.ndim == 3:
+        parameters = PRESETS["volume"]
     most, scales = most_scales(image.shape), parameters.scales
     if scales > most:
         parameters = replace(parameters, scales=most)
@@ -177,17 +165,19 @@ def _check(saved: Saved, image: Image) -> None:
 
 
 def _read(
-    core: Core, wanted: Wanted, parts: Parts | None, check_cancelled: Callable[[], None]
+    core: Core,
+    path: Path,
+    reading: Reading,
+    asked: bool | None,
+    parts: Parts | None,
+    check_cancelled: Callable[[], None],
 ) -> tuple[Image, tuple[str, ...]]:
     """The image or the volume of a file, of which the range of gray levels is known afterwards.
 
-    Where nobody has asked for the volume that a file holds and it cannot be used, one plane of it is read, and the
+    Where nobody has `asked` for the volume that a file holds and it cannot be used, one plane of it is read, and the
     sentence says why.
     """
-    path, saved, chosen, refused = wanted.path, wanted.saved, wanted.reading.arguments, tuple[str, ...]()
-    known = saved.file.image.shape if saved is not None and saved.file.image is not None else ()
-    asked = len(known) == 3 if known else wanted.as_volume
-    image: Image | None = None
+    chosen, refused, image = reading.arguments, tuple[str, ...](), None
     if asked or (asked is None and parts is not None and parts.pages >= MINIMUM_SIDE and parts.deep):
         in_volume = {name: given for name, given in chosen.items() if name != "page"}
         try:

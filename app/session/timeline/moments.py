@@ -28,7 +28,7 @@ _RECENT_SHARE = 3
 """States on the grid for each one that is kept only because it was used recently."""
 
 
-@dataclass(eq=False, slots=True)
+@dataclass(eq=False)
 class Moment:
     """A state of a run: its step, the moment before it, and the action that leads from there; no action at the first.
 
@@ -160,7 +160,7 @@ class RunAction(Protocol):
         """Apply it to a state of a method with these regions."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Stepped:
     """One step with these parameters, placed charges and regions; a run that had ended continues."""
 
@@ -174,7 +174,7 @@ class Stepped:
         return method.step(state, self.parameters, self.charges)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Joined:
     """Particles added at seeds."""
 
@@ -186,7 +186,7 @@ class Joined:
         return method.joined(state, np.array(self.seeds))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Erased:
     """Particles removed that are no farther from a path than a radius, in sides of the smallest pixel or voxel."""
 

@@ -65,7 +65,7 @@ _ENTRIES = {
 """Entries of a branch in a file, and the attributes of a branch that they hold."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class _Numbered:
     """A contour by its number, with a place that it passes."""
 

@@ -13,7 +13,7 @@ from cpm_core.segmentation import MethodState
 from cpm_core.shapes import Points, Start
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Branch:
     """A run, or a branch of one.
 
@@ -45,7 +45,7 @@ class Branch:
     renamed: bool = False
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class StoredBranch:
     """A branch with the actions of its steps, of the first one only those that changed its state.
 
@@ -57,7 +57,7 @@ class StoredBranch:
     figures: Array | None = None
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class StoredRun:
     """A run: its first document, the sources of its particles until now, and its branches, parents first."""
 
@@ -66,7 +66,7 @@ class StoredRun:
     branches: tuple[StoredBranch, ...]
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class StoredRuns:
     """All runs, the oldest first, branch and step that are shown, and states that need not be computed again.
 

@@ -36,7 +36,7 @@ from app.session.tasks.tasks import Task
 from app.session.timeline.plain_runs import Plain, runs_from_plain, runs_to_plain
 from app.session.worker.run import Run
 from cpm_core import Image, Result, Skeleton
-from cpm_core.formats import DRAWN, located, write_together
+from cpm_core.formats import DRAWN, descriptions, located, write_together
 from cpm_core.shapes import NO_SEEDS
 
 P = ParamSpec("P")
@@ -158,6 +158,7 @@ def write_files(
 
         run, needs_run = context.run, any(file.what != "objects" for file in order.files)
         image = None if run.method is None else run.method.image
+        source = None if document.image is None else document.image.path
         made: dict[tuple[What, bool], Result | Skeleton] = {}
         contents, counts = [], dict[What, str]()
         try:
@@ -171,7 +172,8 @@ def write_files(
                     result = chosen(whole, document, order, file.what, image)
                     made[key] = thinned(result, order.tolerance) if key[1] else result
                 shaped = _shaped(made[key], file, document, image)
-                contents.append((file.path, context.core.encode(shaped, file.suffix, space=order.space)))
+                contents.append((file.path, context.core.encode(shaped, file.suffix, space=order.space, image=source)))
+                contents += [] if then else descriptions(made[key], file.path)
                 counts.setdefault(file.what, summary_text(made[key], file.what, file.suffix))
             if then is not None:
                 context.report(Finished(partial(then, tuple(content for _, content in contents))))

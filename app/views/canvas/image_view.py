@@ -8,7 +8,7 @@ from typing import Any
 
 import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF, Qt
-from PySide6.QtGui import QContextMenuEvent, QResizeEvent
+from PySide6.QtGui import QContextMenuEvent, QPixmap, QResizeEvent
 
 from app.model.volume.slices import Slice, flips_of
 from app.session.features.slices import Sections
@@ -17,6 +17,7 @@ from app.views.canvas.items.item import image_rectangle, to_position
 from app.views.canvas.layers import Layers
 from app.views.canvas.layers.layer import NoRequests, Requests
 from app.views.theme import theme
+from app.views.widgets.turns import Turns
 from cpm_core.numerics import Place, Position
 
 _MARGIN = 0.04
@@ -170,6 +171,16 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
             wide = high * seen.width() / seen.height()
             if high >= 0.01:
                 self._show(QRectF(col - 0.5 * wide, row - 0.5 * high, wide, high))
+
+    def finish(self) -> None:
+        """Draw now what would be drawn in later turns."""
+        for turns in self.scene().findChildren(Turns):
+            turns.finish()
+
+    def grab(self) -> QPixmap:
+        """A picture of all it shows."""
+        self.finish()
+        return super().grab()
 
     def resizeEvent(self, event: QResizeEvent | None) -> None:
         """Keep the whole image visible until the user zooms."""

@@ -67,7 +67,7 @@ def selected_places(workspace: Workspace) -> list[Array]:
     items = [row.item for row in rows if row.item is not None]
     found = [row.contour.contour.points for row in rows if row.contour is not None]
     found += [np.array(curve) for item in items for curve in item.boundary]
-    found += [item.body.vertices for item in items if item.body is not None]
+    found += [packed.box for item in items for packed in item.surface]
     if not found and session.selected is not None:
         shape = session.document.shapes[session.selected]
         volume = session.image if session.scene.slices is not None else None

@@ -249,7 +249,7 @@ class ExportDialog(QDialog):
             group = QTreeWidgetItem([f"{KINDS[what][0]} ({count})" if count > 1 else KINDS[what][0]])
             self.list.addTopLevelItem(group)
             group.setExpanded(self.list.topLevelItemCount() == 1)
-            for suffix, name in formats(what, self._volume).items():
+            for suffix, name in formats(what, self._volume, self._image.hounsfield is not None).items():
                 row = self.rows[what, suffix] = QTreeWidgetItem(group, [name])
                 row.setCheckState(0, Qt.CheckState.Unchecked)
                 if f"{what}:{suffix}" in checked:

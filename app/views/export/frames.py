@@ -93,6 +93,7 @@ class FrameRenderer:
         self._view.draw(replace(self._scene, snapshot=taken.moment, reconstruction=taken.contours, contours=contours))
         picture = QImage(*self._size, QImage.Format.Format_RGB32)
         painter = QPainter(picture)
+        self._view.finish()
         self._view.render(painter)
         painter.end()
         return to_array(picture)

@@ -34,6 +34,10 @@ CONTOURS = frozenset((*CONTOURS_READABLE, *SURFACES_READABLE, *FOR_CENTERLINES))
 """Suffixes of files that are no documents, but contours or points for the one that is open."""
 
 
+_SEGMENTS = (".seg.nrrd", ".seg.dcm")
+"""Ends of names of files that lie in a volume, where one is open."""
+
+
 class OpenSaveFeature(Feature):
     """Opening of images, sessions, points and presets, and the session file."""
 
@@ -77,7 +81,8 @@ class OpenSaveFeature(Feature):
         self.window.canvas_area.messages.keep_only(*OF_THE_PROGRAM)
         documents = []
         for path in paths:
-            if path.suffix.lower() in CONTOURS:
+            segments = path.name.lower().endswith(_SEGMENTS) and self.window.session.scene.slices is not None
+            if path.suffix.lower() in CONTOURS or segments:
                 self.window.feature(ImportFeature).take(path)
             else:
                 documents.append(path)

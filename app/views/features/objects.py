@@ -11,7 +11,7 @@ from PySide6.QtWidgets import QMenu
 from app.model.document.modes import use_skeleton
 from app.model.document.objects import as_barriers, as_regions, as_starts, class_title, listed_classes
 from app.model.preferences.table import UNIT
-from app.model.state.situation import Situation, has_contours, has_image
+from app.model.state.situation import Situation, has_contours, has_image, has_volume
 from app.model.text.language import tr
 from app.session.features.object_list import Key, Kind
 from app.views.panels.objects import ObjectPanel
@@ -44,9 +44,11 @@ class ObjectsFeature(Feature):
         Keys(area.canvas, self.take_key)
         area.canvas.pointer.doubled.connect(self._open)
         self.panel.table.zoom_wanted.connect(area.zoom_to_selection)
-        area.tool_changed.connect(lambda: self.panel.brush.setVisible(area.canvas.hold.tool.name == "mend"))
+        for changed in (area.tool_changed, session.image_changed):
+            changed.connect(lambda: self.panel.show_brush(area.canvas.hold.tool.name == "mend"))
         area.canvas.pointed.connect(lambda at: objects.hover(None) if at is None else None)
-        objects.selection_changed.connect(window.refresh)
+        for changed in (objects.selection_changed, objects.brush_changed):
+            changed.connect(lambda *_: window.refresh())
         selection.changed.connect(window.refresh)
 
         def selects(*kinds: Kind, least: int = 1) -> bool:
@@ -96,6 +98,14 @@ class ObjectsFeature(Feature):
                        "Close the selected open contour along the edge between its ends; several are joined first.",
                        partial(editing.join_selected, closing=True), "Shift+C",
                        when=lambda _: any(not item.contour.closed for item in window.workspace.review.chosen)),
+            ActionSpec("fill_between", "Objects", "Fill &between slices",
+                       "Fill the slices between those in which the selected object has been painted.",
+                       objects.fill_between, "Shift+I", there=has_volume,
+                       when=lambda _: len(objects.items) == 1 and not objects.items[0].frozen),
+            ActionSpec("paint_in_space", "Objects", "&Paint in space",
+                       "Paint balls through all slices with the brush, or disks in one slice.",
+                       lambda: objects.set_way(ball=not objects.ball), "Shift+J", there=has_volume,
+                       holds=lambda _: objects.ball),
             ActionSpec("objects_alike", "Objects", "All li&ke this", "Find all objects like the selected one.",
                        lambda: selection.find_like(objects.items[0].number), "Ctrl+L",
                        when=lambda _: len(objects.items) == 1),
@@ -104,7 +114,8 @@ class ObjectsFeature(Feature):
                        when=lambda _: len(objects.items) == 1),
             ActionSpec("fit_objects", "Objects", "F&it to the contours",
                        "Select the objects again by their own clicks, on the contours of the last run.",
-                       lambda: selection.fit(objects.chosen), when=has_objects),
+                       lambda: selection.fit(objects.chosen),
+                       when=lambda _: any(item.clicks for item in objects.items)),
             ActionSpec("freeze_object", "Objects", "&Freeze",
                        "Keep the objects as they are, and keep particles from crossing their boundaries.",
                        partial(objects.toggle, "frozen"), gap=True, when=has_objects,

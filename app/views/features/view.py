@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from functools import partial
+from itertools import starmap
 
 from PySide6.QtWidgets import QApplication
 
@@ -11,7 +12,7 @@ from app.model.state.situation import has_image
 from app.model.text.language import tr, written
 from app.session.storage.preferences import Preferences
 from app.views.canvas.canvas import ZOOM
-from app.views.canvas.layers.image_layer import AUTOMATIC, WHOLE
+from app.views.canvas.layers.image_layer import AUTOMATIC, CT_WINDOWS, WHOLE, WidthAndLevel, Window, named, window_at
 from app.views.canvas.layers.layer import Layer
 from app.views.panels.layer_list import LayersPanel
 from app.views.widgets.actions import LAYER, ActionSpec
@@ -110,7 +111,22 @@ class LevelsFeature(Feature):
                        "button to change the range.",
                        partial(self._choose, AUTOMATIC), "Alt+W", when=has_image,
                        holds=lambda _: layer.word("range") == AUTOMATIC),
+            *starmap(self._usual, CT_WINDOWS.items()),
         )  # fmt: skip
+
+    def _usual(self, name: str, width_and_level: WidthAndLevel) -> ActionSpec:
+        """The action for one of the usual windows of CT."""
+        layer, window = self._layer, window_at(width_and_level)
+        text = tr("CT window: {name}").format(name=name)
+        tip = tr("Show the gray values {window} Hounsfield units.").format(window=named(window))
+        key = "ct_window_{:g}_{:g}".format(*width_and_level)
+        return ActionSpec(key, _LAYERS, text, tip, partial(self._use, window),
+                          when=lambda _: layer.scene.whole is not None and layer.scene.whole.is_ct,
+                          holds=lambda _: layer.window == window)  # fmt: skip
+
+    def _use(self, window: Window) -> None:
+        self._layer.choose_window(*window)
+        self.window.refresh()
 
     def _choose(self, value: str) -> None:
         self._layer.choose("range", value)
@@ -119,7 +135,7 @@ class LevelsFeature(Feature):
     def _say(self) -> None:
         low, high = self._layer.window
         text = tr("Black {low}, white {high}").format(low=written(f"{low:.4g}"), high=written(f"{high:.4g}"))
-        self.window.canvas_area.strip.say_next(text)
+        self.window.canvas_area.strip.say_next(f"{text}: {named(self._layer.window)}")
 
 
 class KeyboardFeature(Feature):

@@ -245,12 +245,13 @@ class SpaceFeature(Feature):
         super().__init__(window)
         self.panel = SpacePanel(window.session)
         self.panels = (Panel("space", "In space", self.panel, "Shift+F9", shown=False),)
-        self._seen = SeenInSpace()
+        self._seen, self._objects = SeenInSpace(), window.workspace.object_list
         self.panel.view.hide()
         window.feature(SlicesFeature).space = self.panel.view
         window.canvas_area.views.addWidget(self.panel.view, 1, 0)
         self._layers = layers = window.canvas_area.canvas.layers
         window.session.scene_changed.connect(self._show)
+        window.workspace.object_list.changed.connect(self._show)
         window.session.image_changed.connect(self.reveal)
         self.panel.view.picked.connect(self._pick)
         self.panel.bar.changed.connect(window.refresh)
@@ -299,4 +300,4 @@ class SpaceFeature(Feature):
         self.window.docks.offer("space", self.window.session.scene.slices is not None)
 
     def _show(self, *_: object) -> None:
-        self.panel.show_contents(self._seen.of(self.window.session.scene, self._layers))
+        self.panel.show_contents(self._seen.of(self.window.session.scene, self._layers, self._objects.bodies))

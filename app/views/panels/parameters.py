@@ -36,7 +36,7 @@ from app.model.parameters.controls import (
     value_of,
 )
 from app.model.text.language import tr, written
-from app.model.text.wording import FIRST_WORDING
+from app.model.text.wording import FIRST_WORDING, FORMULAS
 from app.session.scene import NO_CONTOURS, ReviewedContours
 from app.session.session import Session
 from app.views.theme.icons import icon
@@ -57,7 +57,7 @@ def tip(control: Control) -> str:
     lines = (
         f"<b>{control.title}</b> {control.facts}",
         control.meaning,
-        f"{control.formula}{place}",
+        f"{FORMULAS[control.name]}{place}",
         f"{control.more} {control.acts}",
     )
     return "".join(f"<p style='margin: 3px 0'>{line}</p>" for line in lines)
@@ -79,7 +79,7 @@ class ChoiceRow(QWidget):
             self.box.setItemData(index, about, Qt.ItemDataRole.ToolTipRole)
         self.box.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.box.setAccessibleName(control.title)
-        self.box.setAccessibleDescription(control.explanation)
+        self.box.setAccessibleDescription(" ".join(control.lines))
         self.box.activated.connect(lambda: change(control.name, self.box.currentData()))
         label = QLabel(control.title)
         label.setBuddy(self.box)

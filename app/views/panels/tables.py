@@ -100,7 +100,7 @@ class Column(Generic[Row]):
     @property
     def numeric(self) -> bool:
         """Whether it holds numbers, which are aligned to the right."""
-        return not any(letter.isalpha() for letter in self.sample)
+        return not any(map(str.isalpha, self.sample))
 
     def text(self, row: Row, factor: float) -> str:
         """Its text for a row; lengths are multiplied by a factor."""

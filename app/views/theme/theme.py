@@ -12,7 +12,7 @@ from typing import Literal
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor, QGuiApplication, QPalette
-from PySide6.QtWidgets import QApplication
+from PySide6.QtWidgets import QApplication, QWidget
 
 from app.model.preferences.table import INKS
 
@@ -146,13 +146,16 @@ def system_theme() -> Theme:
     return DARK if dark else LIGHT
 
 
-def apply_theme(theme: Theme) -> None:
-    """Set the theme of the application, unless it is set already, because that takes long."""
-    application = QApplication.instance()
+def apply_theme(theme: Theme, window: QWidget) -> None:
+    """Set the theme of the application, unless it is set already, because that takes long.
+
+    The style sheet is that of the window and of its dialogs: one of the application is applied to each widget again
+    for each of those around it.
+    """
     sheet = _STYLE.substitute(asdict(theme))
-    if isinstance(application, QApplication) and application.styleSheet() != sheet:
-        application.setPalette(_palette(theme))
-        application.setStyleSheet(sheet)
+    if window.styleSheet() != sheet:
+        QApplication.setPalette(_palette(theme))
+        window.setStyleSheet(sheet)
 
 
 def _palette(theme: Theme) -> QPalette:

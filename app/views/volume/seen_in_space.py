@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
+from functools import lru_cache
+from types import MappingProxyType
 
 import numpy as np
 from PySide6.QtGui import QColor
@@ -22,8 +25,11 @@ from app.views.canvas.layers.skeleton import banded
 from app.views.theme import color_maps, theme
 from app.views.theme.theme import Ink, look
 from cpm_core import Image, Skeleton, Surface, Truth, VolumeSelection, VolumeTruth
+from cpm_core.contours import PackedVoxels
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.shapes import Charge, Interest, Limit, Shape, sides_of
+
+NOTHING: Mapping[int, Surface] = MappingProxyType({})
 
 
 class SeenInSpace:
@@ -32,8 +38,11 @@ class SeenInSpace:
     def __init__(self) -> None:
         self._parts = IdentityCache()
 
-    def of(self, scene: Scene, layers: Layers) -> ViewInSpace | None:
-        """What a scene shows; particles, gray values and what is drawn as their layers show them on the canvas."""
+    def of(self, scene: Scene, layers: Layers, bodies: Mapping[int, Surface] = NOTHING) -> ViewInSpace | None:
+        """What a scene shows; particles, gray values and what is drawn as their layers show them on the canvas.
+
+        Painted objects have the surfaces in `bodies`, by their numbers, which are made on another thread.
+        """
         image, slices, snapshot, found = scene.image, scene.slices, scene.snapshot, scene.reconstruction
         if image is None or slices is None:
             self._parts.forget()
@@ -52,7 +61,7 @@ class SeenInSpace:
             get(_mesh, found),
             get(_wires, drawn, scene.selected, image, scene.skeleton if layers["skeleton"].shown else None),
             color_maps.table(layers.image.word("map")),
-            get(_objects, objects, scene.objects.proposals, spacing),
+            get(_objects, objects, scene.objects.proposals, spacing, bodies),
             get(_truth, scene.truth if layers["truth"].shown else None, spacing),
         )
 
@@ -62,11 +71,12 @@ def _particles(
 ) -> Particles | None:
     if snapshot is None or size == 0.0:
         return None
-    if quantity not in QUANTITIES:
-        return Particles(snapshot.position, np.array(list(map(_rgb, inks)))[snapshot.resting.astype(np.intp)], size)
-    marks = colored(QUANTITIES[quantity], snapshot.state, snapshot.metrics).marks
-    palette = np.vstack([color_maps.table(map_name, SHADES, BEGIN), _rgb(UNKNOWN)]).astype(np.uint8)
-    return Particles(snapshot.position, palette[marks], size)
+    state, palette, marks = snapshot.state, np.array(list(map(_rgb, inks))), snapshot.resting.astype(np.intp)
+    if quantity in QUANTITIES:
+        marks = colored(QUANTITIES[quantity], state, snapshot.metrics).marks
+        palette = np.vstack([color_maps.table(map_name, SHADES, BEGIN), _rgb(UNKNOWN)]).astype(np.uint8)
+    run = snapshot.generation
+    return Particles(snapshot.position, palette[marks], size, run, state.step, state.particles.identity)
 
 
 def _mesh(found: Reconstruction | None) -> Mesh | None:
@@ -75,15 +85,22 @@ def _mesh(found: Reconstruction | None) -> Mesh | None:
 
 
 def _objects(
-    objects: SegmentedObjects | None, offered: tuple[Proposal, ...], spacing: tuple[float, ...]
+    objects: SegmentedObjects | None,
+    offered: tuple[Proposal, ...],
+    spacing: tuple[float, ...],
+    bodies: Mapping[int, Surface],
 ) -> tuple[ColoredMesh, ...]:
     """The objects except hidden ones and the one that is being changed, and those that are offered."""
     if objects is None:
         return ()
     seen = [item for item in objects.items if not item.hidden and item.number != objects.edited]
+    shown = (
+        (bodies.get(item.number) if isinstance(item.surface[0], PackedVoxels) else item.body, objects.color(item))
+        for item in seen if item.surface
+    )  # fmt: skip
     found = [each.selection for each in offered if isinstance(each.selection, VolumeSelection) and each.selection.found]
     return (
-        *(_colored(item.body, spacing, objects.color(item)) for item in seen if item.body is not None),
+        *(_colored(body, spacing, color) for body, color in shown if body is not None),
         *(_colored(selection.surface, spacing, theme.PROPOSAL) for selection in found),
     )
 
@@ -94,7 +111,13 @@ def _truth(truth: Truth | VolumeTruth | None, spacing: tuple[float, ...]) -> tup
 
 def _colored(surface: Surface, spacing: tuple[float, ...], ink: Ink | str) -> ColoredMesh:
     red, green, blue = _rgb(ink).tolist()
-    return ColoredMesh(Mesh(replace(surface, spacing=spacing)), (red, green, blue))
+    return _made(surface, spacing, (red, green, blue))
+
+
+@lru_cache(maxsize=64)
+def _made(surface: Surface, spacing: tuple[float, ...], color: tuple[int, int, int]) -> ColoredMesh:
+    """The same mesh as before, with its normals, while others change."""
+    return ColoredMesh(Mesh(replace(surface, spacing=spacing)), color)
 
 
 def _wires(

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Protocol, runtime_checkable
 
 from PySide6.QtCore import QPoint
 from PySide6.QtGui import QAction, QActionGroup, QKeySequence
-from PySide6.QtWidgets import QMenu, QWidget
+from PySide6.QtWidgets import QMenu, QToolBar, QToolButton, QWidget
 
 from app.model.state.situation import (
     ICONS_IN_VOLUMES,
@@ -23,6 +24,7 @@ from app.model.text.keys import with_keys
 from app.model.text.language import from_core
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
+from app.views.widgets.turns import Turns
 
 
 def native(key: str) -> str:
@@ -185,8 +187,11 @@ class Actions:
         if not (volume or self._limited):
             return
         changed, self._limited = volume != self._limited, volume
-        for name, (text, _) in OTHERWISE_IN_VOLUMES.items() if changed else ():
-            self._actions[name].setText(text if volume else self._specs[name].text)
+        for name, (in_volume, _) in OTHERWISE_IN_VOLUMES.items() if changed else ():
+            action, text = self._actions[name], in_volume if volume else self._specs[name].text
+            on_button = _plain(text) if action.iconText() == _plain(action.text()) else action.iconText()
+            action.setText(text)
+            action.setIconText(on_button)
             if name in ICONS_IN_VOLUMES:
                 self._icons[name] = ICONS_IN_VOLUMES[name] if volume else self._specs[name].icon
                 self._tint(name)
@@ -198,11 +203,14 @@ class Actions:
         for name in self._specs:
             self._tell(name)
 
-    def use_theme(self, theme: Theme) -> None:
-        """Tint the icons."""
+    def use_theme(self, theme: Theme, turns: Turns) -> None:
+        """Tint the icons, those that are only in menus in later turns."""
         self._theme = theme
         for name in self._icons:
-            self._tint(name)
+            if any(isinstance(owner, QToolBar | QToolButton) for owner in self._actions[name].associatedObjects()):
+                self._tint(name)
+            else:
+                turns.ask(partial(self._tint, name))
 
     def _make(self, spec: ActionSpec, parent: QWidget) -> QAction:
         action = QAction(spec.text, parent)

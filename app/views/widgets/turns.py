@@ -29,6 +29,11 @@ class Turns(QObject):
             self._waiting.append(work)
             self._timer.start()
 
+    def finish(self) -> None:
+        """Do now what waits."""
+        while self._waiting:
+            self._next()
+
     def stop(self) -> None:
         """Forget what waits."""
         self._waiting.clear()

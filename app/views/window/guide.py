@@ -54,7 +54,7 @@ class Guide(QDialog):
         self._open_sample = open_sample
         for key in shortcuts.keys(KEYS):
             QShortcut(QKeySequence(key), self, self.close)
-        self.contents = QListWidget()
+        self.contents = QListWidget(self)
         self.contents.setObjectName("contents")
         self.contents.setAccessibleName(tr("Pages"))
         self.contents.addItems([from_core(guide_page(name)[0].text) for name in PAGES])

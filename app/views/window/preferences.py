@@ -63,20 +63,18 @@ class PreferencesDialog(QDialog):
     def __init__(self, parent: QWidget, preferences: Preferences, shortcuts: Shortcuts) -> None:
         super().__init__(parent)
         self.setWindowTitle(tr("Preferences"))
-        self.shortcuts, self._keys = ShortcutsPage(shortcuts), shortcuts
+        self._keys, self._pages = shortcuts, QStackedWidget()
+        self._made: dict[str, QWidget] = {}
         self.rows: dict[str, QWidget] = {}
         self._preferences = preferences
         self._show: dict[str, Callable[[], object]] = {}
-        self.contents = QListWidget()
+        self.contents = QListWidget(self)
         self.contents.setObjectName("contents")
         self.contents.setAccessibleName(tr("Pages of the preferences"))
         self.contents.addItems(list(PAGES.values()))
         self.contents.setFixedWidth(self.contents.sizeHintForColumn(0) + 40)
-        pages = QStackedWidget()
-        for name in PAGES:
-            pages.addWidget(self.shortcuts if name == "shortcuts" else self._make_page(name))
         preferences.changed.connect(self._follow)
-        self.contents.currentRowChanged.connect(pages.setCurrentIndex)
+        self.contents.currentRowChanged.connect(lambda row: self._pages.setCurrentWidget(self.page([*PAGES][row])))
         self.contents.setCurrentRow(0)
         buttons = QDialogButtonBox()
         reset = buttons.addButton(tr("Reset this page"), QDialogButtonBox.ButtonRole.ResetRole)
@@ -87,12 +85,19 @@ class PreferencesDialog(QDialog):
         for button in (reset, close):
             button.setAutoDefault(False)
         buttons.rejected.connect(self.reject)
-        middle = arrange(QHBoxLayout(), self.contents, pages, wide=pages)
+        middle = arrange(QHBoxLayout(), self.contents, self._pages, wide=self._pages)
         layout = QVBoxLayout(self)
         layout.addLayout(middle, 1)
         layout.addWidget(buttons)
         room = self.screen().availableSize()
         self.resize(min(_WIDTH, room.width() - _MARGIN), min(_HEIGHT, room.height() - _MARGIN))
+
+    def page(self, name: str) -> QWidget:
+        """A page by its name, which is made when it is wanted first."""
+        if name not in self._made:
+            self._made[name] = ShortcutsPage(self._keys) if name == "shortcuts" else self._make_page(name)
+            self._pages.addWidget(self._made[name])
+        return self._made[name]
 
     def turn_to(self, page: str) -> None:
         """Show a page by its name."""

@@ -168,8 +168,8 @@ class MainWindow(QMainWindow):
 
     def use_theme(self, used: theme.Theme) -> None:
         """Apply a theme."""
-        theme.apply_theme(used)
-        self.actions_by_name.use_theme(used)
+        theme.apply_theme(used, self)
+        self.actions_by_name.use_theme(used, self.turns)
         for widget in self.findChildren(QWidget):
             if hasattr(widget, "use_theme"):  # with colors that the palette does not set
                 widget.use_theme(used)

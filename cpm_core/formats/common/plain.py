@@ -19,7 +19,7 @@ from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from cpm_core.contours.packed_surface import MOST_VOXELS, packed, unpacked
+from cpm_core.contours.packed_surface import MOST_VOXELS, PackedVoxels, packed, unpacked
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions, Voxels
 from cpm_core.parameters import Parameters
@@ -52,6 +52,8 @@ class _Packed:
 
 def to_plain(value: object) -> Any:
     """A dataclass, or the value of one of its fields, as plain JSON."""
+    if isinstance(value, PackedVoxels):
+        return to_plain(value.voxels)
     if isinstance(value, Voxels):
         return {"first": to_plain(value.first), "shape": value.mask.shape, "voxels": packed(np.packbits(value.mask))}
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
@@ -208,6 +210,7 @@ _READ: dict[Any, Callable[[object, str], Any]] = {
     str: text,
     bool: _truth,
     Voxels: _voxels,
+    PackedVoxels: lambda plain, where: PackedVoxels.of(_voxels(plain, where)),
 }
 
 

@@ -1,4 +1,4 @@
-"""Printable text: names of files and contours without what a terminal, a drawing or a spreadsheet would obey."""
+"""Names of files and contours: without what a terminal, a drawing or a spreadsheet would obey, and in what order."""
 
 from __future__ import annotations
 
@@ -11,6 +11,14 @@ _FORMULA = ("=", "+", "-", "@")
 """Beginnings of a cell that spreadsheets compute."""
 
 _QUOTE = "'"
+
+_NUMBER = re.compile(r"(\d+)")
+
+
+def in_natural_order(name: str) -> tuple[list[str | int], str]:
+    """Key by which a2 comes before a10: numbers count by value, letters regardless of case."""
+    parts = _NUMBER.split(name.casefold())
+    return [int(part) if index % 2 else part for index, part in enumerate(parts)], name
 
 
 def printable(text: str) -> str:

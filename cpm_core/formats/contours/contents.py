@@ -7,6 +7,7 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, get_args
 
 import numpy as np
@@ -120,7 +121,7 @@ class Contents:
 
 def checked(properties: Entries) -> Entries:
     """Properties of a contour; those that it cannot have are dropped."""
-    reached = properties.get("reached", "")
+    reached = properties.pop("reached", "")
     return {
         **properties,
         "name": str(properties.get("name") or "")[:MOST_LETTERS],
@@ -130,7 +131,7 @@ def checked(properties: Entries) -> Entries:
         "bridged": _finite(properties.get("bridged")),
         "gray": None if properties.get("gray") is None else _finite(properties["gray"]),
         "number": max(0, int(properties.get("number") or 0)),
-        "reached": reached if reached in get_args(Reached) else "",
+        "way": partial(str, reached) if reached in get_args(Reached) else None,
     }
 
 

@@ -49,7 +49,7 @@ def encode(result: Outcome) -> bytes:
 def _vertices(result: Outcome) -> list[Row]:
     radii = result.radii if isinstance(result, Skeleton) else None
     labels = range(1, len(result.contours) + 1) if radii is not None else contour_labels(result.contours)
-    has = _attributes(result)
+    has, unit, (high, wide) = _attributes(result), in_ascii(result.unit, ""), result.spacing[-2:]
     rows: list[Row] = []
     for index, (number, contour) in enumerate(zip(numbers_of(result.contours), result.contours, strict=True)):
         fixed: Row = {"contour": number, "closed": _truth(contour.closed), "label": labels[index]}
@@ -63,12 +63,12 @@ def _vertices(result: Outcome) -> list[Row]:
             common["class"] = cell(contour.category)
         if "by_hand" in has:
             common["by_hand"] = f"{contour.length_by_hand:.4f}"
-        for vertex, (row, col) in enumerate(contour.points):
-            place: Row = {"vertex": vertex + 1, "row": f"{row:.4f}", "col": f"{col:.4f}"}
-            if result.unit:
-                place[f"x_{in_ascii(result.unit, '')}"] = f"{col * result.spacing[1]:.7g}"
-                place[f"y_{in_ascii(result.unit, '')}"] = f"{row * result.spacing[0]:.7g}"
-            rows.append(fixed | place | common)
+        for vertex, (row, col) in enumerate(contour.points.tolist()):
+            place: Row = {**fixed, "vertex": vertex + 1, "row": f"{row:.4f}", "col": f"{col:.4f}"}
+            if unit:
+                place[f"x_{unit}"] = f"{col * wide:.7g}"
+                place[f"y_{unit}"] = f"{row * high:.7g}"
+            rows.append(place | common)
             if radii is not None:
                 rows[-1]["radius"] = f"{radii[index][vertex]:.4f}"
     if rows:
@@ -78,7 +78,7 @@ def _vertices(result: Outcome) -> list[Row]:
 
 def _attributes(result: Outcome) -> set[str]:
     """Which attributes some contour has, so that there are columns for them."""
-    names = ("name", "color", "category", "by_hand", "group", "reached", "gray")
+    names = ("name", "color", "category", "by_hand", "group", "gray")
     return {name for name in names for contour in result.contours if getattr(contour, name)}
 
 
@@ -105,8 +105,9 @@ def encode_measures(result: Outcome) -> bytes:
 
 def _measures(result: Outcome) -> list[Row]:
     has, origin = _attributes(result), provenance_cells(result)
-    rows: list[Row] = []
-    for index, (contour, one) in enumerate(zip(result.contours, measure(result.contours, result.spacing), strict=True)):
+    measures, rows = measure(result.contours, result.spacing), []
+    known = any(one.reached for one in measures)
+    for index, (contour, one) in enumerate(zip(result.contours, measures, strict=True)):
         areas = {"gross": (one.area, one.area_in_units), "net": (one.net_area, one.net_area_in_units)}
         row: Row = {
             "contour": one.number,
@@ -133,8 +134,8 @@ def _measures(result: Outcome) -> list[Row]:
             row["class"] = cell(contour.category)
         if "group" in has:
             row |= {"object": contour.group, "hole": _truth(contour.hole), "bridged_px": f"{contour.bridged:.4f}"}
-        if "reached" in has:
-            row["reached"] = contour.reached
+        if known:
+            row["reached"] = one.reached
         if isinstance(result, Skeleton):
             for name, value in (("min", np.min), ("median", np.median), ("max", np.max)):
                 row[f"thickness_{name}_px"] = f"{2.0 * value(result.radii[index]):.4f}"
@@ -219,11 +220,11 @@ def provenance_cells(result: Outcome) -> Row:
 
 def table(rows: Sequence[Row], empty: Sequence[str] = ()) -> bytes:
     """A UTF-8 CSV file with a header, which is `empty` without rows, commas, and points as decimal marks."""
-    columns = dict.fromkeys(chain.from_iterable(rows)) or empty
+    columns: Row = dict.fromkeys(chain.from_iterable(rows) if rows else empty, "")
     stream = io.StringIO(newline="")
     writer = csv.writer(stream, lineterminator="\n")
     writer.writerow(columns)
-    writer.writerows([row.get(name, "") for name in columns] for row in rows)
+    writer.writerows((columns | row).values() for row in rows)
     return stream.getvalue().encode()
 
 

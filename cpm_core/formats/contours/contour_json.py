@@ -106,8 +106,8 @@ def _contours_to_plain(result: Outcome) -> list[Entries]:
             entry["class"] = contour.category
         if contour.gray is not None:
             entry["gray"] = contour.gray
-        if contour.reached:
-            entry["reached"] = contour.reached
+        if row.reached:
+            entry["reached"] = row.reached
         if result.unit:
             entry |= {"length_in_units": row.length_in_units, "gross_area_in_units": row.area_in_units}
             entry["net_area_in_units"] = row.net_area_in_units

@@ -70,9 +70,8 @@ def encode(result: Outcome) -> bytes:
         if len(places) == 1:
             model.add_point(places[0].tolist(), look)
         else:
-            # all vertices at once, with no width and no bulge
             polyline = model.add_lwpolyline((), close=contour.closed, dxfattribs=look)
-            polyline.lwpoints.set(np.pad(places, ((0, 0), (0, 3))))
+            polyline.lwpoints = _Vertices(places.tolist())
     comments = ascii_entries_of(facts_of(result))
     comments |= {
         _SHAPE: " ".join(map(str, result.shape)),
@@ -84,6 +83,18 @@ def encode(result: Outcome) -> bytes:
             stream.write(f"999\n{line}\n")
     drawing.write(stream)
     return stream.getvalue().encode()
+
+
+class _Vertices(list[list[float]]):
+    """Vertices (x, y) of a polyline, which ezdxf writes at once; of its own it makes an object for each number."""
+
+    def dxftags(self) -> list[_Vertices]:
+        """All as one tag."""
+        return [self]
+
+    def dxfstr(self) -> str:
+        """The lines of the file."""
+        return "".join(f" 10\n{x}\n 20\n{y}\n" for x, y in self)
 
 
 def read(content: bytes, plane: Plane) -> Contents:

@@ -36,6 +36,8 @@ class Decoded:
         What was changed while reading.
     colors : Colors or None
         Red, green and blue of each pixel; None where the file is gray.
+    hounsfield : bool or None
+        Whether gray levels are Hounsfield units; None where the file does not say.
     geometry : Geometry or None
         Where it lies in space; None when the file does not state.
     """
@@ -46,6 +48,7 @@ class Decoded:
     notes: tuple[str, ...] = ()
     colors: Colors | None = None
     geometry: Geometry | None = None
+    hounsfield: bool | None = None
 
 
 def check_size(name: str, rows: int, columns: int) -> None:
@@ -65,9 +68,11 @@ def from_samples(
     `notes` lists what was changed before.
     """
     *shape, width, count = samples.shape
-    found = reduced(samples.reshape(-1, width, count), None if alpha is None else alpha.reshape(-1, width), white)
-    colors = found.colors and replace(found.colors, samples=found.colors.samples.reshape(*shape, width, 3))
-    return Decoded(found.values.reshape(*shape, width), notes=(*notes, *found.notes), colors=colors)
+    values, colors, said = reduced(
+        samples.reshape(-1, width, count), None if alpha is None else alpha.reshape(-1, width), white
+    )
+    colors = colors and replace(colors, samples=colors.samples.reshape(*shape, width, 3))
+    return Decoded(values.reshape(*shape, width), notes=(*notes, *said), colors=colors)
 
 
 def from_bands(samples: NDArray[Any]) -> Decoded:

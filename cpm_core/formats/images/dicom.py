@@ -6,6 +6,7 @@ import logging
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,7 @@ from cpm_core.formats.images.dicom_series import Frame, all_series, frames_of
 from cpm_core.formats.images.reading import Reading, series_of
 from cpm_core.formats.images.stack import Stack, check_content, joined
 from cpm_core.image.gray_levels import NO_DATA
+from cpm_core.image.image import MINIMUM_SIDE
 from cpm_core.parameters.quotation import shown
 
 READS = {".dcm": "DICOM image, or a folder with the slices of a series", ".dicom": "the same", ".ima": "the same"}
@@ -62,7 +64,7 @@ def is_series(folder: Path) -> bool:
 
 def dicom_files_beside(path: Path, most: int) -> list[Path]:
     """So many DICOM files at most in the folder of a DICOM file; none for another file or a folder."""
-    return _files(path.parent, most) if _is_dicom(path) else []
+    return _files(path.parent, most) if is_dicom(path) else []
 
 
 def _files(folder: Path, most: int | None = None) -> list[Path]:
@@ -71,10 +73,11 @@ def _files(folder: Path, most: int | None = None) -> list[Path]:
         paths = sorted(folder.iterdir())
     except OSError:
         return []
-    return list(islice((path for path in paths if not path.name.startswith(".") and _is_dicom(path)), most))
+    return list(islice((path for path in paths if not path.name.startswith(".") and is_dicom(path)), most))
 
 
-def _is_dicom(path: Path) -> bool:
+def is_dicom(path: Path) -> bool:
+    """Whether a file is one of DICOM, by its first bytes; False for a folder."""
     try:
         return reads(content_of(path, part=512), path)
     except UnreadableError:
@@ -89,9 +92,36 @@ def stack(path: Path, reading: Reading) -> Stack:
     UnreadableError
         When no file holds an image.
     """
+    name = printable(path.name)
+    frames, damaged = frames_in(path)
+    if not frames:
+        raise UnreadableError(f"{name} holds no DICOM image: choose another file or folder.")
+    if min(min(frame.shape) for frame in frames) < 1:
+        raise ValueError("an image has no pixels")
+    if path.is_file():
+        check_content(path, sum(frame.each * math.prod(frame.shape) for frame in frames))
+
+    groups = all_series(frames, name, partial(decoded, name))
+    series = sorted((one for group in groups for one in group), key=lambda one: (one.series, -one.shape[0]))
+    titles = tuple(title for one in series for title in one.series)
+    number = series_of(reading.series, titles, int(np.argmax([one.times * one.shape[0] for one in series])), name)
+    chosen = series[number]
+    notes = []
+    if len(groups) > 1 and reading.series is None:
+        which = f"{number + 1} ({shown(titles[number])})"
+        notes.append(f"Of its {len(groups)} series that with the most images was taken, {which}.")
+        if chosen.shape[0] < MINIMUM_SIDE and chosen.times == 1 and chosen.stretch is None:
+            differ = f"Its {len(frames)} images have {len(groups)} different sizes, directions or series."
+            chosen = replace(chosen, stretch=(0, chosen.shape[0]), of_volume=(differ,))
+    if damaged:
+        notes.append(f"{damaged} of its files {'is' if damaged == 1 else 'are'} damaged and left out.")
+    return replace(chosen, series=titles, number=number, notes=(*notes, *chosen.notes))
+
+
+def frames_in(path: Path) -> tuple[list[Frame], int]:
+    """The frames of a file, or of all files of a folder, and how many of these are damaged."""
     import pydicom  # only here, because it takes long to import
 
-    name = printable(path.name)
     frames: list[Frame] = []
     damaged = 0
     for file in _files(path) if path.is_dir() else [path]:
@@ -101,37 +131,23 @@ def stack(path: Path, reading: Reading) -> Stack:
             if path.is_file():
                 raise
             damaged += 1
-    if not frames:
-        raise UnreadableError(f"{name} holds no DICOM image: choose another file or folder.")
-    if min(min(frame.shape) for frame in frames) < 1:
-        raise ValueError("an image has no pixels")
-    if path.is_file():
-        check_content(path, sum(frame.each * math.prod(frame.shape) for frame in frames))
-
-    def decode(wanted: Sequence[Frame]) -> Decoded:
-        opened: tuple[Path | None, Any] = (None, None)
-        found = []
-        for frame in wanted:
-            if opened[0] != frame.path:
-                opened = frame.path, _dataset(pydicom, frame.path)
-            found.append(_decoded(opened[1], frame, name))
-        return joined(found)
-
-    groups = all_series(frames, name, decode)
-    series = sorted((one for group in groups for one in group), key=lambda one: (one.series, -one.shape[0]))
-    titles = tuple(title for one in series for title in one.series)
-    number = series_of(reading.series, titles, int(np.argmax([one.times * one.shape[0] for one in series])), name)
-    chosen = series[number]
-    notes = []
-    if len(groups) > 1 and reading.series is None:
-        which = f"{number + 1} ({shown(titles[number])})"
-        notes.append(f"Of its {len(groups)} series that with the most images was taken, {which}.")
-    if damaged:
-        notes.append(f"{damaged} of its files {'is' if damaged == 1 else 'are'} damaged and left out.")
-    return replace(chosen, series=titles, number=number, notes=(*notes, *chosen.notes))
+    return frames, damaged
 
 
-def _dataset(pydicom: Any, path: Path) -> Any:
+def decoded(name: str, frames: Sequence[Frame]) -> Decoded:
+    """The pixels of frames, which become planes; `name` is that of their file or folder for the user."""
+    opened: tuple[Path | None, Any] = (None, None)
+    found = []
+    for frame in frames:
+        if opened[0] != frame.path:
+            opened = frame.path, _dataset(frame.path)
+        found.append(_decoded(opened[1], frame, name))
+    return joined(found)
+
+
+def _dataset(path: Path) -> Any:
+    import pydicom
+
     dataset = pydicom.dcmread(path, force=True)
     if "TransferSyntaxUID" not in dataset.file_meta:  # of an old file without a mark
         implicit, _ = dataset.original_encoding

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -25,7 +26,7 @@ _TAGS = (
     *("PixelSpacing", "ImagerPixelSpacing", "NominalScannedPixelSpacing", "SequenceOfUltrasoundRegions"),
     *("SliceThickness", "SpacingBetweenSlices", "ImagePositionPatient", "ImageOrientationPatient"),
     *("SharedFunctionalGroupsSequence", "PerFrameFunctionalGroupsSequence", "GridFrameOffsetVector"),
-    *("RescaleSlope", "RescaleIntercept", "FrameTime", "FrameIncrementPointer"),
+    *("RescaleSlope", "RescaleIntercept", "RescaleType", "FrameTime", "FrameIncrementPointer"),
 )
 """What is read of a header; the rest of a folder of thousand files is not waited for."""
 
@@ -37,6 +38,9 @@ _ONE_PLACE = 1e-3
 
 _UNEVEN = 0.02
 """By how much distances of slices may differ, as a fraction: positions are often rounded."""
+
+_ASIDE = 0.5
+"""How far slices may lie beside the line through the first and the last of them [smallest sides of a pixel]."""
 
 _ALIKE = 4
 """Decimals by which directions and sizes of a pixel are compared: some programs write six digits, some all."""
@@ -76,6 +80,8 @@ class Frame:
         What turns stored values into those that are meant.
     in_time : bool
         Whether the images of the file follow in time.
+    hounsfield : bool
+        Whether these values are Hounsfield units.
     """
 
     path: Path
@@ -94,6 +100,12 @@ class Frame:
     slope: float
     intercept: float
     in_time: bool
+    hounsfield: bool
+
+    @property
+    def acquisition(self) -> float:
+        """Number of its acquisition; 0 where that is not known."""
+        return self.number[_ORDER.index("AcquisitionNumber")]
 
 
 Decode = Callable[[Sequence[Frame]], Decoded]
@@ -148,6 +160,9 @@ def _frame(path: Path, index: int, header: Any, own: list[Any], count: int) -> F
         _number(value("RescaleSlope", "PixelValueTransformationSequence")) or 1.0,
         _number(value("RescaleIntercept", "PixelValueTransformationSequence")),
         count > 1 and not own and origin is None and ("FrameTime" in header or "FrameIncrementPointer" in header),
+        header.get("Modality") == "CT"
+        and value("RescaleIntercept", "PixelValueTransformationSequence") is not None
+        and value("RescaleType", "PixelValueTransformationSequence") in (None, "", "HU"),
     )
 
 
@@ -208,9 +223,49 @@ def all_series(frames: Sequence[Frame], name: str, decode: Decode) -> list[list[
     found = []
     for group in groups.values():
         group.sort(key=lambda frame: frame.number)
-        placed = group[0].origin is not None and group[0].along is not None
-        found.append(list((_placed if placed else _without_places)(group, name, decode)))
+        if group[0].origin is None or group[0].along is None:
+            found.append(list(_without_places(group, name, decode)))
+        else:
+            found += [list(_placed(part, name, decode)) for part in _apart(group)]
     return found
+
+
+def _apart(frames: list[Frame]) -> list[list[Frame]]:
+    """The acquisitions of a series as series of their own, where their slices lie between one another unevenly."""
+    heights, places = _places(frames)
+    if not _interleaved(places) or _is_even(np.diff(heights)):
+        return [frames]
+    acquisitions: dict[float, list[Frame]] = {}
+    for frame in frames:
+        title = f"{frame.title}, acquisition {frame.acquisition:g}".lstrip(", ")
+        acquisitions.setdefault(frame.acquisition, []).append(replace(frame, title=title))
+    return list(acquisitions.values())
+
+
+def _interleaved(places: list[list[Frame]]) -> bool:
+    """Whether slices of several acquisitions lie between one another, not one acquisition behind the other."""
+    owners = [frozenset(frame.acquisition for frame in place) for place in places]
+    changes = sum(one.isdisjoint(other) for one, other in itertools.pairwise(owners))
+    return changes >= max(2, len(frozenset[float]().union(*owners)))
+
+
+def _is_even(gaps: Array) -> bool:
+    """Whether slices are about as far apart as one another."""
+    return not len(gaps) or bool(np.ptp(gaps) <= _UNEVEN * np.median(gaps))
+
+
+def _places(frames: list[Frame]) -> tuple[list[float], list[list[Frame]]]:
+    """The heights of slices along their normal, in order, and the frames at each of them."""
+    assert frames[0].along is not None
+    normal = np.cross(*frames[0].along)
+    heights, places = list[float](), list[list[Frame]]()
+    for height, frame in sorted(((float(normal @ one.origin), one) for one in frames), key=lambda pair: pair[0]):
+        if heights and height - heights[-1] < _ONE_PLACE:
+            places[-1].append(frame)
+        else:
+            places.append([frame])
+            heights.append(height)
+    return heights, places
 
 
 def _without_places(frames: list[Frame], name: str, decode: Decode) -> Iterator[Stack]:
@@ -226,23 +281,17 @@ def _without_places(frames: list[Frame], name: str, decode: Decode) -> Iterator[
 
 def _placed(frames: list[Frame], name: str, decode: Decode) -> Iterator[Stack]:
     """A series by the positions of its slices along their normal, and the other parts that are evenly spaced."""
-    first, places, heights = frames[0], list[list[Frame]](), list[float]()
+    first, (heights, places) = frames[0], _places(frames)
     assert first.along is not None
     normal = np.cross(*first.along)
-    for height, frame in sorted(((float(normal @ one.origin), one) for one in frames), key=lambda pair: pair[0]):
-        if heights and height - heights[-1] < _ONE_PLACE:
-            places[-1].append(frame)
-        else:
-            places.append([frame])
-            heights.append(height)
     times = min(map(len, places))
     notes = ("At some places it has more slices than at others; the first of them were taken.",)
     ordered = [sorted(place, key=lambda frame: frame.number) for place in places]
     by_time = [[place[time] for place in ordered] for time in range(times)]
     gaps, parts = np.diff(heights), [[0, 0]]
+    mixed = ("Slices of several acquisitions lie between one another; they were taken as one volume.",)
     for end in range(1, len(heights)):
-        part = gaps[parts[-1][0] : end]
-        if np.ptp(part) > _UNEVEN * np.median(part):
+        if not _is_even(gaps[parts[-1][0] : end]):
             parts.append([end - 1, end])
         parts[-1][1] = end
     longest = max(parts, key=lambda part: part[1] - part[0])
@@ -259,7 +308,12 @@ def _placed(frames: list[Frame], name: str, decode: Decode) -> Iterator[Stack]:
         if count:
             step = (origins[shift + count] - origins[shift]) / count
             depth = float(np.linalg.norm(step))
-        found = _stack(title, kept, depth, name, decode)
+        line = origins[shift] + np.arange(count + 1)[:, None] * step
+        aside = float(np.linalg.norm(origins[shift : shift + count + 1] - line, axis=1).max())
+        doubts: tuple[str, ...] = mixed if _interleaved(places[begin : last + 1]) else ()
+        if aside > _ASIDE * min(first.spacing or (1.0,)):
+            doubts += (f"Its slices are shifted sideways by up to {aside:.3g} mm; they were taken as if in line.",)
+        found = replace(_stack(title, kept, depth, name, decode), of_volume=doubts)
         if found.unit == "mm":
             axes = (first.along[1], first.along[0])
             lies = [Geometry(one, (normal, *axes), "LPS", depth) for one in origins]  # type: ignore[arg-type]
@@ -268,7 +322,7 @@ def _placed(frames: list[Frame], name: str, decode: Decode) -> Iterator[Stack]:
         if times < max(map(len, places)):
             found = replace(found, notes=found.notes + notes)
         if whole and count + 1 < len(heights):
-            found = replace(found, stretch=(begin, last + 1), of_volume=_gap(gaps, begin, last))
+            found = replace(found, stretch=(begin, last + 1), of_volume=(*_gap(gaps, begin, last), *doubts))
         yield found
 
 
@@ -291,6 +345,7 @@ def _stack(title: str, frames: list[list[Frame]], depth: float | None, name: str
         word="frame" if planes == 1 else "plane",
         otherwise=planes // 2,
         series=(title,),
+        hounsfield=first.hounsfield,
     )
 
 

@@ -279,7 +279,8 @@ def _finished(decoded: Decoded, file: Path, reading: Reading, sha256: str) -> Im
     if values.dtype == np.float64 and np.all(values == NO_DATA):  # a plane beyond what was recorded
         notes = (*notes, no_data_note(values.size))
         values = np.zeros(values.shape)
-    return Image(values, spacing, unit, printable(file.name), notes, colors, sha256, geometry)
+    name, known = printable(file.name), decoded.hounsfield
+    return Image(values, spacing, unit, name, notes, colors, sha256, geometry, hounsfield=known)
 
 
 def _hash(file: Path, go_on: Callable[[], object] | None) -> str:

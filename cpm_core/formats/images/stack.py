@@ -75,6 +75,8 @@ class Stack:
         Which of them this is, from 0.
     deep : bool
         Whether the file states how far apart its planes are: they are then those of a volume.
+    hounsfield : bool or None
+        Whether gray levels are Hounsfield units; None where the file does not say.
     """
 
     name: str
@@ -95,6 +97,7 @@ class Stack:
     series: tuple[str, ...] = ()
     number: int = 0
     deep: bool = False
+    hounsfield: bool | None = None
 
 
 def plane_of(stack: Stack, reading: Reading) -> Decoded:
@@ -128,6 +131,7 @@ def plane_of(stack: Stack, reading: Reading) -> Decoded:
         spacing=stack.spacing[1:],
         unit=stack.unit,
         geometry=place,
+        hounsfield=stack.hounsfield,
         notes=(*notes, *found.notes),
     )
 
@@ -145,15 +149,15 @@ def volume_of(stack: Stack, reading: Reading) -> Decoded:
     frames = stack.shape[0] == 1 and stack.times > 1
     count = stack.times if frames else end - first
     rows, columns = stack.shape[1:]
-    if count == 1:
-        raise UnreadableError(
-            f"{stack.name} has the shape {(rows, columns)}, but a volume has three, (planes, rows, columns): use an "
-            "image with --circle instead, or save one volume of it."
-        )
     if count < MINIMUM_SIDE and stack.stretch is not None:
         raise UnreadableError(
             f"{stack.name}: {' '.join(stack.of_volume)} A volume needs at least {MINIMUM_SIDE} planes: resample them "
             "evenly with the program that made them, or take one as an image."
+        )
+    if count == 1:
+        raise UnreadableError(
+            f"{stack.name} has the shape {(rows, columns)}, but a volume has three, (planes, rows, columns): use an "
+            "image with --circle instead, or save one volume of it."
         )
     if stack.stretch is not None:
         notes.append(ONLY_THESE)
@@ -172,7 +176,12 @@ def volume_of(stack: Stack, reading: Reading) -> Decoded:
             f"Its axes are {geometry.slant:.1f}° off right angles; lengths were taken as if they were at right angles."
         )
     return replace(
-        found, spacing=stack.spacing, unit=stack.unit, geometry=geometry, notes=(*notes, *dict.fromkeys(found.notes))
+        found,
+        spacing=stack.spacing,
+        unit=stack.unit,
+        geometry=geometry,
+        hounsfield=stack.hounsfield,
+        notes=(*notes, *dict.fromkeys(found.notes)),
     )
 
 

@@ -12,11 +12,12 @@ import PIL.PngImagePlugin
 import skimage
 from numpy.typing import NDArray
 
-from cpm_core.contours.contour import Contour, numbers_of
+from cpm_core.contours.contour import Contour, Label, numbers_of
 from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.rasterize import MOST_LABELS, label_type
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.plain import Entries
+from cpm_core.formats.common.printable import printable
 from cpm_core.formats.common.provenance import PROGRAM, Outcome, entries_of, facts_of, text_of
 from cpm_core.formats.images import resolution
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -56,6 +57,22 @@ def labels_of(result: Outcome, *, outlines: bool = False) -> NDArray[np.unsigned
     if outlines:
         return paint_lines(result.contours, numbers_of(result.contours), result.shape)
     return result.labels.astype(label_type(len(result.contours)))
+
+
+def named_labels(result: Outcome, *, outlines: bool = False) -> tuple[Label, ...]:
+    """What the labels that `labels_of` paints are called, each with a color; none where none has a name or a color."""
+    if isinstance(result, Result) and result.surface is not None:
+        labels = result.surface.labels
+    else:
+        numbers = contour_labels(result.contours) if not outlines else numbers_of(result.contours)
+        known = zip(numbers, result.contours, strict=True)
+        labels = tuple({number: Label(number, one.name, one.color) for number, one in known if number}.values())
+    if not any(label.name or label.color for label in labels):
+        return ()
+    colors = palette(max(label.number for label in labels))
+    return tuple(
+        Label(one.number, printable(one.name), one.color or f"#{bytes(colors[one.number]).hex()}") for one in labels
+    )
 
 
 def paint_lines(

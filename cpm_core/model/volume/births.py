@@ -17,9 +17,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from cpm_core.field.interpolation import normal_at, sampled
+from cpm_core.field.interpolation import normal_at
 from cpm_core.field.placed_charges import NOTHING_PLACED, Placed, torn_off
 from cpm_core.field.scale_field import FAINTEST
+from cpm_core.field.volume_edges import Edges, edge_at
 from cpm_core.field.volume_field import VolumeField
 from cpm_core.field.volume_surface import faces_alike, is_ridge, on_ridge
 from cpm_core.model.equations import NEAR, STRIDE
@@ -113,7 +114,7 @@ _SEARCHES_A_THREAD = 100
 _Sheets = tuple[Array, Array, Mask, Array]
 """Positions of the particles, normals, which are seated, and edge strengths."""
 
-_Edge = tuple[Single, Single, Vector, float]
+_Edge = tuple[Single, Edges, Vector, float]
 """Smoothed volume, edge map, sides of a voxel, and least edge strength."""
 
 
@@ -144,7 +145,7 @@ def insertion(
     looks[looking] = True
     found, count = np.empty((len(looking), _MOST, 7)), np.zeros(len(looking), np.int64)
     sheets = (particles.position, contact.normal, contact.seated, contact.strength)
-    edge = (field.smoothed, field.edge_map, field.pitch, field.floor)
+    edge = (field.smoothed, field.edges, field.pitch, field.floor)
     search = partial(_search, looking, looks, cells, sheets, edge, d_min, d_min + d_max, found, count)
     share(search, len(looking), _SEARCHES_A_THREAD)
     places, parents = found[np.arange(_MOST) < count[:, None]], np.repeat(looking, count)
@@ -253,9 +254,9 @@ def _offer(
     smoothed, edges, pitch, floor = edge
     place = on_ridge(smoothed, edges, pitch, place, _ROUNDS)
     away = length(difference(place, row_of(position, i)))
-    here, normal = sampled(edges, pitch, place), row_of(normals, i)
+    here, normal = edge_at(edges, pitch, place), row_of(normals, i)
     fits = nearest <= away <= farthest and here >= max(floor, FAINTEST * strength[i])
-    if not fits or count[q] >= _MOST or not _inside(place, edges.shape, pitch):
+    if not fits or count[q] >= _MOST or not _inside(place, smoothed.shape, pitch):
         return
     turned = normal_at(smoothed, pitch, place)
     fits = dot(turned, normal) >= _TURNED and is_ridge(smoothed, edges, pitch, place, _RIDGE)

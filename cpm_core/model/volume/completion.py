@@ -144,6 +144,5 @@ def drop_unseated(state: State, field: VolumeField) -> State:
 
 def _pulled(field: VolumeField, places: Array) -> Array:
     """Places moved to the ridge, which may lie behind the outermost voxels, and no farther than their centers."""
-    position = np.empty_like(places)
-    on_ridges(field.smoothed, field.edge_map, field.pitch, places, _ROUNDS, position)
+    position = on_ridges(field.smoothed, field.edges, field.pitch, places, _ROUNDS)
     return np.clip(position, 0.0, (np.array(field.shape) - 1) * field.pitch)

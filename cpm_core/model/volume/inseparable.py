@@ -56,7 +56,9 @@ def inseparable(field: VolumeField, ridges: Ridges, reached: Mask, covered: Mask
 
 def _enclosed(field: VolumeField, ridges: Ridges, covered: Mask, fitting: Mask) -> Mask:
     """Which fitting boundaries bound an enclosed region of which another boundary has been found."""
-    regions = parts_of(field.edge_map < field.floor, corners=False)
+    between = np.ones(field.shape, np.bool_)
+    between[tuple(field.edges.above(field.floor).T)] = False
+    regions = parts_of(between, corners=False)
     open_ = regions.at_border
     if field.walls is not None:
         crossed = regions.part_at(np.argwhere(field.walls.filled(field.shape, field.pitch)))

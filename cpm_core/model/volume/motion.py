@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cpm_core.field.placed_charges import NOTHING_PLACED, Placed, placed_at
+from cpm_core.field.volume_edges import Edges
 from cpm_core.field.volume_field import VolumeField
 from cpm_core.field.volume_surface import GATE, faces_alike, force_at
 from cpm_core.image.volume_regions import Walls
@@ -169,7 +170,7 @@ _SOFTNESS = 0.5
 _NEAREST = 1e-4
 """Least squared distance of two particles in their force [units^2]."""
 
-_Fields = tuple[Single, Single, Single]
+_Fields = tuple[Single, Edges, Single]
 """Smoothed volume, edge map, and far field."""
 
 _Grid = tuple[Vector, Vector, float, float]
@@ -237,7 +238,7 @@ def parts_of_force(
 def _felt(field: VolumeField, law: Parameters, placed: Placed) -> _Felt:
     """What particles feel besides each other."""
     return (
-        (field.smoothed, field.edge_map, field.far.force),
+        (field.smoothed, field.edges, field.far.force),
         (field.pitch, field.far.block, field.floor, placed.radius),
         placed.charges,
         (float(law.w1), float(law.w2), float(law.beta), float(law.time_step), float(law.d_min)),

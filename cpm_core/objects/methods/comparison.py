@@ -33,7 +33,7 @@ from cpm_core.objects.methods.snakes import GVF_SNAKE, SNAKE
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.parameters.quotation import counted, described, shown
 
-_ALL: tuple[AnyMethod, ...] = (
+_ALL = (
     PARTICLES,
     PROPOSED_OBJECT,
     SNAKE,
@@ -53,13 +53,6 @@ CONTOUR_METHODS: Mapping[str, AnyMethod] = MappingProxyType({method.name: method
 def runnable(ndim: int = 2) -> tuple[str, ...]:
     """Names of the methods for images, or for volumes, which have three axes."""
     return tuple(name for name, method in CONTOUR_METHODS.items() if ndim == 2 or method.in_volumes)
-
-
-def method_named(name: str) -> AnyMethod:
-    """The method of a name; ValueError with the names that there are when there is none."""
-    if name not in CONTOUR_METHODS:
-        raise ValueError(f"{shown(name)} is not a method: choose among {', '.join(CONTOUR_METHODS)}.")
-    return CONTOUR_METHODS[name]
 
 
 FIRST = ("cpm", "gvf", "geodesic", "chan_vese")

@@ -62,7 +62,7 @@ def evolution(inside: Mask, curvature: Array, pressure: Array, velocity: Array) 
     Weights of curvature and pressure have the shape (H, W), the velocity (2, H, W); see above.
     """
     drift = np.abs(pressure) + np.abs(velocity).sum(axis=0)
-    fastest, most_curved = float(drift.max()), float(np.abs(curvature).max())
+    fastest, most_curved = drift.max(), np.abs(curvature).max()
     time = min(_FASTEST / max(fastest, 1e-9), _SMOOTHEST / max(most_curved, 1e-9))
 
     def fronts() -> Iterator[Array]:

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property, partial
-from types import MappingProxyType
 from typing import Any, Generic, TypeVar
 
 import numpy as np
@@ -130,7 +129,7 @@ class Start:
 
         Of spheres the voxels in one at least, shape (P, H, W).
         """
-        found: NDArray[np.bool_] = np.zeros(shape, dtype=bool)
+        found = np.zeros(shape, bool)
         for *center, radius in self.spheres:
             axes = zip(np.ogrid[tuple(map(slice, shape))], center, self.sides, strict=True)
             found |= sum((side * (at - middle)) ** 2 for at, middle, side in axes) <= radius**2
@@ -191,7 +190,7 @@ class Settings:
     @classmethod
     def table(cls) -> Mapping[str, ParameterInfo]:
         """The description of each parameter, by name."""
-        return MappingProxyType({one.name: replace(one.metadata["info"], name=one.name) for one in fields(cls)})
+        return {one.name: replace(one.metadata["info"], name=one.name) for one in fields(cls)}
 
 
 def smoothing_before_edges(default: float) -> Any:
@@ -302,7 +301,7 @@ def until_at_rest(functions: Iterable[NDArray[Any]], level: float, most_steps: i
     """States of a front, where functions cross a level, until it is at rest, vanishes, or has done `most_steps`."""
     before: NDArray[np.bool_] | None = None
     for step, values in enumerate(functions):
-        inside = np.asarray(values > level)
+        inside = values > level
         reason, at_rest = "", False
         if not inside.any():
             reason = "nothing is left"

@@ -13,7 +13,7 @@ import skimage
 from numpy.typing import NDArray
 
 from cpm_core.image.image import Image
-from cpm_core.numerics.types import Array, Mask
+from cpm_core.numerics.types import Array
 from cpm_core.objects.methods.method import (
     ContourMethod,
     ContourState,
@@ -51,21 +51,14 @@ class ChanVeseSettings(Settings):
     lambda2: float = _likeness(1.0, "λ₂", "outside")
 
 
-def first_level_set(inside: Mask) -> Array:
-    """The function that a run begins with, shape (H, W): the signed distance in units of the depth of the start.
-
-    It is cut at -1 and 1: the farther from 0, the less a pixel is moved.
-    """
-    distance = distance_of(inside)
-    return np.clip(distance / max(float(distance.max()), 1.0), -1.0, 1.0)
-
-
 def chan_vese(image: Image, start: Start, settings: ChanVeseSettings) -> Iterator[ContourState]:
     """States of Chan-Vese."""
     gray = unit_gray(image)
 
     def functions() -> Iterator[Array]:
-        phi = first_level_set(start.mask(image.shape))
+        # the signed distance in units of the depth of the start: the farther from 0, the less a pixel is moved
+        distance = distance_of(start.mask(image.shape))
+        phi = np.clip(distance / max(float(distance.max()), 1.0), -1.0, 1.0)
         while True:
             yield phi
             _, phi, _ = skimage.segmentation.chan_vese(  # type: ignore[no-untyped-call]

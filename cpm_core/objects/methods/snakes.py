@@ -72,14 +72,13 @@ def gradient_vector_flow(edges: Array, mu: float) -> Array:
 
     def applied(flat: Array) -> Array:
         v = flat.reshape(edges.shape)
-        out: Array = weight * v
+        out = weight * v
         for axis in range(2):
             out -= mu * np.diff(v, axis=axis, n=2, prepend=v.take([0], axis), append=v.take([-1], axis))
         return out.ravel()
 
     def about_inverse(flat: Array) -> Array:
-        found = scipy.fft.idctn(scipy.fft.dctn(flat.reshape(edges.shape)) / spectrum)
-        return np.asarray(found).ravel()
+        return scipy.fft.idctn(scipy.fft.dctn(flat.reshape(edges.shape)) / spectrum).ravel()
 
     operator, preconditioner = (
         scipy.sparse.linalg.LinearOperator((edges.size, edges.size), act) for act in (applied, about_inverse)
@@ -100,7 +99,7 @@ def evened(field: Array, evenness: float = 1.0) -> Array:
     An `evenness` of 0 leaves the ratios of their lengths, 1 makes all lengths 1, except where the field is negligible.
     """
     size = np.hypot(*field)
-    most = float(size.max(initial=0.0))
+    most = size.max(initial=0.0)
     if most == 0.0:
         return np.zeros_like(field)
     return field / most * np.maximum(size / most, _NEGLIGIBLE) ** -evenness
@@ -143,7 +142,7 @@ def moved(curve: Array, force: Force, elasticity: Elasticity, shape: tuple[int, 
     matrix = elasticity.alpha * wave + elasticity.beta * wave**2 + elasticity.gamma
     right = elasticity.gamma * curve + force(curve)
     wanted = np.fft.irfft(np.fft.rfft(right, axis=0) / matrix[:, None], n=len(curve), axis=0)
-    after: Array = curve + _FARTHEST * np.tanh(wanted - curve)
+    after = curve + _FARTHEST * np.tanh(wanted - curve)
     return np.clip(after, 0.0, np.array(shape) - 1.0)
 
 
@@ -228,8 +227,7 @@ def edge_force(edges: Array, attraction: float) -> Force:
 def sobel_edges(image: Image, smoothing: float) -> Array:
     """Edges by the filter of Sobel, as scikit-image's ``active_contour`` takes them of a smoothed image."""
     smooth = scipy.ndimage.gaussian_filter(unit_gray(image), smoothing, mode="nearest")
-    found: Array = skimage.filters.sobel(smooth)  # type: ignore[no-untyped-call]
-    return found
+    return skimage.filters.sobel(smooth)  # type: ignore[no-untyped-call]
 
 
 def snake(image: Image, start: Start, settings: SnakeSettings) -> Iterator[ContourState]:
@@ -280,17 +278,15 @@ class GvfSnakeSettings(Settings):
     smoothing: float = smoothing_before_edges(1.0)
 
 
-def field_force(field: Array, attraction: float) -> Force:
-    """A field on the pixels, shape (2, H, W), as a force, linear between the pixels."""
-    sampled = scipy.ndimage.map_coordinates
-    return lambda at: attraction * np.stack([sampled(part, at.T, order=1, mode="nearest") for part in field], axis=1)
-
-
 def gvf_snake(image: Image, start: Start, settings: GvfSnakeSettings) -> Iterator[ContourState]:
     """States of the GVF snake."""
     field = evened(gradient_vector_flow(unit_edges(image, settings.smoothing), settings.mu))
     elasticity = Elasticity(settings.alpha, settings.beta, 1.0)
-    force = field_force(field, settings.attraction)
+
+    def force(at: Array) -> Array:
+        sampled = (scipy.ndimage.map_coordinates(part, at.T, order=1, mode="nearest") for part in field)
+        return settings.attraction * np.stack([*sampled], axis=1)
+
     return evolution(start.curves(SPACING), force, elasticity, image.shape)
 
 

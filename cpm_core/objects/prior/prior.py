@@ -242,7 +242,6 @@ class Prior:
     def _answer(self, window: Window, prompt: Prompt, former: Answer | None) -> Answer:
         """What the network makes of a window, after a former answer or that of the prompt."""
         seen = self._views.through(window)
-        slope = np.hypot(*(scipy.ndimage.sobel(seen[0], axis, mode="mirror") for axis in range(2)))
         inside, outside = window.holding(prompt.inside), window.holding(prompt.outside)
         drawn: Single = np.zeros(seen.shape[1:], np.float32)
         if prompt.drawn is not None:
@@ -252,20 +251,39 @@ class Prior:
             top, bottom, left, right = prompt.box
             drawn = -np.outer((rows >= top) & (rows <= bottom), (cols >= left) & (cols <= right)).astype(np.float32)
         sure = inside if inside.any() else drawn > 0.0
-        like: Single = np.zeros_like(drawn)
-        if sure.any():
-            like = np.exp(-np.abs(seen - np.median(seen[:, sure], axis=1)[:, None, None]).sum(axis=0))
+        level = np.median(seen[:, sure], axis=1) if sure.any() else None
         before: Single = np.zeros_like(drawn)
         if former is not None:
             before = window.of_window(former.window, former.seen)
         elif prompt.former is not None:
             before = window.of(prompt.former)
-        maps = [*seen, 0.5 * slope, like, _nearness(inside), _nearness(outside), drawn, before]
-        return Answer(window, *self.network(np.stack(maps, dtype=np.float32)))
+        return Answer(window, *self.network(maps_of(seen, level, inside, outside, drawn, before)))
 
     @cached_property
     def _views(self) -> Views:
         return Views(self.values)
+
+
+def maps_of(
+    seen: Single, level: Array | Single | None, inside: Mask, outside: Mask, drawn: Single, before: Single
+) -> Single:
+    """The maps that the network gets of a window.
+
+    Parameters
+    ----------
+    seen : ndarray of float32, shape (3, SIDE, SIDE)
+        Brightness and two differences of colors, as `windows.balanced` makes them.
+    level : ndarray, shape (3,), or None
+        The same of the object, where it is known.
+    inside, outside : ndarray of bool, shape (SIDE, SIDE)
+        Pixels that hold places inside and outside.
+    drawn, before : ndarray of float32, shape (SIDE, SIDE)
+        What has been drawn, and the answer before.
+    """
+    slope = np.hypot(*(scipy.ndimage.sobel(seen[0], axis, mode="mirror") for axis in range(2)))
+    like = np.zeros_like(drawn) if level is None else np.exp(-np.abs(seen - level[:, None, None]).sum(axis=0))
+    maps = [*seen, 0.5 * slope, like, _nearness(inside), _nearness(outside), drawn, before]
+    return np.stack(maps, dtype=np.float32)
 
 
 def _around(found: Array | Index, prompt: Prompt) -> Window:

@@ -18,16 +18,16 @@ SIDE = 96
 LUMINANCE = np.array([0.299, 0.587, 0.114], np.float32)
 """Share of red, green and blue in the brightness that the network sees (ITU-R BT.601)."""
 
-_DARKEST, _BRIGHTEST = 0.1, 99.9
+DARKEST, BRIGHTEST = 0.1, 99.9
 """Percentiles of the image that become 0 and 255."""
 
-_LEAST_DEVIATION = 8.0
+LEAST_DEVIATION = 8.0
 """What is added to the standard deviation of gray levels in a window, so that noise is not made an object."""
 
 _MOST_COLOR = 0.5
 """Share of the standard deviation of differences of colors that counts where that of the brightness is smaller."""
 
-_SAMPLES = 100_000
+SAMPLES = 100_000
 """About so many pixels by which the gray levels of an image are measured."""
 
 
@@ -113,7 +113,7 @@ class Views:
         red, green, blue = np.moveaxis(np.broadcast_to(seen, (*seen.shape[:2], 3)), -1, 0)
         gray = np.asarray(np.tensordot(LUMINANCE, [red, green, blue], 1))
         colors = red - green, 0.5 * (red + green) - blue
-        deviation = max(gray.std() + _LEAST_DEVIATION, *(_MOST_COLOR * color.std() for color in colors))
+        deviation = max(gray.std() + LEAST_DEVIATION, *(_MOST_COLOR * color.std() for color in colors))
         return np.stack([gray - gray.mean(), *colors]) / deviation
 
     def _level(self, number: int) -> NDArray[Any]:
@@ -136,8 +136,8 @@ class Views:
     @cached_property
     def _range(self) -> tuple[float, float]:
         """Gray levels that become 0 and 255."""
-        step = max(int(np.sqrt(self.values.shape[0] * self.values.shape[1] / _SAMPLES)), 1)
-        low, high = np.percentile(self.values[::step, ::step], [_DARKEST, _BRIGHTEST]).tolist()
+        step = max(int(np.sqrt(self.values.shape[0] * self.values.shape[1] / SAMPLES)), 1)
+        low, high = np.percentile(self.values[::step, ::step], [DARKEST, BRIGHTEST]).tolist()
         return low, high
 
     @cached_property

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import scipy
 
-from cpm_core.contours.packed_surface import PackedSurface
+from cpm_core.contours.packed_surface import PackedBody, PackedSurface, PackedVoxels
 from cpm_core.contours.surface import Surface
 from cpm_core.contours.surface_agreement import Triangles
 from cpm_core.image.volume_regions import Voxels
@@ -28,13 +28,18 @@ _BLEND = 2.0
 """Range of distances that are blended [voxels]: a slit between objects up to half as wide is closed."""
 
 
-def surface_of_both(first: PackedSurface, second: PackedSurface) -> PackedSurface:
-    """A surface around all that two surfaces enclose.
+def body_of_both(first: PackedBody, second: PackedBody) -> PackedBody:
+    """All that two bodies enclose: voxels, if one of them has been painted, or a surface around both.
 
     Those of objects that do not come near each other stay as they are. Else it is where the smaller of the signed
     distances from the two is zero; between surfaces that face each other the distances are blended by the polynomial
     smooth minimum (I. Quilez, 2013), which closes the slit between objects that touch.
     """
+    if isinstance(first, PackedVoxels) or isinstance(second, PackedVoxels):
+        voxels = second.painted.voxels
+        assert voxels.first is not None
+        both = first.painted.with_part(voxels.first, voxels.mask | first.painted.part(voxels.first, voxels.mask.shape))
+        return both or first
     one, other = first.surface, second.surface
     low = np.minimum(one.vertices.min(axis=0), other.vertices.min(axis=0))
     high = np.maximum(one.vertices.max(axis=0), other.vertices.max(axis=0))
@@ -107,7 +112,7 @@ def union(first: SegmentedObject, second: SegmentedObject) -> SegmentedObject:
     """
     clicks = tuple(said for item in (first, second) for said in item.clicks if said.inside)
     if first.surface and second.surface:
-        return replace(first, clicks=clicks, surface=(surface_of_both(first.surface[0], second.surface[0]),))
+        return replace(first, clicks=clicks, surface=(body_of_both(first.surface[0], second.surface[0]),))
     one, other = area_of(first.boundary), area_of(second.boundary)
     both = one.union(other)
     closed = both.buffer(0.5 * _SLIT, join_style="mitre").buffer(-0.5 * _SLIT, join_style="mitre")

@@ -8,7 +8,7 @@ import numpy as np
 import scipy
 
 from cpm_core.contours.contour import Contour, check_color, check_name
-from cpm_core.contours.packed_surface import PackedSurface
+from cpm_core.contours.packed_surface import PackedBody
 from cpm_core.contours.surface import Surface
 from cpm_core.image.volume_regions import Voxels
 from cpm_core.numerics import polyline
@@ -93,8 +93,9 @@ class SegmentedObject:
         Whether it keeps its boundary and holds particles back.
     hidden : bool
         Whether it is not shown.
-    surface : tuple of PackedSurface
-        The boundary of an object in a volume, which has no closed curves; empty in an image.
+    surface : tuple of PackedSurface or PackedVoxels
+        The boundary of an object in a volume, which has no closed curves, or its voxels once it has been painted; empty
+        in an image.
 
     Raises
     ------
@@ -113,14 +114,14 @@ class SegmentedObject:
     category: int = 1
     frozen: bool = False
     hidden: bool = False
-    surface: tuple[PackedSurface, ...] = ()
+    surface: tuple[PackedBody, ...] = ()
 
     def __post_init__(self) -> None:
         if self.number < 1:
             raise ValueError(f"The number of an object is {self.number} but must be at least 1.")
         if len(self.surface) > 1 or (self.surface and self.boundary):
             raise ValueError("An object has one surface in a volume, or closed curves in an image, not more.")
-        if not (self.boundary or self.surface) or any(len(set(curve)) < 3 for curve in self.boundary):
+        if not (self.boundary or self.surface) or any(len({*curve[:3]}) < 3 > len({*curve}) for curve in self.boundary):
             raise ValueError("The boundary of an object needs closed curves of at least three different points each.")
         if not 1 <= self.category <= MOST_CLASSES:
             raise ValueError(f"The class of an object is {self.category} but must be from 1 to {MOST_CLASSES}.")
@@ -162,6 +163,14 @@ class SegmentedObject:
         found[top : top + window.shape[0], left : left + window.shape[1]] = window
         return found
 
+    def values(self, values: Array) -> Array:
+        """The values of the pixels of an image, or of the voxels of a volume, whose centers lie inside, shape (N,)."""
+        if not self.surface:
+            return values[self.mask(values.shape)]
+        low, high = np.clip([self.surface[0].box[0], self.surface[0].box[1] + 1], 0, values.shape).astype(int)
+        there = tuple(map(slice, low, high))
+        return values[there][self.surface[0].part(low, high - low)]
+
     @property
     def outer(self) -> tuple[Line, ...]:
         """The curves of the boundary that are no holes."""
@@ -201,11 +210,17 @@ class SegmentedObject:
         row, col = (0.5 * (low + high)).tolist()
         return row, col
 
-    def innermost(self, shape: tuple[int, ...]) -> Position:
+    def innermost(self, shape: tuple[int, ...]) -> Place:
         """The pixel (row, col) inside that is farthest from the boundary and the border of an image of this shape.
 
-        A vertex when no pixel lies inside.
+        A vertex when no pixel lies inside. In a volume it is that of the plane with most of its voxels.
         """
+        if self.surface:
+            voxels = self.surface[0].voxels
+            at = int(voxels.mask.sum(axis=(1, 2)).argmax())
+            depth = scipy.ndimage.distance_transform_edt(np.pad(voxels.mask[at], 1))[1:-1, 1:-1]
+            deepest = (at, *np.unravel_index(int(np.argmax(depth)), depth.shape))
+            return tuple(np.add(deepest, voxels.first or 0).astype(float).tolist())
         first, window = self._window(shape)
         if not window.any():
             return self.boundary[0][0]

@@ -24,9 +24,8 @@ from functools import cached_property
 import numpy as np
 import scipy
 import skimage
-from numpy.typing import NDArray
 
-from cpm_core.numerics.grids import Parts, parts_of, root
+from cpm_core.numerics.grids import Labels, Parts, parts_of, root
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask, Single
 from cpm_core.reconstruction.surface.components import FAR
@@ -112,9 +111,6 @@ class Surroundings:
         return found
 
 
-Labels = NDArray[np.int32]
-"""Parts of voxels."""
-
 _APART = 3
 """Distance between saddles of the same two parts that are looked at [voxels]."""
 
@@ -194,17 +190,13 @@ def ways_over_saddles(
 
 def meetings_of(values: Single, passable: Mask, parts: Parts, wanted: Mask) -> Index:
     """Voxels, and the two parts, where the slopes of different wanted parts meet, the highest first, shape (M, 5)."""
-    labels = parts.labels.reshape(-1)  # for a while those of basins and of wanted parts
-    hidden = np.flatnonzero(np.concatenate([[False], ~wanted])[labels])
-    unwanted, labels[hidden] = labels[hidden], 0
-    low = np.argwhere(passable & (parts.labels == 0))
+    low = np.argwhere(passable)
+    low = low[parts.part_at(low) < 0]
     low = low[np.argsort(-values[tuple(low.T)], kind="stable")]
+    labels = parts.labels_of(np.where(wanted, np.arange(parts.count) + 1, 0))
     basin = np.arange(parts.count + len(low) + 1)
     found = np.empty((_MOST_MEETINGS * len(low), 5), np.int64)
-    met = _descend(values, parts.labels, low, parts.count, basin, found)
-    parts.labels[tuple(low.T)] = 0
-    labels[hidden] = unwanted
-    return found[:met]
+    return found[: _descend(values, labels, low, parts.count, basin, found)]
 
 
 @compiled

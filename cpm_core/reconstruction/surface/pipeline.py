@@ -10,7 +10,9 @@ from __future__ import annotations
 import numpy as np
 
 from cpm_core.contours.surface import Surface
+from cpm_core.field.volume_edges import Edges
 from cpm_core.field.volume_field import pitch_of
+from cpm_core.field.volume_surface import on_ridges
 from cpm_core.numerics.grids import join_corners, zero_surface
 from cpm_core.numerics.types import Array, Mask, Single
 from cpm_core.reconstruction.surface.components import (
@@ -22,7 +24,7 @@ from cpm_core.reconstruction.surface.components import (
 )
 from cpm_core.reconstruction.surface.joints import RAISED, Surroundings, join, spin
 from cpm_core.reconstruction.surface.local_threshold import Box, height
-from cpm_core.reconstruction.surface.sharpened import levels_at, on_ridge, step_width
+from cpm_core.reconstruction.surface.sharpened import levels_at, step_width
 
 _WIDTH, _LEAST_WIDTH = 0.75, 1.5
 """Width of the Gaussian that spreads the thresholds: in distances between particles, and at least [smallest sides]."""
@@ -30,13 +32,16 @@ _WIDTH, _LEAST_WIDTH = 0.75, 1.5
 _BAND, _LEAST_BAND = 1.6, 3.0
 """Thickness of the band around the particles on each side, likewise."""
 
+_ROUNDS = 6
+"""Steps to the ridge."""
+
 _FEWEST = 4
 """Least number of particles: fewer span no volume."""
 
 
 def find_surface(
     volume: Single,
-    edge_map: Single,
+    edges: Edges,
     points: Array,
     spacing: tuple[float, ...] = (1.0, 1.0, 1.0),
     unit: str | None = None,
@@ -48,8 +53,10 @@ def find_surface(
 
     Parameters
     ----------
-    volume, edge_map : ndarray of float32, shape (P, R, C)
-        Smoothed volume, and the length of its gradient.
+    volume : ndarray of float32, shape (P, R, C)
+        Smoothed volume.
+    edges : Edges
+        Its edge map.
     points : ndarray, shape (N, 3)
         Particles on edges [voxels].
     spacing, unit : tuple of float, and str, optional
@@ -67,8 +74,9 @@ def find_surface(
     size = np.array(pitch_of(spacing))
     if len(points) < _FEWEST:
         return Surface(np.empty((0, 3)), np.empty((0, 3), np.int64), spacing, unit)
-    points = on_ridge(volume, edge_map, points, size)
-    levels, normals = levels_at(volume, edge_map, points, size, step_width(smoothing))
+    places = on_ridges(volume, edges, pitch_of(spacing), points * size, _ROUNDS)
+    points = np.clip(places / size, 0.0, np.array(volume.shape) - 1.0)
+    levels, normals = levels_at(volume, edges, points, size, step_width(smoothing))
     apart = typical_distance(points * size)
     width, band = max(_WIDTH * apart, _LEAST_WIDTH), max(_BAND * apart, _LEAST_BAND)
     # the bands of all particles, and one voxel more on all sides

@@ -12,14 +12,12 @@ import numpy as np
 import scipy
 
 from cpm_core.field.interpolation import interpolate
+from cpm_core.field.volume_edges import Edges
 from cpm_core.numerics.types import Array, Single
 from cpm_core.reconstruction.surface.local_threshold import Levels
 
 _WIDENED = 0.3
 """Variance that the area of the voxels, interpolation and differences add to that of the Gaussian [voxels²]."""
-
-_ROUNDS, _PROBE, _LONGEST_STEP = 6, 0.7, 0.6
-"""Rounds in which particles are moved to the ridge, where the edge map is probed, and the longest way in a round."""
 
 _FARTHEST = 1.0
 """Largest movement that is undone, in widths of the smoothed step."""
@@ -42,26 +40,12 @@ def slopes_of(volume: Single, points: Array, size: Array) -> tuple[Array, Array]
     return -slope / np.maximum(steepness, 1e-30)[:, None], steepness
 
 
-def on_ridge(volume: Single, edge_map: Single, points: Array, size: Array) -> Array:
-    """Points moved along the slope of the volume to the ridge of the edge map [voxels]."""
-    moved = points.copy()
-    for _ in range(_ROUNDS):
-        normals, _ = slopes_of(volume, moved, size)
-        probe = normals / size * _PROBE
-        at, ahead, behind = (gray_at(edge_map, moved + k * probe) for k in (0.0, 1.0, -1.0))
-        bend = ahead - 2.0 * at + behind
-        with np.errstate(divide="ignore", invalid="ignore"):
-            step = np.where(bend < 0.0, -0.5 * _PROBE * (ahead - behind) / bend, _PROBE * np.sign(ahead - behind))
-        moved += np.clip(step, -_LONGEST_STEP, _LONGEST_STEP)[:, None] * normals / size
-    return np.clip(moved, 0.0, np.array(volume.shape) - 1.0)
-
-
 def step_width(smoothing: float) -> float:
     """Width of the Gaussian as which a sharp edge is seen after one of width `smoothing` [smallest sides]."""
     return float(np.sqrt(smoothing**2 + _WIDENED))
 
 
-def levels_at(volume: Single, edge_map: Single, points: Array, size: Array, width: float) -> tuple[Levels, Array]:
+def levels_at(volume: Single, edges: Edges, points: Array, size: Array, width: float) -> tuple[Levels, Array]:
     """What the surface needs to know of particles on a ridge, and their normals away from the bright side.
 
     `size` holds the sides of a voxel, and `width` is that of a smoothed step, both in smallest sides of a voxel.
@@ -71,7 +55,7 @@ def levels_at(volume: Single, edge_map: Single, points: Array, size: Array, widt
     curved, shift = _shift_of_tubes()
     off = (np.sign(bent) * np.interp(np.abs(width * bent), curved, shift)).sum(1)  # in widths of the smoothed step
     thresholds = gray_at(volume, points + (width * off)[:, None] * normals / size)
-    return Levels(points, thresholds, gray_at(edge_map, points)), normals
+    return Levels(points, thresholds, edges.at(tuple(size.tolist()), points * size)), normals
 
 
 def curvatures(volume: Single, points: Array, size: Array, normals: Array) -> Array:

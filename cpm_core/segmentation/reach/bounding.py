@@ -263,8 +263,11 @@ def _parts(strength: Array, pieces: Labels, basins: Labels, beta: float) -> Labe
     """Number the parts of the basins that edges strong enough separate, from 1; 0 outside."""
     every = np.arange(basins.max() + 1)
     rim = np.where(_beside(basins), basins, 0)
-    usual = np.nan_to_num(scipy.ndimage.median(strength, rim, every))
-    strongest = np.nan_to_num(scipy.ndimage.maximum(strength, basins, every))
+    along = rim > 0
+    along.flat[0] = True  # no median of nothing
+    usual = np.nan_to_num(scipy.ndimage.median(strength[along], rim[along], every))
+    strongest = np.zeros(len(every))
+    np.maximum.at(strongest, basins.ravel(), strength.ravel())
     least = np.maximum(WEAKEST_EDGE * strongest, np.minimum(background_strength(strength), usual))
     level = np.maximum(_HOLDS * usual * (_BETA / max(beta, _LEAST_BETA)) ** 2, least)
     numbered: Callable[..., Labels] = skimage.measure.label

@@ -188,7 +188,7 @@ def test_objects_are_offered_and_written_without_a_run_in_several_formats_at_onc
     paths = order(hand.qtbot, two, dialog, folder)
     stem = Path(two.session.document.image.name).stem
     assert [path.name.removeprefix(stem) for path in paths] == [
-        "_objects.nrrd", "_objects.csv", "_objects.json", "_objects.figure.png",
+        "_objects.seg.nrrd", "_objects.csv", "_objects.json", "_objects.figure.png",
     ]  # fmt: skip
     content = json.loads(paths[2].read_text(encoding="utf-8"))
     assert content["provenance"]["method"] == "objects"

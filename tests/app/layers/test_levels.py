@@ -111,3 +111,45 @@ def test_a_window_chosen_by_hand_is_kept_in_a_session_file_and_not_for_another_i
     hand.wait(lambda: window.session.document.image.name == image_file.name)
     assert layer.window == (20.0, 200.0)
     assert layer.word("range") == "0"
+
+
+@pytest.fixture
+def ct(window, hand, tmp_path):
+    """The window on a CT of air, water and bone, with the form of its layer."""
+    nibabel = pytest.importorskip("nibabel")
+    values = np.full((12, 40, 44), -1000, np.int16)
+    values[:, 5:35, 5:40], values[:, 15:20, 15:20] = 0, 1200
+    nibabel.save(nibabel.Nifti1Image(values.T, np.diag([1.0, 1.0, 2.0, 1.0])), tmp_path / "ct.nii.gz")
+    window.session.open(tmp_path / "ct.nii.gz")
+    hand.wait(lambda: window.session.document.image.name == "ct.nii.gz" and window.session.idle)
+    window.docks.reveal("layers")
+    row = window.panels["layers"].rows["image"]
+    hand.qtbot.mouseClick(row.fold, Qt.MouseButton.LeftButton)
+    return hand.canvas.layers["image"], row.settings
+
+
+def test_ct_has_the_usual_windows_in_its_layer_and_as_actions(window, ct, hand):
+    layer, form = ct
+    levels = form.levels
+    assert levels.usual.isVisible()
+    assert levels.figures.text() == "W 2200  L 100"
+    levels.usual.setFocus()
+    for _ in range(3):
+        hand.qtbot.keyClick(levels.usual, Qt.Key.Key_Down)
+    assert levels.usual.currentText() == "Lung  W 1500  L -600"
+    assert layer.window == (-1350.0, 150.0)
+    assert (levels.low.value(), levels.high.value(), levels.figures.text()) == (-1350.0, 150.0, "W 1500  L -600")
+    assert layer.word("range") == "hand"
+    window.actions_by_name["ct_window_80_40"].trigger()
+    assert layer.window == (0.0, 80.0)
+    assert levels.usual.currentText().startswith("Brain")
+    assert window.actions_by_name["ct_window_80_40"].isChecked()
+    window.actions_by_name["levels_full"].trigger()
+    assert levels.usual.currentIndex() == -1
+
+
+def test_what_is_no_ct_has_no_windows_of_ct(window, deep, hand):
+    _, form, _ = deep
+    assert not form.levels.usual.isVisible()
+    assert not window.actions_by_name["ct_window_80_40"].isEnabled()
+    assert form.levels.figures.text() == "W 6.254e+04  L 3.427e+04"

@@ -12,9 +12,10 @@ from PySide6.QtCore import Qt
 
 from app.model.document import edits
 from app.model.preferences.table import SAVE_IN_FOLDER
-from app.session.tasks.opening import _counted, images_beside, session_beside
+from app.session.tasks.opening import images_beside, session_beside
 from app.views.features.files import FolderFeature, OpenSaveFeature
 from app.views.window.window import MainWindow
+from cpm_core.formats import in_natural_order
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
 from cpm_core.shapes import Circle
 
@@ -72,7 +73,9 @@ def test_images_are_in_the_order_in_which_people_count(folder: Path) -> None:
 
 @given(st.lists(st.text()))
 def test_any_names_can_be_put_in_order(names: list[str]) -> None:
-    assert sorted(sorted(names, key=_counted, reverse=True), key=_counted) == sorted(names, key=_counted)
+    ordered = sorted(names, key=in_natural_order)
+    names.reverse()
+    assert sorted(names, key=in_natural_order) == ordered
 
 
 def test_only_a_session_that_names_the_image_belongs_to_it(folder: Path) -> None:

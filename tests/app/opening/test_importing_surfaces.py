@@ -10,13 +10,20 @@ import pytest
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication, QFileDialog
 
+from app.model.document import objects
+from app.model.export import ExportFile, ExportOrder
+from app.views.features.exchange import ImportFeature
 from app.views.window.window import MainWindow
 from cpm_core import Result, centerlines, export
 from cpm_core.contours.surface import inside_of, surface_of_labels
+from cpm_core.formats import suffix_of
 from cpm_core.shapes import Points, Stroke
 from tests.app.conftest import Hand
+from tests.app.exporting import asked, check, order
 from tests.app.session.test_saving import answering, drop
 from tests.app.volumes.conftest import SHAPE, ball, open_file
+from tests.core.formats.images.made import write_series
+from tests.core.formats.masks.test_dicom_seg import HEADER, HEIGHTS, LABELS
 
 pytestmark = pytest.mark.shared_window
 
@@ -93,6 +100,39 @@ def test_labels_that_are_chosen_give_an_object_for_each_number(volume, hand, tmp
     assert volume.actions_by_name["import_contours"].text() == "&Import surface…"
 
 
+@pytest.mark.parametrize("name", ["a_objects.nii.gz", "a_objects.seg.nrrd"])
+def test_objects_that_are_exported_and_imported_are_the_same(volume, hand, tmp_path, monkeypatch, name) -> None:
+    session = volume.session
+    np.save(tmp_path / "labels.npy", (4 * INSIDE + 9 * SMALL).astype(np.uint8))
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(tmp_path / "labels.npy"), ""))
+    with answering("Objects"):
+        volume.actions_by_name["import_contours"].trigger()
+        hand.wait(lambda: len(session.document.objects.items) == 2)
+    assert [item.number for item in session.document.objects.items] == [4, 9]
+    session.edit("name", lambda document: objects.rename(document, [4], "Niere"))
+    session.edit("color", lambda document: objects.amend(document, [9], color="#102030", name="Zyste"))
+    before = session.document.objects.items
+    what = ExportFile(tmp_path / name, "objects", suffix_of(name))
+    session.export(ExportOrder((what,)))
+    hand.wait(lambda: (tmp_path / name).exists() and session.idle)
+    session.edit("delete", lambda document: objects.delete(document, [4, 9]))
+    monkeypatch.setattr(QFileDialog, "getOpenFileName", lambda *_: (str(tmp_path / name), ""))
+    with answering("Objects"):
+        if name.endswith(".seg.nrrd"):
+            drop(volume, tmp_path / name)
+        else:
+            volume.actions_by_name["import_contours"].trigger()
+        hand.wait(lambda: len(session.document.objects.items) == 2)
+    after = session.document.objects
+    assert [(item.number, item.name) for item in after.items] == [(4, "Niere"), (9, "Zyste")]
+    assert [item.color for item in after.items] == [after.classes[0].color, "#102030"]
+    for one, other in zip(before, after.items, strict=True):
+        np.testing.assert_array_equal(one.mask(SHAPE), other.mask(SHAPE))
+    with answering("Objects"):  # once more: numbers that are taken are not given twice
+        volume.actions_by_name["import_contours"].trigger()
+        hand.wait(lambda: len(session.document.objects.items) == 4)
+
+
 def test_center_lines_and_points_are_a_start(volume, hand, tmp_path) -> None:
     rod = np.zeros(SHAPE, bool)
     rod[9:14, 12:17, 3:29] = True
@@ -114,3 +154,23 @@ def test_what_lies_in_the_other_kind_of_image_is_refused(volume, hand, tmp_path)
     QApplication.clipboard().setText("<svg/>")
     hand.key(Qt.Key.Key_V, CTRL)
     hand.wait(lambda: "clipboard has contours for an image" in volume.canvas_area.messages.text)
+
+
+def test_objects_in_a_series_are_offered_as_dicom_segments_and_come_back(window, hand, tmp_path) -> None:
+    pytest.importorskip("highdicom")
+    series = write_series(tmp_path / "series", HEIGHTS, **HEADER)
+    window.session.open(series, as_volume=True)
+    hand.wait(lambda: window.session.scene.slices is not None and window.session.idle)
+    np.save(tmp_path / "labels.npy", np.where(LABELS, 4, 0).astype(np.uint8))
+    with answering("Objects"):
+        window.feature(ImportFeature).take(tmp_path / "labels.npy")
+        hand.wait(lambda: bool(window.session.document.objects.items))
+    dialog = asked(hand.qtbot, window)
+    check(hand.qtbot, dialog, "objects:.seg.dcm")
+    (path,) = order(hand.qtbot, window, dialog, tmp_path)
+    assert path.name == "series_objects.seg.dcm"
+    with answering("Objects"):
+        drop(window, path)
+        hand.wait(lambda: len(window.session.document.objects.items) == 4)
+    masks = [item.mask(LABELS.shape) for item in window.session.document.objects.items]
+    assert [(masks[0] == mask).all() + (masks[1] == mask).all() for mask in masks[2:]] == [1, 1]

@@ -62,7 +62,7 @@ def test_the_dialog_fits_a_small_screen_and_every_page_opens(dialog) -> None:
     for name in PAGES:
         dialog.turn_to(name)
         shown = [row for row in dialog.rows.values() if row.isVisible()]
-        assert bool(shown) != dialog.shortcuts.isVisible()
+        assert bool(shown) != dialog.page("shortcuts").isVisible()
 
 
 def test_lines_of_shapes_get_wider_at_once(window, dialog, hand) -> None:
@@ -107,9 +107,9 @@ def test_without_autosave_there_is_no_journal(ready, hand) -> None:
 
 def press_as_new_key(hand, dialog, action: str, key: Qt.Key, modifier=Qt.KeyboardModifier.NoModifier) -> None:
     dialog.turn_to("shortcuts")
-    dialog.shortcuts.choose(action)
-    dialog.shortcuts.keys.setFocus()
-    hand.qtbot.keyClick(dialog.shortcuts.keys, key, modifier)
+    dialog.page("shortcuts").choose(action)
+    dialog.page("shortcuts").keys.setFocus()
+    hand.qtbot.keyClick(dialog.page("shortcuts").keys, key, modifier)
 
 
 def test_a_new_key_acts_and_is_shown_everywhere(ready, hand) -> None:
@@ -129,7 +129,7 @@ def test_a_new_key_acts_and_is_shown_everywhere(ready, hand) -> None:
 
 
 def test_a_key_of_another_action_is_told_and_can_be_taken_over(window, dialog, hand) -> None:
-    page = dialog.shortcuts
+    page = dialog.page("shortcuts")
     press_as_new_key(hand, dialog, "run", KEY.Key_O, CTRL)
     assert "Open" in page.message.text()
     assert window.actions_by_name["run"].shortcut() == QKeySequence("Space")
@@ -143,7 +143,7 @@ def test_a_key_of_another_action_is_told_and_can_be_taken_over(window, dialog, h
 
 
 def test_panels_have_keys_too_and_actions_are_found_by_typing(window, dialog, hand) -> None:
-    page = dialog.shortcuts
+    page = dialog.page("shortcuts")
     press_as_new_key(hand, dialog, "panel_timeline", KEY.Key_F9, CTRL | SHIFT)
     assert window.findChild(QAction, "panel_timeline").shortcut() == QKeySequence("Ctrl+Shift+F9")
     page.search.setFocus()

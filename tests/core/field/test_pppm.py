@@ -81,7 +81,7 @@ def test_each_charge_acts_on_the_mesh_as_a_gaussian(values, cutoff):
     """Within 5 % (root mean square) for an edge all around; seen: 3 %."""
     f = edge_map(values, 1.0)
     truth = smooth_sum(f, 0.4 * cutoff)
-    error = mesh_field(f, cutoff / CELLS_A_CUTOFF, 50) - truth
+    error = mesh_field(f, cutoff / CELLS_A_CUTOFF) - truth
     assert np.sqrt((error**2).sum() / (truth**2).sum()) < 0.05
 
 

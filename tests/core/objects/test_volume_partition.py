@@ -100,3 +100,86 @@ def test_objects_of_a_surface_are_labeled_by_their_own_numbers():
     np.testing.assert_array_equal(labels == 3, parted().select([WALL]).mask)
     with pytest.raises(ValueError, match="numbers of a surface"):
         Surface(both.vertices, faces, SPACING, numbers=numbers[1:])
+
+
+def _seen(inside, spacing, noise=4.0):
+    """A volume with a body that is `inside` by so many units of length, bright, with noise."""
+    values = 60.0 + 100.0 * np.clip(0.5 + inside, 0.0, 1.0)
+    return cpm.Image(values + np.random.default_rng(3).normal(0.0, noise, values.shape), spacing=spacing)
+
+
+def _lengths(shape, spacing, center):
+    return np.linalg.norm((np.moveaxis(np.indices(shape), 0, -1) - center) * spacing, axis=-1)
+
+
+def _dice(one, other):
+    return 2.0 * np.count_nonzero(one & other) / (np.count_nonzero(one) + np.count_nonzero(other))
+
+
+@pytest.mark.parametrize(
+    ("shape", "spacing", "radius", "off"),
+    [
+        pytest.param((48, 48, 48), (1.0, 1.0, 1.0), 12.0, 0.1, id="cubes"),
+        pytest.param((60, 60, 24), (1.0, 1.0, 3.0), 17.0, 0.4, id="long voxels"),
+        pytest.param((60, 60, 24), (0.2, 0.2, 0.6), 3.4, 0.08, id="long voxels in another unit"),
+    ],
+)
+def test_a_click_in_a_ball_gives_the_ball_to_a_fraction_of_a_voxel_without_a_run(shape, spacing, radius, off):
+    center = 0.5 * np.array(shape)
+    away = _lengths(shape, spacing, center)
+    found = cpm.partition(_seen((radius - away) / min(spacing), spacing)).select([center + 1.0])
+    assert _dice(found.mask, away < radius) > 0.98
+    assert found.surface.closed
+    assert found.surface.euler == 2
+    radii = np.linalg.norm((found.surface.vertices - center) * spacing, axis=1)
+    assert np.sqrt(np.square(radii - radius).mean()) < off
+    assert found.volume == pytest.approx(4.0 / 3.0 * np.pi * radius**3, rel=0.02)
+
+
+def test_a_body_at_the_border_of_the_volume_is_flat_there():
+    away = _lengths((40, 40, 40), (1.0, 1.0, 1.0), np.array([0.0, 20.0, 20.0]))
+    found = cpm.partition(_seen(13.0 - away, (1.0, 1.0, 1.0))).select([(3, 20, 20)])
+    assert _dice(found.mask, away < 13.0) > 0.97
+    assert found.surface.closed
+    assert found.surface.vertices[:, 0].min() == -0.5
+
+
+def test_clicks_part_two_balls_that_touch_and_join_them():
+    one, other = (_lengths((40, 40, 64), (1.0,) * 3, np.array([20.0, 20.0, col])) for col in (18.0, 43.5))
+    cut = cpm.partition(_seen(np.maximum(12.0 - one, 13.0 - other), (1.0,) * 3))
+    first = cut.select([(20, 20, 18)], [(20, 20, 43)])
+    assert _dice(first.mask, one < 12.0) > 0.9
+    both = cut.select([(20, 20, 43)], previous=cut.select([(20, 20, 18)]))
+    assert _dice(both.mask, (one < 12.0) | (other < 13.0)) > 0.9
+
+
+def test_a_correction_keeps_all_clicks_and_the_same_arguments_give_the_same_answer():
+    rng = np.random.default_rng(5)
+    places = np.moveaxis(np.indices((48, 48, 48)), 0, -1) - 24.0
+    ring = 6.0 - np.hypot(np.hypot(places[..., 1], places[..., 2]) - 14.0, places[..., 0])
+    cut = cpm.partition(_seen(ring, (1.0,) * 3, 20.0))
+    within, beyond, found = [(24, 24, 38)], [], None
+    for turn in range(8):
+        found = cut.select(within, beyond, previous=found)
+        assert found.surface.closed
+        assert all(found.mask[place] for place in within)
+        assert not any(found.mask[place] for place in beyond)
+        np.testing.assert_array_equal(found.holds(np.array(within)), True)
+        wrong = np.argwhere(found.mask != (ring > 0.0)) if turn % 2 else np.argwhere(found.mask != found.mask[::-1])
+        if len(wrong):
+            place = tuple(wrong[rng.integers(len(wrong))].tolist())
+            if place not in within + beyond:
+                (within if ring[place] > 0.0 else beyond).append(place)
+    assert _dice(found.mask, ring > 0.0) > 0.8
+    again = cut.select(within, beyond)
+    np.testing.assert_array_equal(cut.select(within, beyond).surface.vertices, again.surface.vertices)
+
+
+def test_a_click_where_no_surface_is_closed_adds_what_is_likely_there_to_what_is_certain():
+    cut = parted()
+    alone = cpm.VolumePartition(cut.image, cut.select([WALL]).surface)
+    certain = alone.select([WALL])
+    assert certain.body is None
+    both = alone.select([BALL], previous=certain)
+    assert both.body is not None
+    assert _dice(both.mask, cut.select([WALL, BALL]).mask) > 0.9

@@ -25,7 +25,7 @@ _TILT = -0.45, 0.35
 """Angles to the right and down from which a volume is seen first [rad]: three of its sides show."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Camera:
     """A parallel projection: equal lengths look equal wherever they are, so that a scale bar holds.
 
@@ -87,12 +87,11 @@ class Camera:
         away = np.asarray(positions, np.float32) - self.center.astype(np.float32)
         found = away @ (self.axes * self.scale).astype(np.float32).T
         found[:, :2] += 0.5 * (size[1] - 1), 0.5 * (size[0] - 1)
-        return np.asarray(found)
+        return found
 
     def corner(self, size: tuple[int, int]) -> Array:
         """Position in the picture's plane that its first pixel shows, in units of length."""
-        right, down = 0.5 * (size[1] - 1), 0.5 * (size[0] - 1)
-        return np.asarray(self.center - (right * self.axes[0] + down * self.axes[1]) / self.scale)
+        return self.moved(0.5 * (size[1] - 1), 0.5 * (size[0] - 1)).center
 
 
 def _limited(scale: float) -> float:

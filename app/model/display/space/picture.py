@@ -23,7 +23,7 @@ _ROWS = 32
 """Rows that one thread fills at the least."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Picture:
     """Colors, shape (H, W, 3), and distances behind the picture's plane [px], shape (H, W)."""
 
@@ -42,6 +42,10 @@ class Picture:
         """Rows and columns."""
         rows, cols = self.depths.shape
         return rows, cols
+
+    def copy(self) -> Picture:
+        """The same, to be drawn in."""
+        return Picture(self.colors.copy(), self.depths.copy())
 
     def covered_by(self, other: Picture, opacity: float) -> None:
         """Lay another picture of the same size over this one, with this opacity, where what it shows is nearer."""

@@ -14,14 +14,14 @@ from app.model.display.space.triangles import Cut, Mesh, draw_mesh
 from app.model.display.space.voxels import Shaded, draw_projection, draw_slice
 from app.model.volume.slices import Slices
 from cpm_core import Image
-from cpm_core.numerics import Array
+from cpm_core.numerics import Array, Index
 
 Color = tuple[int, int, int]
 
-AXIS_COLORS: tuple[Color, Color, Color] = ((70, 120, 255), (60, 180, 75), (230, 70, 60))
+AXIS_COLORS = ((70, 120, 255), (60, 180, 75), (230, 70, 60))
 """Colors of the axes: plane, row, column."""
 
-GRAY: Colors = np.repeat(np.arange(256, dtype=np.uint8)[:, np.newaxis], 3, axis=1)
+GRAY = np.repeat(np.arange(256, dtype=np.uint8)[:, np.newaxis], 3, axis=1)
 """Shades as they are."""
 
 _NEARER = 2.0
@@ -31,7 +31,7 @@ _OVER = 1.5
 """The same, at least [radii of a particle]."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Look:
     """Colors of what has none of its own, and the radius of a particle [px]."""
 
@@ -42,7 +42,7 @@ class Look:
     radius: float = 2.0
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ShownParts:
     """The parts that are shown; `cut_axis` is None for no cut, `cut_at` from 0 to 1 along that axis."""
 
@@ -57,16 +57,29 @@ class ShownParts:
     cut_at: float = 0.5
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Particles:
-    """Positions (N, 3) [voxels] and colors (N, 3); `size` is a factor for their radius."""
+    """Positions (N, 3) [voxels] and colors (N, 3); `size` is a factor for their radius.
+
+    They are those of a run after a step, with the numbers by which they are known after the next one.
+    """
 
     positions: Array
     colors: Colors
     size: float = 1.0
+    run: int = 0
+    step: int = 0
+    identity: Index = field(default_factory=lambda: np.empty(0, np.int64))
+
+    def start(self, before: Particles) -> Array:
+        """Where they were a step before; new ones where they are."""
+        order = np.argsort(before.identity)
+        known = order[np.searchsorted(before.identity, self.identity, sorter=order).clip(max=len(order) - 1)]
+        same = before.identity[known] == self.identity
+        return np.where(same[:, None], before.positions[known], self.positions)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class Wires:
     """Ends of straight lines, shape (N, 2, 3) [voxels], and their colors, shape (N, 3)."""
 
@@ -74,7 +87,7 @@ class Wires:
     colors: Colors
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class ColoredMesh:
     """A surface in a color of its own."""
 
@@ -82,7 +95,7 @@ class ColoredMesh:
     color: Color
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False)
 class ViewInSpace:
     """All that could be seen of a volume, and which of it is shown.
 
@@ -144,18 +157,19 @@ class ViewInSpace:
         if self.wires is not None:
             places = self.wires.ends.reshape(-1, 3) * np.array(spacing)
             draw_lines(picture, camera.seen(places, size), self.wires.colors)
-        if self.particles is not None and shown.particles:
-            self._draw_particles(picture, self.particles, camera, look)
+        self.draw_particles(picture, self.particles, camera, look)
         if shown.opacity > 0.0:
             self._draw_surfaces(picture, camera, look)
         return picture
 
-    def _draw_particles(self, picture: Picture, particles: Particles, camera: Camera, look: Look) -> None:
-        places, colors, cut = particles.positions * np.array(self.image.spacing), particles.colors, self.cut
-        if cut is not None:
-            kept = cut.before(places) <= 0.0
-            places, colors = places[kept], colors[kept]
-        draw_balls(picture, camera.seen(places, picture.size), colors, particles.size * look.radius)
+    def draw_particles(self, picture: Picture, particles: Particles | None, camera: Camera, look: Look) -> None:
+        """Draw particles, if they are shown, into a picture."""
+        if particles is not None and self.shown.particles:
+            places, colors, cut = particles.positions * np.array(self.image.spacing), particles.colors, self.cut
+            if cut is not None:
+                kept = cut.before(places) <= 0.0
+                places, colors = places[kept], colors[kept]
+            draw_balls(picture, camera.seen(places, picture.size), colors, particles.size * look.radius)
 
     def _draw_surfaces(self, picture: Picture, camera: Camera, look: Look) -> None:
         """The objects and the surface, all of the same opacity: an object often is the surface."""

@@ -12,7 +12,7 @@ from PySide6.QtGui import QColor, QPainter, QPainterPath
 from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
 
 from app.model.text.language import tr
-from app.model.volume.shape_sections import ChargeSection, Section, StartSection, sections
+from app.model.volume.shape_sections import ChargeSection, Section, StartSection, circle_in
 from app.session.scene import Scene
 from app.views.canvas.items.curves import Curves
 from app.views.canvas.items.discs import NO_POSITIONS, Discs
@@ -136,7 +136,7 @@ class DrawingLayer(Layer):
     in_slices = True
     draft_shown = Signal(object, object, str, bool)
     """Another draft is shown: what `show_draft` takes."""
-    ring_shown = Signal(object, float, str)
+    ring_shown = Signal(object, float, str, object)
     """Another ring is shown: what `show_ring` takes."""
     colors = (theme.DRAWING, theme.REGION, theme.BARRIER, theme.ATTRACTING, theme.REPELLING)
 
@@ -203,10 +203,20 @@ class DrawingLayer(Layer):
         self._draft.show(self._flat(corners), self._flat(path), color, closed)
         self.draft_shown.emit(corners, path, color, closed)
 
-    def show_ring(self, center: Place | None = None, radius: float = 0.0, color: str = theme.DRAWING) -> None:
-        """Show the ring of a tool, in a volume that of a ball in sides of the smallest voxel; None hides it."""
-        self._draft.show_ring(self._ring(center, radius), color)
-        self.ring_shown.emit(center, radius, color)
+    def show_ring(
+        self,
+        center: Place | None = None,
+        radius: float = 0.0,
+        color: str = theme.DRAWING,
+        axis: int | None = None,
+    ) -> None:
+        """Show the ring of a tool, in a volume that of a ball in sides of the smallest voxel; None hides it.
+
+        With an axis only slices across it show the ring.
+        """
+        here = None if self.scene.slices is None else self.scene.slices.axis
+        self._draft.show_ring(self._ring(center if axis in (None, here) else None, radius), color)
+        self.ring_shown.emit(center, radius, color, axis)
 
     def _flat(self, places: Sequence[Place] | Array) -> Array:
         """Places as (row, col) in the slice that is shown, shape (K, 2)."""
@@ -222,8 +232,8 @@ class DrawingLayer(Layer):
         slices, volume = self.scene.slices, self.scene.volume
         if slices is None or volume is None or len(center) == 2:
             return Circle(center, radius).outline
-        cuts = sections(Sphere.round(center, radius, volume.spacing), slices.current)
-        return _joined([cut.outline for cut in cuts])
+        line = circle_in(Sphere.round(center, radius, volume.spacing), slices.current)
+        return NO_POSITIONS if line is None else line.outline
 
     def _show_starts(self) -> None:
         """Show lines, areas and handles; during a run, the particles that it started from would only hide its own."""

@@ -43,7 +43,6 @@ class ScalarOverlay(Layer):
         self._item.setVisible(False)
         cached(self._item)
         self.add(self._item)
-        self.follow_choice("map")
 
     @property
     def shades(self) -> Shades | None:
@@ -53,6 +52,7 @@ class ScalarOverlay(Layer):
     def show_or_hide(self) -> None:
         """Request the overlay only while it is shown."""
         self.requests.want_overlay(self.name, self.shown)
+        self.follow_choice("map")
         self._show()
 
     def follow(self, before: Scene) -> None:
@@ -68,8 +68,9 @@ class ScalarOverlay(Layer):
             self._item.show_image(shades)
 
     def follow_choice(self, name: str) -> None:
-        """Change the colors."""
-        self._item.use_table(self.table())
+        """Change the colors, which take long to read, once they are seen."""
+        if self.shown:
+            self._item.use_table(self.table())
 
     def table(self) -> np.ndarray:
         """Colors of the 256 shades."""

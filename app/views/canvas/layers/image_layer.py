@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from types import MappingProxyType
 
 from PySide6.QtCore import QEvent, QObject, QPointF, Qt, Signal
 from PySide6.QtGui import QCursor, QMouseEvent
@@ -16,7 +18,7 @@ from app.model.display.display_image import (
     color_curve,
     percentile_window,
 )
-from app.model.text.language import tr
+from app.model.text.language import tr, written
 from app.session.scene import Scene
 from app.session.worker.requests import shade
 from app.views.canvas.items.item import cached
@@ -26,6 +28,20 @@ from app.views.theme import color_maps
 
 WHOLE, AUTOMATIC, _HAND = "0", "0.1", "hand"
 """Ranges of gray values: all, all but the most extreme, and one chosen by hand."""
+
+WidthAndLevel = tuple[float, float]
+
+CT_WINDOWS: Mapping[str, WidthAndLevel] = MappingProxyType(
+    {
+        tr("Soft tissue"): (400.0, 50.0),
+        tr("Mediastinum"): (350.0, 50.0),
+        tr("Lung"): (1500.0, -600.0),
+        tr("Bone"): (1800.0, 400.0),
+        tr("Brain"): (80.0, 40.0),
+        tr("Liver"): (150.0, 30.0),
+    }
+)
+"""Width and level of the usual windows of CT, in Hounsfield units: radiopaedia.org, "Windowing (CT)"."""
 
 _IN_COLOR, _CHANNEL = "colors", "channel"
 
@@ -81,6 +97,8 @@ class ImageLayer(Layer):
         self.add(self._item)
         self.ends = self.window = (0.0, 1.0)
         """Least and largest gray value of the image; gray values shown black and white."""
+        self.reach = self.ends
+        """Within which a window may be chosen: the ends, of CT also the usual windows."""
 
     @property
     def shades(self) -> Shades | None:
@@ -133,7 +151,10 @@ class ImageLayer(Layer):
         channel, last = scene.document.parameters.channel, before.document.parameters.channel
         whole, former = scene.whole or image, before.whole
         if image is not before.image and (former is None or whole.values is not former.values):
-            self.ends = self.window = whole.gray_range
+            self.ends = self.reach = self.window = whole.gray_range
+            if whole.is_ct:
+                low, high = zip(self.ends, *map(window_at, CT_WINDOWS.values()), strict=True)
+                self.reach = min(low), max(high)
             if self.word("range") == _HAND:
                 # a window chosen for another image does not apply to this one
                 self.chosen["range"] = WHOLE
@@ -189,6 +210,18 @@ _NARROWEST = 1e-3
 Window = tuple[float, float]
 
 
+def window_at(width_and_level: WidthAndLevel) -> Window:
+    """The window of gray values of a width around a level."""
+    width, level = width_and_level
+    return level - 0.5 * width, level + 0.5 * width
+
+
+def named(window: Window) -> str:
+    """Width and level of a window, as radiologists name it."""
+    low, high = window
+    return f"W {written(f'{high - low:.4g}')}  L {written(f'{0.5 * (low + high):.4g}')}"
+
+
 def dragged(window: Window, ends: Window, right: float, down: float) -> Window:
     """The window of gray values after a drag to the right and down [px of the screen], within the whole range."""
     span = ends[1] - ends[0]
@@ -234,7 +267,7 @@ class LevelDrag(QObject):
             return False
         if kind == QEvent.Type.MouseMove:
             way = event.position() - self._from
-            self._layer.choose_window(*dragged(self._window, self._layer.ends, way.x(), way.y()))
+            self._layer.choose_window(*dragged(self._window, self._layer.reach, way.x(), way.y()))
             self.moved.emit()
             return True
         if kind == QEvent.Type.MouseButtonRelease and event.button() == right:

@@ -23,12 +23,11 @@ from PySide6.QtWidgets import (
 )
 
 from app.model.text.language import tr, written
-from app.views.canvas.layers.image_layer import ImageLayer
+from app.views.canvas.layers.image_layer import CT_WINDOWS, ImageLayer, named, window_at
 from app.views.canvas.layers.layer import Choice, Layer, Option, Switch
 from app.views.theme import color_maps
 from app.views.widgets.fields import DecimalField, MarkedSlider
 from cpm_core import Image
-from cpm_core.numerics import Array
 
 
 class LayerForm(QWidget):
@@ -73,7 +72,7 @@ class LayerForm(QWidget):
             self._image = image
             if self.levels is not None:
                 self.rows.removeRow(self.levels)
-            self.levels = Levels(image.values, layer.ends)
+            self.levels = Levels(image, layer.reach)
             self.levels.moved.connect(layer.choose_window)
             self.rows.insertRow(0, self.levels)
         if self.levels is not None:
@@ -135,19 +134,22 @@ _HEIGHT = 72
 class Levels(QWidget):
     """Histogram of the gray values on a logarithmic scale, and their window: two lines to drag, and two fields.
 
+    Of CT it has the usual windows as well.
+
     Parameters
     ----------
-    values : ndarray, shape (H, W) or (P, H, W)
-        Gray values of the image.
+    image : Image
+        The image.
     ends : tuple of float
-        Least and largest of them.
+        Within which the window may be chosen.
     """
 
     moved = Signal(float, float)
     """The user has chosen another window."""
 
-    def __init__(self, values: Array, ends: tuple[float, float]) -> None:
+    def __init__(self, image: Image, ends: tuple[float, float]) -> None:
         super().__init__()
+        values = image.values
         stride = max(1, int((values.size / _MOST) ** (1.0 / values.ndim)))
         self._sample = values[(slice(None, None, stride),) * values.ndim].ravel()
         self._ends = ends
@@ -186,16 +188,27 @@ class Levels(QWidget):
             field.setToolTip(tip)
             row.addWidget(_dim_label(title, ""))
             row.addWidget(field, 1)
+        self.figures, self.usual = QLabel(), _usual_windows(image)
+        self.figures.setObjectName("dim")
+        self.figures.setToolTip(tr("Width and level of the range: white minus black, and the middle between them."))
+        self.usual.activated.connect(lambda index: self.moved.emit(*self.usual.itemData(index)))
+        below = QHBoxLayout()
+        below.addWidget(self.figures)
+        below.addWidget(self.usual, 1)
         column = QVBoxLayout(self)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(4)
         column.addWidget(self.histogram)
         column.addLayout(row)
+        column.addLayout(below)
 
     def show_window(self, low: float, high: float) -> None:
         """Show a window without emitting a signal; the lines and their axis do not change while one is held."""
         self.low.show_value(low)
         self.high.show_value(high)
+        self.figures.setText(named((low, high)))
+        usual = [*map(window_at, CT_WINDOWS.values())]
+        self.usual.setCurrentIndex(usual.index((low, high)) if (low, high) in usual else -1)
         if not (self._lines.moving or any(line.moving for line in self._lines.lines)):
             with QSignalBlocker(self._lines):
                 self._lines.setRegion((low, high))
@@ -210,3 +223,17 @@ class Levels(QWidget):
         counts, edges = np.histogram(self._sample, _BINS, range=(begin, end if end > begin else begin + 1.0))
         self._bars.setData(edges, np.log1p(counts))
         self.histogram.setXRange(edges[0], edges[-1], padding=0.02)
+
+
+def _usual_windows(image: Image) -> QComboBox:
+    """The usual windows of CT, which images of other kinds do not have."""
+    box = QComboBox()
+    box.setPlaceholderText(tr("CT window"))
+    box.setAccessibleName(tr("CT window"))
+    box.setToolTip(tr("The usual windows of CT, in Hounsfield units."))
+    box.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+    for name, usual in CT_WINDOWS.items():
+        box.addItem(f"{name}  {named(window_at(usual))}", window_at(usual))
+    if not image.is_ct:
+        box.hide()
+    return box

@@ -118,7 +118,7 @@ class ObjectLayer(Layer):
             for item in seen
         }  # fmt: skip
         paths = [(self._paths[item.number][1], objects.color(item)) for item in seen]
-        self.fills.show([([path[:-1] for path in own], color, fill) for own, color in paths])
+        self.fills.show([(own, color, fill) for own, color in paths])
         outlines = [(path, color) for own, color in paths for path in own]
         self._outlines.show([path for path, _ in outlines], [color for _, color in outlines])
         self._gaps.show([np.array(gap) for item in seen for gap in item.gaps])
@@ -167,7 +167,8 @@ class ObjectLayer(Layer):
             curves = _curves_of(preview.after)
             if isinstance(preview.before, Selection):
                 curves += _curves_of(preview.before)
-            changed = [(curves, theme.PROPOSAL if preview.adds else theme.REMOVED, _CHANGED if preview.adds else 1.0)]
+            color, opacity = (theme.PROPOSAL, _CHANGED) if preview.adds else (theme.REMOVED, 1.0)
+            changed = [(curves, color, opacity)] if curves else []  # none in a slice beside it
         adds = preview is not None and preview.adds
         self.added.show(changed if adds else [])
         self.removed.show([] if adds else changed)

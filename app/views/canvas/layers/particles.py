@@ -87,9 +87,6 @@ class ParticleLayer(Layer):
         self._resting = Discs(theme.RESTING, 7.0, 3.0)
         self._moving = Discs(theme.MOVING, 6.0, _ABOVE)
         self.legend = Pinned(self.view, (1.0, 1.0))
-        for name in _COLORS:
-            strip = color_maps.strip(name, 2 * _WIDTH, 2 * _STRIP, BEGIN)
-            self.legend.textItem.document().addResource(QTextDocument.ResourceType.ImageResource, QUrl(name), strip)
         self._discs = (self._resting, self._moving)
         self.add(*self._discs, self.legend)
 
@@ -138,9 +135,12 @@ class ParticleLayer(Layer):
         """Colors from low to high act only where a quantity is shown."""
         return name != "map" or self.word("colour") != _STATE
 
-    def follow_choice(self, name: str) -> None:
+    def follow_choice(self, _: str) -> None:
         """Change the colors, or how the particles are shown after a run."""
-        palette = [] if self.word("colour") == _STATE else _palette(self.word("map"))
+        palette: list[str] = []
+        if self.word("colour") != _STATE:
+            palette, strip = _palette(name := self.word("map")), color_maps.strip(name, 2 * _WIDTH, 2 * _STRIP, BEGIN)
+            self.legend.textItem.document().addResource(QTextDocument.ResourceType.ImageResource, QUrl(name), strip)
         for discs in self._discs:
             discs.use_palette(palette)
         self._show()

@@ -19,7 +19,7 @@ from app.views.canvas.tools.tool import MEND, TAKING_AWAY, Cursor
 from app.views.theme import theme
 from app.views.theme.icons import pointer
 from cpm_core.contours import HandEdit
-from cpm_core.numerics import Array, Position
+from cpm_core.numerics import Array, Place, Position
 from cpm_core.objects.segmented import SegmentedObject
 from cpm_core.reconstruction import Contact, connect, deletion, pull
 
@@ -30,7 +30,7 @@ _JOINS = tr("Release on another end to join, elsewhere to extend. {key:escape} c
 _REDRAWS = tr("Release to redraw the line along the edge; Shift only bends it. {key:escape} cancels.")
 _TAKE = tr("Drag to erase from {name}. [ and ] change the brush.")
 _TAKE_LATER = tr("Drag over an object to erase from it. [ and ] change the brush.")
-_ADD = tr("Drag to add to {name}, Shift-drag to erase. [ and ] change the brush.")
+_ADD = tr("Drag to add to {name}, Shift-drag to erase, Ctrl-drag to paint a new object. [ and ] change the brush.")
 _PAINT = tr("Drag to paint a new object. [ and ] change the brush.")
 
 
@@ -38,7 +38,7 @@ class MendTool(RingTool):
     """Near a line it pulls it, from an end of a contour it joins; a click marks a place there, with Shift it cuts.
 
     Away from lines it is a brush that adds to objects, with Shift takes away. What a press would do is shown before it,
-    what a release would do as a preview.
+    what a release would do as a preview. In a volume it is the brush alone.
     """
 
     name = "mend"
@@ -158,7 +158,8 @@ class MendTool(RingTool):
         """Begin a stroke, or paint on."""
         if len(path) == 1:
             self._objects = self._session.document.objects
-            self._brush.begin(path[0], self.radius, not self._takes_away, self._gesture)
+            axis = None if self.here is None or self._list.ball else self.here.axis
+            self._brush.begin(path[0], self.radius, not self._takes_away, self._gesture, axis, self._fresh)
         else:
             self._brush.paint(path[-1])
 
@@ -190,7 +191,8 @@ class MendTool(RingTool):
 
     def cursor(self, at: Position, reach: float) -> Cursor | QCursor:
         """Links over an end, a knife or a hand over a line, the ring of the brush elsewhere."""
-        self._editing.prepare()
+        if self.volume is None:
+            self._editing.prepare()
         if self._reach != max(reach, 1.0) and self._at is not None:
             self._find(at, reach)
             self._show()
@@ -204,12 +206,19 @@ class MendTool(RingTool):
     def _takes_away(self) -> bool:
         return bool(self.modifiers & TAKING_AWAY)
 
-    def _find(self, at: Position, reach: float) -> None:
+    @property
+    def _fresh(self) -> bool:
+        """Whether a new object is painted."""
+        return bool(self.modifiers & Qt.KeyboardModifier.ControlModifier) and not self._takes_away
+
+    def _find(self, at: Place, reach: float) -> None:
         """Find what a press at a place means."""
         self._reach = max(reach, 1.0)
-        on = self._editing.boundary(at, self._reach)
-        self._item, self._held = on if on is not None else (None, self._editing.contact(at, self._reach))
-        if self._held is None:
+        self._item = self._held = None
+        if self.volume is None:
+            on = self._editing.boundary(at, self._reach)
+            self._item, self._held = on if on is not None else (None, self._editing.contact(at, self._reach))
+        if self._held is None and not self._fresh:
             self._item = self._brush.target((at,), self.radius)
 
     def _click(self, held: Contact, item: SegmentedObject | None) -> None:
@@ -258,7 +267,10 @@ class MendTool(RingTool):
         adds = self._brush.adds if painting else not self._takes_away
         self._drawing.show_draft(corners, path, theme.BY_HAND)
         self._drawing.show_ring(
-            self._at if held is None else None, self.radius, theme.RESTING if adds else theme.BARRIER
+            self._at if held is None else None,
+            self.radius,
+            theme.RESTING if adds else theme.BARRIER,
+            None if self.here is None or self._list.ball else self.here.axis,
         )
         self._advised()
 

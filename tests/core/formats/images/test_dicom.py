@@ -336,3 +336,109 @@ def test_colors_that_pydicom_does_not_unpack_are_unpacked_by_imagecodecs(tmp_pat
     found["PixelData"].VR = "OB"
     found.save_as(tmp_path / "a.dcm")
     assert np.array_equal(load_image(tmp_path / "a.dcm").colors.samples, colors)
+
+
+@pytest.mark.parametrize(
+    ("modality", "kind", "found"), [("CT", None, True), ("CT", "HU", True), ("CT", "US", False), ("MR", None, False)]
+)
+def test_rescaled_values_of_ct_are_hounsfield_units_as_the_file_says(tmp_path, modality, kind, found):
+    changes = {"Modality": modality, "RescaleSlope": 2.0, "RescaleIntercept": -1024.0}
+    if kind:
+        changes["RescaleType"] = kind
+    write_series(tmp_path, HEIGHTS, **changes)
+    volume = load_volume(tmp_path)
+    assert volume.is_ct == load_image(tmp_path).is_ct == found
+    assert np.array_equal(volume.values[:10], 2.0 * VALUES[:10] - 1024.0)
+
+
+def test_ct_without_a_rescaling_has_no_hounsfield_units(tmp_path):
+    write_series(tmp_path, HEIGHTS, Modality="CT")
+    assert not load_volume(tmp_path).is_ct
+
+
+ORIGIN = np.array([-20.0, 10.0, 5.0])
+HEIGHTS = 2.0 * np.arange(20)
+
+
+def two_acquisitions(folder, apart):
+    """A series whose second acquisition lies so far above the first."""
+    write_series(folder, HEIGHTS, AcquisitionNumber=1)
+    for number, height in enumerate(HEIGHTS + apart):
+        place = np.add(ORIGIN, (0, 0, height))
+        write_slice(folder / f"b{number}.dcm", VALUES[9], place, number=100 + number, AcquisitionNumber=2)
+    return folder
+
+
+def test_acquisitions_between_one_another_are_series_of_their_own(tmp_path):
+    folder = two_acquisitions(tmp_path / "series", 0.7)
+    assert [name[-1] for name in open_stack(folder).series] == ["1", "2"]
+    for series in (1, 2):
+        volume = load_volume(folder, series=series)
+        assert (volume.shape[0], volume.spacing[0]) == (20, 2.0)
+        assert np.array_equal(volume.values[3], VALUES[3] if series == 1 else VALUES[9])
+    assert load_volume(folder).notes == (
+        'Of its 2 series that with the most images was taken, 1 ("head, acquisition 1").',
+    )
+
+
+def test_acquisitions_that_fill_each_others_gaps_are_one_volume_and_that_is_reported(tmp_path):
+    volume = load_volume(two_acquisitions(tmp_path / "series", 1.0))
+    assert (volume.shape[0], volume.spacing[0]) == (40, 1.0)
+    assert volume.notes == ("Slices of several acquisitions lie between one another; they were taken as one volume.",)
+
+
+@pytest.mark.parametrize("apart", [0.0, 40.0])
+def test_acquisitions_at_the_same_places_or_one_behind_the_other_are_not_mixed(tmp_path, apart):
+    volume = load_volume(two_acquisitions(tmp_path / "series", apart))
+    assert volume.shape[0] == (40 if apart else 20)
+    assert volume.notes == (() if apart else ("Only the first of its 2 points in time was taken.",))
+
+
+def test_a_place_that_lacks_one_of_several_times_is_no_mixture(tmp_path):
+    folder = two_acquisitions(tmp_path / "series", 0.0)
+    (folder / "b7.dcm").unlink()
+    more = "At some places it has more slices than at others; the first of them were taken."
+    assert load_volume(folder).notes == (more,)
+
+
+def test_slices_that_are_shifted_to_the_side_are_reported(tmp_path):
+    for number, height in enumerate(HEIGHTS):
+        write_slice(
+            tmp_path / f"{number}.dcm", VALUES[3], np.add(ORIGIN, (3.0 * (number == 9), 0, height)), number=number
+        )
+    text = "Its slices are shifted sideways by up to 3 mm; they were taken as if in line."
+    assert load_volume(tmp_path).notes == (text,)
+
+
+def test_a_tilted_gantry_keeps_its_angle_and_is_reported(tmp_path):
+    tilt = np.tan(np.radians(15.0))
+    for number, height in enumerate(HEIGHTS):
+        write_slice(tmp_path / f"{number}.dcm", VALUES[3], np.add(ORIGIN, (0, tilt * height, height)), number=number)
+    volume = load_volume(tmp_path)
+    assert volume.notes == ("Its axes are 15.0° off right angles; lengths were taken as if they were at right angles.",)
+    last = volume.geometry.moved((19, 0, 0), volume.spacing).origin
+    assert last == pytest.approx(np.add(ORIGIN, (0, tilt * HEIGHTS[-1], HEIGHTS[-1])))
+
+
+def test_a_slice_twice_or_without_a_place_is_not_one_more_plane(tmp_path):
+    write_series(tmp_path, HEIGHTS)
+    write_slice(tmp_path / "twice.dcm", VALUES[0], np.add(ORIGIN, (0, 0, 8.0)), number=99)
+    more = "At some places it has more slices than at others; the first of them were taken."
+    volume = load_volume(tmp_path)
+    assert (volume.shape[0], volume.notes) == (20, (more,))
+    write_slice(tmp_path / "nowhere.dcm", VALUES[0], number=50, ImagePositionPatient=None)
+    volume = load_volume(tmp_path)
+    assert (volume.shape[0], volume.notes[0]) == (
+        20,
+        'Of its 2 series that with the most images was taken, 1 ("head").',
+    )
+
+
+def test_slices_in_a_fan_are_no_volume_and_the_sentence_says_why(tmp_path):
+    for number in range(12):
+        angle = np.radians(15.0 * number)
+        along = ((1.0, 0.0, 0.0), (0.0, np.cos(angle), np.sin(angle)))
+        write_slice(tmp_path / f"{number}.dcm", VALUES[3], ORIGIN, along, number=number)
+    with pytest.raises(ValueError, match="Its 12 images have 12 different sizes, directions or series"):
+        load_volume(tmp_path)
+    assert load_image(tmp_path).shape == VALUES.shape[1:]

@@ -120,3 +120,23 @@ def test_a_matrix_that_is_not_valid_leaves_the_sizes(tmp_path):
     volume = load_volume(tmp_path / "a.nii")
     assert (volume.geometry, volume.spacing) == (None, pytest.approx((2.0, 0.75, 0.5)))
     assert volume.notes == ("Its matrix is not valid, so that it is not known where it lies.",)
+
+
+@pytest.mark.parametrize(
+    ("least", "found"), [(-1000, True), (-1024, True), (-3024, True), (-500, False), (-4096, False), (0, False)]
+)
+def test_a_volume_that_shows_air_as_ct_does_has_hounsfield_units(tmp_path, least, found):
+    write_nifti(tmp_path / "a.nii", np.maximum(VALUES, VALUES.max() - 900) - VALUES.max() + 900 + np.int16(least))
+    volume = load_volume(tmp_path / "a.nii")
+    assert volume.gray_range[0] == least
+    assert volume.is_ct == found
+    assert not volume.cut(0, 3).is_ct
+
+
+def test_a_slope_and_an_intercept_make_hounsfield_units(tmp_path):
+    image = nibabel.Nifti1Image(VALUES.T - VALUES.min(), affine())
+    image.header.set_slope_inter(2.0, -1024.0)
+    nibabel.save(image, tmp_path / "a.nii")
+    volume = load_volume(tmp_path / "a.nii")
+    assert volume.is_ct
+    assert np.array_equal(volume.values, np.asarray(nibabel.load(tmp_path / "a.nii").dataobj).T)

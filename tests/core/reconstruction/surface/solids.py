@@ -6,6 +6,7 @@ import numpy as np
 from scipy.ndimage import gaussian_filter
 from scipy.spatial import KDTree
 
+from cpm_core.field.volume_edges import Edges, Slopes
 from cpm_core.numerics.grids import zero_surface
 from cpm_core.reconstruction.surface.pipeline import find_surface
 
@@ -61,7 +62,7 @@ class Scene(NamedTuple):
     """A volume, smoothed, with its edge map and particles [voxels]."""
 
     volume: np.ndarray
-    edge_map: np.ndarray
+    edges: Edges
     points: np.ndarray
     spacing: tuple
 
@@ -77,10 +78,10 @@ def scene(solid, spacing=(1.0, 1.0, 1.0), noise=0.0, dark=False, apart=1.8, foun
         gray = 200.0 - gray
     size = np.array(spacing) / min(spacing)
     smooth = gaussian_filter(gray, 1.0 / size).astype(np.float32)
-    slope = np.gradient(smooth, *size)
+    edges = Edges.of(Slopes.of(smooth, tuple(size)), 1.0)
     points = thinned(zero_surface((found or solid)(grid()).astype(np.float32))[0], apart) / np.array(spacing)
     inside = ((points >= 0.0) & (points <= np.array(gray.shape) - 1.0)).all(1)
-    return Scene(smooth, np.sqrt(sum(s**2 for s in slope)), points[inside], spacing)
+    return Scene(smooth, edges, points[inside], spacing)
 
 
 def thinned(points, apart):
@@ -93,4 +94,4 @@ def thinned(points, apart):
 
 
 def surface_of(seen):
-    return find_surface(seen.volume, seen.edge_map, seen.points, seen.spacing, "mm")
+    return find_surface(seen.volume, seen.edges, seen.points, seen.spacing, "mm")

@@ -1,0 +1,168 @@
+"""DICOM SEG: objects in a series as segments that refer to its images, written by highdicom and read by pydicom."""
+
+from __future__ import annotations
+
+import io
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import skimage
+
+from cpm_core.contours.contour import MOST_LETTERS, Label
+from cpm_core.contours.result import Result
+from cpm_core.formats.common.content import UnreadableError
+from cpm_core.formats.common.printable import printable
+from cpm_core.formats.common.provenance import VERSION
+from cpm_core.formats.images.decoded import Decoded
+from cpm_core.formats.images.dicom import decoded, frames_in, is_dicom
+from cpm_core.formats.images.dicom_series import Frame
+from cpm_core.formats.masks.labels import labels_of, named_labels
+from cpm_core.formats.masks.nifti import placed
+from cpm_core.image.geometry import Geometry
+
+_STORAGE = "1.2.840.10008.5.1.4.1.1.66.4"
+_LABELMAP = "1.2.840.10008.5.1.4.1.1.66.7"
+_NEAR = 0.01
+"""How far a slice may lie from its place [mm]."""
+
+_TISSUE = ("85756007", "SCT", "Tissue")
+_EDGES = ("123103", "DCM", "Edge Detection")
+"""What segments are, and how they were found, by codes of the standard."""
+
+_MOST_OF_LABEL = 64
+"""Letters that the label of a segment may have."""
+
+_LAB = np.array([[0.0, -128.0, -128.0], [100.0, 127.0, 127.0]])
+"""What 0 and 65535 mean in the color of a segment, in CIELab with the white of D65, as DCMTK writes it."""
+
+
+def encode(result: Result, image: Path | None = None) -> bytes:
+    """Make a segmentation of the objects of a result in the series of a file or folder, each a segment with its name.
+
+    Segments are numbered from 1 without gaps, as highdicom demands. ValueError without highdicom, when there is nothing
+    to paint, and when the result does not lie in a DICOM series.
+    """
+    try:
+        import highdicom
+    except ImportError as error:
+        raise ValueError('DICOM SEG needs highdicom: pip install "cpm-particles[dicom-seg]".') from error
+    import pydicom
+    from pydicom.sr.coding import Code
+
+    mask = labels_of(result)
+    numbers = np.unique(mask)[1:].tolist()
+    names = {label.number: label for label in named_labels(result)}
+    frames = _source(result, image)
+    sources = [pydicom.dcmread(path, stop_before_pixels=True) for path in dict.fromkeys(frame.path for frame in frames)]
+    order = np.argsort([frame.index for frame in frames], kind="stable")
+    algorithm = highdicom.AlgorithmIdentificationSequence("CPM", Code(*_EDGES), VERSION)
+    segments = []
+    for number, old in enumerate(numbers, start=1):
+        label = names.get(old, Label(old))
+        lab = skimage.color.rgb2lab(np.frombuffer(bytes.fromhex(label.color[1:] or "ffffff"), np.uint8) / 255.0)
+        segments.append(
+            highdicom.seg.SegmentDescription(
+                number,
+                (label.name or f"Segment {old}")[:_MOST_OF_LABEL],
+                Code(*_TISSUE),
+                Code(*_TISSUE),
+                "SEMIAUTOMATIC",
+                algorithm,
+                display_color=highdicom.color.CIELabColor(*lab.tolist()) if label.color else None,
+            )
+        )
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of what is unusual in the header of the series
+            made = highdicom.seg.Segmentation(
+                sources,
+                np.searchsorted([0, *numbers], mask)[order].astype(np.uint16),
+                "BINARY",
+                segments,
+                series_instance_uid=highdicom.UID(),
+                series_number=1,
+                sop_instance_uid=highdicom.UID(),
+                instance_number=1,
+                manufacturer="CPM",
+                manufacturer_model_name="CPM",
+                software_versions=VERSION,
+                device_serial_number="0",
+            )
+    except (AttributeError, TypeError, ValueError) as error:
+        raise ValueError(f"{result.source} lacks what a segmentation refers to: {error}") from error
+    stream = io.BytesIO()
+    made.save_as(stream, enforce_file_format=True)
+    return stream.getvalue()
+
+
+def _source(result: Result, image: Path | None) -> list[Frame]:
+    """The images of the series that a result lies in, one for each plane; ValueError where there is none."""
+    affine, unit, _ = placed(result, "LPS")
+    refused = ValueError(
+        f"{result.source} is no DICOM series with positions, but a segmentation refers to one: choose .nii.gz or .nrrd."
+    )
+    if image is None or unit != "mm" or result.image is None or not (image.is_dir() or is_dicom(image)):
+        raise refused
+    planes = np.arange(result.shape[0])
+    wanted = affine[:3, 3] + planes[:, None] * affine[:3, 2]
+    along = affine[:3, :2] / np.linalg.norm(affine[:3, :2], axis=0)
+    series: dict[str, list[Frame]] = {}
+    for frame in sorted(frames_in(image)[0], key=lambda frame: frame.number):
+        if frame.shape != result.shape[1:] or frame.origin is None or frame.along is None:
+            continue
+        if np.abs(frame.along.T - along).max() < _NEAR:
+            series.setdefault(frame.series, []).append(frame)
+    found = []
+    for frames in series.values():
+        away = np.linalg.norm(wanted[:, None] - [frame.origin for frame in frames], axis=-1)
+        if away.min(axis=1).max() < _NEAR:
+            found.append([frames[index] for index in away.argmin(axis=1)])
+    middle = len(planes) // 2
+    for frames in found:  # several may lie at one place, such as those before and after a contrast agent
+        if len(found) == 1 or np.array_equal(decoded("", frames[middle:][:1]).values[0], result.image.values[middle]):
+            return frames
+    raise refused
+
+
+def read(path: Path) -> list[tuple[Label, list[Decoded]]]:
+    """The segments of a file, each with the images in which it has pixels, as masks that know where they lie.
+
+    None for files of another kind.
+    """
+    import pydicom
+
+    dataset: Any = pydicom.dcmread(path) if is_dicom(path) else {}
+    kind = dataset.get("SOPClassUID")
+    if kind not in (_STORAGE, _LABELMAP):
+        return []
+    frames, _ = frames_in(path)
+    pixels = dataset.pixel_array.reshape((-1, *frames[0].shape))
+    if dataset.get("SegmentationType") == "FRACTIONAL":
+        pixels = 2 * pixels.astype(float) >= float(dataset.MaximumFractionalValue)
+    found: dict[int, tuple[Label, list[Decoded]]] = {}
+    for segment in dataset.SegmentSequence:
+        name = printable(str(segment.get("SegmentLabel", "")))[:MOST_LETTERS]
+        label = Label(int(segment.SegmentNumber), name, _color(segment.get("RecommendedDisplayCIELabValue")))
+        found[label.number] = label, []
+    for frame, values, own in zip(frames, pixels, dataset.PerFrameFunctionalGroupsSequence, strict=True):
+        if frame.origin is None or frame.along is None or frame.spacing is None:
+            raise UnreadableError(f"{path.name} does not state where its segments lie: save it again.")
+        masks = {number: values == number for number in np.unique(values[values > 0]).tolist()}
+        if kind == _STORAGE:
+            group = own if "SegmentIdentificationSequence" in own else dataset.SharedFunctionalGroupsSequence[0]
+            masks = {int(group.SegmentIdentificationSequence[0].ReferencedSegmentNumber): values > 0}
+        axes = (np.cross(*frame.along), frame.along[1], frame.along[0])
+        geometry = Geometry(frame.origin, axes, "LPS")  # type: ignore[arg-type]
+        for number, mask in masks.items():
+            found[number][1].append(Decoded(mask[np.newaxis], (1.0, *frame.spacing), "mm", geometry=geometry))
+    return list(found.values())
+
+
+def _color(stored: Any) -> str:
+    """The color of a segment; empty where it has none."""
+    if stored is None or len(stored) != 3:
+        return ""
+    lab = _LAB[0] + np.array(stored, float) / 65535.0 * (_LAB[1] - _LAB[0])
+    return f"#{bytes(np.rint(255.0 * np.clip(skimage.color.lab2rgb(lab), 0.0, 1.0)).astype(np.uint8)).hex()}"

@@ -1,0 +1,66 @@
+"""Label descriptions of ITK-SNAP: a text next to a label volume with the name and the color of each label."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from cpm_core.contours.contour import MOST_LETTERS, Label
+from cpm_core.formats.common.content import content_of
+from cpm_core.formats.common.printable import printable
+
+SUFFIX = ".txt"
+_SUFFIXES = (SUFFIX, ".label")
+"""Suffixes by which ITK-SNAP saves descriptions."""
+
+_HEAD = """\
+################################################
+# ITK-SnAP Label Description File
+# File format:
+# IDX   -R-  -G-  -B-  -A--  VIS MSH  LABEL
+# Fields:
+#    IDX:   Zero-based index
+#    -R-:   Red color component (0..255)
+#    -G-:   Green color component (0..255)
+#    -B-:   Blue color component (0..255)
+#    -A-:   Label transparency (0.00 .. 1.00)
+#    VIS:   Label visibility (0 or 1)
+#    MSH:   Label mesh visibility (0 or 1)
+#  LABEL:   Label description
+################################################
+"""
+_LINE = re.compile(r'\s*(\d+)\s+(\d+)\s+(\d+)\s+(\d+)\s+[\d.eE+-]+\s+[01]\s+[01]\s+"(.*)"\s*')
+_LARGEST = 2**22
+"""Most bytes of a file that is read."""
+
+
+def encode(labels: Sequence[Label]) -> bytes:
+    """Describe labels, which all have a color; label 0 is what lies outside."""
+    lines = [f'{0:5d}{0:6d}{0:5d}{0:5d}{0:9d}{0:3d}{0:3d}    "Clear Label"\n']
+    for label in labels:
+        red, green, blue = bytes.fromhex(label.color[1:])
+        name = (label.name or f"Label {label.number}").replace('"', "'")  # which would end the name
+        lines.append(f'{label.number:5d}{red:6d}{green:5d}{blue:5d}{1:9d}{1:3d}{1:3d}    "{name}"\n')
+    return "".join([_HEAD, *lines]).encode()
+
+
+def read(path: Path) -> tuple[Label, ...]:
+    """The labels that a file describes; none where it is of another kind, or there is no such file."""
+    text = content_of(path, part=_LARGEST).decode("utf-8", "replace") if path.is_file() else ""
+    lines = [line for line in text.splitlines() if line.strip() and not line.lstrip().startswith("#")]
+    found = [match for line in lines if (match := _LINE.fullmatch(line))]
+    if len(found) < len(lines):
+        return ()
+    colors = (bytes(min(int(part), 255) for part in match.group(2, 3, 4)).hex() for match in found)
+    return tuple(
+        Label(int(match[1]), printable(match[5])[:MOST_LETTERS], f"#{color}")
+        for match, color in zip(found, colors, strict=True)
+        if int(match[1])
+    )
+
+
+def next_to(path: Path, suffix: str) -> tuple[Label, ...]:
+    """The labels of a volume, whose name ends in a suffix, by the description next to it; none without one."""
+    stem = path.name[: len(path.name) - len(suffix)]
+    return next((found for other in _SUFFIXES if (found := read(path.with_name(stem + other)))), ())

@@ -1,0 +1,124 @@
+"""The surface of a body that the prior has found: along edges where there are any, else where its probability is 0.5.
+
+It is found at the steps of the cube. Then each vertex moves along its normal to the steepest place of the gray levels,
+as particles would, if the edge there stands out from the noise. The profiles of gray levels along the normals are
+averaged with those of neighbors on the surface, which smooths along it and not across.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy
+
+from cpm_core.contours.surface import Surface
+from cpm_core.field.interpolation import interpolate
+from cpm_core.numerics.grids import parts_of, zero_surface
+from cpm_core.numerics.types import Array, Index, Single
+from cpm_core.objects.prior.bodies import FAR, Body
+from cpm_core.objects.prior.cubes import Cube
+
+_REACH, _STEP = 2.0, 0.5
+"""How far from the surface an edge is looked for, and the distance between samples [steps, at least voxels]."""
+
+_ROUNDS = 3
+"""How often profiles are averaged with those of neighbors."""
+
+_CLEAR = 3.0
+"""Rise across an edge, in deviations of the profiles from their mean, from which it counts in full."""
+
+_SHARP = 1.0
+"""Deviation of the derivative of a Gaussian that finds the steepest place of a profile [samples]."""
+
+_AT_PLACE = 2.0
+"""Distance from a place that has been clicked within which the surface keeps its side of it, likewise."""
+
+_LEAST = 0.5
+"""Logit at the corners of the steps around a place."""
+
+
+def body_surface(
+    body: Body, values: Array, size: Array, inside: Array, outside: Array, spacing: tuple[float, ...], unit: str | None
+) -> Surface:
+    """The closed surface of the parts of a body that hold places.
+
+    Parameters
+    ----------
+    body : Body
+        The body.
+    values : ndarray, shape (P, R, C)
+        Gray levels of the volume.
+    size : ndarray, shape (3,)
+        Sides of a voxel; the smallest is 1.
+    inside, outside : ndarray, shape (N, 3)
+        Places [voxels].
+    spacing, unit
+        As those of the surface.
+    """
+    vertices, faces = zero_surface(_linked(body, inside * size, outside * size, values.shape, size))
+    last = np.array(values.shape) - 1.0
+    vertices = body.cube.places(vertices - 1.0) / size
+    held = ((vertices <= 0.0) | (vertices >= last)).any(axis=1)
+    scale = max(body.cube.scale, 1.0)
+    away = scipy.spatial.KDTree(np.concatenate([inside, outside]) * size).query(vertices * size)[0]
+    held |= away < _AT_PLACE * scale
+    for width in (scale, max(0.5 * scale, 1.0)):
+        found = Surface(vertices, faces, tuple(size.tolist()))
+        moved = np.where(held, 0.0, _to_edges(found, values, size, width))
+        vertices = vertices + moved[:, None] * found.normals / size
+    vertices = np.clip(vertices, -0.5, last + 0.5)  # flat where the volume ends
+    return Surface(vertices, faces, spacing, unit)
+
+
+def _linked(body: Body, inside: Array, outside: Array, shape: tuple[int, ...], size: Array) -> Single:
+    """Logits of the parts of a body that hold places, and beyond the volume as at its border; one step wider."""
+    logits = np.pad(body.logits, 1, constant_values=-FAR)
+    for axis, line in enumerate(body.cube.lines):
+        within = np.flatnonzero((line > -0.5 * size[axis]) & (line < (shape[axis] - 0.5) * size[axis])) + 1
+        first, end = (within[0], within[-1]) if len(within) else (1, len(line))
+        at = np.arange(len(line) + 2)
+        logits = logits.take(np.clip(at, first if first > 1 else 0, end if end < len(line) else len(line) + 1), axis)
+    logits = np.ascontiguousarray(logits)
+    for axis in range(3):
+        np.moveaxis(logits, axis, 0)[[0, -1]] = -FAR
+    corners = [_corners(body.cube, places) for places in (inside, outside)]
+    logits[tuple(corners[1].T)] = np.minimum(logits[tuple(corners[1].T)], -_LEAST)
+    logits[tuple(corners[0].T)] = np.maximum(logits[tuple(corners[0].T)], _LEAST)
+    parts = parts_of(logits > 0.0, corners=True)
+    held = np.zeros(parts.count + 1, np.bool_)
+    held[parts.part_at(corners[0]) + 1] = True
+    held[0] = True
+    logits[~held[parts.labels]] *= -1.0
+    return logits
+
+
+def _corners(cube: Cube, places: Array) -> Index:
+    """The eight steps around each place, in a grid that is one wider."""
+    first = np.floor(cube.steps(places)).astype(np.int64) + 1
+    around = np.stack(np.meshgrid(*[[0, 1]] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    return np.clip(first[:, None] + around, 0, len(cube.lines[0]) + 1).reshape(-1, 3)
+
+
+def _to_edges(surface: Surface, values: Array, size: Array, scale: float) -> Array:
+    """How far the steepest places of the gray levels lie from the vertices along their normals."""
+    count = len(surface.vertices)
+    away = np.arange(-_REACH, _REACH + _STEP / 2, _STEP) * scale
+    places = surface.vertices[:, None] + away[:, None] * surface.normals[:, None] / size
+    raw = interpolate(values[None], places.reshape(-1, 3))[:, 0].reshape(count, -1)
+    ends = surface.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    joined = scipy.sparse.csr_array((np.ones(len(ends)), ends.T), shape=(count, count))
+    joined = joined + joined.T + scipy.sparse.eye_array(count)
+    joined.data[:] = 1.0
+    mean = scipy.sparse.diags_array(1.0 / joined.sum(axis=1)) @ joined
+    smooth = raw
+    for _ in range(_ROUNDS):
+        smooth = mean @ smooth
+    slope = scipy.ndimage.gaussian_filter1d(smooth, _SHARP, axis=1, order=1, mode="nearest")
+    rise = smooth[:, -2:].mean(axis=1) - smooth[:, :2].mean(axis=1)
+    steep = np.maximum(slope * np.sign(rise)[:, None], 0.0) * np.exp(-0.5 * np.square(away / (0.5 * away[-1])))
+    peak = np.clip(steep.argmax(axis=1), 1, len(away) - 2)
+    before, at, after = (steep[np.arange(count), peak + k] for k in (-1, 0, 1))
+    bend = before - 2.0 * at + after
+    part = np.divide(0.5 * (before - after), bend, out=np.zeros(count), where=bend < 0.0)
+    noise = mean @ np.square(raw - smooth).mean(axis=1)
+    clear = np.clip(np.abs(rise) / (_CLEAR * np.sqrt(noise) + 1e-12), 0.0, 1.0)
+    return np.asarray(mean @ (clear * (away[peak] + np.clip(part, -0.5, 0.5) * _STEP * scale)))

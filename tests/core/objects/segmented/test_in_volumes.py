@@ -1,0 +1,203 @@
+"""Painting in volumes: voxels in bytes, what a brush covers, whom it takes from, and the slices between."""
+
+import json
+
+import numpy as np
+import pytest
+
+from cpm_core.contours.packed_surface import PackedSurface, PackedVoxels
+from cpm_core.formats.common.plain import from_plain, to_plain
+from cpm_core.image.volume_regions import Voxels
+from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects, between_slices, brush_in, painted_in, union
+
+SHAPE = (20, 30, 41)
+SIDES = (2.5, 1.0, 1.0)
+
+
+def whole(body, shape=SHAPE):
+    found = np.zeros(shape, bool)
+    if body is not None:
+        body.voxels.fill(found)
+    return found
+
+
+def body(mask):
+    return PackedVoxels.of(Voxels(mask, (0, 0, 0)))
+
+
+def window(first, shape):
+    return tuple(slice(a, a + n) for a, n in zip(first, shape, strict=True))
+
+
+def random_box(rng, largest=12):
+    shape = rng.integers(1, largest, 3)
+    return [int(rng.integers(0, side - n + 1)) for side, n in zip(SHAPE, shape, strict=True)], shape
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_voxels_in_bytes_are_what_was_put_into_them_box_by_box(seed):
+    rng = np.random.default_rng(seed)
+    expected = np.zeros(SHAPE, bool)
+    first, shape = random_box(rng)
+    expected[window(first, shape)] = True
+    found = PackedVoxels.of(Voxels(np.ones(shape, bool), tuple(first)))
+    for share in (0.5, 0.0, 1.0, 0.2, 0.0):
+        first, shape = random_box(rng)
+        assert np.array_equal(found.part(first, shape), expected[window(first, shape)])
+        expected[window(first, shape)] = rng.random(shape) < share
+        found = found.with_part(first, expected[window(first, shape)])
+        assert np.array_equal(whole(found), expected)
+        if found is None:
+            return
+        assert found.volume == expected.sum()
+        inside = np.argwhere(expected)
+        assert np.array_equal(found.box, [inside.min(axis=0), inside.max(axis=0)])
+    kept = json.loads(json.dumps(to_plain(SegmentedObject(1, (), surface=(found,)))))
+    assert from_plain(SegmentedObject, kept, "it").surface[0] == found
+
+
+def test_the_smooth_surface_around_voxels_encloses_the_very_same_ones():
+    rng = np.random.default_rng(1)
+    for share in (0.02, 0.5, 0.9):
+        mask = rng.random((9, 10, 11)) < share
+        exact = body(mask).exact
+        assert isinstance(exact, PackedSurface)
+        assert np.array_equal(whole(exact, mask.shape), mask)
+
+
+def test_no_voxel_at_all_is_no_body():
+    with pytest.raises(ValueError, match="at least one voxel"):
+        body(np.zeros((3, 3, 3), bool))
+    assert body(np.ones((3, 3, 3), bool)).with_part((0, 0, 0), np.zeros((3, 3, 3), bool)) is None
+
+
+def away_from(path, axis=None):
+    """Distance of each voxel from a way, by many places on it; infinite out of the slice."""
+    places = np.moveaxis(np.indices(SHAPE), 0, -1)
+    ends = np.array(path, float)
+    ways = (ends[0] + share * (ends[-1] - ends[0]) for share in np.linspace(0.0, 1.0, 200))
+    away = np.min([np.linalg.norm((places - at) * SIDES, axis=-1) for at in ways], axis=0)
+    if axis is not None:
+        away[np.indices(SHAPE)[axis] != ends[0][axis]] = np.inf
+    return away
+
+
+@pytest.mark.parametrize("axis", [None, 0, 1, 2])
+@pytest.mark.parametrize("path", [((9.0, 14.0, 20.0),), ((3.0, 5.0, 4.5), (12.0, 22.0, 38.0)), ((0.0, 0.0, 0.0),)])
+def test_the_brush_covers_what_is_nearer_to_its_way_than_its_radius(path, axis):
+    if axis is not None:
+        path = tuple(tuple(7.0 if at == axis else x for at, x in enumerate(place)) for place in path)
+    first, mask = brush_in(SHAPE, path, 5.0, SIDES, axis)
+    found = np.zeros(SHAPE, bool)
+    found[window(first, mask.shape)] = mask
+    away = away_from(path, axis)
+    sure = np.abs(away - 5.0) > 0.05
+    assert np.array_equal(found[sure], (away < 5.0)[sure])
+
+
+def test_the_smallest_brush_covers_the_voxel_that_it_is_in():
+    first, mask = brush_in(SHAPE, ((4.4, 7.4, 8.6),), 0.1, SIDES)
+    assert mask.all()
+    assert (first.tolist(), mask.shape) == ([4, 7, 9], (1, 1, 1))
+
+
+def painted(*masks, **given):
+    """Objects with these voxels, of which the last one is painted over the others."""
+    objects = SegmentedObjects()
+    for number, mask in enumerate(masks, start=1):
+        objects = painted_in(objects, number, (np.zeros(3, int), mask), **given)
+    return objects
+
+
+def test_painting_and_erasing_the_same_way_leaves_what_was_there():
+    rng = np.random.default_rng(3)
+    there = rng.random(SHAPE) < 0.3
+    part = brush_in(SHAPE, ((5.0, 9.0, 9.0), (11.0, 20.0, 30.0)), 6.0, SIDES)
+    before = painted(there)
+    after = painted_in(painted_in(before, 1, part), 1, part, adds=False)
+    covered = whole(PackedVoxels.of(Voxels(part[1], tuple(part[0].tolist()))))
+    assert np.array_equal(whole(after[1].surface[0]), there & ~covered)
+    new = painted_in(painted_in(before, 2, part, over_others=False), 2, part, adds=False)
+    assert np.array_equal(whole(new[1].surface[0]), there)
+    assert [item.number for item in new.items] == [1]
+
+
+def test_paint_takes_from_others_but_never_from_frozen_or_hidden_ones():
+    rng = np.random.default_rng(4)
+    masks = rng.random((4, *SHAPE)) < 0.3
+    alone = [masks[0] & ~masks[1] & ~masks[2], masks[1] & ~masks[2], masks[2]]
+    objects = painted(*masks[:3])
+    assert [np.array_equal(whole(item.surface[0]), mask) for item, mask in zip(objects.items, alone, strict=True)] == [
+        True
+    ] * 3
+    items = tuple(
+        SegmentedObject(item.number, (), surface=item.surface, frozen=item.number == 1, hidden=item.number == 2)
+        for item in objects.items
+    )
+    after = painted_in(SegmentedObjects(items), 4, (np.zeros(3, int), masks[3]))
+    bodies = [whole(item.surface[0]) for item in after.items]
+    assert np.array_equal(bodies[0], alone[0])
+    assert np.array_equal(bodies[1], alone[1])
+    assert np.array_equal(bodies[2], alone[2] & ~masks[3])
+    assert np.array_equal(bodies[3], masks[3] & ~alone[0] & ~alone[1])
+    clear = painted_in(objects, 4, (np.zeros(3, int), masks[3]), over_others=False)
+    assert clear.items[:3] == objects.items
+    assert np.array_equal(whole(clear[4].surface[0]), masks[3] & ~np.any(alone, axis=0))
+
+
+def test_an_object_that_is_painted_over_whole_is_gone():
+    small, large = np.zeros((2, *SHAPE), bool)
+    small[5:7, 5:7, 5:7] = large[4:9, 4:9, 4:9] = True
+    assert [item.number for item in painted(small, large).items] == [2]
+
+
+def test_the_union_with_painted_voxels_has_the_voxels_of_both():
+    rng = np.random.default_rng(5)
+    one, other = rng.random((2, 9, 10, 11)) < 0.4
+    items = [SegmentedObject(n, (), surface=(made,)) for n, made in ((1, body(one).exact), (2, body(other)))]
+    for first, second in (items, items[::-1]):
+        assert np.array_equal(union(first, second).mask(one.shape), one | other)
+
+
+def disk(center, radius, shape=(64, 72), pixel=(1.0, 1.0)):
+    row, col = np.indices(shape)
+    return np.hypot((row - center[0]) * pixel[0], (col - center[1]) * pixel[1]) <= radius
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize("ends", [((30, 30), (30, 30)), ((20, 20), (40, 50))])
+def test_between_two_disks_lie_those_of_the_cone(axis, ends):
+    planes = np.zeros((11, 64, 72), bool)
+    planes[0], planes[10] = disk(ends[0], 6.0), disk(ends[1], 16.0)
+    (first, filled), count = between_slices(body(np.moveaxis(planes, 0, axis)), axis, (1.0, 1.0, 1.0))
+    assert count == 9
+    found = np.moveaxis(filled, axis, 0)
+    assert not found[[0, 10]].any()
+    for at in range(1, 10):
+        share = at / 10
+        center = np.add(np.multiply(1 - share, ends[0]), np.multiply(share, ends[1]))
+        radius = 6.0 + share * 10.0
+        assert not (found[at] & ~disk(center, radius + 1.0)[window_of(first, axis, found[at])]).any()
+        assert not (disk(center, radius - 1.0)[window_of(first, axis, found[at])] & ~found[at]).any()
+
+
+def window_of(first, axis, part):
+    rest = [n for at, n in enumerate(first.tolist()) if at != axis]
+    return tuple(slice(a, a + n) for a, n in zip(rest, part.shape, strict=True))
+
+
+def test_a_branch_continues_from_its_trunk_and_slices_that_are_painted_stay():
+    planes = np.zeros((9, 64, 72), bool)
+    planes[0] = disk((30, 36), 15.0)
+    planes[4] = disk((30, 25), 6.0) | disk((30, 48), 6.0)
+    planes[5] = planes[4]
+    planes[8] = disk((30, 10), 4.0) | disk((30, 60), 4.0)  # touches none of those before it
+    (_, filled), count = between_slices(body(planes), 0, (1.0, 1.0, 1.0))
+    assert count == 5
+    assert not filled[[0, 4, 5, 8]].any()
+    whole_planes = planes.copy()
+    whole_planes[:, : filled.shape[1], : filled.shape[2]] |= filled
+    from scipy.ndimage import label  # noqa: PLC0415
+
+    assert label(whole_planes)[1] == 1
+    assert label(whole_planes[6])[1] == 2
