@@ -49,8 +49,8 @@ def running_maximum(values: Values, reach: int) -> Values:
         before = values
         values = before.copy()
         for shift in range(1, min(reach, values.shape[axis] - 1) + 1):
-            ahead: tuple[slice, ...] = (slice(None),) * axis + (slice(shift, None),)
-            behind: tuple[slice, ...] = (slice(None),) * axis + (slice(None, -shift),)
+            ahead = (slice(None),) * axis + (slice(shift, None),)
+            behind = (slice(None),) * axis + (slice(None, -shift),)
             np.maximum(values[ahead], before[behind], out=values[ahead])
             np.maximum(values[behind], before[ahead], out=values[behind])
     return values
