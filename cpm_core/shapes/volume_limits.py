@@ -105,7 +105,7 @@ class Wall(Extruded):
     flat: ClassVar[type[Barrier]] = Barrier
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class Enclosed(WithoutOutline):
     """The inside of a closed surface.
 
