@@ -16,10 +16,11 @@ from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Index, Mask, Single
 
-Values = TypeVar("Values", Array, Mask)
-
 Labels = NDArray[np.int32]
 """Numbers of parts, or columns."""
+
+Values = TypeVar("Values", Array, Mask)
+Filling = TypeVar("Filling", Single, Labels)
 
 Window = tuple[slice, ...]
 """Pixels of a grid, a range along each axis."""
@@ -48,8 +49,8 @@ def running_maximum(values: Values, reach: int) -> Values:
         before = values
         values = before.copy()
         for shift in range(1, min(reach, values.shape[axis] - 1) + 1):
-            ahead: tuple[slice, ...] = (slice(None),) * axis + (slice(shift, None),)
-            behind: tuple[slice, ...] = (slice(None),) * axis + (slice(None, -shift),)
+            ahead = (slice(None),) * axis + (slice(shift, None),)
+            behind = (slice(None),) * axis + (slice(None, -shift),)
             np.maximum(values[ahead], before[behind], out=values[ahead])
             np.maximum(values[behind], before[ahead], out=values[behind])
     return values
@@ -99,9 +100,12 @@ class Parts:
     @property
     def labels(self) -> Labels:
         """Number of the part of each voxel plus one; 0 where the mask is False."""
-        labels = np.zeros(self.shape, np.int32)
-        _label(self.begin, self.first, self.end, self.part, labels)
-        return labels
+        return self.fill(np.arange(self.count, dtype=np.int32) + 1, np.zeros(self.shape, np.int32))
+
+    def fill(self, values: Filling, out: Filling) -> Filling:
+        """Write a value for each part into its voxels."""
+        _fill(self.begin, self.first, self.end, values[self.part], out)
+        return out
 
     @property
     def sizes(self) -> Index:
@@ -195,14 +199,14 @@ def renumber(group: Index) -> int:
 
 
 @compiled
-def _label(begin: Index, first: Labels, end: Labels, part: Index, labels: Labels) -> None:
-    """Write the parts of some runs plus one."""
-    rows = labels.shape[1]
+def _fill(begin: Index, first: Labels, end: Labels, values: Filling, out: Filling) -> None:
+    """Write a value for each run."""
+    rows = out.shape[1]
     for row in range(len(begin) - 1):
-        line = labels[row // rows, row % rows]
+        line = out[row // rows, row % rows]
         for n in range(begin[row], begin[row + 1]):
             for k in range(first[n], end[n]):
-                line[k] = part[n] + 1
+                line[k] = values[n]
 
 
 @compiled
@@ -252,12 +256,13 @@ def zero_surface(values: Single, inner: tuple[tuple[int, int], ...] | None = Non
     """
     begin, end = np.transpose(inner if inner is not None else [(0, size) for size in values.shape])
     part = values[tuple(map(slice, begin, end))]
-    inside = part > 0.0
-    if min(part.shape) < 2 or inside.all() or not inside.any():
+    if min(part.shape) < 2 or not part.max() > 0.0 >= part.min():
         return np.empty((0, 3)), np.empty((0, 3), np.int64)
     least = np.float32(_NEAREST) * np.median(np.abs(part), overwrite_input=True)
-    darker, small = -part, np.abs(part) < least
-    darker[small] = np.where(inside[small], -least, least)
+    darker = -part
+    for plane in darker:
+        small = np.abs(plane) < least
+        plane[small] = np.where(plane[small] < 0.0, -least, least)
     vertices, faces, _, _ = skimage.measure.marching_cubes(darker, 0.0, method="lorensen")  # type: ignore[no-untyped-call]
     return vertices.astype(float) + begin, faces.astype(np.int64)
 

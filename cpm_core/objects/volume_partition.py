@@ -31,6 +31,7 @@ _BESIDE = 0.75
 
 _NOWHERE = "No place has been said to be inside."
 _SAME = "The same body has been said to be inside and outside; it is left out."
+_BOTH = "The same place has been said to be inside and outside; what was said last counts."
 _THIN = "No body was found at this place."
 
 NO_SURFACE = Surface(np.empty((0, 3)), np.empty((0, 3), np.int64))
@@ -136,6 +137,12 @@ class VolumePartition:
         """What the prior makes of places, next to what was chosen before."""
         last = np.array(self.shape) - 1.0
         within, beyond = np.clip(inside, 0.0, last), np.clip(outside, 0.0, last)
+        same = (np.rint(within)[:, None] == np.rint(beyond)).all(axis=2)
+        if same.any():  # what was said last counts
+            newer = np.arange(len(within)) >= (len(within) if previous is None else len(previous.inside))
+            within, beyond = within[newer | ~same.any(axis=1)], beyond[~(same & newer[:, None]).any(axis=0)]
+        if not len(within):
+            return VolumeSelection(self, NO_SURFACE, inside, outside, _BOTH)
         size = self._prior.size
         if previous is not None and previous.body is not None:
             body = previous.body
@@ -148,7 +155,7 @@ class VolumePartition:
                 if body.holds(place * size) != adds:
                     body = self._prior.corrected(body, place * size, adds, within * size, beyond * size)
         surface = body_surface(body, self.image.values, size, within, beyond, self.image.spacing, self.image.unit)
-        return VolumeSelection(self, surface, inside, outside, body=body)
+        return VolumeSelection(self, surface, inside, outside, _BOTH if same.any() else "", body)
 
     @cached_property
     def _prior(self) -> BodyPrior:
@@ -252,7 +259,7 @@ class VolumeSelection:
         there = replace(self.surface, vertices=self.surface.vertices - first)
         part = inside_of(there, tuple((end - first).tolist())) if self.found else np.zeros(end - first, np.bool_)
         for voxels, within in zip(places, (False, True), strict=True):
-            if self.body is not None:
+            if self.body is not None and self.remark != _BOTH:
                 part[tuple((voxels - first).T)] = within
         return first, part
 

@@ -4,9 +4,9 @@ Run by itself: ``python tests/benchmarks/frames.py [seconds [steps a second, 0 f
 1600 x 1000. In an image of 1400 x 1400 px with a disc, 20,000 particles start from a grid, until half of them rest; in
 a volume of 256^3 voxels with eight balls, which canvas, both slices next to it and the view in space show, a grid of
 points grows to 26,000 particles, and pictures count from 20,000 on. A picture counts when it is painted with other
-positions than the one before it. The worst second is that with the fewest pictures of all seconds that begin with one.
-The processor time of the window's thread, of the engine's and of all is divided by their number: unlike the rate, it
-depends little on what else the computer does.
+positions than the one before it; the view in space also shows those between two steps. The worst second is that with
+the fewest pictures of all seconds that begin with one. The processor time of the window's thread, of the engine's and
+of all is divided by their number: unlike the rate, it depends little on what else the computer does.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import sys
 import tempfile
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -29,7 +30,6 @@ from app.session.features.workspace import Workspace
 from app.views.application import make_application
 from app.views.features.files import OpenSaveFeature
 from app.views.main_window import make_window
-from app.views.window.window import MainWindow
 from cpm_core import Parameters
 from cpm_core.shapes import Points
 
@@ -57,17 +57,17 @@ def grid(shape: tuple[int, ...], spacing: float) -> Points:
 class Pictures(QObject):
     """Notes when a widget is painted with other positions of the particles than before."""
 
-    def __init__(self, window: MainWindow, widget: QObject) -> None:
+    def __init__(self, widget: QObject, positions: Callable[[], np.ndarray | None]) -> None:
         super().__init__()
-        self._session = window.session
+        self._positions = positions
         self.times: list[float] = []
         self._last: np.ndarray | None = None
         widget.installEventFilter(self)
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:  # noqa: N802  # Qt's name
         if event.type() == QEvent.Type.Paint:
-            now = self._session.scene.snapshot.position
-            if self._last is not now and not np.array_equal(self._last, now):
+            now = self._positions()
+            if now is not None and self._last is not now and not np.array_equal(self._last, now):
                 self._last = now
                 self.times.append(time.perf_counter())
         return False
@@ -123,9 +123,10 @@ def measure(values: np.ndarray, points: Points, least: int, seconds: float, pace
     session.set_pace(pace)
     session.run()
     wait(application, lambda: session.status.count >= least and session.status.step > 0)
-    views = {"canvas": Pictures(window, window.canvas_area.canvas.viewport())}
+    views = {"canvas": Pictures(window.canvas_area.canvas.viewport(), lambda: session.scene.snapshot.position)}
     if values.ndim == 3:
-        views["space"] = Pictures(window, window.panels["space"].view)
+        space = window.panels["space"].view
+        views["space"] = Pictures(space, lambda: space.positions)
     counts, first = [len(session.scene.snapshot.position)], session.status.step
     used = np.array([time.process_time(), time.thread_time(), engine_time()])
     begin = time.perf_counter()

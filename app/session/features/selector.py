@@ -26,6 +26,7 @@ from cpm_core import (
     Partition,
     Result,
     Selection,
+    Surface,
     VolumePartition,
     VolumeSelection,
     partition,
@@ -118,11 +119,10 @@ class Partitions(QObject):
             self._asked_for = source
             self._end_task()
             if isinstance(source, Everywhere):
-                large = math.prod(source.image.shape) > MOST_OFFERED
-                if self.partition is None or large:  # answers at once; contours follow
-                    cut = Partition(source.image, (), of_plane(source.regions), source.parameters.channel)
-                    self._use(Prepared(source, cut))
-                if not large:
+                alone = source.image.ndim == 3 or math.prod(source.image.shape) > MOST_OFFERED
+                if self.partition is None or alone:  # answers at once; contours follow
+                    self._use(Prepared(source, _without_run(source)))
+                if not alone:
                     self._run(source)
             else:
                 self._latest.ask(lambda: Prepared(source, _ready(partition(source))), self._take)
@@ -136,19 +136,13 @@ class Partitions(QObject):
         if scene.image is None:
             return None
         found = scene.reconstruction.result if scene.reconstruction is not None else None
-        if scene.slices is not None:  # a run from everywhere takes too long to be begun without being asked for
-            return found if isinstance(found, Result) and found.surface is not None else None
-        if isinstance(found, Result) and found.image is not None and found.contours:
+        if isinstance(found, Result) and found.image is not None and (found.contours or found.surface is not None):
             return found
         return Everywhere(scene.image, parameters_everywhere(scene.document), scene.document.regions)
 
     def _run(self, source: Everywhere) -> None:
         def work(task: Task) -> Prepared:
-            image, grid = source.image, uniform_grid(source.image.shape)
-            found = segment(
-                image, grid, source.parameters, regions=source.regions, progress=lambda _: task.check_cancelled()
-            )
-            return Prepared(source, _ready(partition(found)))
+            return Prepared(source, _ready(from_everywhere(source, task)))
 
         name = tr("Finding contours everywhere, to outline objects exactly…")
         activity = tr("preparing the selection of objects")
@@ -191,6 +185,16 @@ class Partitions(QObject):
         self.changed.emit()
 
 
+def from_everywhere(source: Everywhere, task: Task) -> Partition:
+    """A partition with the contours of a run from everywhere; without, where that would take too long."""
+    image, regions = source.image, source.regions
+    if math.prod(image.shape) > MOST_OFFERED:
+        return Partition(image, (), of_plane(regions), source.parameters.channel)
+    grid = uniform_grid(image.shape)
+    found = segment(image, grid, source.parameters, regions=regions, progress=lambda _: task.check_cancelled())
+    return cast("Partition", partition(found))
+
+
 def parameters_everywhere(document: Document) -> Parameters:
     """Parameters of a run from everywhere: those of a partition, with what differs from the preset of the mode."""
     preset, chosen = PRESETS[MODES[document.mode].preset], document.parameters
@@ -202,9 +206,20 @@ def parameters_everywhere(document: Document) -> Parameters:
     return replace(EVERYWHERE, **changed)
 
 
+def _without_run(source: Everywhere) -> AnyPartition:
+    """A partition without contours or a surface, which answers all the same."""
+    if source.image.ndim == 3:
+        return VolumePartition(source.image)
+    return Partition(source.image, (), of_plane(source.regions), source.parameters.channel)
+
+
 def _ready(made: AnyPartition) -> AnyPartition:
     """A partition that has computed all that a selection needs, so that the first answer comes at once."""
-    made.select([[0.5 * (side - 1) for side in made.shape]])
+    middle = np.array([[0.5 * (side - 1) for side in made.shape]])
+    if isinstance(made, VolumePartition):
+        made.bodies_at(middle)
+    else:
+        made.select(middle)
     return made
 
 
@@ -281,11 +296,16 @@ class Selector:
         if not len(inside):
             return None
         if isinstance(self.partition, VolumePartition):
-            made = self.partition.select(inside, outside)
+            if self._changed is not None and clicks == first_clicks(self._changed, self.partition.shape):
+                item = self._changed
+                whole = replace(cast("Surface", item.body), spacing=self.partition.image.spacing)
+                return VolumeSelection(self.partition, whole, item.inside, item.outside)
+            before = self.selection(clicks[:-1])
+            made = self.partition.select(inside, outside, previous=cast("VolumeSelection | None", before))
             known = (one for one in self._known.values() if isinstance(one, VolumeSelection) and one.same(made))
             made = next((one for one in known if one.remark == made.remark), made)
             if made.found:
-                _ = made.packed  # made on this thread, not on that of the window
+                _ = made.packed, made.holds(inside)  # made on this thread, not on that of the window
             return made
         if clicks in self._given:
             return self._given[clicks]
@@ -295,6 +315,13 @@ class Selector:
             found, first = self._candidates(clicks)
             return found[min(max(first + clicks[-1].step, 0), len(found) - 1)]
         return self.partition.select(inside, **self._rest(clicks))
+
+    def quick(self, clicks: tuple[Click, ...]) -> bool:
+        """Whether what clicks select is known at once, so that it can be shown while the pointer moves."""
+        if not isinstance(self.partition, VolumePartition) or clicks in self._known:
+            return True
+        places = np.concatenate([np.array(each.places) for each in clicks])
+        return bool(self.partition.bodies_at(places).all())
 
     def _rest(self, clicks: tuple[Click, ...]) -> dict[str, Any]:
         """What a selection in an image depends on except for the places inside."""

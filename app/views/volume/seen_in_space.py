@@ -71,11 +71,12 @@ def _particles(
 ) -> Particles | None:
     if snapshot is None or size == 0.0:
         return None
-    if quantity not in QUANTITIES:
-        return Particles(snapshot.position, np.array(list(map(_rgb, inks)))[snapshot.resting.astype(np.intp)], size)
-    marks = colored(QUANTITIES[quantity], snapshot.state, snapshot.metrics).marks
-    palette = np.vstack([color_maps.table(map_name, SHADES, BEGIN), _rgb(UNKNOWN)]).astype(np.uint8)
-    return Particles(snapshot.position, palette[marks], size)
+    state, palette, marks = snapshot.state, np.array(list(map(_rgb, inks))), snapshot.resting.astype(np.intp)
+    if quantity in QUANTITIES:
+        marks = colored(QUANTITIES[quantity], state, snapshot.metrics).marks
+        palette = np.vstack([color_maps.table(map_name, SHADES, BEGIN), _rgb(UNKNOWN)]).astype(np.uint8)
+    run = snapshot.generation
+    return Particles(snapshot.position, palette[marks], size, run, state.step, state.particles.identity)
 
 
 def _mesh(found: Reconstruction | None) -> Mesh | None:

@@ -43,6 +43,10 @@ class Picture:
         rows, cols = self.depths.shape
         return rows, cols
 
+    def copy(self) -> Picture:
+        """The same, to be drawn in."""
+        return Picture(self.colors.copy(), self.depths.copy())
+
     def covered_by(self, other: Picture, opacity: float) -> None:
         """Lay another picture of the same size over this one, with this opacity, where what it shows is nearer."""
         own = Image.fromarray(self.colors)

@@ -14,14 +14,14 @@ from app.model.display.space.triangles import Cut, Mesh, draw_mesh
 from app.model.display.space.voxels import Shaded, draw_projection, draw_slice
 from app.model.volume.slices import Slices
 from cpm_core import Image
-from cpm_core.numerics import Array
+from cpm_core.numerics import Array, Index
 
 Color = tuple[int, int, int]
 
-AXIS_COLORS: tuple[Color, Color, Color] = ((70, 120, 255), (60, 180, 75), (230, 70, 60))
+AXIS_COLORS = ((70, 120, 255), (60, 180, 75), (230, 70, 60))
 """Colors of the axes: plane, row, column."""
 
-GRAY: Colors = np.repeat(np.arange(256, dtype=np.uint8)[:, np.newaxis], 3, axis=1)
+GRAY = np.repeat(np.arange(256, dtype=np.uint8)[:, np.newaxis], 3, axis=1)
 """Shades as they are."""
 
 _NEARER = 2.0
@@ -59,11 +59,24 @@ class ShownParts:
 
 @dataclass(frozen=True, eq=False)
 class Particles:
-    """Positions (N, 3) [voxels] and colors (N, 3); `size` is a factor for their radius."""
+    """Positions (N, 3) [voxels] and colors (N, 3); `size` is a factor for their radius.
+
+    They are those of a run after a step, with the numbers by which they are known after the next one.
+    """
 
     positions: Array
     colors: Colors
     size: float = 1.0
+    run: int = 0
+    step: int = 0
+    identity: Index = field(default_factory=lambda: np.empty(0, np.int64))
+
+    def start(self, before: Particles) -> Array:
+        """Where they were a step before; new ones where they are."""
+        order = np.argsort(before.identity)
+        known = order[np.searchsorted(before.identity, self.identity, sorter=order).clip(max=len(order) - 1)]
+        same = before.identity[known] == self.identity
+        return np.where(same[:, None], before.positions[known], self.positions)
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,15 +157,19 @@ class ViewInSpace:
         if self.wires is not None:
             places = self.wires.ends.reshape(-1, 3) * np.array(spacing)
             draw_lines(picture, camera.seen(places, size), self.wires.colors)
-        if self.particles is not None and shown.particles:
-            places, colors, cut = self.particles.positions * np.array(spacing), self.particles.colors, self.cut
-            if cut is not None:
-                kept = cut.before(places) <= 0.0
-                places, colors = places[kept], colors[kept]
-            draw_balls(picture, camera.seen(places, size), colors, self.particles.size * look.radius)
+        self.draw_particles(picture, self.particles, camera, look)
         if shown.opacity > 0.0:
             self._draw_surfaces(picture, camera, look)
         return picture
+
+    def draw_particles(self, picture: Picture, particles: Particles | None, camera: Camera, look: Look) -> None:
+        """Draw particles, if they are shown, into a picture."""
+        if particles is not None and self.shown.particles:
+            places, colors, cut = particles.positions * np.array(self.image.spacing), particles.colors, self.cut
+            if cut is not None:
+                kept = cut.before(places) <= 0.0
+                places, colors = places[kept], colors[kept]
+            draw_balls(picture, camera.seen(places, picture.size), colors, particles.size * look.radius)
 
     def _draw_surfaces(self, picture: Picture, camera: Camera, look: Look) -> None:
         """The objects and the surface, all of the same opacity: an object often is the surface."""

@@ -167,7 +167,8 @@ class ObjectLayer(Layer):
             curves = _curves_of(preview.after)
             if isinstance(preview.before, Selection):
                 curves += _curves_of(preview.before)
-            changed = [(curves, theme.PROPOSAL if preview.adds else theme.REMOVED, _CHANGED if preview.adds else 1.0)]
+            color, opacity = (theme.PROPOSAL, _CHANGED) if preview.adds else (theme.REMOVED, 1.0)
+            changed = [(curves, color, opacity)] if curves else []  # none in a slice beside it
         adds = preview is not None and preview.adds
         self.added.show(changed if adds else [])
         self.removed.show([] if adds else changed)

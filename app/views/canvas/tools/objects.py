@@ -55,8 +55,6 @@ class ObjectTool(Tool):
     def advice(self) -> str:
         """What to do next."""
         if not self._selection.ready:
-            if self.volume is not None and self._session.status.surface is None:
-                return tr("Start a run to find the surface first: objects are the bodies that it encloses.")
             return ""
         if self._list.chosen and not self._selection.selecting:
             return with_keys(

@@ -64,7 +64,8 @@ def click(hand: Hand, at: tuple[float, float], keys: Qt.KeyboardModifier = Qt.Ke
 
 def settle(hand: Hand) -> None:
     selection = hand.window.workspace.object_selection
-    hand.wait(lambda: selection.idle and bool(selection.proposals) == selection.selecting)
+    clicks = hand.window.session.document.objects.clicks
+    hand.wait(lambda: selection.idle and ([each.clicks for each in selection.proposals[:1]] == [clicks] or not clicks))
     hand.qtbot.wait(20)
 
 
@@ -221,3 +222,29 @@ def test_an_object_is_a_region_of_interest_in_all_slices_and_in_sessions(found, 
     assert load_session(path).shapes[-1] == region
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
     assert found.session.document.regions is None
+
+
+def test_a_click_in_any_slice_gives_the_body_before_a_run(volume, hand) -> None:
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_W)
+    volume.workspace.slices.through(OTHER)
+    selection = volume.workspace.object_selection
+    hand.wait(lambda: selection.ready)
+    click(hand, OTHER[1:])
+    (proposal,) = selection.proposals
+    assert proposal.selection.volume == pytest.approx(BALL, rel=0.08)
+    assert hand.canvas.layers["objects"].offered_fill.count == 1
+    volume.workspace.slices.at(1)
+    assert hand.canvas.layers["objects"].offered_fill.count == 0
+    volume.workspace.slices.through(ONE)
+    click(hand, ONE[1:])
+    assert selection.proposals[0].selection.holds(np.array([ONE, OTHER])).all()
+    assert selection.proposals[0].selection.volume == pytest.approx(2 * BALL, rel=0.1)
+    click(hand, ONE[1:], SHIFT)
+    assert selection.proposals[0].selection.holds(np.array([ONE, OTHER])).tolist() == [False, True]
+    hand.key(KEY.Key_Backspace)
+    hand.key(KEY.Key_Backspace)
+    settle(hand)
+    take(hand)
+    assert bodies(volume) == pytest.approx([BALL], rel=0.08)
+    assert volume.session.scene.reconstruction is None

@@ -29,6 +29,7 @@ def brush(volume, hand):
     tool = hand.canvas.hold.tool
     assert tool.name == "mend"
     tool.set_radius(3.0)
+    volume.workspace.object_list.set_way(ball=False, over_others=True)
     return tool
 
 

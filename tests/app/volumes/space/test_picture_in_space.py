@@ -191,3 +191,13 @@ def test_a_surface_that_is_not_opaque_lets_the_particles_behind_it_be_seen() -> 
         blue[opacity] = view.drawn(camera, (41, 41), look).colors[20, 20].astype(float)
     assert blue[0.0] == pytest.approx([0.0, 0.0, 250.0], abs=2.0)
     assert blue[0.5] == pytest.approx(0.5 * (blue[0.0] + blue[1.0]), abs=1.5)
+
+
+def test_particles_come_from_where_those_of_the_same_number_were_and_new_ones_from_nowhere() -> None:
+    rng = np.random.default_rng(0)
+    numbers = rng.permutation(40)
+    before = Particles(rng.normal(size=(30, 3)), np.zeros((30, 3), np.uint8), identity=numbers[:30])
+    after = Particles(rng.normal(size=(25, 3)), np.zeros((25, 3), np.uint8), identity=rng.permutation(numbers[15:]))
+    for start, place, number in zip(after.start(before), after.positions, after.identity, strict=True):
+        known = np.flatnonzero(before.identity == number)
+        assert start.tolist() == (before.positions[known[0]] if len(known) else place).tolist()

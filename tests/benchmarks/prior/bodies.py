@@ -1,0 +1,89 @@
+"""Bodies in volumes that nobody has drawn: blobs, tori, tubes and pairs, with gaps, noise, shading and neighbors."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy
+from numpy.random import Generator
+
+from cpm_core.numerics.types import Array, Mask
+
+KINDS = ("blob", "torus", "tube", "pair", "textured", "gap", "hollow")
+"""The kinds of bodies that `body` makes."""
+
+CONTRAST, GROUND, BLUR = 100.0, 60.0, 0.8
+
+
+def body(kind: str, side: int, rng: Generator) -> tuple[Array, Mask]:
+    """A volume of so many voxels along each axis, and the body that is meant in it."""
+    middle = side * rng.uniform(0.42, 0.58, 3)
+    size = side * rng.uniform(0.2, 0.28)
+    others = np.zeros((side,) * 3, np.bool_)
+    if kind == "torus":
+        inside = _torus(side, middle, size, rng)
+    elif kind == "tube":
+        inside = _tube(side, middle, size, rng)
+    elif kind == "pair":
+        turn = _direction(rng)
+        inside = _blob(side, middle - 0.75 * size * turn, 0.75 * size, rng)
+        others = _blob(side, middle + 0.8 * size * turn, 0.7 * size, rng) & ~inside
+        thin = scipy.ndimage.distance_transform_edt(~inside) < 1.5
+        others &= ~(thin & (rng.random(inside.shape) < 0.5))
+    else:
+        inside = _blob(side, middle, size, rng)
+    values = np.where(others, 0.9, 0.0)
+    within = np.ones(inside.shape)
+    if kind == "textured":
+        within = 0.75 + 0.35 * _smooth(side, 0.05 * side, rng)
+    elif kind == "hollow":
+        inside &= ~_blob(side, middle, 0.55 * size, rng)
+    values[inside] = within[inside]
+    if kind == "gap":  # a neighbor of the same gray level
+        outward = _direction(rng)
+        neighbor = _blob(side, middle + 1.4 * size * outward, 0.55 * size, rng)
+        values[neighbor & ~inside] = 1.0
+    for _ in range(3):
+        far = _blob(side, rng.uniform(0.05, 0.95, 3) * side, rng.uniform(0.06, 0.13) * side, rng)
+        free = scipy.ndimage.binary_dilation(inside | others, iterations=3)
+        values[far & ~free & (values == 0.0)] = rng.uniform(0.4, 1.2)
+    seen = scipy.ndimage.gaussian_filter(values, BLUR)
+    shade = 1.0 + 0.15 * _smooth(side, 0.3 * side, rng)
+    sign = 1.0 if rng.random() < 0.7 else -1.0
+    seen = GROUND + (CONTRAST * (sign < 0)) + sign * CONTRAST * seen * shade
+    return seen + rng.normal(0.0, rng.uniform(3.0, 25.0), seen.shape), inside
+
+
+def _direction(rng: Generator) -> Array:
+    way = rng.normal(size=3)
+    return way / np.linalg.norm(way)
+
+
+def _smooth(side: int, width: float, rng: Generator) -> Array:
+    """Smooth noise of unit deviation."""
+    coarse = max(int(2 * side / width), 4)
+    field = scipy.ndimage.zoom(rng.normal(size=(coarse,) * 3), side / coarse, order=3)
+    return field / field.std()
+
+
+def _blob(side: int, middle: Array, size: float, rng: Generator) -> Mask:
+    """A ball whose axes differ, with bumps."""
+    turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    places = np.moveaxis(np.indices((side,) * 3), 0, -1) - middle
+    away = np.linalg.norm(places @ turn / (size * np.exp(rng.uniform(-0.25, 0.25, 3))), axis=-1)
+    return away + rng.uniform(0.0, 0.12) * _smooth(side, 1.2 * size, rng) < 1.0
+
+
+def _torus(side: int, middle: Array, size: float, rng: Generator) -> Mask:
+    turn, _ = np.linalg.qr(rng.normal(size=(3, 3)))
+    along, row, col = np.moveaxis((np.moveaxis(np.indices((side,) * 3), 0, -1) - middle) @ turn, -1, 0)
+    return np.hypot(np.hypot(row, col) - 1.1 * size, along) < rng.uniform(0.3, 0.5) * size
+
+
+def _tube(side: int, middle: Array, size: float, rng: Generator) -> Mask:
+    """A bent tube."""
+    steps = np.linspace(-1.0, 1.0, 60)[:, None]
+    bend, way, wave = _direction(rng), _direction(rng), _direction(rng)
+    line = middle + size * (1.5 * steps * way + 0.6 * steps**2 * bend + 0.3 * np.sin(4.0 * steps) * wave)
+    tree = scipy.spatial.KDTree(line)
+    places = np.moveaxis(np.indices((side,) * 3), 0, -1).reshape(-1, 3)
+    return np.asarray(tree.query(places)[0] < rng.uniform(0.18, 0.3) * size).reshape((side,) * 3)
