@@ -26,6 +26,9 @@ from cpm_core.numerics.types import Array, Index, Mask, Place, Single
 _LARGEST = 256 * 2**20
 """Most bytes of an array that is read."""
 
+Corner = Sequence[int] | Index
+"""A voxel, or the sides of a box, (plane, row, col)."""
+
 MOST_VOXELS = 2**28
 """Most voxels of the box around a surface, whose inside takes a byte for each and more while it is found."""
 
@@ -111,7 +114,7 @@ class PackedSurface:
         """The same body as voxels, which a brush can change."""
         return PackedVoxels.of(self.voxels)
 
-    def part(self, begin: Sequence[int], shape: Sequence[int]) -> Mask:
+    def part(self, begin: Corner, shape: Corner) -> Mask:
         """Which voxels of a box, given its first voxel and its shape, have their centers inside."""
         return self.painted.part(begin, shape)
 
@@ -193,9 +196,9 @@ class PackedVoxels:
         """Planes, rows and columns of the box."""
         return len(self.planes), len(self.planes[0]) // self.width, _BYTE * self.width
 
-    def part(self, begin: Sequence[int], shape: Sequence[int]) -> Mask:
+    def part(self, begin: Corner, shape: Corner) -> Mask:
         """Which voxels of another box, given its first voxel and its shape, are among them."""
-        found = np.zeros(shape, np.bool_)
+        found = np.zeros(tuple(shape), np.bool_)
         low, high = np.maximum(begin, self.first), np.minimum(np.add(begin, shape), np.add(self.first, self.shape))
         if (low < high).all():
             (plane, row, col), (planes, rows, cols) = low - self.first, high - low
@@ -205,7 +208,7 @@ class PackedVoxels:
             found[_window(low, high, begin)] = bits[:, :, col % _BYTE :][:, :, :cols]
         return found
 
-    def with_part(self, begin: Sequence[int], mask: Mask) -> PackedVoxels | None:
+    def with_part(self, begin: Corner, mask: Mask) -> PackedVoxels | None:
         """These with a mask instead of what is in its box, which begins at a voxel; None without any voxel."""
         known = self._around(begin, mask)
         low, high = np.maximum(begin, known.first), np.add(begin, mask.shape)
@@ -253,7 +256,7 @@ class PackedVoxels:
     @property
     def box(self) -> Array:
         """The least, and the largest, plane, row and column of them, shape (2, 3)."""
-        return _ends(self.part(self.first, self.shape)) + self.first
+        return np.asarray(_ends(self.part(self.first, self.shape)) + self.first, float)
 
     def moved(self, by: Place) -> PackedVoxels:
         """The same voxels displaced by about so much along each axis [voxels]."""
@@ -263,7 +266,7 @@ class PackedVoxels:
         """The bytes of a plane of the box, a row of the array for each of its rows."""
         return np.frombuffer(self.planes[plane], np.uint8).reshape(-1, self.width)
 
-    def _around(self, begin: Sequence[int], mask: Mask) -> PackedVoxels:
+    def _around(self, begin: Corner, mask: Mask) -> PackedVoxels:
         """The same voxels in a box with room for those of a mask."""
         if not mask.any():
             return self
@@ -289,7 +292,7 @@ def _any(planes: Sequence[bytes]) -> bool:
     return any(plane != bytes(len(plane)) for plane in planes)
 
 
-def _window(low: Index, high: Index, begin: Sequence[int] | Index) -> tuple[slice, ...]:
+def _window(low: Index, high: Index, begin: Corner) -> tuple[slice, ...]:
     """A box in one that begins at a voxel."""
     return tuple(slice(a, b) for a, b in zip(low - begin, high - begin, strict=True))
 

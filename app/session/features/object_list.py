@@ -700,9 +700,9 @@ class ObjectBrush:
         In a volume it is a chosen one even where the brush does not touch it, so that it continues in other slices.
         """
         if len(newest[-1]) == 3:
-            under, chosen = self._list.under(newest[-1]), [item for item in self._list.items if not item.hidden]
-            found = [item for item in chosen or self._list.objects.items if item.number == under]
-            return next(iter((*found, *chosen)), None)
+            place, meant = self._list.under(newest[-1]), [item for item in self._list.items if not item.hidden]
+            found = [item for item in meant or self._list.objects.items if item.number == place]
+            return next(iter((*found, *meant)), None)
         way = polyline.sampled(np.array(newest), 0.5 * radius) if len(newest) > 1 else np.array(newest)
         near = [
             item for item in self._list.near(way, radius)

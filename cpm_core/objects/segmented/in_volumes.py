@@ -104,8 +104,8 @@ def painted_in(
             del items[other]
         elif body is not items[other].surface[0]:
             items[other] = replace(items[other], clicks=(), surface=(body,))
-    over = {"clicks": (), "edited": 0} if objects.edited in changed else {}
-    return replace(objects, items=tuple(items.values()), **over)
+    left = replace(objects, clicks=(), edited=0) if objects.edited in changed else objects
+    return replace(left, items=tuple(items.values()))
 
 
 def _changed(body: PackedBody, part: Part, adds: bool) -> PackedVoxels | None:

@@ -219,8 +219,8 @@ class SegmentedObject:
             voxels = self.surface[0].voxels
             at = int(voxels.mask.sum(axis=(1, 2)).argmax())
             depth = scipy.ndimage.distance_transform_edt(np.pad(voxels.mask[at], 1))[1:-1, 1:-1]
-            deepest = (at, *np.unravel_index(int(np.argmax(depth)), depth.shape))
-            return tuple(np.add(deepest, voxels.first or 0).astype(float).tolist())
+            row, col = np.unravel_index(int(np.argmax(depth)), depth.shape)
+            return tuple(np.add((at, int(row), int(col)), voxels.first or (0, 0, 0)).astype(float).tolist())
         first, window = self._window(shape)
         if not window.any():
             return self.boundary[0][0]
