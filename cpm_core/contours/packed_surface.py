@@ -151,7 +151,7 @@ _LEAST = 0.15
 _PLANES = 16
 """Planes of a surface that are made at once: while triangles are made nothing else can be done."""
 
-_MOST_KEPT = 64
+_MOST_KEPT = 32
 """Bodies of voxels of which surfaces and shells are kept: documents that can be undone hold many versions of each."""
 
 
