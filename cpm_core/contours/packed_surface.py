@@ -12,6 +12,7 @@ import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ from numpy.typing import DTypeLike, NDArray
 from cpm_core.contours.surface import Surface, inside_of
 from cpm_core.image.volume_regions import Voxels
 from cpm_core.numerics.grids import zero_surface
-from cpm_core.numerics.types import Array, Index, Mask, Place, Single
+from cpm_core.numerics.types import Array, Index, Mask, Place
 
 _LARGEST = 256 * 2**20
 """Most bytes of an array that is read."""
@@ -154,6 +155,9 @@ _LEAST = 0.15
 _PLANES = 16
 """Planes of a surface that are made at once: while triangles are made nothing else can be done."""
 
+_WEIGHTS = np.array([1.0, math.e, math.pi])
+"""Of the coordinates of a place in a sum that no other place has."""
+
 _MOST_KEPT = 32
 """Bodies of voxels of which surfaces and shells are kept: documents that can be undone hold many versions of each."""
 
@@ -274,14 +278,16 @@ class PackedVoxels:
         before = np.maximum(np.subtract(self.first, low), 0)
         after = np.maximum(high + 1 - np.add(self.first, self.shape), 0)
         before[2], after[2] = -(-before[2] // _BYTE), -(-after[2] // _BYTE)
-        if not before.any() and not after.any():
+        if not (before + after).any():
             return self
-        room = tuple(zip(before.tolist(), after.tolist(), strict=True))
-        planes = [np.pad(self._rows(at), room[1:]).tobytes() for at in range(len(self.planes))]
-        nothing = (bytes(len(planes[0])),)
-        first = np.subtract(self.first, before * (1, 1, _BYTE))
+        (above, below), *room = zip(before.tolist(), after.tolist(), strict=True)
+        planes = [
+            np.pad(self._rows(at), room).tobytes() if np.any(room) else self.planes[at]
+            for at in range(len(self.planes))
+        ]
+        nothing, first = (bytes(len(planes[0])),), np.subtract(self.first, before * (1, 1, _BYTE))
         return PackedVoxels(
-            tuple(first.tolist()), self.width + sum(room[2]), (*nothing * room[0][0], *planes, *nothing * room[0][1])
+            tuple(first.tolist()), self.width + sum(room[1]), (*nothing * above, *planes, *nothing * below)
         )
 
 
@@ -313,29 +319,12 @@ def _surface(body: PackedVoxels) -> Surface:
     inside = np.pad(body.voxels.mask, _MARGIN)
     level = scipy.ndimage.gaussian_filter(inside.astype(np.float32), _SMOOTH) - np.float32(0.5)
     level = np.where(inside, np.maximum(level, _LEAST), np.minimum(level, -_LEAST))
-    vertices, faces = _in_turns(level)
-    return Surface(vertices + np.array(body.first) - _MARGIN, faces)
-
-
-def _in_turns(level: Single) -> tuple[Array, Index]:
-    """The surface at zero, some planes after the others, between which the window has its turn."""
-    found: list[tuple[Array, Index]] = []
-    seam, count = np.empty(0, np.int64), 0
-    for first in range(0, len(level) - 1, _PLANES):
-        inner = (first, min(first + _PLANES + 1, len(level))), (0, level.shape[1]), (0, level.shape[2])
-        vertices, faces = zero_surface(level, inner)
-        known = _on_plane(vertices, first)
-        number = np.full(len(vertices), -1)
-        number[known] = seam
-        fresh = number < 0
-        number[fresh] = count + np.arange(int(fresh.sum()))
-        seam, count = number[_on_plane(vertices, first + _PLANES)], count + int(fresh.sum())
-        found.append((vertices[fresh], number[faces]))
-    places, triangles = zip(*found, strict=True)
-    return np.concatenate(places), np.concatenate(triangles)
-
-
-def _on_plane(vertices: Array, plane: int) -> Index:
-    """Which vertices lie on a plane, in the order of their rows and columns."""
-    on = np.flatnonzero(vertices[:, 0] == plane)
-    return on[np.lexsort(vertices[on, 1:].T)]
+    # a few planes at a time, between which the window has its turn; corners on the planes between are the same twice
+    ends = pairwise([*range(0, len(level) - 1, _PLANES), len(level) - 1])
+    inner = [(0, side) for side in level.shape[1:]]
+    parts = [zero_surface(level, ((first, last + 1), *inner)) for first, last in ends]
+    counts = np.cumsum([0, *(len(vertices) for vertices, _ in parts)])
+    vertices = np.concatenate([part for part, _ in parts])
+    _, kept, numbers = np.unique((vertices * _WEIGHTS).sum(axis=1), return_index=True, return_inverse=True)
+    faces = numbers[np.concatenate([part + count for (_, part), count in zip(parts, counts, strict=False)])]
+    return Surface(vertices[kept] + np.array(body.first) - _MARGIN, faces)

@@ -128,7 +128,7 @@ def histogram(values: Array, image: Image) -> tuple[int, ...]:
 
 
 def _measured(item: SegmentedObject, image: Image) -> Figures:
-    values = item.values(image.values)
+    values = image.values[item.mask(image.shape)]
     gray, counts = float(values.mean()) if len(values) else float("nan"), histogram(values, image)
     body = item.body
     if body is None:
@@ -355,10 +355,9 @@ class ObjectList(QObject):
         self._brush = radius
         self.brush_changed.emit(self.brush)
 
-    def set_way(self, *, ball: bool | None = None, over_others: bool | None = None) -> None:
-        """Let the brush paint in space in a volume, or in a slice, and over other objects, or beside them."""
-        self.ball = self.ball if ball is None else ball
-        self.over_others = self.over_others if over_others is None else over_others
+    def turn_brush(self, way: Literal["ball", "over_others"]) -> None:
+        """Let the brush paint in space in a volume, or in a slice; over other objects, or beside them."""
+        setattr(self, way, not getattr(self, way))
         self.brush_changed.emit(self.brush)
 
     # Selecting

@@ -163,14 +163,6 @@ class SegmentedObject:
         found[top : top + window.shape[0], left : left + window.shape[1]] = window
         return found
 
-    def values(self, values: Array) -> Array:
-        """The values of the pixels of an image, or of the voxels of a volume, whose centers lie inside, shape (N,)."""
-        if not self.surface:
-            return values[self.mask(values.shape)]
-        low, high = np.clip([self.surface[0].box[0], self.surface[0].box[1] + 1], 0, values.shape).astype(int)
-        there = tuple(map(slice, low, high))
-        return values[there][self.surface[0].part(low, high - low)]
-
     @property
     def outer(self) -> tuple[Line, ...]:
         """The curves of the boundary that are no holes."""
