@@ -292,6 +292,11 @@ def ends(mask: Mask) -> Index:
     return np.array([[line[0], line[-1]] for line in lines]).T
 
 
+def box_of(mask: Mask) -> Window:
+    """The least window with all true pixels of a mask, which has one."""
+    return tuple(slice(int(first), int(last) + 1) for first, last in ends(mask).T)
+
+
 _REACH = 4.0
 """Standard deviations after which the Gaussian ends."""
 
