@@ -76,18 +76,8 @@ def sides_of(window: Window) -> tuple[int, ...]:
 class Parts:
     """The connected parts of a mask of three axes, as runs of voxels along the last one.
 
-    Attributes
-    ----------
-    shape : tuple of int
-        Shape of the mask.
-    begin : ndarray of int64, shape (P R + 1,)
-        First run of each row of the mask.
-    first, end : ndarray of int32, shape (M,)
-        First column of each run, and the one behind its last.
-    part : ndarray of int64, shape (M,)
-        Number of the part of each run.
-    count : int
-        Number of parts.
+    `begin` has the first run of each row, shape (P R + 1,); the runs have the first column, the one behind the last,
+    and the number of the part.
     """
 
     shape: tuple[int, ...]
