@@ -89,6 +89,8 @@ class Contour:
         Finds out `reached`; None where it is not known.
     category : str
         Name of the class of the object that it bounds, or empty.
+    gray : float or None
+        Mean gray value of what it encloses by itself; None where that has not been measured, as only on pages.
 
     Raises
     ------
@@ -122,6 +124,7 @@ class Contour:
     bridged: float = 0.0
     way: Callable[[], str] | None = None
     category: str = ""
+    gray: float | None = None
 
     def __post_init__(self) -> None:
         check_color("a contour", self.color)

@@ -163,14 +163,6 @@ class SegmentedObject:
         found[top : top + window.shape[0], left : left + window.shape[1]] = window
         return found
 
-    def values(self, values: Array) -> Array:
-        """The values of the pixels of an image, or of the voxels of a volume, whose centers lie inside, shape (N,)."""
-        if not self.surface:
-            return values[self.mask(values.shape)]
-        low, high = np.clip([self.surface[0].box[0], self.surface[0].box[1] + 1], 0, values.shape).astype(int)
-        there = tuple(map(slice, low, high))
-        return values[there][self.surface[0].part(low, high - low)]
-
     @property
     def outer(self) -> tuple[Line, ...]:
         """The curves of the boundary that are no holes."""
@@ -219,8 +211,8 @@ class SegmentedObject:
             voxels = self.surface[0].voxels
             at = int(voxels.mask.sum(axis=(1, 2)).argmax())
             depth = scipy.ndimage.distance_transform_edt(np.pad(voxels.mask[at], 1))[1:-1, 1:-1]
-            deepest = (at, *np.unravel_index(int(np.argmax(depth)), depth.shape))
-            return tuple(np.add(deepest, voxels.first or 0).astype(float).tolist())
+            row, col = np.unravel_index(int(np.argmax(depth)), depth.shape)
+            return tuple(np.add((at, int(row), int(col)), voxels.first or (0, 0, 0)).astype(float).tolist())
         first, window = self._window(shape)
         if not window.any():
             return self.boundary[0][0]
@@ -281,6 +273,8 @@ class SegmentedObjects:
         Number of the object that the selection changes; 0 when it will be a new one.
     rejected : tuple of SegmentedObject
         Objects that have been rejected, and are not to be proposed again.
+    taken : int
+        Numbers up to this one may be those of objects on other pages, which only the same objects have here.
 
     Raises
     ------
@@ -294,6 +288,7 @@ class SegmentedObjects:
     clicks: tuple[Click, ...] = ()
     edited: int = 0
     rejected: tuple[SegmentedObject, ...] = ()
+    taken: int = 0
 
     def __post_init__(self) -> None:
         if len(self.classes) != MOST_CLASSES:
@@ -316,7 +311,7 @@ class SegmentedObjects:
     @property
     def next_number(self) -> int:
         """A number that no object has."""
-        return max((item.number for item in (*self.items, *self.rejected)), default=0) + 1
+        return max(self.taken, *(item.number for item in (*self.items, *self.rejected)), 0) + 1
 
     @property
     def barriers(self) -> tuple[Line | Voxels, ...]:
