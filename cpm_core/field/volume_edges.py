@@ -28,16 +28,10 @@ _EVERYWHERE = np.ones((0, 0, 0), np.bool_)
 
 
 class Slopes(NamedTuple):
-    """What edge strengths are computed from.
+    """What edge strengths are computed from: a smoothed volume, shape (P, R, C).
 
-    Attributes
-    ----------
-    smoothed : ndarray of float32, shape (P, R, C)
-        The smoothed volume.
-    factors : tuple of float32
-        What differences of voxels two apart are multiplied with, by axis.
-    inside : ndarray of bool, shape (P, R, C) or empty
-        The voxels that have an edge strength, all if it is empty.
+    Differences of voxels two apart are multiplied with the factors of their axes; `inside` are the voxels that have an
+    edge strength, all if it is empty.
     """
 
     smoothed: Single
@@ -50,7 +44,7 @@ class Slopes(NamedTuple):
         plane, row, col = (np.float32(0.5 / side) for side in pitch)
         return cls(smoothed, (plane, row, col), _EVERYWHERE if inside is None else inside)
 
-    def strengths(self, first: int, end: int) -> Single:
+    def strengths(self, first: int = 0, end: int | None = None) -> Single:
         """Size of the slope at the voxels of some planes, from central differences [gray levels / unit]."""
         planes = range(self.smoothed.shape[0])[first:end]
         out = np.empty((len(planes), *self.smoothed.shape[1:]), np.float32)
@@ -61,14 +55,8 @@ class Slopes(NamedTuple):
 class Edges(NamedTuple):
     """The edge map of a volume in bricks; a plain tuple for the compiled loops.
 
-    Attributes
-    ----------
-    planes, rows, cols : int
-        Shape of the volume.
-    number : ndarray of int32, shape (p, r, c)
-        Number of the brick that begins at every eighth voxel along each axis; -1 where no edge is near.
-    values : ndarray of float32, shape (M, 9, 9, 9)
-        Edge strengths in the bricks, with those of the next voxel along each axis, to interpolate between them.
+    A brick begins at every eighth voxel along each axis, with a number that is -1 where no edge is near. Its values,
+    shape (M, 9, 9, 9), include those of the next voxel along each axis, to interpolate between them.
     """
 
     planes: int
@@ -80,13 +68,13 @@ class Edges(NamedTuple):
     @classmethod
     def of(cls, slopes: Slopes, floor: float) -> Edges:
         """The edge map around the voxels where the force of edges of at least this strength begins to count."""
-        shape = slopes.smoothed.shape
-        seen = np.zeros([-(-n // _SIDE) for n in shape], np.bool_)
-        share(partial(_mark, slopes, np.float32(HALF_NEAR * floor), seen), shape[0], _LEAST_LINES)
+        planes, rows, cols = slopes.smoothed.shape
+        seen = np.zeros([-(-n // _SIDE) for n in (planes, rows, cols)], np.bool_)
+        share(partial(_mark, slopes, np.float32(HALF_NEAR * floor), seen), planes, _LEAST_LINES)
         number = np.where(seen, np.cumsum(seen).reshape(seen.shape) - 1, -1).astype(np.int32)
         values = np.empty((np.count_nonzero(seen), *(_SIDE + 1,) * 3), np.float32)
         share(partial(_fill, slopes, number, values), len(seen), 1)
-        return cls(*shape, number, values)
+        return cls(planes, rows, cols, number, values)
 
     def above(self, floor: float) -> Index:
         """The voxels, shape (M, 3), in their order, with edges of at least this strength."""

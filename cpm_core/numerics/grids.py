@@ -16,10 +16,11 @@ from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Index, Mask, Single
 
-Values = TypeVar("Values", Array, Mask)
-
 Labels = NDArray[np.int32]
 """Numbers of parts, or columns."""
+
+Values = TypeVar("Values", Array, Mask)
+Filling = TypeVar("Filling", Single, Labels)
 
 Window = tuple[slice, ...]
 """Pixels of a grid, a range along each axis."""
@@ -75,18 +76,8 @@ def sides_of(window: Window) -> tuple[int, ...]:
 class Parts:
     """The connected parts of a mask of three axes, as runs of voxels along the last one.
 
-    Attributes
-    ----------
-    shape : tuple of int
-        Shape of the mask.
-    begin : ndarray of int64, shape (P R + 1,)
-        First run of each row of the mask.
-    first, end : ndarray of int32, shape (M,)
-        First column of each run, and the one behind its last.
-    part : ndarray of int64, shape (M,)
-        Number of the part of each run.
-    count : int
-        Number of parts.
+    `begin` has the first run of each row, shape (P R + 1,); the runs have the first column, the one behind the last,
+    and the number of the part.
     """
 
     shape: tuple[int, ...]
@@ -99,13 +90,12 @@ class Parts:
     @property
     def labels(self) -> Labels:
         """Number of the part of each voxel plus one; 0 where the mask is False."""
-        return self.labels_of(np.arange(self.count) + 1)
+        return self.fill(np.arange(self.count, dtype=np.int32) + 1, np.zeros(self.shape, np.int32))
 
-    def labels_of(self, number: Index) -> Labels:
-        """The number of the part of each voxel, from those of all parts; 0 where the mask is False."""
-        labels = np.zeros(self.shape, np.int32)
-        _label(self.begin, self.first, self.end, number[self.part], labels)
-        return labels
+    def fill(self, values: Filling, out: Filling) -> Filling:
+        """Write a value for each part into its voxels."""
+        _fill(self.begin, self.first, self.end, values[self.part], out)
+        return out
 
     @property
     def sizes(self) -> Index:
@@ -199,14 +189,14 @@ def renumber(group: Index) -> int:
 
 
 @compiled
-def _label(begin: Index, first: Labels, end: Labels, number: Index, labels: Labels) -> None:
-    """Write the numbers of some runs."""
-    rows = labels.shape[1]
+def _fill(begin: Index, first: Labels, end: Labels, values: Filling, out: Filling) -> None:
+    """Write a value for each run."""
+    rows = out.shape[1]
     for row in range(len(begin) - 1):
-        line = labels[row // rows, row % rows]
+        line = out[row // rows, row % rows]
         for n in range(begin[row], begin[row + 1]):
             for k in range(first[n], end[n]):
-                line[k] = number[n]
+                line[k] = values[n]
 
 
 @compiled
@@ -290,6 +280,11 @@ def ends(mask: Mask) -> Index:
     """First and last row and column that hold a true pixel of a mask, which has one; shape (2, 2)."""
     lines = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
     return np.array([[line[0], line[-1]] for line in lines]).T
+
+
+def box_of(mask: Mask) -> Window:
+    """The least window with all true pixels of a mask, which has one."""
+    return tuple(slice(int(first), int(last) + 1) for first, last in ends(mask).T)
 
 
 _REACH = 4.0

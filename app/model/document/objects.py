@@ -13,7 +13,7 @@ from app.model.document import edits
 from app.model.document.document import Document
 from app.model.text.language import tr
 from cpm_core import Bridge, Contour, Result, Selection, Surface, VolumeSelection
-from cpm_core.contours import Label, PackedSurface, surfaces_joined
+from cpm_core.contours import Label, PackedBody, surfaces_joined
 from cpm_core.numerics import Array, Place, Position, length, polyline, thinned
 from cpm_core.objects import boundaries_result
 from cpm_core.objects.segmented import (
@@ -210,13 +210,13 @@ def _with_shapes(
     document: Document,
     numbers: Iterable[int],
     shape: Callable[[Line], Polygon | Region | Barrier],
-    in_volume: Callable[[PackedSurface], Points | EnclosedRegion | EnclosingWall],
+    in_volume: Callable[[PackedBody], Points | EnclosedRegion | EnclosingWall],
     holes: bool = False,
 ) -> Document:
     for number in numbers:
         item = document.objects[number]
         for surface in item.surface:
-            document = edits.add_shape(document, in_volume(surface.exact))
+            document = edits.add_shape(document, in_volume(surface))
         for curve in item.boundary if holes else item.outer:
             few = thinned(curve)
             document = edits.add_shape(document, shape(few if len(set(few)) > 2 else curve))

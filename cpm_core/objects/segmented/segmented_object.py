@@ -163,14 +163,6 @@ class SegmentedObject:
         found[top : top + window.shape[0], left : left + window.shape[1]] = window
         return found
 
-    def values(self, values: Array) -> Array:
-        """The values of the pixels of an image, or of the voxels of a volume, whose centers lie inside, shape (N,)."""
-        if not self.surface:
-            return values[self.mask(values.shape)]
-        low, high = np.clip([self.surface[0].box[0], self.surface[0].box[1] + 1], 0, values.shape).astype(int)
-        there = tuple(map(slice, low, high))
-        return values[there][self.surface[0].part(low, high - low)]
-
     @property
     def outer(self) -> tuple[Line, ...]:
         """The curves of the boundary that are no holes."""
@@ -219,8 +211,8 @@ class SegmentedObject:
             voxels = self.surface[0].voxels
             at = int(voxels.mask.sum(axis=(1, 2)).argmax())
             depth = scipy.ndimage.distance_transform_edt(np.pad(voxels.mask[at], 1))[1:-1, 1:-1]
-            deepest = (at, *np.unravel_index(int(np.argmax(depth)), depth.shape))
-            return tuple(np.add(deepest, voxels.first or 0).astype(float).tolist())
+            row, col = np.unravel_index(int(np.argmax(depth)), depth.shape)
+            return tuple(np.add((at, int(row), int(col)), voxels.first or (0, 0, 0)).astype(float).tolist())
         first, window = self._window(shape)
         if not window.any():
             return self.boundary[0][0]
