@@ -123,6 +123,11 @@ class StackPages(QObject):
         """What is shown of all pages: the objects, or the contours with their tracks; None while there is nothing."""
         return self.tables.get(self.listed) or next(iter(self.tables.values()), NOTHING)
 
+    def show_kind(self, listed: Listed) -> None:
+        """Show the objects of all pages, or the contours."""
+        self.listed = listed
+        self.found.emit()
+
     @property
     def result(self) -> StackResult | None:
         """What is shown of all pages, and exported; None while there is nothing."""

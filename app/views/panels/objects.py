@@ -64,7 +64,7 @@ def _figure(get: Callable[[Figures], float | None]) -> Callable[[Row], float | N
     return lambda row: None if row.figures is None else get(row.figures)
 
 
-def _measure(get: Callable[[Measures], float | None]) -> Callable[[Row], float | None]:
+def _measure(get: Callable[[Measures], float | str | None]) -> Callable[[Row], float | str | None]:
     """A measure of a contour; None for an object."""
     return lambda row: None if row.contour is None else get(row.contour.measures)
 
