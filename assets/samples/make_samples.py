@@ -289,7 +289,8 @@ def head() -> tuple[Grid, list[Drawn]]:
     white = 0.68 + 0.8 * folds - 0.02 * np.cos(6 * around)
     cleft = np.where(z > 12, np.exp(-((x / 2.2) ** 2)) * (size > 0.5), 0.0)
     values = np.zeros(VOLUME)
-    for limit, level in ((1.0, 165.0), (0.95, 110.0), (0.91, 14.0), (0.85, 45.0), (0.82 + folds, 105.0), (white, 150.0)):
+    around_brain = ((1.0, 165.0), (0.95, 110.0), (0.91, 14.0), (0.85, 45.0))
+    for limit, level in (*around_brain, (0.82 + folds, 105.0), (white, 150.0)):
         values += (level - values) * np.clip((limit - size) * 36 + 0.5, 0, 1)
     values += (45.0 - values) * cleft * (size < 0.85)
     inside = np.full(VOLUME, -1.0)
