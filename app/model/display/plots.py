@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
 
 from app.model.text.language import tr
 from cpm_core.model import EPSILON
@@ -23,9 +22,8 @@ class RunMetrics:
         Eq. (23) [px of the scale]; NaN while it is not known.
     count, born, deleted : ndarray, shape (K,)
         Particles, and numbers of particles inserted and deleted in the step.
-    kinetic, potential : ndarray, shape (K,)
-        Energies of all particles [px^2 / unit of time^2]; the latter is measured every few steps and repeated in
-        between; NaN before.
+    kinetic : ndarray, shape (K,)
+        Kinetic energy of all particles [px^2 / unit of time^2].
     scale : ndarray, shape (K,)
         Scale; 0 is the image itself.
     numbered : ndarray, shape (K,)
@@ -38,7 +36,6 @@ class RunMetrics:
     born: Array
     deleted: Array
     kinetic: Array
-    potential: Array
     scale: Array
     numbered: Array
 
@@ -54,20 +51,23 @@ class Series:
 
 @dataclass(frozen=True)
 class Plot:
-    """Curves on one axis; `line` is a value at which a line is drawn, `first` whether it is shown by default."""
+    """Curves on one axis, which begins at zero unless it is logarithmic.
+
+    `line` is a value at which a line is drawn, `first` whether it is shown by default.
+    """
 
     name: str
     title: str
     tip: str
     series: tuple[Series, ...]
-    kind: Literal["logarithmic", "from zero", "free"] = "from zero"
+    logarithmic: bool = False
     line: float | None = None
     first: bool = False
 
 
 # Hues after Okabe and Ito, each darkened for a light background and lightened for a dark one.
 _BLUE, _ORANGE, _GREEN = ("#0072b2", "#56b4e9"), ("#c2410c", "#ff9d1e"), ("#00785a", "#2bd4a4")
-_PURPLE, _PINK = ("#7c4fd6", "#b48cff"), ("#b5307f", "#ff7ac6")
+_PINK = ("#b5307f", "#ff7ac6")
 
 PLOTS = (
     Plot(
@@ -75,7 +75,7 @@ PLOTS = (
         tr("ε"),
         tr("How much the particles still move (ε of eq. (23)); below the dashed line the run may come to rest."),
         (Series(tr("ε"), lambda metrics: metrics.epsilon, _ORANGE),),
-        "logarithmic",
+        True,
         EPSILON,
         True,
     ),
@@ -84,17 +84,7 @@ PLOTS = (
         tr("Kinetic"),
         tr("Kinetic energy of all particles."),
         (Series(tr("kinetic energy"), lambda metrics: metrics.kinetic, _GREEN),),
-        "logarithmic",
-    ),
-    Plot(
-        "potential",
-        tr("Potential"),
-        tr(
-            "Potential energy of all particles: in the field of the edges and of placed charges, and of near pairs. "
-            "Computed every 8 steps, on large images only while this is shown."
-        ),
-        (Series(tr("potential energy"), lambda metrics: metrics.potential, _PURPLE),),
-        "free",
+        True,
     ),
     Plot(
         "count",

@@ -135,7 +135,7 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
             item.setMouseEnabled(False, False)
             item.setMenuEnabled(False)
             item.hideButtons()
-            item.setLogMode(y=plot.kind == "logarithmic")
+            item.setLogMode(y=plot.logarithmic)
             item.setDownsampling(auto=True, mode="subsample")
             for side in ("left", "bottom"):
                 item.getAxis(side).setPen(self._color(QPalette.ColorRole.Mid))
@@ -143,7 +143,7 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
             item.getAxis("left").setWidth(self.fontMetrics().horizontalAdvance("0000000"))
             item.getAxis("bottom").setStyle(showValues=plot is plots[-1])
             pale = self._color(QPalette.ColorRole.PlaceholderText)
-            if plot.kind == "from zero":
+            if not plot.logarithmic:
                 item.getViewBox().setLimits(yMin=0.0)
             if plot.line is not None:
                 item.addLine(y=float(np.log10(plot.line)), pen=pg.mkPen(pale, style=Qt.PenStyle.DashLine))
