@@ -19,9 +19,7 @@ pytestmark = pytest.mark.shared_window
 def trace_of(length: int) -> RunMetrics:
     """Metrics of a number of steps over three scales."""
     step = np.arange(1.0, length + 1)
-    return RunMetrics(
-        step, 1.0 / step, 10 * step, step % 3, step % 2, 1.0 / step**2, 2.0 - step // (length / 3), step
-    )
+    return RunMetrics(step, 1.0 / step, 10 * step, step % 3, step % 2, 1.0 / step**2, 2.0 - step // (length / 3), step)
 
 
 @pytest.fixture
