@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
+import skimage
 from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
@@ -34,9 +35,6 @@ _ALIKE = 0.5
 
 _CORE = 0.4
 """Depth from which the pixels of the moved object surely belong to it, as a share of the largest."""
-
-_FLAT = 1e-6
-"""Product of spreads below which there is nothing to be compared [gray levels squared]."""
 
 _RING, _FAINT = 4, 0.5
 """Width of the rim that an object is compared with [px], and the share of its contrast with it that it has to keep."""
@@ -232,21 +230,10 @@ def _seen(mask: Mask, before: Array, now: Array, speed: Index) -> Index:
         for start, stop, side in zip(first + speed, last + speed, mask.shape, strict=True)
     )
     template = before[first[0] : last[0], first[1] : last[1]]
-    likeness = _likeness(now[np.ix_(rows, cols)], template)
+    likeness = skimage.feature.match_template(now[np.ix_(rows, cols)], template)  # type: ignore[no-untyped-call]
     away = np.hypot(*np.ogrid[-reach : reach + 1, -reach : reach + 1]) / reach
     place = np.unravel_index(np.argmax(likeness - _FAR * away**2), likeness.shape)
     return speed + place - reach
-
-
-def _likeness(values: Array, template: Array) -> Array:
-    """Normalized cross-correlation of a template, from -1 to 1, with the part of an image from each pixel on."""
-    pattern, shape = template - template.mean(), template.shape
-    places = tuple(slice(0, side - part + 1) for side, part in zip(values.shape, shape, strict=True))
-    middles = tuple(slice(part // 2, part // 2 + side.stop) for side, part in zip(places, shape, strict=True))
-    spectrum = scipy.fft.rfft2(values) * np.conj(scipy.fft.rfft2(pattern, values.shape))
-    mean, square = (scipy.ndimage.uniform_filter(each, shape)[middles] for each in (values, values**2))
-    spread = np.sqrt(np.maximum(square - mean**2, 0.0) * template.size) * np.linalg.norm(pattern)
-    return np.asarray(scipy.fft.irfft2(spectrum, values.shape)[places] / np.maximum(spread, _FLAT))
 
 
 def _found(sought: Sequence[_Sought], page: Partition, check: Callable[[], object]) -> list[Selection]:
