@@ -111,7 +111,7 @@ class Plot:
 
 # Hues after Okabe and Ito, each darkened for a light background and lightened for a dark one.
 _BLUE, _ORANGE, _GREEN = ("#0072b2", "#56b4e9"), ("#c2410c", "#ff9d1e"), ("#00785a", "#2bd4a4")
-_PINK = ("#b5307f", "#ff7ac6")
+_PURPLE, _PINK = ("#7c4fd6", "#b48cff"), ("#b5307f", "#ff7ac6")
 
 PLOTS = (
     Plot(
