@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy
+import skimage
 
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Index, Mask, Single
@@ -62,8 +63,17 @@ _FEW = np.float32(1e-3)
 _COARSE = 4
 """Steps along each side of the blocks in which gray levels are measured."""
 
-_PLACE, _NEAR = 8.0, 3.0
+_PLACE, _NEAR = 8.0, 1.5
 """What a click counts [logits], and the deviation of the Gaussian within which it does [steps]."""
+
+_BESIDE = 2
+"""Distance from the boundary up to which a place moves no more than that [steps]."""
+
+_IN, _OUT = 1, 2
+"""Numbers of basins."""
+
+_AS_STRONG = 0.5
+"""Least edge strength where edges part a body, in that of its boundary."""
 
 _OTHERS = ((1, 2), (0, 2), (0, 1))
 """The axes of a slice across each axis."""
@@ -167,7 +177,11 @@ class BodyPrior:
         while True:
             before = Body(cube, cube.of(body.cube, body.opinion, -FAR), cube.of(body.cube, body.logits, -FAR))
             within = self._within(cube, inside, outside)
-            opinion = self._changed(within, before, cube.steps(place))
+            step = cube.steps(place)
+            opinion = _parted(within, before, adds)
+            if opinion is None:
+                near = _at_boundary(before, step, adds)
+                opinion = before.opinion if near else self._changed(within, before, step)
             logits = self._settled(within, opinion)
             logits = np.maximum(logits, before.logits) if adds else np.minimum(logits, before.logits)
             after = Body(cube, opinion, logits)
@@ -283,10 +297,9 @@ class BodyPrior:
         half, coarse = _blocks(within.grays, _COARSE // 2), _blocks(given, _COARSE // 2)
         logits = coarse
         for _ in range(_ROUNDS):
-            gain, middle = _likelihood(half, scipy.special.expit(logits))
-            logits = coarse + np.clip(_finer(gain, 2) * (half - _finer(middle, 2)), -_LEVELS, _LEVELS)
-        finer = _finer(gain, _COARSE) * (within.grays - _finer(middle, _COARSE))
-        return np.asarray(given + np.clip(finer, -_LEVELS, _LEVELS), np.float32)
+            rule = _likelihood(half, scipy.special.expit(logits))
+            logits = coarse + _weighed(half, rule, 2)
+        return np.asarray(given + _weighed(within.grays, rule, _COARSE), np.float32)
 
     # Cubes
 
@@ -330,7 +343,15 @@ def _maps_within(within: _Within, asked: _Slice) -> Single:
         _holding(steps[np.abs(steps[:, asked.axis] - asked.step) <= 1.0][:, _OTHERS[asked.axis]])
         for steps in (within.inside, within.outside)
     ]
+    if near[1].any() and not near[0].any():  # a place outside alone says little
+        near[0] = _deepest((asked.before > _LIKELY) & ~near[1])
     return _maps(there, within.level, near[0], near[1], asked.before)
+
+
+def _deepest(mask: Mask) -> Mask:
+    """Where the border of a mask is farthest away."""
+    depth = scipy.ndimage.distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]
+    return np.asarray((depth == depth.max()) & mask)
 
 
 def _maps(grays: Single, level: float, inside: Mask, outside: Mask, before: Single) -> Single:
@@ -400,6 +421,44 @@ def _between(known: dict[int, Single], axis: int, beyond: float) -> tuple[Single
     return np.moveaxis(found, 0, axis), np.moveaxis(np.broadcast_to(counts[:, None, None], found.shape), 0, axis)
 
 
+def _at_boundary(body: Body, step: Array, adds: bool) -> bool:
+    """Whether a step lies so near to the boundary of a body that it means no more than that."""
+    first = np.maximum(np.rint(step).astype(int) - _BESIDE, 0)
+    near = body.logits[tuple(slice(at, at + 2 * _BESIDE + 1) for at in first.tolist())] > 0.0
+    return bool(near.any() if adds else not near.all())
+
+
+def _parted(within: _Within, body: Body, adds: bool) -> Single | None:
+    """The opinion once edges have parted a body from what a place takes away, or what it adds from the rest.
+
+    Basins of the edge map are flooded from the places and from what stays as it is (watershed from markers: Meyer 1994,
+    doi:10.1016/0165-1684(94)90060-4). None unless the new boundary is about as strong as that of the body.
+    """
+    before = _blocks(body.logits, 2) > 0.0
+    edges = scipy.ndimage.gaussian_gradient_magnitude(_blocks(within.grays, 2), 1.0)
+    markers = np.zeros(before.shape, np.int32)
+    if adds:
+        markers[before] = _IN
+        for axis in range(3):
+            np.moveaxis(markers, axis, 0)[[0, -1]] = _OUT
+    else:
+        markers[~before] = _OUT
+    for steps, number in ((within.outside, _OUT), (within.inside, _IN)):
+        place = np.clip(np.rint((steps - 0.5) / 2.0), 0, len(before) - 1).astype(np.int64)
+        markers[tuple(place.T)] = number
+    if not (markers == _IN).any():
+        return None
+    found = skimage.segmentation.watershed(edges, markers) == _IN  # type: ignore[no-untyped-call]
+    changed = (found & ~before) if adds else (before & ~found)
+    rest = before if adds else ~before
+    along = scipy.ndimage.binary_dilation(changed) & ~changed & ~scipy.ndimage.binary_dilation(rest, iterations=2)
+    around = before & ~scipy.ndimage.binary_erosion(before)
+    if not along.any() or not around.any() or np.median(edges[along]) < _AS_STRONG * np.median(edges[around]):
+        return None
+    region = changed.repeat(2, axis=0).repeat(2, axis=1).repeat(2, axis=2)
+    return np.where(region, np.float32(FAR if adds else -FAR), body.opinion)
+
+
 def _logit(seen: Single) -> Single:
     return np.clip(scipy.special.logit(seen), -FAR, FAR)
 
@@ -416,18 +475,23 @@ def _finer(values: Single, times: int) -> Single:
     return resampled(values, [line] * 3, (1.0, 1.0, 1.0))
 
 
-def _likelihood(grays: Single, inside: Single) -> tuple[Single, Single]:
-    """By how much a gray level that is higher by 1 is likelier inside, and that which is as likely on both sides."""
-    means, variance = [], np.float32(LEAST_DEVIATION**2 / 4.0)
-    deviation = _WIDE / _COARSE
-    for weight in (inside, 1.0 - inside):
+def _likelihood(grays: Single, inside: Single) -> Single:
+    """How much likelier gray levels are inside than outside, as factors of their powers 0, 1 and 2, by normal laws."""
+    rule: Single = np.zeros((3, *[len(grays) // 2] * 3), np.float32)
+    for weight, sign in ((inside, -0.5), (1.0 - inside, 0.5)):
         blurred = [
-            scipy.ndimage.gaussian_filter(_blocks(weight * part, 2), deviation, truncate=2.5)
+            scipy.ndimage.gaussian_filter(_blocks(weight * part, 2), _WIDE / _COARSE, truncate=2.5)
             for part in (1.0, grays, np.square(grays))
         ]
         few = [_FEW * part.mean() / max(blurred[0].mean(), 1e-6) for part in blurred]
         total, first, second = (part + some for part, some in zip(blurred, few, strict=True))
         mean = first / total
-        variance = variance + 0.5 * np.maximum(second / total - np.square(mean), 0.0)
-        means.append(mean)
-    return (means[0] - means[1]) / variance, 0.5 * (means[0] + means[1])
+        variance = np.maximum(second / total - np.square(mean), 0.0) + LEAST_DEVIATION**2
+        rule += np.float32(sign) * np.stack([np.square(mean) / variance + np.log(variance), -2.0 * mean / variance, 1.0 / variance])
+    return rule
+
+
+def _weighed(grays: Single, rule: Single, times: int) -> Single:
+    """Logits of gray levels by a rule that is so many times coarser."""
+    level, slope, bend = (_finer(part, times) for part in rule)
+    return np.clip(level + grays * (slope + grays * bend), -_LEVELS, _LEVELS)
