@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from pathlib import Path
@@ -31,7 +30,7 @@ from cpm_core.numerics import polyline
 
 What = Literal["objects", "contours", "skeleton", "surface", "lines", "pages", "space", "turntable", "run"]
 
-KINDS: Mapping[What, tuple[str, str]] = {
+KINDS = {
     "objects": (tr("Objects"), tr("Export objects")),
     "contours": (tr("Contours except rejected"), tr("Export contours")),
     "skeleton": (tr("Skeleton"), tr("Export skeleton")),
@@ -73,7 +72,7 @@ _NAMES = {
 """Formats by the suffixes that writers know them by, in the order shown."""
 
 _MOVING = {".gif": tr("GIF"), ".png": tr("APNG, in full color"), ".mp4": tr("MP4 video")}
-_WRITABLE: Mapping[What, Mapping[str, str]] = {
+_WRITABLE = {
     "skeleton": FOR_SKELETONS,
     "surface": FOR_VOLUMES,
     "lines": FOR_CENTERLINES,
@@ -85,7 +84,7 @@ _WRITABLE: Mapping[What, Mapping[str, str]] = {
 _SAME = {".tiff": ".tif", ".nii": ".nii.gz", ".roi": ".zip", ".apng": ".png"}
 """Suffixes of the same format, or of one that holds less."""
 
-_LEFT_OUT: Mapping[str, str] = {"objects": ".measures.csv .points.csv", "contours": ".table.csv"}
+_LEFT_OUT = {"objects": ".measures.csv .points.csv", "contours": ".table.csv"}
 _ENDINGS = {".table.csv": ".csv", ".measures.csv": ".csv", ".csv": ".vertices.csv", ".nrrd": ".seg.nrrd"}
 """How files end whose suffixes only tell formats of one writer apart, and as 3D Slicer knows its segmentations."""
 

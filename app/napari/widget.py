@@ -1,7 +1,5 @@
 """The widget for napari: finds contours, or a surface, from the shapes that are drawn on an image."""
 
-from typing import Any
-
 import numpy as np
 from magicgui import magic_factory
 from napari.layers import Image, Shapes
@@ -38,7 +36,7 @@ def _find(
     seeds = seeds_of([np.array(one)[:, -values.ndim :] for one in places], list(start.shape_type))
     usual = "volume" if values.ndim == 3 else "shape"
     parameters = cpm.PRESETS[usual if preset == _AS_KIND else preset]
-    settings: dict[str, Any] = {"scale": image.scale[-values.ndim :], "translate": image.translate[-values.ndim :]}
+    settings = {"scale": image.scale[-values.ndim :], "translate": image.translate[-values.ndim :]}
     name, spacing = image.name, tuple(image.scale[-values.ndim :])
 
     def work() -> list[LayerData]:

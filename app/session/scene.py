@@ -84,17 +84,20 @@ class Proposal:
         Number of the object that it would replace; 0 for a new one.
     key : int
         What it is chosen by, below 0, the same as long as it is offered; 0 for the object of the clicks.
+    followed : SegmentedObject or None
+        The object that it becomes, when it has been followed from the page before.
     """
 
     selection: AnySelection
     clicks: tuple[Click, ...]
     number: int = 0
     key: int = 0
+    followed: SegmentedObject | None = None
 
     @cached_property
     def item(self) -> SegmentedObject:
-        """The object that it would become, of the first class; it has to have a boundary."""
-        return made(self.selection, self.clicks, self.number or 1, 1)
+        """The object that it would become, of the first class unless it was followed; it has to have a boundary."""
+        return self.followed or made(self.selection, self.clicks, self.number or 1, 1)
 
 
 @dataclass(frozen=True, eq=False)

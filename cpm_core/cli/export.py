@@ -27,6 +27,7 @@ from cpm_core.formats import (
     FOR_VOLUMES,
     SURFACES_READABLE,
     WRITABLE,
+    holds_volume,
     left_out,
     load_centerlines,
     load_image,
@@ -73,6 +74,8 @@ def run(arguments: argparse.Namespace) -> int:
     check_exports(arguments.to, arguments)
     suffix, wanted = source.suffix.lower(), {suffix_of(path) for path in arguments.to}
     of_volumes = suffix in {*FOR_CENTERLINES, *SURFACES_READABLE} or wanted & (FOR_VOLUMES.keys() - WRITABLE.keys())
+    if arguments.page is None and suffix not in {SUFFIX, *CONTOURS_READABLE} and wanted <= FOR_VOLUMES.keys():
+        of_volumes = of_volumes or holds_volume(source)  # labels, for labels
     if arguments.page is not None and (suffix == SUFFIX or of_volumes):
         raise ValueError(f"--page is for contours in a stack, but {source.name} holds none: leave it out.")
     result: Result | Centerlines

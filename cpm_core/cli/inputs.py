@@ -108,7 +108,7 @@ def image_of(named: str | None, session: SessionFile, source: str | Path | None)
 
 def fitted(image: Image, parameters: Parameters, *, scales: bool = True) -> Parameters:
     """Parameters for an image, whose notes are printed; with as many `scales` as it has room for."""
-    notes: tuple[str, ...] = image.notes if image.ndim == 3 else notes_on(image, parameters)
+    notes = image.notes if image.ndim == 3 else notes_on(image, parameters)
     if scales and image.ndim == 2:
         parameters, more = with_room(parameters, image)
         notes += more

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
@@ -89,6 +89,8 @@ class Contour:
         Finds out `reached`; None where it is not known.
     category : str
         Name of the class of the object that it bounds, or empty.
+    gray : float or None
+        Mean gray value of what it encloses by itself; None where that has not been measured, as only on pages.
 
     Raises
     ------
@@ -112,7 +114,7 @@ class Contour:
     closed: bool
     strength: float = 0.0
     junctions: tuple[bool, bool] = (False, False)
-    sides: Callable[[], float] | None = field(default=None, repr=False)
+    sides: Callable[[], float] | None = None
     name: str = ""
     color: str = ""
     number: int = 0
@@ -120,8 +122,9 @@ class Contour:
     group: int = 0
     hole: bool = False
     bridged: float = 0.0
-    way: Callable[[], str] | None = field(default=None, repr=False)
+    way: Callable[[], str] | None = None
     category: str = ""
+    gray: float | None = None
 
     def __post_init__(self) -> None:
         check_color("a contour", self.color)

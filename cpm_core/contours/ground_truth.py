@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -137,10 +137,20 @@ def truth_of_mask(values: NDArray[np.generic], source: str = "ground truth") -> 
     return Truth(labels, _between(labels), source)
 
 
+_FEW_LEVELS = 2**16
+"""Range of whole gray levels that are counted, not sorted."""
+
+
 def labels_of(values: NDArray[np.generic], source: str) -> Labels:
     """Numbers of the gray levels of a mask, from 0; ValueError when it is none, as for `truth_of_mask`."""
-    levels, index = np.unique(values, return_inverse=True)
-    labels: Labels = index.reshape(values.shape).astype(np.int32)
+    low, high = float(values.min()), float(values.max())
+    if high - low <= _FEW_LEVELS and not (values % 1).any():  # sorting a volume would take seconds
+        shifted = np.subtract(values, low).astype(np.int32)
+        there = np.bincount(shifted.ravel()) > 0
+        levels, labels = low + np.flatnonzero(there), (np.cumsum(there) - 1).astype(np.int32)[shifted]
+    else:
+        levels, index = np.unique(values, return_inverse=True)
+        labels = index.reshape(values.shape).astype(np.int32)
     if len(levels) > 8:
         span = (np.asarray(values, dtype=np.float64) - float(levels[0])) / (float(levels[-1]) - float(levels[0]))
         if np.minimum(span, 1.0 - span).max() < _CLEAR:  # black and white from a lossy format
@@ -216,7 +226,7 @@ class VolumeTruth(_Labeled):
     spacing: tuple[float, ...] = (1.0, 1.0, 1.0)
     unit: str | None = None
     source: str = "ground truth"
-    boundary: Surface | None = field(default=None, repr=False)
+    boundary: Surface | None = None
 
     def __post_init__(self) -> None:
         given = real_numbers(self.labels)

@@ -21,7 +21,7 @@ from numpy.typing import DTypeLike, NDArray
 from cpm_core.contours.surface import Surface, inside_of
 from cpm_core.image.volume_regions import Voxels
 from cpm_core.numerics.grids import zero_surface
-from cpm_core.numerics.types import Array, Index, Mask, Place
+from cpm_core.numerics.types import Array, Index, Mask, Place, Single
 
 _LARGEST = 256 * 2**20
 """Most bytes of an array that is read."""
@@ -116,11 +116,6 @@ class PackedSurface:
         return self.painted.part(begin, shape)
 
     @property
-    def exact(self) -> PackedSurface:
-        """The same body as a surface."""
-        return self
-
-    @property
     def volume(self) -> float:
         """What it encloses [voxels]."""
         return self.surface.volume
@@ -153,7 +148,10 @@ _SMOOTH, _MARGIN = 0.8, 3
 _LEAST = 0.15
 """Least difference of a smoothed voxel from the level of the surface, so that it stays on its side."""
 
-_MOST_KEPT = 64
+_PLANES = 16
+"""Planes of a surface that are made at once: while triangles are made nothing else can be done."""
+
+_MOST_KEPT = 32
 """Bodies of voxels of which surfaces and shells are kept: documents that can be undone hold many versions of each."""
 
 
@@ -248,11 +246,6 @@ class PackedVoxels:
         return self
 
     @property
-    def exact(self) -> PackedSurface:
-        """The same body as a surface."""
-        return PackedSurface.of(self.surface)
-
-    @property
     def volume(self) -> float:
         """Their number."""
         return float(sum(int(np.bitwise_count(self._rows(at)).sum()) for at in range(len(self.planes))))
@@ -261,6 +254,10 @@ class PackedVoxels:
     def box(self) -> Array:
         """The least, and the largest, plane, row and column of them, shape (2, 3)."""
         return _ends(self.part(self.first, self.shape)) + self.first
+
+    def moved(self, by: Place) -> PackedVoxels:
+        """The same voxels displaced by about so much along each axis [voxels]."""
+        return replace(self, first=tuple(np.rint(np.add(self.first, by)).astype(int).tolist()))
 
     def _rows(self, plane: int) -> NDArray[np.uint8]:
         """The bytes of a plane of the box, a row of the array for each of its rows."""
@@ -313,5 +310,29 @@ def _surface(body: PackedVoxels) -> Surface:
     inside = np.pad(body.voxels.mask, _MARGIN)
     level = scipy.ndimage.gaussian_filter(inside.astype(np.float32), _SMOOTH) - np.float32(0.5)
     level = np.where(inside, np.maximum(level, _LEAST), np.minimum(level, -_LEAST))
-    vertices, faces = zero_surface(level)
+    vertices, faces = _in_turns(level)
     return Surface(vertices + np.array(body.first) - _MARGIN, faces)
+
+
+def _in_turns(level: Single) -> tuple[Array, Index]:
+    """The surface at zero, some planes after the others, between which the window has its turn."""
+    found: list[tuple[Array, Index]] = []
+    seam, count = np.empty(0, np.int64), 0
+    for first in range(0, len(level) - 1, _PLANES):
+        inner = (first, min(first + _PLANES + 1, len(level))), (0, level.shape[1]), (0, level.shape[2])
+        vertices, faces = zero_surface(level, inner)
+        known = _on_plane(vertices, first)
+        number = np.full(len(vertices), -1)
+        number[known] = seam
+        fresh = number < 0
+        number[fresh] = count + np.arange(int(fresh.sum()))
+        seam, count = number[_on_plane(vertices, first + _PLANES)], count + int(fresh.sum())
+        found.append((vertices[fresh], number[faces]))
+    places, triangles = zip(*found, strict=True)
+    return np.concatenate(places), np.concatenate(triangles)
+
+
+def _on_plane(vertices: Array, plane: int) -> Index:
+    """Which vertices lie on a plane, in the order of their rows and columns."""
+    on = np.flatnonzero(vertices[:, 0] == plane)
+    return on[np.lexsort(vertices[on, 1:].T)]

@@ -53,7 +53,7 @@ class Table(dict[str, Column]):
 
     def __init__(self, columns: Mapping[str, Column], units: Mapping[str, str]) -> None:
         super().__init__(columns)
-        self.units: dict[str, str] = {name: units.get(name, "") for name in columns}
+        self.units = {name: units.get(name, "") for name in columns}
 
     @property
     def rows(self) -> int:
@@ -117,7 +117,7 @@ def region_table(
         holes = [place for outline in outlines for place in inner.get(outline, ()) if place not in outlines]
         rows.append(_row(label, [contours[p] for p in outlines], [contours[p] for p in holes], sides))
     names = list(rows[0]) if rows else list(_row(0, [], [], sides))
-    columns: dict[str, Column] = {name: np.array([row[name] for row in rows]) for name in names}
+    columns = {name: np.array([row[name] for row in rows]) for name in names}
     columns["label"] = columns["label"].astype(np.int64)
     columns["name"] = columns["name"].astype(object)
     return Table({**columns, **_gray_columns(columns["label"], labels, gray)}, _units(columns, unit or "px", "²"))
@@ -128,7 +128,7 @@ def volume_table(labels: NDArray[np.integer], gray: Array | None, spacing: Seque
     sides = np.array(spacing, dtype=float)
     numbers = np.unique(labels[labels > 0]).astype(np.int64)
     counts = np.bincount(labels.ravel())[numbers]
-    columns: dict[str, Column] = {"label": numbers, "volume": counts * float(np.prod(sides))}
+    columns = {"label": numbers, "volume": counts * float(np.prod(sides))}
     columns["equivalent_diameter"] = np.cbrt(6.0 * columns["volume"] / np.pi)
     centers = np.array(scipy.ndimage.center_of_mass(labels > 0, labels, numbers)).reshape(-1, 3)
     parts = [part for part in scipy.ndimage.find_objects(labels) if part is not None]

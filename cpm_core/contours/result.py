@@ -26,7 +26,7 @@ _MOST_NAMES = 400
 """Labels that are written into a picture."""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False)
 class Result(drawing.Pictured):
     """Outcome of a run.
 
@@ -89,10 +89,10 @@ class Result(drawing.Pictured):
     unit: str | None
     source: str
     bridges: tuple[Bridge, ...] = ()
-    image: Image | None = field(default=None, repr=False)
+    image: Image | None = None
     regions: AnyRegions | None = None
     channel: str = "luminance"
-    provenance: Provenance = field(default_factory=Provenance, repr=False)
+    provenance: Provenance = field(default_factory=Provenance)
 
     @cached_property
     def labels(self) -> NDArray[np.int32]:

@@ -187,7 +187,7 @@ def anchor(contours: Sequence[Contour], index: int) -> Position:
     order = np.argsort(np.abs(share - 0.5), kind="stable")  # the middle has priority among equals
     places = polyline.middles(contour.path, _PLACES)[order]
     clear = np.full(_PLACES, _ALONE)
-    low, high = np.array([one.box for one in contours]).swapaxes(0, 1)
+    low, high = np.concatenate([one.box for one in contours]).reshape(-1, 2, 2).swapaxes(0, 1)
     apart = np.maximum(low - high[index], low[index] - high).max(axis=1)
     for other in np.flatnonzero(apart < _ALONE).tolist():
         if other != index:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -22,7 +22,7 @@ _FARTHEST = 1e9
 """Largest coordinate of a vertex, beyond any volume that can be processed [voxels]."""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False)
 class Surface:
     """Triangles in a volume.
 
@@ -65,8 +65,8 @@ class Surface:
     unit: str | None = None
     unsupported: float = np.nan
     left_out: int = 0
-    numbers: Index | None = field(default=None, repr=False)
-    labels: tuple[Label, ...] = field(default=(), repr=False)
+    numbers: Index | None = None
+    labels: tuple[Label, ...] = ()
 
     def __post_init__(self) -> None:
         vertices = rows_of_three("vertices", self.vertices).copy()
@@ -183,7 +183,7 @@ class Surface:
     def _edge_counts(self) -> Index:
         """Number of triangles at each edge."""
         ends = np.sort(self.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
-        numbers: Index = ends[:, 0] * len(self.vertices) + ends[:, 1]
+        numbers = ends[:, 0] * len(self.vertices) + ends[:, 1]
         return np.unique(numbers, return_counts=True)[1]
 
 
@@ -208,9 +208,20 @@ def inside_of(surface: Surface, shape: tuple[int, ...]) -> Mask:
     corners = surface.vertices[surface.faces] - (*_BESIDE, 0.0)
     low = np.clip(np.ceil(corners.min(axis=1)), 0, shape).astype(np.int64)
     high = np.clip(np.floor(corners.max(axis=1)) + 1, 0, shape).astype(np.int64)
-    crossed = np.zeros(shape, np.bool_)
-    _mark_crossings(corners, low, high, crossed)
-    return np.logical_xor.accumulate(crossed, axis=2)  # an even number of crossings changes nothing
+    found = np.zeros(shape, np.bool_)
+    if not len(corners):
+        return found
+    first = low.min(axis=0)
+    around = found[tuple(map(slice, first, high.max(axis=0)))]
+    _mark_crossings(corners, low, high, first, around)
+    np.logical_xor.accumulate(around, axis=2, out=around)  # an even number of crossings changes nothing
+    return found
+
+
+def alone(surface: Surface, number: int) -> Surface:
+    """The surface of the object with a number, with no other vertices."""
+    used, corners = np.unique(surface.faces[surface.numbers == number], return_inverse=True)
+    return replace(surface, vertices=surface.vertices[used], faces=corners.reshape(-1, 3), numbers=None)
 
 
 def numbered(surface: Surface, shape: tuple[int, ...]) -> Index:
@@ -218,8 +229,7 @@ def numbered(surface: Surface, shape: tuple[int, ...]) -> Index:
     found = np.zeros(shape, np.int64)
     if surface.numbers is not None:
         for number in np.unique(surface.numbers):  # where objects share voxels, the last one has them
-            alone = replace(surface, faces=surface.faces[surface.numbers == number], numbers=None)
-            found[inside_of(alone, shape)] = number
+            found[inside_of(alone(surface, number), shape)] = number
         return found
     inside = inside_of(surface, shape)
     parts = parts_of(inside, corners=True)
@@ -232,8 +242,11 @@ def numbered(surface: Surface, shape: tuple[int, ...]) -> Index:
 
 
 @compiled
-def _mark_crossings(corners: Array, low: Index, high: Index, crossed: Mask) -> None:
-    """Turn the first voxel over beyond each crossing of triangles, shape (F, 3, 3), with lines along the last axis."""
+def _mark_crossings(corners: Array, low: Index, high: Index, first: Index, crossed: Mask) -> None:
+    """Turn the first voxel over beyond each crossing of triangles, shape (F, 3, 3), with lines along the last axis.
+
+    `crossed` begins at the voxel `first`.
+    """
     for k in range(len(corners)):
         a, b, c = corners[k]
         twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
@@ -244,9 +257,9 @@ def _mark_crossings(corners: Array, low: Index, high: Index, crossed: Mask) -> N
                 u = ((b[0] - p) * (c[1] - r) - (b[1] - r) * (c[0] - p)) / twice
                 v = ((c[0] - p) * (a[1] - r) - (c[1] - r) * (a[0] - p)) / twice
                 if u >= 0.0 and v >= 0.0 and u + v <= 1.0:
-                    col = max(int(np.ceil(u * a[2] + v * b[2] + (1.0 - u - v) * c[2])), 0)
+                    col = max(int(np.ceil(u * a[2] + v * b[2] + (1.0 - u - v) * c[2])) - first[2], 0)
                     if col < crossed.shape[2]:
-                        crossed[p, r, col] = not crossed[p, r, col]
+                        crossed[p - first[0], r - first[1], col] ^= True
 
 
 _ROOM = 1

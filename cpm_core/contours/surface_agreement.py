@@ -8,7 +8,7 @@ the centers of the outermost voxels is not compared.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -153,8 +153,8 @@ class SurfaceComparison(Agreement):
     dice: float
     jaccard: float
     objects: ObjectCounts
-    wrong: Array = field(repr=False)
-    missing: Array = field(repr=False)
+    wrong: Array
+    missing: Array
     unit: str | None = None
 
     def __repr__(self) -> str:

@@ -50,7 +50,7 @@ class Slopes(NamedTuple):
         plane, row, col = (np.float32(0.5 / side) for side in pitch)
         return cls(smoothed, (plane, row, col), _EVERYWHERE if inside is None else inside)
 
-    def strengths(self, first: int, end: int) -> Single:
+    def strengths(self, first: int = 0, end: int | None = None) -> Single:
         """Size of the slope at the voxels of some planes, from central differences [gray levels / unit]."""
         planes = range(self.smoothed.shape[0])[first:end]
         out = np.empty((len(planes), *self.smoothed.shape[1:]), np.float32)
@@ -80,13 +80,13 @@ class Edges(NamedTuple):
     @classmethod
     def of(cls, slopes: Slopes, floor: float) -> Edges:
         """The edge map around the voxels where the force of edges of at least this strength begins to count."""
-        shape = slopes.smoothed.shape
-        seen = np.zeros([-(-n // _SIDE) for n in shape], np.bool_)
-        share(partial(_mark, slopes, np.float32(HALF_NEAR * floor), seen), shape[0], _LEAST_LINES)
+        planes, rows, cols = slopes.smoothed.shape
+        seen = np.zeros([-(-n // _SIDE) for n in (planes, rows, cols)], np.bool_)
+        share(partial(_mark, slopes, np.float32(HALF_NEAR * floor), seen), planes, _LEAST_LINES)
         number = np.where(seen, np.cumsum(seen).reshape(seen.shape) - 1, -1).astype(np.int32)
         values = np.empty((np.count_nonzero(seen), *(_SIDE + 1,) * 3), np.float32)
         share(partial(_fill, slopes, number, values), len(seen), 1)
-        return cls(*shape, number, values)
+        return cls(planes, rows, cols, number, values)
 
     def above(self, floor: float) -> Index:
         """The voxels, shape (M, 3), in their order, with edges of at least this strength."""

@@ -122,7 +122,7 @@ class VolumeField:
     @property
     def edge_map(self) -> Single:
         """Edge strength f of every voxel [gray levels / unit]; zero outside the regions of interest."""
-        return self.slopes.strengths(0, len(self.smoothed))
+        return self.slopes.strengths()
 
     @cached_property
     def edges(self) -> Edges:
@@ -169,7 +169,7 @@ class VolumeField:
     @cached_property
     def slope(self) -> float:
         """Mean slope of the potential [gray levels / unit]; 1 where it is flat."""
-        slope = float(edge_strength(self.potential.astype(np.float32), self.pitch).mean(dtype=float))
+        slope = float(Slopes.of(self.potential.astype(np.float32), self.pitch).strengths().mean(dtype=float))
         return slope if slope > 0.0 else 1.0
 
     def with_far_field(self, exponent: float, accuracy: Accuracy) -> VolumeField:
@@ -271,11 +271,6 @@ def _smooth(values: Array, weights: tuple[Array, ...], out: Single, first: int, 
             sum_along(line, weights[2], total)
             for k in range(cols):
                 out[i, j, k] = total[k]
-
-
-def edge_strength(smoothed: Single, pitch: Vector) -> Single:
-    """Size of the slope of a volume at every voxel [gray levels / unit]."""
-    return Slopes.of(smoothed, pitch).strengths(0, len(smoothed))
 
 
 LONGEST = 10.0

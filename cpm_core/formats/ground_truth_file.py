@@ -14,7 +14,7 @@ from cpm_core.formats.common.content import AnyPath
 from cpm_core.formats.contour_file import CONTOURS_READABLE, read_contours
 from cpm_core.formats.contours.contents import Plane
 from cpm_core.formats.images.readers import load_image
-from cpm_core.formats.surface_file import SURFACES_READABLE, labels_like, load_surface
+from cpm_core.formats.surface_file import SURFACES_READABLE, labels_like, load_surface, parts_in
 from cpm_core.image.image import Image
 
 _BESIDE = 1.0
@@ -107,7 +107,7 @@ def load_volume_truth(path: AnyPath, volume: Image) -> VolumeTruth:
     file = Path(path)
     if file.suffix.lower() in CONTOURS_READABLE:
         raise ValueError(f"{file.name} holds contours, which lie in a plane: choose labels or a surface.")
-    if file.suffix.lower() in SURFACES_READABLE:
+    if file.suffix.lower() in SURFACES_READABLE or parts_in(file):
         surface = load_surface(file, volume)
         if not surface.closed:
             raise ValueError(f"The surface of {file.name} is not closed, so nothing is inside: choose another one.")

@@ -135,10 +135,7 @@ def decode_surface(
 
 def _of_labels(file: Path, image: Image | None) -> Surface:
     """The surfaces of the objects of a label volume, halfway between voxels; whole numbers and names are kept."""
-    with decoding(file.name, "is damaged: get a sound copy of it."):
-        named = nrrd.segments_of(file)
-        parts = dicom_seg.read(file) or nrrd.overlapping(file, named)
-    if parts:
+    if parts := parts_in(file):
         return _of_parts(file, image, parts)
     volume = image or load_volume(file)
     values = volume.values if image is None else labels_like(file, image)
@@ -146,10 +143,16 @@ def _of_labels(file: Path, image: Image | None) -> Surface:
     if values.min() == 0 and values.max() <= _MOST_LABELS and not (values % 1.0).any():
         labels = values.astype(np.int32)
     surface = surface_of_labels(labels, volume.spacing, volume.unit)
-    known = tuple(one.label for one in named) or itk_snap.next_to(file, suffix_among(file, READABLE))
+    known = tuple(one.label for one in nrrd.segments_of(file)) or itk_snap.next_to(file, suffix_among(file, READABLE))
     if known and surface.numbers is None:
         surface = replace(surface, numbers=np.full(len(surface.faces), labels.max()))
     return replace(surface, labels=known)
+
+
+def parts_in(file: Path) -> Iterable[tuple[Label, Sequence[Decoded]]]:
+    """Segments of a file that may overlap, as masks that lie anywhere; none in a volume of labels."""
+    with decoding(file.name, "is damaged: get a sound copy of it."):
+        return dicom_seg.read(file) or nrrd.overlapping(file, nrrd.segments_of(file)) or ()
 
 
 def _of_parts(file: Path, volume: Image | None, segments: Iterable[tuple[Label, Sequence[Decoded]]]) -> Surface:

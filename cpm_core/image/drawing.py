@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any, Protocol
@@ -36,14 +36,14 @@ _DOTS = ((700, 5.0), (2500, 2.5), (np.inf, 0.5))
 _LONGEST_BAR = 0.3
 """Largest length of a scale bar, as a share of the width of the image."""
 
-_BOX: Mapping[str, Any] = {"facecolor": HALO, "edgecolor": "none", "alpha": 0.6, "pad": 1.5}
+_BOX = {"facecolor": HALO, "edgecolor": "none", "alpha": 0.6, "pad": 1.5}
 """What lies behind texts, so that they can be read on any gray; with outlines they would be no texts in SVG."""
 
 _DPI, _NOTEBOOK_DPI = 200, 80
 _LARGEST = 6.0
 """Longer side of the figure of a file [inches]."""
 
-FIGURES: Mapping[str, str] = {".svg": "svg", ".png": "png", ".pdf": "pdf"}
+FIGURES = {".svg": "svg", ".png": "png", ".pdf": "pdf"}
 """Suffix of a figure -> what matplotlib calls its format."""
 
 
@@ -82,8 +82,7 @@ def axes_for(ax: Axes | None, *, space: bool = False) -> Axes:
         return ax
     from matplotlib import pyplot
 
-    made: Axes = pyplot.subplots(subplot_kw={"projection": "3d"} if space else {})[1]
-    return made
+    return pyplot.subplots(subplot_kw={"projection": "3d"} if space else {})[1]
 
 
 def show_image(
@@ -180,7 +179,7 @@ def encoded_figure(figure: Figure, suffix: str, about: str, dpi: int = _DPI) -> 
     import matplotlib as mpl
 
     stream = io.BytesIO()
-    metadata: dict[str, dict[str, Any]] = {
+    metadata = {
         ".svg": {"Date": None, "Description": about},
         ".png": {"Description": about},
         ".pdf": {"CreationDate": None, "Subject": about},

@@ -17,7 +17,7 @@ Convention = Literal["LPS", "RAS"]
 """Where x, y and z point: to the Left, Posterior (back) and Superior (head) of a patient, or Right, Anterior and
 Superior."""
 
-CONVENTIONS: tuple[Convention, ...] = ("LPS", "RAS")
+CONVENTIONS = ("LPS", "RAS")
 
 Triple = tuple[float, float, float]
 

@@ -37,7 +37,7 @@ _AIR = (-3072.0, -900.0)
 """Between which the least gray level of a CT lies that its file does not name one."""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
+@dataclass(frozen=True, eq=False)
 class Image(drawing.Pictured):
     """Gray levels on a regular grid, pixel centers at integers: an image (row, col) or a volume (plane, row, col).
 
@@ -133,7 +133,7 @@ class Image(drawing.Pictured):
         fits = given.dtype == np.float64 and type(owner) is np.ndarray and given.flags.c_contiguous
         unchanging = fits and not (given.flags.writeable or owner.flags.writeable)  # nobody writes to its memory
         with np.errstate(invalid="ignore"):  # of NaN of the signaling kind, which are refused as all others
-            values: NDArray[Any] = given if unchanging else np.array(given, precision, order="C")
+            values = given if unchanging else np.array(given, precision, order="C")
         if not whole:
             values[masked if masked.shape == values.shape else masked.any(axis=-1)] = NO_DATA
             given = values
@@ -168,8 +168,7 @@ class Image(drawing.Pictured):
             values.flags.writeable = False
             known.setdefault("values", values)
             known.pop("_stored", None)
-        found: Array = known["values"]
-        return found
+        return known["values"]
 
     @property
     def stored(self) -> NDArray[Any]:

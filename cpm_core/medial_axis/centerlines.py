@@ -104,7 +104,7 @@ class Centerlines:
     unit: str | None = None
     source: str = "volume"
     geometry: Geometry | None = None
-    provenance: Provenance = field(default_factory=Provenance, repr=False)
+    provenance: Provenance = field(default_factory=Provenance)
 
     @cached_property
     def contours(self) -> tuple[Contour, ...]:

@@ -94,10 +94,10 @@ class Skeleton(drawing.Pictured):
     polarity: int = 0
     width: float = 0.0
     channel: str = "luminance"
-    provenance: Provenance = field(default_factory=Provenance, repr=False)
+    provenance: Provenance = field(default_factory=Provenance)
     geometry: Geometry | None = None
-    image: Image | None = field(default=None, repr=False)
-    lines: Centerlines | None = field(default=None, repr=False)
+    image: Image | None = None
+    lines: Centerlines | None = None
 
     @cached_property
     def thickness(self) -> float:

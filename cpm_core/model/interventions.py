@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cpm_core.field.placed_charges import REACH, Charges, PlacedCharge, changed, near_charges, placed_in, radius_at
-from cpm_core.field.scale_field import LARGE
 from cpm_core.image.pyramid import shape_of_scale, to_image, to_scale
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.coverage import (
@@ -122,8 +121,8 @@ def start_scale(state: State, scale: int, regions: AnyRegions | None) -> State:
     first, space = state.next_identity, state.space
     if space is not None:
         position, space = position * space.pitch, replace(space, covered=no_surface())
-    large = len(shape) == 2 and math.prod(state.shape) > LARGE
-    state = replace(state, window=window_around(position, shape) if large else None)
+    windowed = len(shape) == 2 and math.prod(state.shape) > _WINDOWED
+    state = replace(state, window=window_around(position, shape) if windowed else None)
     if state.window:
         position, shape = position - state.corner, sides_of(state.window)
     return replace(
@@ -147,6 +146,9 @@ def start_scale(state: State, scale: int, regions: AnyRegions | None) -> State:
 _NEAR_END, _ROOM = 16.0, 96
 """Distance of a particle from the end of a window that widens it: farther than any goes or looks in a step; and the
 least room around particles in a new one [px]."""
+
+_WINDOWED = 2**20
+"""Pixels of an image above which a run takes place in windows."""
 
 _MOST = 0.5
 """Share of an image that a window may be of; beyond it the run is one in the whole image."""

@@ -16,10 +16,11 @@ from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Index, Mask, Single
 
-Values = TypeVar("Values", Array, Mask)
-
 Labels = NDArray[np.int32]
 """Numbers of parts, or columns."""
+
+Values = TypeVar("Values", Array, Mask)
+Filling = TypeVar("Filling", Single, Labels)
 
 Window = tuple[slice, ...]
 """Pixels of a grid, a range along each axis."""
@@ -48,8 +49,8 @@ def running_maximum(values: Values, reach: int) -> Values:
         before = values
         values = before.copy()
         for shift in range(1, min(reach, values.shape[axis] - 1) + 1):
-            ahead: tuple[slice, ...] = (slice(None),) * axis + (slice(shift, None),)
-            behind: tuple[slice, ...] = (slice(None),) * axis + (slice(None, -shift),)
+            ahead = (slice(None),) * axis + (slice(shift, None),)
+            behind = (slice(None),) * axis + (slice(None, -shift),)
             np.maximum(values[ahead], before[behind], out=values[ahead])
             np.maximum(values[behind], before[ahead], out=values[behind])
     return values
@@ -99,13 +100,12 @@ class Parts:
     @property
     def labels(self) -> Labels:
         """Number of the part of each voxel plus one; 0 where the mask is False."""
-        return self.labels_of(np.arange(self.count) + 1)
+        return self.fill(np.arange(self.count, dtype=np.int32) + 1, np.zeros(self.shape, np.int32))
 
-    def labels_of(self, number: Index) -> Labels:
-        """The number of the part of each voxel, from those of all parts; 0 where the mask is False."""
-        labels = np.zeros(self.shape, np.int32)
-        _label(self.begin, self.first, self.end, number[self.part], labels)
-        return labels
+    def fill(self, values: Filling, out: Filling) -> Filling:
+        """Write a value for each part into its voxels."""
+        _fill(self.begin, self.first, self.end, values[self.part], out)
+        return out
 
     @property
     def sizes(self) -> Index:
@@ -199,14 +199,14 @@ def renumber(group: Index) -> int:
 
 
 @compiled
-def _label(begin: Index, first: Labels, end: Labels, number: Index, labels: Labels) -> None:
-    """Write the numbers of some runs."""
-    rows = labels.shape[1]
+def _fill(begin: Index, first: Labels, end: Labels, values: Filling, out: Filling) -> None:
+    """Write a value for each run."""
+    rows = out.shape[1]
     for row in range(len(begin) - 1):
-        line = labels[row // rows, row % rows]
+        line = out[row // rows, row % rows]
         for n in range(begin[row], begin[row + 1]):
             for k in range(first[n], end[n]):
-                line[k] = number[n]
+                line[k] = values[n]
 
 
 @compiled

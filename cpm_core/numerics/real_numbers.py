@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import shown
 
-_REAL: tuple[type, ...] = (int, float, np.integer, np.floating)
+_REAL = (int, float, np.integer, np.floating)
 
 _SIDES, _FLATTEST = (1e-12, 1e12), 1000
 """Least and greatest side of a voxel, in any unit, and how many times as long as another it may be."""
@@ -64,7 +64,7 @@ def checked_number(name: str, value: Any, fits: Callable[[float], bool], wanted:
 
 def three_numbers(name: str, values: ArrayLike, positive: bool = False) -> Array:
     """Three finite numbers along the axes of a volume; ValueError otherwise, also when they have to be above 0."""
-    given: Array = np.empty(0)
+    given = np.empty(0)
     with suppress(ValueError):
         given = real_numbers(values)
     if given.shape != (3,) or not np.isfinite(given).all() or (positive and not (given > 0.0).all()):

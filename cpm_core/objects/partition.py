@@ -379,6 +379,11 @@ class Partition(drawing.Pictured):
         mask[box] = _linked(part, np.concatenate(held), crossings(self._barriers(corner), part.shape).pixels)
         return mask
 
+    def around(self, drawn: Mask, area: float) -> Mask:
+        """What the prior makes of pixels that lie in an object of about some area [px²], all of shape (H, W)."""
+        prompt = Prompt(np.empty((0, 2), np.int64), drawn=drawn)
+        return self._object(prompt, self._answers(prompt, [area]), ()).mask
+
     def certain(self) -> Iterator[Mask]:
         """The objects that closed contours enclose beyond doubt, each of shape (H, W), the largest first."""
         return self._closed.objects()

@@ -77,7 +77,7 @@ class VolumePartition:
     @property
     def labels(self) -> Index:
         """Body of every voxel, shape (P, R, C), from 1 up; 0 outside all surfaces."""
-        return np.asarray(sum(parts.labels_of(number) for parts, number in self._parts))
+        return np.asarray(sum(np.concatenate([[0], number])[parts.labels] for parts, number in self._parts))
 
     @cached_property
     def _parts(self) -> tuple[tuple[Parts, Index], ...]:

@@ -3,7 +3,11 @@
 from cpm_core.pages.follow import Follower as Follower
 from cpm_core.pages.follow import fitting as fitting
 from cpm_core.pages.follow import trouble_of as trouble_of
+from cpm_core.pages.objects import FollowedObject as FollowedObject
+from cpm_core.pages.objects import ObjectFollower as ObjectFollower
+from cpm_core.pages.objects import pages_of as pages_of
 from cpm_core.pages.page import StackResult as StackResult
 from cpm_core.pages.page import StartingLine as StartingLine
 from cpm_core.pages.page import Track as Track
 from cpm_core.pages.page import starts_after as starts_after
+from cpm_core.pages.page import without_image as without_image

@@ -10,6 +10,8 @@ from typing import Any, Literal
 import numpy as np
 
 from cpm_core.contours.contour import Contour
+from cpm_core.contours.measurements import contour_labels
+from cpm_core.contours.rasterize import paint
 from cpm_core.contours.result import Result
 from cpm_core.model.starts import loop, stroke
 from cpm_core.numerics.polyline import thinned
@@ -94,10 +96,10 @@ class StackResult:
     @property
     def tracks(self) -> tuple[Track, ...]:
         """The tracks, by number."""
-        on: dict[int, list[int]] = {}
+        on: dict[int, dict[int, None]] = {}
         for page in self.pages:
             for contour in page.contours:
-                on.setdefault(contour.number, []).append(page.number)
+                on.setdefault(contour.number, {})[page.number] = None
         events = [event for page in self.pages for event in page.events]
         origins = {other: event.track for event in events if event.kind == "splits" for other in event.others}
         ends = {event.track: event for event in events if event.kind in ("merges", "ends", "leaves")}
@@ -139,16 +141,17 @@ class StartingLine:
 
 
 def without_image(result: Result) -> Result:
-    """A result that takes little memory: contours as files hold them, with their contrast, and no image."""
+    """A result that takes little memory: contours as files hold them, with their contrast and gray values."""
     contours = tuple(
         replace(
             contour,
             points=np.round(contour.points, _DECIMALS),
             strength=round(contour.strength, _OF_MEASURES),
             sides=None if contour.sides is None else partial(round, contour.contrast, _OF_MEASURES),
+            gray=gray,
             way=partial(str, contour.reached),
         )
-        for contour in result.contours
+        for contour, gray in zip(result.contours, _grays(result), strict=True)
     )
     bridges = tuple(
         replace(
@@ -160,6 +163,17 @@ def without_image(result: Result) -> Result:
         for bridge in result.bridges
     )
     return replace(result, contours=contours, bridges=bridges, image=None)
+
+
+def _grays(result: Result) -> list[float | None]:
+    """Mean gray value of what each closed contour encloses by itself, as in the label mask, if there is an image."""
+    labels = contour_labels(result.contours)
+    if result.image is None:
+        return [contour.gray for contour in result.contours]
+    painted, most = paint(result.contours, result.shape).ravel(), max(labels, default=0) + 1
+    sums = np.bincount(painted, result.image.values.ravel(), most)
+    counts = np.bincount(painted, minlength=most)
+    return [round(sums[label] / counts[label], _OF_MEASURES) if label and counts[label] else None for label in labels]
 
 
 def starts_after(contours: Sequence[Contour]) -> tuple[StartingLine, ...]:

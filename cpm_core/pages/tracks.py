@@ -23,7 +23,7 @@ from cpm_core.parameters.quotation import described
 LEAST_OVERLAP = 0.2
 """Least overlap of two contours of one track."""
 
-_PART = 0.5
+PART = 0.5
 """Share of an area that has to lie in another for it to be a part of that one."""
 
 _BESIDE = 6.0
@@ -109,22 +109,27 @@ class Tracker:
         self._begun = tracks > 0
 
     def follow(
-        self, page: int, contours: Sequence[Contour], shape: tuple[int, ...]
+        self, page: int, contours: Sequence[Contour], shape: tuple[int, ...], *, keep: bool = False
     ) -> tuple[tuple[Contour, ...], tuple[TrackEvent, ...]]:
-        """Give the contours of a page of this shape [px] their tracks as numbers, and tell what happens to tracks.
+        """Give the contours of a page of this shape [px] their tracks as numbers, and report what happens to tracks.
 
-        A page without contours is passed over: what is found on the next one is compared with the page before.
+        Where they `keep` their numbers, those are tracks. A page without contours is passed over: what is found on the
+        next one is compared with the page before.
         """
         if not contours:
             return (), ()
         before = self._before
         overlaps = overlaps_of(before, contours, shape)
-        pairs = _pairs(overlaps.dice)
+        if keep:
+            now = {one.number: place for place, one in enumerate(contours)}
+            pairs = {then: now[one.number] for then, one in enumerate(before) if one.number in now}
+        else:
+            pairs = _pairs(overlaps.dice)
         owner = {now: then for then, now in pairs.items()}
-        tracks = []
-        for now in range(len(contours)):
-            self._tracks += now not in owner
-            tracks.append(before[owner[now]].number if now in owner else self._tracks)
+        tracks = [one.number for one in contours] if keep else []
+        for place in range(len(contours) - len(tracks)):
+            self._tracks += place not in owner
+            tracks.append(before[owner[place]].number if place in owner else self._tracks)
         numbered = tuple(replace(one, number=track) for one, track in zip(contours, tracks, strict=True))
         events = [*_gone(page, before, numbered, pairs, overlaps.part, shape)]
         if self._begun:
@@ -207,7 +212,7 @@ def _come(
     fresh = [index for index in range(len(now)) if index not in pairs.values()]
     split: dict[int, list[int]] = {}
     for index in fresh:
-        origins = [then for then, heir in pairs.items() if part[then, index] >= _PART]
+        origins = [then for then, heir in pairs.items() if part[then, index] >= PART]
         apart = [then for then in origins if not _nested(around, index, pairs[then])]
         if apart:
             split.setdefault(max(apart, key=lambda then: part[then, index]), []).append(index)
@@ -231,7 +236,7 @@ def _gone(
     for index, contour in enumerate(before):
         if index in pairs:
             continue
-        into = [heir for heir, then in heirs.items() if part[index, heir] >= _PART and not _nested(around, index, then)]
+        into = [heir for heir, then in heirs.items() if part[index, heir] >= PART and not _nested(around, index, then)]
         if into:
             heir = max(into, key=lambda one: part[index, one])
             yield TrackEvent("merges", page, contour.number, (now[heir].number,))

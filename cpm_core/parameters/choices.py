@@ -38,7 +38,7 @@ class ChoiceInfo:
     invalidates: Invalidates
 
 
-CHOICES: dict[str, ChoiceInfo] = {
+CHOICES = {
     "edges": ChoiceInfo(
         "edges", "Edges from", "Where edges are found.",
         {

@@ -180,7 +180,7 @@ def _check(info: ParameterInfo, value: object) -> None:
 DEFAULTS: dict[str, float | str] = {name: getattr(Parameters(), name) for name in (*PARAMETERS, *CHOICES)}
 """The default value of every parameter: the paper's."""
 
-PRESETS: dict[str, Parameters] = {
+PRESETS = {
     "shape": Parameters(reach=2.0, weakest_edge=0.5),
     "automatic": Parameters(
         w1=0.6, w2=0.7, beta=0.4, smoothing=2.5, gamma="auto", edge_floor=0.2, max_border=0.08, sure_edge=0.3
@@ -203,5 +203,5 @@ PRESETS: dict[str, Parameters] = {
 """Named settings: shape recovery (section 4.1), automatic segmentation (section 5.2), vessels and noisy images,
 automatic segmentation of kinds of images whose boundaries other settings find better, and volumes (section 5.4)."""
 
-PLANE_PRESETS: dict[str, Parameters] = {name: preset for name, preset in PRESETS.items() if name != "volume"}
+PLANE_PRESETS = {name: preset for name, preset in PRESETS.items() if name != "volume"}
 """The settings among them that are for images."""

@@ -211,24 +211,24 @@ _TABLE = (
     ),
 )  # fmt: skip
 
-PARAMETERS: dict[str, ParameterInfo] = {info.name: info for info in _TABLE}
+PARAMETERS = {info.name: info for info in _TABLE}
 
-OF_SKELETONS: tuple[str, ...] = ("polarity", "max_width", "pruning")
+OF_SKELETONS = ("polarity", "max_width", "pruning")
 """Parameters that skeletons alone depend on."""
 
-OF_STARTS: tuple[str, ...] = ("reach", "weakest_edge")
+OF_STARTS = ("reach", "weakest_edge")
 """Parameters on which nothing without a start depends."""
 
-OF_CHARGES: tuple[str, ...] = ("exponent", "accuracy")
+OF_CHARGES = ("exponent", "accuracy")
 """Parameters on which nothing without particles depends: they act on the field of the fixed charges alone."""
 
-OF_PLANES: tuple[str, ...] = (
+OF_PLANES = (
     *("reach", "weakest_edge", "max_border", "max_gap", "min_strength", "sure_edge", "min_contrast", "min_length"),
     "edges",
 )
 """Parameters that have a meaning in the plane only, and must have their default value in a volume."""
 
-OF_VOLUMES: tuple[str, ...] = ("accuracy",)
+OF_VOLUMES = ("accuracy",)
 """Parameters that change nothing in an image."""
 
 AUTOMATIC = ("smoothing", "gamma", "exponent")

@@ -128,7 +128,7 @@ def check_spacing(spacing: float, lengths: Sequence[float]) -> None:
 
 def finest_spacing(lengths: Sequence[float]) -> int:
     """The least spacing at which a box of these lengths has no more particles than are allowed."""
-    side: float = (2.0 * math.prod(length + 1.0 for length in lengths) / MOST_PLACES) ** (1.0 / len(lengths))
+    side = (2.0 * math.prod(length + 1.0 for length in lengths) / MOST_PLACES) ** (1.0 / len(lengths))
     return math.ceil(side)
 
 

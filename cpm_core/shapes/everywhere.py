@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -18,7 +18,7 @@ Kind = Literal["grid", "gradient", "centers"]
 
 KINDS: tuple[Kind, ...] = get_args(Kind)
 
-_TITLES: Mapping[Kind, str] = {
+_TITLES = {
     "grid": "start everywhere",
     "gradient": "start on strong edges",
     "centers": "start at centers",

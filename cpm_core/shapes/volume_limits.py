@@ -8,7 +8,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from cpm_core.contours.packed_surface import PackedSurface
+from cpm_core.contours.packed_surface import PackedBody
 from cpm_core.image.volume_regions import Extrusion, Voxels
 from cpm_core.numerics.types import Array, Place, Position
 from cpm_core.shapes.lines import Barrier, Region
@@ -105,17 +105,17 @@ class Wall(Extruded):
     flat: ClassVar[type[Barrier]] = Barrier
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True)
 class Enclosed(WithoutOutline):
     """The inside of a closed surface.
 
     Attributes
     ----------
-    surface : PackedSurface
-        The surface.
+    surface : PackedSurface or PackedVoxels
+        The surface, or the voxels inside.
     """
 
-    surface: PackedSurface
+    surface: PackedBody
 
     @property
     def limit(self) -> Voxels:
@@ -125,8 +125,7 @@ class Enclosed(WithoutOutline):
     @property
     def center(self) -> Place:
         """The middle of the box around it, (plane, row, col) [voxels]."""
-        vertices = self.surface.surface.vertices
-        return tuple((0.5 * (vertices.min(axis=0) + vertices.max(axis=0))).tolist())
+        return tuple(self.surface.box.mean(axis=0).tolist())
 
     @property
     def outline(self) -> Array:

@@ -126,6 +126,27 @@ def in_volume(window: MainWindow, folder: Path) -> Iterator[Work]:
     yield "other slices", lambda: slices.through((60, 90, 90))
     yield "next slice", lambda: slices.go(1)
     yield "slices across another axis", lambda: slices.turn(2)
+    canvas, objects, click = window.canvas_area.canvas, window.workspace.object_list, Qt.MouseButton.LeftButton
+    for name, radius, in_space in (("a slice", 8.0, False), ("10^6 voxels in space", 62.0, True), ("it", 8.0, False)):
+        yield (
+            f"take the brush for {name}",
+            lambda radius=radius, in_space=in_space: (
+                window.canvas_area.use_tool("mend"), objects.set_brush(radius), objects.set_way(ball=in_space)
+            ),
+        )  # fmt: skip
+        for act, col in (
+            (QTest.mousePress, 100),
+            (QTest.mouseMove, 110),
+            (QTest.mouseMove, 120),
+            (QTest.mouseRelease, 120),
+        ):
+            at, held = canvas.point((100, col)).toPoint(), (click,) if act is not QTest.mouseMove else ()
+            yield (
+                f"paint {name}, {act.__name__}",
+                lambda act=act, at=at, held=held: act(canvas.viewport(), *held, pos=at),
+            )
+    yield "undo painting", lambda: window.do("undo")
+    yield "fill between slices", lambda: window.do("fill_between")
     sphere = Sphere((96.0, 96.0, 96.0), 10.0)
     yield "draw a sphere", lambda: session.edit("draw", lambda d: edits.add_shape(d, sphere))
     yield "run, first surface", session.run

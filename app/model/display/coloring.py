@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -71,7 +71,7 @@ class Quantity:
     range: tuple[float, float] | None = None
 
 
-QUANTITIES: Mapping[str, Quantity] = {
+QUANTITIES = {
     "speed": Quantity(tr("Speed"), tr("How fast each particle is [px / unit of time]."), speed),
     "force": Quantity(tr("Force"), tr("Coulomb and Lorentz force on each particle, without damping."), force),
     "age": Quantity(tr("Age"), tr("Steps since each particle was inserted, or since its scale began."), age),

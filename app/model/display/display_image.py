@@ -139,8 +139,7 @@ def color_curve(window: IntensityWindow, white: float) -> Shades:
     `white` is the gray level that a byte of 255 stands for.
     """
     levels = np.linspace(0.0, white, 256)[np.newaxis]
-    curve: Shades = apply_window(levels, window)[0]
-    return curve
+    return apply_window(levels, window)[0]
 
 
 _SAMPLE = 1 << 20

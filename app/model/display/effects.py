@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import scipy
@@ -13,10 +13,9 @@ from app.model.parameters.controls import RATIO
 from app.model.text.language import tr, written
 from cpm_core import Contour, Parameters, State
 from cpm_core.contours import Measures
-from cpm_core.numerics import Array
 from cpm_core.segmentation import MethodState
 
-FILTERS: Mapping[str, Callable[[Measures], float | None]] = {
+FILTERS = {
     "min_strength": lambda row: row.strength,
     "min_length": lambda row: row.length,
     "min_contrast": lambda row: row.contrast,
@@ -64,7 +63,7 @@ class Distribution:
     def __init__(self) -> None:
         self._moment: object = None
         self._threshold = 0.0
-        self.values: Array = np.zeros(0)
+        self.values = np.zeros(0)
         """In ascending order."""
 
     def update(self, moment: object, threshold: float, values: Sequence[float]) -> None:
@@ -92,7 +91,7 @@ class FilterCounts:
 
     def __init__(self) -> None:
         self._filters = {name: Distribution() for name in FILTERS}
-        self._ends: Array = np.zeros((0, 2))
+        self._ends = np.zeros((0, 2))
         self.present = 0
         """Number of contours that there are now."""
 

@@ -26,8 +26,12 @@ class PageRow:
         Page and track; track 0 for a page that could not be used.
     measures : Measures or None
         Measures of the contour.
+    is_object : bool
+        Whether it is an object that has been accepted.
     row, col : float
         Its center [px].
+    gray : float or None
+        Mean gray value inside.
     happens : str
         What happens to the track, or why the page could not be used; empty for nothing.
     """
@@ -37,7 +41,9 @@ class PageRow:
     measures: Measures | None
     row: float
     col: float
+    gray: float | None
     happens: str
+    is_object: bool = False
 
 
 def page_rows(found: StackResult) -> tuple[PageRow, ...]:
@@ -49,12 +55,14 @@ def page_rows(found: StackResult) -> tuple[PageRow, ...]:
 
 def _rows(page: Page, tracks: dict[int, Track], first: int) -> list[PageRow]:
     if page.result is None:
-        return [PageRow(page.number, 0, None, 0.0, 0.0, from_core(page.trouble))]
+        return [PageRow(page.number, 0, None, 0.0, 0.0, None, from_core(page.trouble))]
     rows = []
     for contour, measures in zip(page.contours, measure(page.contours, page.result.spacing), strict=True):
+        if contour.hole:
+            continue
         happens = _happens(tracks[contour.number], page.number, first)
         row, col = centroid(contour)
-        rows.append(PageRow(page.number, contour.number, measures, row, col, happens))
+        rows.append(PageRow(page.number, contour.number, measures, row, col, contour.gray, happens, contour.group > 0))
     return rows
 
 

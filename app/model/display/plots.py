@@ -69,7 +69,7 @@ class Plot:
 _BLUE, _ORANGE, _GREEN = ("#0072b2", "#56b4e9"), ("#c2410c", "#ff9d1e"), ("#00785a", "#2bd4a4")
 _PURPLE, _PINK = ("#7c4fd6", "#b48cff"), ("#b5307f", "#ff7ac6")
 
-PLOTS: tuple[Plot, ...] = (
+PLOTS = (
     Plot(
         "epsilon",
         tr("ε"),

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from app.model.document.document import Document
 from app.model.text.language import tr
 from cpm_core import Contour
-from cpm_core.contours import HandEdit, Kind, Mark, Outline, Verdict, outline_of
+from cpm_core.contours import HandEdit, Mark, Outline, Verdict, outline_of
 from cpm_core.numerics import Position
 
-NAMES: Mapping[Kind, str] = {
+NAMES = {
     "cut": tr("cut contour"),
     "deletion": tr("delete segment of contour"),
     "redrawing": tr("redraw segment of contour"),

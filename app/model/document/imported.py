@@ -13,7 +13,7 @@ from app.model.document.document import Document
 from app.model.document.objects import name_class
 from app.model.text.language import tr
 from cpm_core import Centerlines, Contour, Image, Surface, VolumePartition
-from cpm_core.contours import Label, PackedSurface, inside_of
+from cpm_core.contours import Label, PackedSurface, alone, inside_of
 from cpm_core.formats import ContourFile
 from cpm_core.numerics import Place
 from cpm_core.objects.segmented import Click, SegmentedObject, line_of
@@ -121,8 +121,7 @@ def bodies_of(surface: Surface, volume: Image) -> tuple[SegmentedObject, ...]:
     """
     if surface.numbers is not None:
         numbers = np.unique(surface.numbers).tolist()
-        faces = [surface.faces[surface.numbers == number] for number in numbers]
-        bodies = [replace(surface, faces=own, numbers=None) for own in faces]
+        bodies = [alone(surface, number) for number in numbers]
     else:
         partition = VolumePartition(volume, surface)
         bodies = [partition.boundary_of(np.array([number])) for number in partition.solid.tolist()]

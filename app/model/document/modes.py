@@ -9,7 +9,6 @@ from app.model.document.document import Document, ImageReference, Mode
 from app.model.parameters.controls import RATIO
 from app.model.text.language import tr
 from cpm_core import METHODS, PRESETS, Parameters
-from cpm_core.image import Kind
 from cpm_core.medial_axis import Outlined
 from cpm_core.parameters import OF_PLANES, OF_VOLUMES
 from cpm_core.shapes import Everywhere, Limit, Shape
@@ -126,7 +125,7 @@ def starting(mode: Mode, shapes: tuple[Shape, ...]) -> tuple[Shape, ...]:
     return shapes
 
 
-ADVICE: Mapping[Kind, str] = {
+ADVICE = {
     "fluorescence": tr("This looks like a fluorescence image. Find all objects with settings for fluorescence?"),
     "angiogram": tr("This looks like an X-ray image of vessels. Find all vessels with settings for them?"),
     "ultrasound": tr("This looks like an ultrasound image. Find strong outlines with settings for ultrasound?"),

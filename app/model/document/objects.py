@@ -13,7 +13,7 @@ from app.model.document import edits
 from app.model.document.document import Document
 from app.model.text.language import tr
 from cpm_core import Bridge, Contour, Result, Selection, Surface, VolumeSelection
-from cpm_core.contours import Label, PackedSurface, surfaces_joined
+from cpm_core.contours import Label, PackedBody, surfaces_joined
 from cpm_core.numerics import Array, Place, Position, length, polyline, thinned
 from cpm_core.objects import boundaries_result
 from cpm_core.objects.segmented import (
@@ -65,7 +65,8 @@ Found = tuple[AnySelection, tuple[Click, ...], int]
 def accept(document: Document, given: Iterable[SegmentedObject], *, ends: bool = False) -> Document:
     """The document with further objects, or with other boundaries of those that it has.
 
-    New ones get the next numbers, rejected ones keep theirs. The selection in progress is over where it `ends`.
+    New ones get the next numbers; rejected ones, and those of other pages, keep theirs. The selection in progress is
+    over where it `ends`.
     """
     objects = document.objects
     known, rejected = {item.number: item for item in objects.items}, {item.number for item in objects.rejected}
@@ -77,7 +78,8 @@ def accept(document: Document, given: Iterable[SegmentedObject], *, ends: bool =
                 one, name=old.name, color=old.color, category=old.category, frozen=old.frozen, hidden=old.hidden
             )
         else:
-            number = one.number if one.number in rejected else max((*items, *rejected), default=0) + 1
+            own = one.number in rejected or one.number <= objects.taken
+            number = one.number if own else max((*items, *rejected, objects.taken)) + 1
             items[number] = replace(one, number=number)
     left = tuple(item for item in objects.rejected if item.number not in items)
     over = {"clicks": (), "edited": 0} if ends else {}
@@ -208,13 +210,13 @@ def _with_shapes(
     document: Document,
     numbers: Iterable[int],
     shape: Callable[[Line], Polygon | Region | Barrier],
-    in_volume: Callable[[PackedSurface], Points | EnclosedRegion | EnclosingWall],
+    in_volume: Callable[[PackedBody], Points | EnclosedRegion | EnclosingWall],
     holes: bool = False,
 ) -> Document:
     for number in numbers:
         item = document.objects[number]
         for surface in item.surface:
-            document = edits.add_shape(document, in_volume(surface.exact))
+            document = edits.add_shape(document, in_volume(surface))
         for curve in item.boundary if holes else item.outer:
             few = thinned(curve)
             document = edits.add_shape(document, shape(few if len(set(few)) > 2 else curve))

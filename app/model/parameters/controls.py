@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -31,7 +30,7 @@ BY_ITSELF = {
 _BY_HAND = {"exponent": 2.0}
 """Values for `Control.by_hand` by the names of their controls."""
 
-_WORDS: Mapping[str, tuple[tuple[float, str], ...]] = {
+_WORDS = {
     "polarity": ((-1.0, tr("dark")), (0.0, tr("auto")), (1.0, tr("light"))),
     "max_width": ((0.0, tr("auto")),),
 }
@@ -174,8 +173,7 @@ def value_of(parameters: Parameters, name: str) -> float | str:
     """Value that the control `name` shows."""
     if name == RATIO:
         return parameters.w1 / parameters.w2
-    value: float | str = getattr(parameters, name)
-    return value
+    return getattr(parameters, name)
 
 
 def with_value(parameters: Parameters, name: str, value: float | str) -> Parameters:

@@ -29,7 +29,7 @@ from cpm_core.shapes import (
 )
 
 FULL_SPEED = tr("full speed")
-PACES: tuple[float | None, ...] = (1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0, 120.0, None)
+PACES = (1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0, 120.0, None)
 """Steps per second of the speed control; None for no limit."""
 FIRST_PACE = 6
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -150,7 +150,7 @@ NOT_IN_VOLUMES = frozenset(
 """Names of actions and of tools that are hidden while a volume is open."""
 
 
-OTHERWISE_IN_VOLUMES: Mapping[str, tuple[str, str]] = {
+OTHERWISE_IN_VOLUMES = {
     "circle": (tr("Sphe&re"), tr("Drag from the center to draw a sphere.")),
     "add_circle": (
         tr("Add sphere in the &middle"),
@@ -188,7 +188,7 @@ OTHERWISE_IN_VOLUMES: Mapping[str, tuple[str, str]] = {
 }
 """Names of actions that do something else in a volume -> their text and tip there."""
 
-ICONS_IN_VOLUMES: Mapping[str, str] = {"ellipse": "box"}
+ICONS_IN_VOLUMES = {"ellipse": "box"}
 """Names of actions with another icon in a volume -> its name."""
 
 

@@ -5,8 +5,6 @@ The name itself is in the table of the core.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 from app.model.text.language import tr
 
 FIRST_WORDING = "name"
@@ -15,7 +13,7 @@ FIRST_WORDING = "name"
 
 _FORCES = "<i>F</i> = <i>w</i>₁<i>F</i><sub>c</sub> + <i>w</i>₂<i>F</i><sub>l</sub> − <i>β</i> <i>v</i>"
 
-FORMULAS: Mapping[str, str] = {
+FORMULAS = {
         "reach": tr("at most {law} beyond a junction").format(law="<i>r</i>"),
         "weakest_edge": tr("reached where {law} around the start").format(
             law="<i>f</i> ≥ <i>f</i><sub>first</sub> · median <i>f</i>"),

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from app.model.volume.slices import Slice
-from app.model.volume.surface_section import section
+from app.model.volume.surface_section import boundary_in
 from cpm_core.field import RADIUS
 from cpm_core.numerics import Array, Position
 from cpm_core.shapes import (
@@ -167,10 +167,8 @@ def _sections(shape: Shape, here: Slice, sides: tuple[float, ...]) -> Iterator[S
     elif isinstance(shape, Extruded):
         yield from _of_extruded(shape, here)
     elif isinstance(shape, EnclosedRegion | EnclosingWall):
-        for line in section(shape.surface.surface, here):
-            corners = tuple((row, col) for row, col in line.points.tolist())
-            if line.closed and len(set(corners)) > 2:
-                yield RegionSection(corners) if isinstance(shape, EnclosedRegion) else Barrier((*corners, corners[0]))
+        for line in boundary_in(shape.surface, here):
+            yield RegionSection(line) if isinstance(shape, EnclosedRegion) else Barrier((*line, line[0]))
     elif isinstance(shape, Charge) and len(shape.position) == 3:
         away = abs(shape.position[here.axis] - here.index) * sides[here.axis]
         if away <= RADIUS:

@@ -134,6 +134,8 @@ def selection_in(selection: AnySelection, here: Slice) -> Selection:
 
 def holds(item: SegmentedObject, place: Place) -> bool:
     """Whether a place (plane, row, col) lies in an object."""
+    if any(isinstance(body, PackedVoxels) for body in item.surface):
+        return bool(item.surface[0].part([round(at) for at in place], (1, 1, 1)).all())
     here = Slice(0, round(place[0]))
     within = np.array([here.within(place)], dtype=float)
     lines = boundary_in(item.surface[0], here) if item.surface else ()

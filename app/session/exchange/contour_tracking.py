@@ -48,7 +48,7 @@ class ContourTracker:
     def __init__(self, places: Mapping[int, Position] | None = None) -> None:
         self._fresh = itertools.count()
         self._seen: list[tuple[int, Position]] = []
-        self.places: Mapping[int, Position] = places or {}
+        self.places = places or {}
         """A place of each numbered contour; never changed, but replaced."""
 
     def track(self, result: Result, thorough: bool) -> TrackedContours:
@@ -74,7 +74,7 @@ class ContourTracker:
         number again when they are whole again; distances below one pixel are alike.
         """
         found: dict[int, int] = {}
-        given: set[int] = set()
+        given = set()
         if contours and self.places:
             known = list(self.places)
             near = neighborhood(contours).pairs(np.array(list(self.places.values())), REACH)

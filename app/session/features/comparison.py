@@ -138,6 +138,7 @@ class ComparedResults(QObject):
         self._latest = LatestOnlyWorker(session, "cpm-comparison", tr("comparing results"))
         self._quiet = QTimer(self, singleShot=True, interval=_QUIET)
         self._quiet.timeout.connect(self._take_branch)
+        self._quiet.timeout.connect(self._take_now)
         self._news.connect(self._change)
         session.scene_changed.connect(self._follow)
         session.image_changed.connect(self.forget)
@@ -379,16 +380,25 @@ class ComparedResults(QObject):
         return objects or self._seen.get(_unrejected, scene.contours)
 
     def _follow(self) -> None:
-        """Compare what is shown now anew; show the chosen branch at the same step."""
+        """Compare what is shown now anew; show the chosen branch at the same step.
+
+        Objects of a volume change many times while they are painted, and are then measured, which makes their surfaces.
+        """
         if len(self.rows) == 1:
             return
+        painted = self.in_volume and bool(self._session.document.objects.items)
+        if not painted:
+            self._take_now()
+        if painted or self.rows[self.chosen].branch is not None:
+            self._quiet.start()
+
+    def _take_now(self) -> None:
+        """Compare what is shown now anew if it has changed."""
         found = self._found
         if found is not self.rows[NOW].found:
             self.rows[NOW] = replace(self.rows[NOW], found=found)
             self._compare()
             self.changed.emit()
-        if self.rows[self.chosen].branch is not None:
-            self._quiet.start()
 
     def _compare(self) -> None:
         """Compare the rows with the reference; during a run only the one whose differences are marked."""

@@ -7,9 +7,11 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, NamedTuple
 
+from app.model.display.page_rows import PageRow, page_rows
 from app.model.document.document import Document, ImageReference
+from app.model.document.objects import objects_result
 from app.model.document.saving import restored, to_file
 from app.model.text.language import tr
 from app.model.volume.parts import Parts
@@ -21,7 +23,8 @@ from cpm_core import Page, Result, load_pages
 from cpm_core.contours import apply, middle, with_kept
 from cpm_core.formats import Pages, Reading, decode, encode, page_from_plain, page_to_plain
 from cpm_core.formats.sessions.recorded_run import Recorder, with_run
-from cpm_core.pages import Follower, StackResult, StartingLine, fitting, trouble_of
+from cpm_core.objects.segmented import SegmentedObjects
+from cpm_core.pages import Follower, StackResult, StartingLine, fitting, pages_of, trouble_of, without_image
 from cpm_core.shapes import Polygon, SeedCache, Start, Stroke, check_axes, starts_of
 
 
@@ -127,16 +130,66 @@ def starts_along(lines: tuple[StartingLine, ...]) -> tuple[Start, ...]:
 
 
 def bare(document: Document) -> Document:
-    """What a page takes over from another one: drawing, parameters and mode, but nothing that belongs to contours."""
-    return Document(document.image, document.shapes, document.parameters, mode=document.mode)
+    """What a page takes over from another one: drawing, parameters, mode and classes, but nothing that was found."""
+    known = SegmentedObjects(classes=document.objects.classes, category=document.objects.category)
+    return Document(document.image, document.shapes, document.parameters, mode=document.mode, objects=known)
 
 
-def linked(source: StackSource, found: Mapping[int, Page], drawn: tuple[Mapping[str, Any], ...]) -> StackResult:
-    """Number the contours of all pages by their tracks, page by page."""
+def numbered(page: KeptPage, taken: int) -> KeptPage:
+    """A page on which new objects get larger numbers than those that are taken."""
+    document, known = (
+        each and replace(each, objects=replace(each.objects, taken=taken)) for each in (page.document, page.known)
+    )
+    return replace(page, document=document or page.document, known=known)
+
+
+Table = tuple[StackResult | None, tuple[PageRow, ...]]
+"""What has been found on all pages, and the rows of its table."""
+
+NOTHING: Table = (None, ())
+
+Listed = Literal["objects", "contours"]
+"""What is shown of all pages."""
+
+Measured = Mapping[int, tuple[SegmentedObjects, Result | None]]
+"""The objects of each page, and what is known of them: with their mean gray values; None where there are none."""
+
+
+class Linked(NamedTuple):
+    """What has been found on all pages of a stack, with tracks."""
+
+    source: StackSource
+    measured: Measured
+    tables: Mapping[Listed, Table]
+
+
+def linked(
+    source: StackSource,
+    found: Mapping[int, Page],
+    drawn: tuple[Mapping[str, Any], ...],
+    documents: Mapping[int, Document],
+    known: Measured,
+) -> Linked:
+    """Number the contours of all pages by their tracks, page by page, and measure objects that are not `known`."""
     follower = Follower()
     pages = [found[number] for number in sorted(found)]
     pages = [follower.take(page.number, page.result) if page.result else page for page in pages]
-    return StackResult(Path(source.path).name, source.count, tuple(pages), source.pages.axis, source.pages.alone, drawn)
+    measured = {}
+    for number, document in documents.items():
+        before, result = known.get(number, (None, None))
+        if before is not document.objects:
+            result = objects_result(document)
+            result = result and without_image(replace(result, image=source.pages[number - 1]))
+        measured[number] = document.objects, result
+    objects = pages_of({number: result for number, (_, result) in measured.items() if result is not None})
+    tables: dict[Listed, Table] = {}
+    of_kinds: tuple[tuple[Listed, Sequence[Page]], ...] = (("objects", objects), ("contours", pages))
+    for kind, made in of_kinds:
+        name, axis, alone = Path(source.path).name, source.pages.axis, source.pages.alone
+        if made:
+            whole = StackResult(name, source.count, tuple(made), axis, alone, drawn)
+            tables[kind] = whole, page_rows(whole)
+    return Linked(source, measured, tables)
 
 
 _MOST = 24 * 2**20

@@ -143,7 +143,10 @@ def _measured(item: SegmentedObject, image: Image) -> Figures:
 def _as_objects(offered: tuple[Proposal, ...], known: SegmentedObjects) -> tuple[SegmentedObject, ...]:
     """The objects that proposals would become, each with a number that no other row has."""
     found = enumerate((each for each in offered if each.selection.found), start=known.next_number)
-    return tuple(replace(each.item, number=each.number or fresh, category=known.category) for fresh, each in found)
+    return tuple(
+        replace(each.item, number=each.number or fresh, category=(each.followed or known).category)
+        for fresh, each in found
+    )
 
 
 def _boundaries(items: Iterable[SegmentedObject]) -> list[Line]:

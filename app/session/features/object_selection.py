@@ -100,6 +100,10 @@ Answer = tuple[tuple[Proposal, ...], Preview | None, tuple[tuple[Click, ...], in
 """What is offered, what a click would change, and the clicks of a candidate with its number and how many there are."""
 
 
+Search = Callable[[Partition, Task], tuple[Proposal, ...]]
+"""Finds objects to offer."""
+
+
 class ObjectSelection(QObject):
     """Keeps the proposals and the preview of the scene up to date, and makes objects of the document of proposals."""
 
@@ -120,7 +124,9 @@ class ObjectSelection(QObject):
         self._remark, self._was_ready = "", False
         self._latest = LatestOnlyWorker(session, "cpm-objects", tr("selecting objects"))
         self._finding: Task | None = None
-        self.partitions = Partitions(session, lambda: self._in_use or self.selecting or bool(self._offering))
+        self.partitions = Partitions(
+            session, lambda: self._in_use or self.selecting or bool(self._offering) or self.followed() is not None
+        )
         self.partitions.changed.connect(self._follow)
         self.partitions.changed.connect(self.changed)
         session.document_changed.connect(lambda _: self.partitions.look())
@@ -128,6 +134,8 @@ class ObjectSelection(QObject):
         session.scene_changed.connect(self._follow_run)
         session.image_changed.connect(self._forget)
         self.offers_for: Callable[[Document], bool] = lambda document: True  # while the tool is not in use
+        self.followed: Callable[[], Search | None] = lambda: None
+        """What finds the objects of the page before in the image, if there are any to be found."""
 
     # State
 
@@ -185,6 +193,12 @@ class ObjectSelection(QObject):
         """Whether the tool is in use, so that the partition is kept up to date."""
         self._in_use = in_use
         self.partitions.look(again=in_use)
+        self._follow()
+
+    def search(self) -> None:
+        """Look again for what is offered."""
+        self._searched = None
+        self.partitions.look()
         self._follow()
 
     # Clicks
@@ -289,10 +303,18 @@ class ObjectSelection(QObject):
     # Internal
 
     def _select(self, words: str, clicks: tuple[Click, ...], number: int = 0) -> None:
-        self._session.edit(words, lambda document: objects.select(document, clicks, number))
+        followed = [each.item for each in self.proposals if each.number == number and each.followed is not None]
+
+        def edit(document: Document) -> Document:
+            """An object of the page before is accepted as it is, and changed like any other."""
+            return objects.select(objects.accept(document, followed), clicks, number)
+
+        self._session.edit(words, edit)
 
     def _corrected(self, said: Click) -> int:
         """Number of the object, or key of the proposal, that a click corrects: the one it takes from, or the only one.
+
+        One that was followed is whole, and a click next to it begins another one.
 
         0 when it begins another one, or one is being selected.
         """
@@ -300,7 +322,8 @@ class ObjectSelection(QObject):
             return 0
         if not said.inside:
             return self.under(said.places[0])
-        return self.proposals[0].key if len(self.proposals) == 1 else 0
+        alone = len(self.proposals) == 1 and self.proposals[0].followed is None
+        return self.proposals[0].key if alone else 0
 
     def _before(self, number: int) -> tuple[tuple[Click, ...], int]:
         """The clicks of what is being selected, or of an object, or a proposal, and the number of the object."""
@@ -334,16 +357,17 @@ class ObjectSelection(QObject):
             self._follow()
 
     def _offer_of(self, partition: AnyPartition) -> Offer:
-        """What the run offers: all objects that have been found when it has started everywhere."""
+        """The objects of the page before, or what the run offers: everything when it has started everywhere."""
         starts, source, rejected = self._offering, self.partitions.source, self._session.document.objects.rejected
-        if not isinstance(partition, Partition) or not any(isinstance(start, Everywhere) for start in starts):
+        search = self.followed()
+        if not (isinstance(partition, Partition) and (search or any(isinstance(each, Everywhere) for each in starts))):
             return Offer(tuple(start for start in starts if isinstance(start, Drawn)), (), rejected)
-        if self._searched is not partition and isinstance(source, Result) and source.stop_reason:
+        if self._searched is not partition and (search or (isinstance(source, Result) and source.stop_reason)):
             self._searched, self._found = partition, ()
             self._end_finding()
             self._finding = self._session.tasks.start(
                 tr("Finding objects between the contours…"),
-                partial(all_objects, partition),
+                partial(search or all_objects, partition),
                 tr("finding objects"),
                 then=partial(self._use_found, partition),
             )

@@ -142,11 +142,7 @@ class Partitions(QObject):
 
     def _run(self, source: Everywhere) -> None:
         def work(task: Task) -> Prepared:
-            image, grid = source.image, uniform_grid(source.image.shape)
-            found = segment(
-                image, grid, source.parameters, regions=source.regions, progress=lambda _: task.check_cancelled()
-            )
-            return Prepared(source, _ready(partition(found)))
+            return Prepared(source, _ready(from_everywhere(source, task)))
 
         name = tr("Finding contours everywhere, to outline objects exactly…")
         activity = tr("preparing the selection of objects")
@@ -187,6 +183,16 @@ class Partitions(QObject):
         self._quiet.stop()
         self.partition = self._made_from = self._asked_for = self._everywhere = None
         self.changed.emit()
+
+
+def from_everywhere(source: Everywhere, task: Task) -> Partition:
+    """A partition with the contours of a run from everywhere; without, where that would take too long."""
+    image, regions = source.image, source.regions
+    if math.prod(image.shape) > MOST_OFFERED:
+        return Partition(image, (), of_plane(regions), source.parameters.channel)
+    grid = uniform_grid(image.shape)
+    found = segment(image, grid, source.parameters, regions=regions, progress=lambda _: task.check_cancelled())
+    return cast("Partition", partition(found))
 
 
 def parameters_everywhere(document: Document) -> Parameters:

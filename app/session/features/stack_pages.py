@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -11,7 +11,7 @@ from typing import Any
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
-from app.model.display.page_rows import PageRow, page_rows
+from app.model.display.page_rows import PageRow
 from app.model.document.document import Document
 from app.model.document.saving import to_file
 from app.model.text.language import tr
@@ -19,13 +19,19 @@ from app.session.exchange.messages import Core, Exported, Opened, Report, Saved
 from app.session.features.background import LatestOnlyWorker
 from app.session.features.contour_review import ContourReview
 from app.session.features.kept_pages import (
+    NOTHING,
     KeptPage,
+    Linked,
+    Listed,
+    Measured,
     PageDone,
     PlainPages,
     StackSource,
     StoredPages,
+    Table,
     bare,
     linked,
+    numbered,
     pages_to_plain,
     run_pages,
     started_by,
@@ -65,7 +71,7 @@ class StackPages(QObject):
         """Whether each page starts from the contours of the one before."""
         self._session = session
         self._file: DocumentFile
-        self._source = StackSource()
+        self.source = StackSource()
         self.number = 1
         """The page that is open, from 1."""
         self.ahead = 0
@@ -74,10 +80,11 @@ class StackPages(QObject):
         self._kept: dict[int, KeptPage] = {}
         self._found: dict[int, Page] = {}
         self._given: tuple[Start, ...] = ()
-        self.result: StackResult | None = None
-        """What has been found on all pages that are done, with tracks; None while there is nothing."""
-        self.rows: tuple[PageRow, ...] = ()
-        """Rows of the table of all pages."""
+        self.listed: Listed = "objects"
+        """What is shown of all pages and exported, if there are both."""
+        self.tables: Mapping[Listed, Table] = {}
+        """What has been found on all pages that are done, with tracks, and its rows; nothing is left out."""
+        self._measured: Measured = {}
         self.task: Task | None = None
         self._core = core
         self._seen: Result | None = None
@@ -111,12 +118,46 @@ class StackPages(QObject):
         """Whether pages are being run in the background."""
         return self.task is not None
 
+    @property
+    def table(self) -> Table:
+        """What is shown of all pages: the objects, or the contours with their tracks; None while there is nothing."""
+        return self.tables.get(self.listed) or next(iter(self.tables.values()), NOTHING)
+
+    @property
+    def result(self) -> StackResult | None:
+        """What is shown of all pages, and exported; None while there is nothing."""
+        return self.table[0]
+
+    # Documents
+
+    @property
+    def documents(self) -> dict[int, Document]:
+        """The documents of the pages that have been opened, or changed in the background."""
+        kept = {number: page.document for number, page in self._kept.items()}
+        return {**kept, self.number: self._session.document} if self.count else {}
+
+    @property
+    def taken(self) -> int:
+        """The largest number of an object on any page."""
+        return max((document.objects.next_number - 1 for document in self.documents.values()), default=0)
+
+    def change(self, number: int, words: str, edit: Callable[[Document], Document]) -> None:
+        """Edit the document of a page, which can be undone there."""
+        if number == self.number:
+            self._session.edit(words, edit)
+            return
+        page = self._kept.get(number) or self._fresh(number, self._here())
+        document = edit(page.document)
+        page.history.push(Change(words, page.document, document))
+        self._kept[number] = replace(page, document=document)
+        self._link_soon()
+
     # Paging
 
     @property
     def count(self) -> int:
         """Number of pages of the stack; 0 where none is open as pages."""
-        return self._source.count
+        return self.source.count
 
     def is_drawn(self, document: Document) -> bool:
         """Whether the user has drawn where the run of the open page starts, not the page before."""
@@ -137,7 +178,7 @@ class StackPages(QObject):
             self._file.runs.collect(self._turn)
 
     def show(self, row: PageRow) -> None:
-        """Go to the contour of a row and select it as soon as it is there, or to the page of a row that has none."""
+        """Go to what a row shows and select it as soon as it is there, or only to its page where it shows nothing."""
         self._wanted = row if row.measures is not None else None
         self.open(row.page)
         self._select_wanted()
@@ -149,6 +190,9 @@ class StackPages(QObject):
             return
         if self.ahead != row.page:
             self._wanted = None
+        elif self.number == row.page and row.is_object:
+            self._wanted = None
+            self._review.choose(objects=(row.track,))
         elif self.number == row.page:
             length, place = row.measures.length, (row.row, row.col)
             away = {item: math.dist(centroid(item.contour), place) for item in self._review.items}
@@ -163,14 +207,15 @@ class StackPages(QObject):
         if not self.count or self.ahead == self.number:
             return
         here = self._kept[self.number] = self._here()
-        self._begin(self.ahead, self._kept.get(self.ahead) or self._fresh(here))
+        self._begin(self.ahead, self._kept.get(self.ahead) or self._fresh(self.ahead, here))
 
     def _begin(self, number: int, page: KeptPage) -> None:
         """Open a page with what is kept of it; the image stays where it is on the canvas."""
         image = self._session.document.image
         if image is None:
             return
-        place = ImageFile(image.path, "", image.shape, reading=self._source.reading_of(number))
+        page = numbered(page, self.taken)
+        place = ImageFile(image.path, "", image.shape, reading=self.source.reading_of(number))
         now = self._file.file  # whose view lets the image stay in place
         content = replace(
             to_file(page.document, dict(now.view), now), image=place, runs=page.runs, truth=None, pages={}
@@ -184,10 +229,10 @@ class StackPages(QObject):
         session, runs = self._session, self._file.runs
         return KeptPage(session.document, runs.plain, session.history, self._file.known, self._given, runs.unsaved)
 
-    def _fresh(self, here: KeptPage) -> KeptPage:
+    def _fresh(self, number: int, here: KeptPage) -> KeptPage:
         """A page on which nothing has been done yet: it takes over the drawing, or follows the page before."""
         document, given = bare(here.document), here.given or here.document.starts
-        before = self._found.get(self.ahead - 1)
+        before = self._found.get(number - 1)
         if self.following and before is not None and before.contours:
             given = starts_along(starts_after(before.contours))
             document = started_by(document, given)
@@ -197,7 +242,7 @@ class StackPages(QObject):
         """Another page has been opened, or another file."""
         if opened.saved is not None and opened.saved.turned:
             # another page may be wanted by now: what is kept of this one stays until it is left by way of `_turn`
-            self.number = self._source.number_of(opened.reading)
+            self.number = self.source.number_of(opened.reading)
             page = self._kept.get(self.number)
             if page is not None:
                 self._given = page.given
@@ -225,8 +270,9 @@ class StackPages(QObject):
             return
         kept, following = {**self._kept, self.number: self._here()}, self.following
         self._drawn = plain_shapes(document.shapes)
-        before = () if self.result is None else tuple(page for page in self.result.pages if page.number < first)
-        source, numbers = self._source, range(first, self.count + 1)
+        followed, _ = self.tables.get("contours", NOTHING)
+        before = () if followed is None else tuple(page for page in followed.pages if page.number < first)
+        source, numbers = self.source, range(first, self.count + 1)
 
         def document_of(number: int, lines: tuple[StartingLine, ...]) -> tuple[Document, tuple[Start, ...]]:
             """Those whose start the user has drawn keep their document; others take over that which is open."""
@@ -254,7 +300,7 @@ class StackPages(QObject):
     def _take_page(self, path: str, known: KeptPage | None, done: PageDone) -> None:
         """Keep a page that has been run, unless the user has changed it since; that which is open is shown anew."""
         number, here = done.page.number, done.page.number == self.number
-        if path != self._source.path:
+        if path != self.source.path:
             return
         before = self._here() if here else self._kept.get(number)
         if before is not None and (known is None or before.document != known.document) and before.own_start:
@@ -283,6 +329,8 @@ class StackPages(QObject):
         """Take up the contours of the page that is open, once its run is at rest."""
         scene = self._session.scene
         tracked, shown = scene.contours.tracked, scene.contours.result
+        if self.count and self._measured.get(self.number, (None,))[0] is not scene.document.objects:
+            self._link_soon()
         if not self.count or tracked is None or shown is None or self._session.status.phase == "running":
             return
         if shown is not self._seen:
@@ -296,20 +344,16 @@ class StackPages(QObject):
 
     def _link(self) -> None:
         """Find the tracks again, from what was found on each page."""
-        source, found, drawn = self._source, dict(self._found), self._drawn
+        make = partial(linked, self.source, dict(self._found), self._drawn, self.documents, self._measured)
+        self._linking.ask(make, self._take_linked)
 
-        def work() -> tuple[StackSource, StackResult, tuple[PageRow, ...]]:
-            result = linked(source, found, drawn)
-            return source, result, page_rows(result)
-
-        self._linking.ask(work, self._take_linked)
-
-    def _take_linked(self, made: tuple[StackSource, StackResult, tuple[PageRow, ...]]) -> None:
-        source, result, rows = made
-        if source.path != self._source.path or not self.count:
+    def _take_linked(self, made: Linked) -> None:
+        if made.source.path != self.source.path or not self.count:
             return
-        self.result, self.rows = result, rows
-        self._found |= {page.number: page for page in result.pages if page.number != self.number}
+        self._measured, self.tables = made.measured, made.tables
+        followed, _ = made.tables.get("contours", NOTHING)
+        if followed is not None:
+            self._found |= {page.number: page for page in followed.pages if page.number != self.number}
         self.found.emit()
 
     # Files
@@ -335,16 +379,17 @@ class StackPages(QObject):
             return {}
         others = {number: page for number, page in self._kept.items() if number != self.number}
         given = not self.is_drawn(self._session.document)
-        return PlainPages(partial(pages_to_plain, others, self.following, self._drawn, given, self.result))
+        followed, _ = self.tables.get("contours", NOTHING)
+        return PlainPages(partial(pages_to_plain, others, self.following, self._drawn, given, followed))
 
     def _begin_stack(self, opened: Opened) -> None:
         """Another file has been opened, perhaps with a session that knows its pages."""
         self.cancel()
         parts = opened.parts if opened.image.ndim == 2 else None
-        source = self._source = StackSource.of(str(opened.path), parts, opened.reading)
+        source = self.source = StackSource.of(str(opened.path), parts, opened.reading)
         self.number = self.ahead = source.number_of(opened.reading)
         self._kept, self._found, self._given = {}, {}, ()
-        self.result, self.rows, self._seen, self._drawn = None, (), None, ()
+        self.tables, self._measured, self._seen, self._drawn = {}, {}, None, ()
         if opened.saved is not None and opened.saved.file.pages and self.count:
             stored = StoredPages.of(opened.saved.file.pages, self._session.document, source)
             self._kept, self.following, self._drawn = stored.kept, stored.following, stored.drawn

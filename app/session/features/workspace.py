@@ -5,6 +5,7 @@ from __future__ import annotations
 from app.session.exchange.messages import Core
 from app.session.features.comparison import ComparedResults
 from app.session.features.contour_review import ContourReview
+from app.session.features.followed_objects import FollowedObjects
 from app.session.features.hand_editing import HandEditing
 from app.session.features.object_list import ObjectList
 from app.session.features.object_selection import ObjectSelection
@@ -30,6 +31,7 @@ class Workspace:
         self.comparison = ComparedResults(self.session, self.navigation)
         self.pages = StackPages(self.session, core or Core(), self.review)
         self.object_selection.offers_for = self.pages.is_drawn
+        self.followed_objects = FollowedObjects(self.session, self.pages, self.object_selection)
 
     def close(self) -> None:
         """Stop everything and wait for the threads to end."""

@@ -17,7 +17,7 @@ from app.session.storage.preferences import Preferences
 Purpose = Literal["open", "session", "export", "truth", "preset"]
 """What a dialog asks for: an image or session to open, a session to write, a result, a ground truth, a preset."""
 
-_READ: frozenset[Purpose] = frozenset({"open", "truth"})
+_READ = frozenset({"open", "truth"})
 """Purposes for which a folder need not be writable."""
 
 

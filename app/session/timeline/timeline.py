@@ -116,7 +116,6 @@ class Timeline:
     def __init__(self, make: Callable[[Document], Method[Any]], budget: int = _BUDGET) -> None:
         self.edition = 0
         """Changes whenever something is recorded, renamed or removed."""
-        self._make = make
         self._kept = KeptStates(budget)
         self._lines: dict[int, _Line] = {}
         self._line = _NOWHERE
@@ -125,7 +124,13 @@ class Timeline:
         self._branches: tuple[Branch, ...] | None = None
         self._fallen: tuple[str, ...] = ()
         self._begun: dict[int, tuple[Document, int]] = {}
-        self.method = lru_cache(_METHODS)(self._method)
+
+        @lru_cache(_METHODS)
+        def method(run: int, regions: AnyRegions | None) -> Method[Any]:
+            made = make(self._begun[run][0])
+            return made if made.regions == regions else made.with_regions(regions)
+
+        self.method = method
         """Gives the method of a run, by the number of that, in some regions."""
 
     # State
@@ -198,10 +203,6 @@ class Timeline:
     def metrics(self, branch: int, step: int) -> RunMetrics:
         """The figures of a branch up to a step."""
         return self._known(branch).record.metrics(step)
-
-    def _method(self, run: int, regions: AnyRegions | None) -> Method[Any]:
-        method = self._make(self._begun[run][0])
-        return method if method.regions == regions else method.with_regions(regions)
 
     # Recording
 

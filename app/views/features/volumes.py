@@ -180,6 +180,7 @@ class PagesFeature(Feature):
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
         self._pages = pages = window.workspace.pages
+        followed = window.workspace.followed_objects
         self.bar = PageBar()
         self.panel = PagePanel(pages, pages.show)
         self.panels = (Panel("pages", "Pages", self.panel, "Shift+F11", shown=False),)
@@ -212,6 +213,10 @@ class PagesFeature(Feature):
                        "Start each page from the contours of the previous one.",
                        lambda: self._follow(not pages.following), there=stacked,
                        holds=lambda _: pages.following),
+            ActionSpec("follow_objects", "Objects", "Follow on all &pages",
+                       "Find the accepted objects again on all pages after this one, in the background; pages with "
+                       "objects stay as they are.", followed.run, "Ctrl+Shift+F", gap=True, there=stacked,
+                       when=lambda now: not followed.running and bool(now.document.objects.items)),
         )  # fmt: skip
 
     # Internal

@@ -46,6 +46,7 @@ COLUMNS: tuple[Column[PageRow], ...] = (
            "closed"),
     Column("area", tr("Area [{unit}²]"), tr("Gross area, including contours inside."),
            _measured(lambda found: found.area_in_units if found.closed else None), "00,000,000", 2),
+    Column("gray", tr("Mean gray"), tr("Mean gray value inside."), lambda row: row.gray, "000.0"),
     Column("length", tr("Length [{unit}]"), tr("Length along the contour: the perimeter of a closed one."),
            _measured(lambda found: found.length_in_units), "000,000", 1),
     Column("row", tr("Row [px]"), tr("Row of its center of area; of an open contour, that of its length."),
@@ -103,7 +104,7 @@ class PagePanel(QWidget):
         found = self._pages.result
         first = None if found is None or not found.results else found.results[0][1]
         size = shown_in((1.0, 1.0), None) if first is None else shown_in(first.spacing, first.unit)
-        self.table.rows.update(self._pages.rows, size)
+        self.table.rows.update(self._pages.table[1], size)
         self.export.setEnabled(first is not None)
         text = tr("No page of the stack has been run yet: run this page or all pages.")
         if found is not None and found.pages:

@@ -204,10 +204,10 @@ class Actions:
             self._tell(name)
 
     def use_theme(self, theme: Theme, turns: Turns) -> None:
-        """Tint the icons, those that are only in menus in later turns."""
-        self._theme = theme
+        """Tint the icons in later turns, except those that a new window shows first."""
+        begins, self._theme = self._theme is None, theme
         for name in self._icons:
-            if any(isinstance(owner, QToolBar | QToolButton) for owner in self._actions[name].associatedObjects()):
+            if begins and any(isinstance(it, QToolBar | QToolButton) for it in self._actions[name].associatedObjects()):
                 self._tint(name)
             else:
                 turns.ask(partial(self._tint, name))

@@ -44,8 +44,8 @@ _GEOMETRY, _LAYOUT = "window/geometry", "window/panels"
 """Keys of the preferences for the geometry of the window and the layout of its panels."""
 
 _THEMES = {"light": theme.LIGHT, "dark": theme.DARK}
-_LOOK = {THEME.name, CONTOUR_WIDTH.name, SHAPE_WIDTH.name, POINT_SIZE.name, *(ink.name for ink in INKS.values())}
-"""Preferences that change what the window looks like."""
+_LOOK = {CONTOUR_WIDTH.name, SHAPE_WIDTH.name, POINT_SIZE.name, *(ink.name for ink in INKS.values())}
+"""Preferences that change what the canvas looks like."""
 
 
 class Feature:
@@ -241,7 +241,9 @@ class MainWindow(QMainWindow):
 
     def _follow(self, key: str) -> None:
         """Use a preference that has changed."""
-        if key in _LOOK:
+        if key == THEME.name:
+            self._use_chosen_theme()
+        elif key in _LOOK:
             self._use_look()
             for item in self.canvas_area.canvas.scene().items():
                 item.update()

@@ -129,6 +129,7 @@ def checked(properties: Entries) -> Entries:
         "color": color_of(properties.get("color")),
         "strength": _finite(properties.get("strength")),
         "bridged": _finite(properties.get("bridged")),
+        "gray": None if properties.get("gray") is None else _finite(properties["gray"]),
         "number": max(0, int(properties.get("number") or 0)),
         "way": partial(str, reached) if reached in get_args(Reached) else None,
     }

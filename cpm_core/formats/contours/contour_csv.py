@@ -78,7 +78,7 @@ def _vertices(result: Outcome) -> list[Row]:
 
 def _attributes(result: Outcome) -> set[str]:
     """Which attributes some contour has, so that there are columns for them."""
-    names = ("name", "color", "category", "by_hand", "group")
+    names = ("name", "color", "category", "by_hand", "group", "gray")
     return {name for name in names for contour in result.contours if getattr(contour, name)}
 
 
@@ -126,6 +126,8 @@ def _measures(result: Outcome) -> list[Row]:
             unit = in_ascii(result.unit, "")
             row[f"length_{unit}"] = f"{one.length_in_units:.7g}"
             row |= {f"{name}_area_{unit}2": f"{area:.7g}" if one.closed else "" for name, (_, area) in areas.items()}
+        if "gray" in has:
+            row["mean_gray"] = "" if contour.gray is None else f"{contour.gray:.6g}"
         if "by_hand" in has:
             row["by_hand_px"] = f"{one.by_hand:.4f}"
         if "category" in has:
@@ -188,8 +190,8 @@ def encode_measures_of_pages(found: StackResult) -> bytes:
     """Tabulate the measures of the contours on all pages of a stack, one contour a row.
 
     Columns: ``page``, ``track``, ``centroid_row`` and ``centroid_col`` (the center of the enclosed area, of an open
-    contour that of its length [px]), and those of `encode_measures`, without ``contour``; ``label`` is that in the
-    label stack, and ``inside`` the track of the contour around it.
+    contour that of its length [px]), and those of `encode_measures`, without ``contour``, with ``mean_gray``; ``label``
+    is that in the label stack, and ``inside`` the track of the contour around it.
     """
 
     def with_centroids(result: Outcome) -> list[Row]:

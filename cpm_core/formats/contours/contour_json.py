@@ -104,6 +104,8 @@ def _contours_to_plain(result: Outcome) -> list[Entries]:
         entry["contrast"] = None if row.contrast is None else round(row.contrast, 6)
         if contour.category:
             entry["class"] = contour.category
+        if contour.gray is not None:
+            entry["gray"] = contour.gray
         if row.reached:
             entry["reached"] = row.reached
         if result.unit:
@@ -186,7 +188,7 @@ def _shape_of(plain: Mapping[str, Any]) -> tuple[int, int]:
 
 def _contour_from(plain: Mapping[str, Any]) -> Contour:
     first, last = plain["junctions"]
-    known = {name: plain.get(name) for name in ("strength", "name", "color", "number", "reached", "bridged")}
+    known = {name: plain.get(name) for name in ("strength", "name", "color", "number", "reached", "bridged", "gray")}
     properties = checked(
         known
         | {"category": plain.get("class"), "group": int(plain.get("object", 0)), "hole": bool(plain.get("hole", False))}

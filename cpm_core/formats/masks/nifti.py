@@ -56,4 +56,4 @@ def placed(result: Outcome, space: Convention) -> tuple[Array, str, float]:
 
 def encode_packed(result: Outcome, *, outlines: bool = False) -> bytes:
     """Compress what `encode` makes; the same result always gives the same bytes."""
-    return gzip.compress(encode(result, outlines=outlines), mtime=0)
+    return gzip.compress(encode(result, outlines=outlines), 6, mtime=0)

@@ -51,7 +51,7 @@ def encode(result: Outcome, *, outlines: bool = False) -> bytes:
     keys = {**_segments(mask, named_labels(result, outlines=outlines)), "cpm": text_of(facts_of(result))}
     lines = ["NRRD0004", *(f"{name}: {value}" for name, value in head.items())]
     lines += [*(f"{name}:={value}" for name, value in keys.items()), ""]
-    content = gzip.compress(mask.astype(mask.dtype.newbyteorder("<")).tobytes(), mtime=0)
+    content = gzip.compress(mask.astype(mask.dtype.newbyteorder("<")).tobytes(), 6, mtime=0)
     return "\n".join([*lines, ""]).encode() + content
 
 

@@ -117,6 +117,9 @@ _Sheets = tuple[Array, Array, Mask, Array]
 _Edge = tuple[Single, Edges, Vector, float]
 """Smoothed volume, edge map, sides of a voxel, and least edge strength."""
 
+_Search = tuple[Cells, Index, _Sheets, _Edge, Array, Index]
+"""Cells, room for a crowd in them, sheets, edge, and the places that are found, with their number for each particle."""
+
 
 class Births(NamedTuple):
     """New particles: positions and normals, shape (M, 3), and edge strengths, shape (M,)."""
@@ -170,32 +173,20 @@ def _search(
     last: int,
 ) -> None:
     """Find the places that some particles offer, up to `_MOST` each."""
-    angles, crowd, others = np.empty(_MOST_NEIGHBORS), room_for(cells), room_for(cells)
+    angles, others = np.empty(_MOST_NEIGHBORS), room_for(cells)
+    search = cells, room_for(cells), sheets, edge, found, count
     for q in range(first, last):
         i = looking[q]
         around = others[: near(cells, row_of(sheets[0], i), max(_NEIGHBORS * STRIDE * d_min, reach), others)]
         if reach > d_min:
-            _look_between(q, i, looks, cells, around, crowd, sheets, edge, d_min, reach, found, count)
-        _look_ahead(q, i, cells, around, crowd, sheets, edge, d_min, angles, found, count)
+            _look_between(q, i, looks, around, search, d_min, reach)
+        _look_ahead(q, i, around, search, d_min, angles)
 
 
 @compiled
-def _look_between(
-    q: int,
-    i: int,
-    looks: Mask,
-    cells: Cells,
-    around: Index,
-    crowd: Index,
-    sheets: _Sheets,
-    edge: _Edge,
-    d_min: float,
-    reach: float,
-    found: Array,
-    count: Index,
-) -> None:
+def _look_between(q: int, i: int, looks: Mask, around: Index, search: _Search, d_min: float, reach: float) -> None:
     """Offer the midpoints of a particle and others of its sheet, with nothing between the two."""
-    position, normals, seated, _ = sheets
+    cells, _, (position, normals, seated, _), _, _, _ = search
     place, normal = row_of(position, i), row_of(normals, i)
     for k in around:
         j = cells.order[k]
@@ -206,51 +197,26 @@ def _look_between(
         if d_min < distance <= reach:
             middle, room = moved(place, 0.5, away), 0.5 * distance - _ROUNDING_ERROR
             if not _is_taken(cells, around, middle, normal, normals, room):
-                _offer(q, i, middle, 0.0, distance, room, cells, crowd, sheets, edge, found, count)
+                _offer(q, i, middle, 0.0, distance, room, search)
 
 
 @compiled
-def _look_ahead(
-    q: int,
-    i: int,
-    cells: Cells,
-    around: Index,
-    crowd: Index,
-    sheets: _Sheets,
-    edge: _Edge,
-    d_min: float,
-    angles: Array,
-    found: Array,
-    count: Index,
-) -> None:
+def _look_ahead(q: int, i: int, around: Index, search: _Search, d_min: float, angles: Array) -> None:
     """Offer the places a stride ahead of a particle, in the widest gap between its neighbors."""
-    position, normals, seated, _ = sheets
+    cells, _, (position, normals, seated, _), _, _, _ = search
     place, stride, room = row_of(position, i), STRIDE * d_min, ROOM * d_min
     one, other = tangents(row_of(normals, i))
     start, gap, steps = _widest_gap(cells, around, place, i, normals, seated, one, other, _NEIGHBORS * stride, angles)
     for step in range(1, steps):
         angle = start + gap * step / steps
         ahead = moved(moved(place, stride * np.cos(angle), one), stride * np.sin(angle), other)
-        _offer(q, i, ahead, room, _FARTHEST * stride, room, cells, crowd, sheets, edge, found, count)
+        _offer(q, i, ahead, room, _FARTHEST * stride, room, search)
 
 
 @compiled
-def _offer(
-    q: int,
-    i: int,
-    place: Vector,
-    nearest: float,
-    farthest: float,
-    room: float,
-    cells: Cells,
-    crowd: Index,
-    sheets: _Sheets,
-    edge: _Edge,
-    found: Array,
-    count: Index,
-) -> None:
+def _offer(q: int, i: int, place: Vector, nearest: float, farthest: float, room: float, search: _Search) -> None:
     """Pull a place to the ridge, and offer it if the edge of the particle continues there and there is room."""
-    position, normals, _, strength = sheets
+    cells, crowd, (position, normals, _, strength), edge, found, count = search
     smoothed, edges, pitch, floor = edge
     place = on_ridge(smoothed, edges, pitch, place, _ROUNDS)
     away = length(difference(place, row_of(position, i)))

@@ -8,7 +8,8 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from cpm_core.field.volume_field import edge_strength, pitch_of, smoothed_volume
+from cpm_core.field.volume_edges import Slopes
+from cpm_core.field.volume_field import pitch_of, smoothed_volume
 from cpm_core.image.image import Image, as_image
 from cpm_core.model.starts import STRONG, above, centers_between, uniform_grid
 from cpm_core.numerics.real_numbers import checked_number, real_numbers, three_numbers, voxel_sides
@@ -192,7 +193,7 @@ def on_strong_edges(volume: Image | ArrayLike, fraction: float = STRONG, smoothi
 def strength_of(volume: Image, smoothing: float) -> Array:
     """Edge strength of every voxel; `smoothing` as for `on_strong_edges`."""
     pitch = pitch_of(volume.spacing)
-    return np.asarray(edge_strength(smoothed_volume(volume.values, [smoothing / side for side in pitch]), pitch))
+    return Slopes.of(smoothed_volume(volume.values, [smoothing / side for side in pitch]), pitch).strengths()
 
 
 def at_centers(volume: Image | ArrayLike, smoothing: float = 2.0, spacing: float = 4.0) -> Array:
@@ -233,7 +234,7 @@ def at_centers(volume: Image | ArrayLike, smoothing: float = 2.0, spacing: float
     cube = max(1.0, float(np.prod(extent) / _CUBES) ** (1.0 / 3.0))
     shape = np.maximum(np.rint(extent / cube).astype(int) + 1, 2)
     even = scipy.ndimage.zoom(smooth, shape / np.array(volume.shape), order=1, grid_mode=False)
-    strength = edge_strength(even, (1.0, 1.0, 1.0))
+    strength = Slopes.of(even, (1.0, 1.0, 1.0)).strengths()
     found = centers_between(np.asarray(strength, dtype=np.float64), apart)
     return found * (np.array(volume.shape) - 1) / (np.array(even.shape) - 1)
 

@@ -33,7 +33,7 @@ from cpm_core.objects.methods.snakes import GVF_SNAKE, SNAKE
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.parameters.quotation import counted, described, shown
 
-_ALL: tuple[AnyMethod, ...] = (
+_ALL = (
     PARTICLES,
     PROPOSED_OBJECT,
     SNAKE,

@@ -129,7 +129,7 @@ class Start:
 
         Of spheres the voxels in one at least, shape (P, H, W).
         """
-        found: NDArray[np.bool_] = np.zeros(shape, dtype=bool)
+        found = np.zeros(shape, bool)
         for *center, radius in self.spheres:
             axes = zip(np.ogrid[tuple(map(slice, shape))], center, self.sides, strict=True)
             found |= sum((side * (at - middle)) ** 2 for at, middle, side in axes) <= radius**2

@@ -72,7 +72,7 @@ def gradient_vector_flow(edges: Array, mu: float) -> Array:
 
     def applied(flat: Array) -> Array:
         v = flat.reshape(edges.shape)
-        out: Array = weight * v
+        out = weight * v
         for axis in range(2):
             out -= mu * np.diff(v, axis=axis, n=2, prepend=v.take([0], axis), append=v.take([-1], axis))
         return out.ravel()
@@ -142,7 +142,7 @@ def moved(curve: Array, force: Force, elasticity: Elasticity, shape: tuple[int, 
     matrix = elasticity.alpha * wave + elasticity.beta * wave**2 + elasticity.gamma
     right = elasticity.gamma * curve + force(curve)
     wanted = np.fft.irfft(np.fft.rfft(right, axis=0) / matrix[:, None], n=len(curve), axis=0)
-    after: Array = curve + _FARTHEST * np.tanh(wanted - curve)
+    after = curve + _FARTHEST * np.tanh(wanted - curve)
     return np.clip(after, 0.0, np.array(shape) - 1.0)
 
 
@@ -227,8 +227,7 @@ def edge_force(edges: Array, attraction: float) -> Force:
 def sobel_edges(image: Image, smoothing: float) -> Array:
     """Edges by the filter of Sobel, as scikit-image's ``active_contour`` takes them of a smoothed image."""
     smooth = scipy.ndimage.gaussian_filter(unit_gray(image), smoothing, mode="nearest")
-    found: Array = skimage.filters.sobel(smooth)  # type: ignore[no-untyped-call]
-    return found
+    return skimage.filters.sobel(smooth)  # type: ignore[no-untyped-call]
 
 
 def snake(image: Image, start: Start, settings: SnakeSettings) -> Iterator[ContourState]:

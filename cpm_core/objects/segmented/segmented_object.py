@@ -281,6 +281,8 @@ class SegmentedObjects:
         Number of the object that the selection changes; 0 when it will be a new one.
     rejected : tuple of SegmentedObject
         Objects that have been rejected, and are not to be proposed again.
+    taken : int
+        Numbers up to this one may be those of objects on other pages, which only the same objects have here.
 
     Raises
     ------
@@ -294,6 +296,7 @@ class SegmentedObjects:
     clicks: tuple[Click, ...] = ()
     edited: int = 0
     rejected: tuple[SegmentedObject, ...] = ()
+    taken: int = 0
 
     def __post_init__(self) -> None:
         if len(self.classes) != MOST_CLASSES:
@@ -316,7 +319,7 @@ class SegmentedObjects:
     @property
     def next_number(self) -> int:
         """A number that no object has."""
-        return max((item.number for item in (*self.items, *self.rejected)), default=0) + 1
+        return max(self.taken, *(item.number for item in (*self.items, *self.rejected)), 0) + 1
 
     @property
     def barriers(self) -> tuple[Line | Voxels, ...]:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from cpm_core.contours.surface import Surface
+from cpm_core.numerics.grids import Labels, parts_of
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask, Single
 
@@ -67,12 +67,10 @@ def fill_regions(height: Single) -> None:
     The outermost voxels become infinite: they belong to no region, nor do others that are infinite.
     """
     set_border(height, np.inf)
-    waiting = np.empty((1024, 3), np.int32)
-    for plane in range(1, len(height) - 1):
-        for row, col in np.argwhere(np.isnan(height[plane])).tolist():
-            if np.isnan(height[plane, row, col]):
-                votes, waiting = _flood(height, plane, row, col, np.float32(-np.inf), waiting)
-                _, waiting = _flood(height, plane, row, col, np.float32(FAR if votes > 0 else -FAR), waiting)
+    parts = parts_of(np.isnan(height), corners=False)
+    votes = np.zeros(parts.count, np.int64)
+    _vote(parts.begin, parts.first, parts.end, parts.part, height, votes)
+    parts.fill(np.where(votes > 0, np.float32(FAR), np.float32(-FAR)), height)
 
 
 def set_border(height: Single, value: float) -> None:
@@ -82,48 +80,17 @@ def set_border(height: Single, value: float) -> None:
 
 
 @compiled
-def _flood(
-    height: Single, plane: int, row: int, col: int, filled: np.float32, waiting: NDArray[np.int32]
-) -> tuple[int, NDArray[np.int32]]:
-    """Fill the voxels with the value of a given one, run by run; return how many more around lie above zero than below.
-
-    The value is NaN, or what NaN has been replaced by. `waiting` is room for runs to come; it grows.
-    """
-    votes, count = 0, 1
-    old = height[plane, row, col]
-    waiting[0, 0], waiting[0, 1], waiting[0, 2] = plane, row, col
-    while count:
-        count -= 1
-        p, r, first = waiting[count]
-        if not _is(height[p, r, first], old):
-            continue
-        end = first
-        while _is(height[p, r, end], old):
-            height[p, r, end] = filled
-            end += 1
-        first -= 1
-        while _is(height[p, r, first], old):
-            height[p, r, first] = filled
-            first -= 1
-        votes += _side(height[p, r, first]) + _side(height[p, r, end])
-        if count + 2 * (end - first) > len(waiting):
-            waiting = np.concatenate((waiting, np.empty((len(waiting) + 2 * (end - first), 3), np.int32)))
-        for down, right in ((-1, 0), (1, 0), (0, -1), (0, 1)):
-            before = False
-            for c in range(first + 1, end):
-                there = height[p + down, r + right, c]
-                open_ = _is(there, old)
-                if open_ and not before:
-                    waiting[count, 0], waiting[count, 1], waiting[count, 2] = p + down, r + right, c
-                    count += 1
-                votes += _side(there)
-                before = open_
-    return votes, waiting
-
-
-@compiled
-def _is(value: np.float32, wanted: np.float32) -> bool:
-    return value == wanted or (np.isnan(value) and np.isnan(wanted))
+def _vote(begin: Index, first: Labels, end: Labels, part: Index, height: Single, votes: Index) -> None:
+    """Add up, for each part of some voxels within, how many more around lie above zero than below."""
+    rows = height.shape[1]
+    for row in range(len(begin) - 1):
+        p, r = row // rows, row % rows
+        for n in range(begin[row], begin[row + 1]):
+            total = _side(height[p, r, first[n] - 1]) + _side(height[p, r, end[n]])
+            for c in range(first[n], end[n]):
+                total += _side(height[p - 1, r, c]) + _side(height[p + 1, r, c])
+                total += _side(height[p, r - 1, c]) + _side(height[p, r + 1, c])
+            votes[part[n]] += total
 
 
 @compiled

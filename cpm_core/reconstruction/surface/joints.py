@@ -193,7 +193,8 @@ def meetings_of(values: Single, passable: Mask, parts: Parts, wanted: Mask) -> I
     low = np.argwhere(passable)
     low = low[parts.part_at(low) < 0]
     low = low[np.argsort(-values[tuple(low.T)], kind="stable")]
-    labels = parts.labels_of(np.where(wanted, np.arange(parts.count) + 1, 0))
+    number = np.where(wanted, np.arange(parts.count) + 1, 0).astype(np.int32)
+    labels = parts.fill(number, np.zeros(values.shape, np.int32))
     basin = np.arange(parts.count + len(low) + 1)
     found = np.empty((_MOST_MEETINGS * len(low), 5), np.int64)
     return found[: _descend(values, labels, low, parts.count, basin, found)]

@@ -98,7 +98,11 @@ def _parted(bins: Index, depth: Array, extent: float) -> Mask:
         ratio = np.asarray(np.log(_histogram(bins[thing]) / _histogram(bins[area & ~thing])), np.float64)
         ratio = np.round(ratio, _DECIMALS)
         likely = (scipy.ndimage.gaussian_filter(ratio[bins], extent, mode="nearest") > 0.0) & (depth > _RIM)
-        after = _large_parts(np.asarray(scipy.ndimage.binary_fill_holes(likely)), depth)
+        filled = np.asarray(scipy.ndimage.binary_fill_holes(likely))
+        parts, count = scipy.ndimage.label(filled)
+        weight = np.bincount(parts.ravel(), depth.ravel(), count + 1)
+        weight[0] = 0.0
+        after = (weight >= _KEPT * weight.max())[parts] & filled
         if not after.any() or (after == thing).all():
             return after
         thing = after
@@ -109,11 +113,3 @@ def _histogram(bins: Index) -> Array:
     """Share of the pixels in each bin, smoothed, nowhere 0."""
     counts = np.bincount(bins, minlength=_BINS).astype(float)
     return scipy.ndimage.gaussian_filter1d(counts, _BLUR, 0, mode="nearest") / max(len(bins), 1) + _FLOOR / _BINS
-
-
-def _large_parts(mask: Mask, depth: Array) -> Mask:
-    """The connected parts of a mask that weigh enough."""
-    parts, count = scipy.ndimage.label(mask)
-    weight = np.bincount(parts.ravel(), depth.ravel(), count + 1)
-    weight[0] = 0.0
-    return (weight >= _KEPT * weight.max())[parts] & mask

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from PySide6.QtCore import Qt
 
-from app.views.canvas.tools.tool import GROUPS, MEND
+from app.views.canvas.tools.tool import CIRCLE, MEND
 from app.views.features.files import OpenSaveFeature
 from app.views.features.volumes import SlicesFeature
 from app.views.window.bars import ToolPalette
@@ -154,6 +154,8 @@ def test_limits_and_charges_act_on_the_run_and_come_back_with_the_session(volume
     np.testing.assert_array_equal(volume.session.scene.snapshot.position, found)
 
 
-def test_groups_of_tools_that_a_volume_lacks_are_hidden(volume) -> None:
-    shown = {group for group, button in volume.findChild(ToolPalette).buttons.items() if button.isVisible()}
-    assert shown == {*GROUPS} - {MEND}
+def test_the_palette_names_tools_as_they_are_called_in_volumes(volume) -> None:
+    buttons = volume.findChild(ToolPalette).buttons
+    assert all(button.isVisible() for button in buttons.values())
+    assert [action.text() for action in buttons[MEND].menu().actions() if action.isVisible()] == ["&Brush"]
+    assert (buttons[MEND].text(), buttons[CIRCLE].text()) == ("Brush", "Sphere")

@@ -130,6 +130,12 @@ def test_labels_become_a_surface_and_center_lines_change_their_space(ball, comma
     status, out, err = command("export", ball.with_name("labels.nii"), "--to", tmp_path / "a.stl")
     assert (status, err) == (0, "")
     assert out.startswith("labels.nii: a surface of ")
+    ball.with_name("labels.txt").write_text('1 9 8 7 1 1 1 "ball"')
+    status, out, err = command("export", ball.with_name("labels.nii"), "--to", tmp_path / "a.nii.gz")
+    assert (status, err) == (0, "")
+    before, after = (load_volume(path).values for path in (ball.with_name("labels.nii"), tmp_path / "a.nii.gz"))
+    assert np.array_equal(before, after)
+    assert '9    8    7        1  1  1    "ball"' in (tmp_path / "a.txt").read_text()
     status, _, err = command("skeleton", ball.with_name("rod.nii"), "--volume", "--export", tmp_path / "a.swc")
     assert status == 0
     status, out, err = command("export", tmp_path / "a.swc", "--to", tmp_path / "b.swc", "--space", "RAS", "--json")

@@ -51,8 +51,8 @@ def test_the_smoothing_is_that_of_the_strongest_edge_not_of_the_empty_background
 
 @pytest.fixture
 def windows(monkeypatch):
-    for module in (interventions, local_fields):
-        monkeypatch.setattr(module, "LARGE", 100)
+    monkeypatch.setattr(local_fields, "LARGE", 100)
+    monkeypatch.setattr(interventions, "_WINDOWED", 100)
     monkeypatch.setattr(interventions, "_ROOM", 24)
 
 

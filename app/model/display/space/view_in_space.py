@@ -18,10 +18,10 @@ from cpm_core.numerics import Array, Index
 
 Color = tuple[int, int, int]
 
-AXIS_COLORS: tuple[Color, Color, Color] = ((70, 120, 255), (60, 180, 75), (230, 70, 60))
+AXIS_COLORS = ((70, 120, 255), (60, 180, 75), (230, 70, 60))
 """Colors of the axes: plane, row, column."""
 
-GRAY: Colors = np.repeat(np.arange(256, dtype=np.uint8)[:, np.newaxis], 3, axis=1)
+GRAY = np.repeat(np.arange(256, dtype=np.uint8)[:, np.newaxis], 3, axis=1)
 """Shades as they are."""
 
 _NEARER = 2.0

@@ -28,7 +28,7 @@ _UNSEEN = 0.1
 _STEPS = 2
 """Zooms per factor of two at which invisible corners are removed again; in between slightly more is drawn."""
 
-_AT_ONCE = 5000
+_AT_ONCE = 3000
 """Most corners that are drawn in a turn of the event loop, unless a single curve has more."""
 
 _DASHES = (2.5, 1.8)
@@ -54,15 +54,14 @@ class Parts(OverImage):
 
     def use(self, keys: list[Hashable], paths: Sequence[Array]) -> None:
         """Use parts, each with the corners of a box around it; those of equal keys are drawn alike."""
-        known, wanted = set(self._keys), set(keys)
-        if [key for key in self._keys if key in wanted] != [key for key in keys if key in known]:
-            known.clear()  # others lie on top
-        gone = [key not in wanted or key not in known for key in self._keys]
-        self._waiting = {key for key in keys if key in self._waiting or key not in known}
-        left = self._boxes[:, gone]
+        same = {*self._keys} & {*keys}
+        if [key for key in self._keys if key in same] != [key for key in keys if key in same]:
+            same = set()  # others lie on top
+        gone = self._boxes[:, [key not in same for key in self._keys]]
+        self._waiting = {*keys} - (same - self._waiting)
         self._keys, self._boxes, self._corners = keys, boxes(paths), np.array([len(path) for path in paths], int)
         new = self._boxes[:, [key in self._waiting for key in keys]]
-        self._changed = np.unique(np.concatenate([self._changed, left, new], axis=1), axis=1)
+        self._changed = np.unique(np.concatenate([self._changed, gone, new], axis=1), axis=1)
         self.count = len(keys)
         self.setVisible(self._shown)
         self._draw(self._changed.shape[1] if self._fits(self._changed) else 0)
@@ -81,12 +80,8 @@ class Parts(OverImage):
         """Draw again where so many have changed, and the others in later turns."""
         if count:
             top, left, bottom, right = area = around(self._changed[:, :count])
-            inside = (self._boxes[:2] >= area[:2, None]).all(axis=0) & (self._boxes[2:] <= area[2:, None]).all(axis=0)
-            self._waiting -= {self._keys[index] for index in np.flatnonzero(inside)}
-            inside = (self._changed[:2] >= area[:2, None]).all(axis=0) & (self._changed[2:] <= area[2:, None]).all(
-                axis=0
-            )
-            self._changed = self._changed[:, ~inside]
+            self._waiting -= {self._keys[index] for index in np.flatnonzero(inside(self._boxes, area))}
+            self._changed = self._changed[:, ~inside(self._changed, area)]
             rim = self.beyond / max(abs(self.sceneTransform().m11()), 1e-9)
             self.update(QRectF(left, top, right - left, bottom - top).adjusted(-rim, -rim, rim, rim))
         if self._changed.size:

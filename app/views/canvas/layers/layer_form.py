@@ -229,6 +229,8 @@ def _usual_windows(image: Image) -> QComboBox:
     """The usual windows of CT, which images of other kinds do not have."""
     box = QComboBox()
     box.setPlaceholderText(tr("CT window"))
+    box.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
+    box.setMinimumContentsLength(10)
     box.setAccessibleName(tr("CT window"))
     box.setToolTip(tr("The usual windows of CT, in Hounsfield units."))
     box.setFocusPolicy(Qt.FocusPolicy.StrongFocus)

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import scipy
 import tifffile
 from PySide6.QtCore import QEvent, Qt
 
+from app.model.document import objects
 from app.views.features.files import OpenSaveFeature
 from app.views.features.volumes import SlicesFeature, SpaceFeature
 from cpm_core.formats.sessions.session_file import load_session
+from cpm_core.medial_axis import SkeletonMethod
 from cpm_core.numerics import polyline
+from cpm_core.parameters import PRESETS
 from tests.app.exporting import export
 from tests.app.volumes.conftest import SHAPE, Button, send
 
@@ -29,6 +33,7 @@ def brush(volume, hand):
     tool = hand.canvas.hold.tool
     assert tool.name == "mend"
     tool.set_radius(3.0)
+    volume.workspace.object_list.set_way(ball=False, over_others=True)
     return tool
 
 
@@ -190,3 +195,39 @@ def test_a_key_fills_the_slices_between_and_says_how_many(volume, hand, brush) -
     hand.key(KEY.Key_J, SHIFT)
     assert volume.workspace.object_list.ball
     assert volume.panels["objects"].ball.isChecked()
+
+
+def test_painted_objects_limit_the_next_run_start_it_and_have_center_lines(volume, hand, brush) -> None:
+    volume.workspace.object_list.set_way(ball=True)
+    stroke(hand.canvas, (12, 6), (12, 26))
+    mask = masks(volume)[0]
+    for edit in (objects.as_regions, objects.as_barriers, objects.as_starts):
+        volume.session.edit("use", lambda document, edit=edit: edit(document, (1,)))
+    region, wall, points = volume.session.document.shapes
+    assert not (volume.session.document.regions.voxels(SHAPE) & ~mask).any()
+    found = np.zeros(SHAPE, bool)
+    region.limit.fill(found)
+    assert np.array_equal(found, mask)
+    shell = np.zeros(SHAPE, bool)
+    wall.limit.fill(shell)
+    assert np.array_equal(shell, mask & ~scipy.ndimage.binary_erosion(mask))
+    away = np.abs(covered((12, 12, 6), (12, 12, 26)) - 3.0)
+    nearest = np.rint(points.seeds()).astype(int)
+    assert (away[tuple(nearest.T)] < 1.5).all()
+    assert region.moved((1.0, 0.0, 0.0)).center == pytest.approx(np.add(region.center, (1, 0, 0)))
+    skeleton = SkeletonMethod(volume.session.image).of_objects(volume.session.document.objects[1].surface)
+    state = skeleton.start()
+    while not state.stop_reason:
+        state = skeleton.step(state, PRESETS["volume"])
+    assert len(state.points)
+
+
+def test_the_objects_tool_takes_up_a_painted_object_and_escape_leaves_it_as_it_was(volume, hand, brush) -> None:
+    volume.workspace.object_list.set_way(ball=True)
+    stroke(hand.canvas, (12, 12))
+    before = items(volume)
+    hand.key(KEY.Key_W)
+    stroke(hand.canvas, (12, 12))
+    hand.key(KEY.Key_Escape)
+    assert items(volume) == before
+    assert not volume.session.document.objects.clicks

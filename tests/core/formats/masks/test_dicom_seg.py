@@ -9,7 +9,7 @@ import pytest
 from pydicom.dataset import Dataset
 from pydicom.uid import SegmentationStorage, generate_uid
 
-from cpm_core import Result, export, load_surface, load_volume
+from cpm_core import Result, export, load_surface, load_volume, load_volume_truth
 from cpm_core.contours import Label, numbered, surfaces_joined
 from cpm_core.contours.surface import surface_of_labels
 
@@ -137,6 +137,7 @@ def test_frames_of_overlapping_segments_lie_in_any_order_and_may_be_cropped(tmp_
     for number, mask in masks.items():
         alone = replace(surface, faces=surface.faces[surface.numbers == number], numbers=None)
         assert np.array_equal(numbered(alone, volume.shape) > 0, mask)
+    assert np.array_equal(load_volume_truth(tmp_path / "a.dcm", volume).labels, 2 * (LABELS > 0))  # the last one has it
 
 
 def test_segments_of_another_series_and_without_one_are_refused(tmp_path):

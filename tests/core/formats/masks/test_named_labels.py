@@ -12,6 +12,8 @@ from cpm_core import Contour, Geometry, Image, Result, export, load_surface
 from cpm_core.contours import Label, numbered, surfaces_joined
 from cpm_core.contours.surface import surface_of_labels
 
+from ..images.made import write_metaimage
+
 SHAPE, SPACING = (12, 14, 16), (2.0, 1.0, 0.5)
 LABELS = np.zeros(SHAPE, np.int32)
 LABELS[2:5, 3:6, 4:9] = 3
@@ -155,3 +157,18 @@ def test_a_text_of_another_kind_names_nothing(tmp_path, text):
     (tmp_path / "a.txt").write_text(text)
     labels = load_surface(tmp_path / "a.nii", VOLUME).labels
     assert labels == ((Label(1, "too red", "#ff0000"),) if "red" in text else ())
+
+
+@pytest.mark.parametrize("name", ["a.npy", "a.tif", "a.mha", "a.nrrd", "a.nii"])
+def test_every_reader_gives_the_numbers_and_a_text_next_to_it_the_names(tmp_path, name):
+    labels = LABELS.astype(np.int16)
+    if name == "a.npy":
+        np.save(tmp_path / name, labels)
+    elif name == "a.mha":
+        write_metaimage(tmp_path / name, labels, matrix=VOLUME.geometry.affine(SPACING, "LPS")[:, [2, 1, 0, 3]])
+    else:
+        export(result(names=()), tmp_path / name)
+    (tmp_path / "a.txt").write_text('3 255 128 0 1 1 1 "kidney"\n7 0 16 255 1 1 1 "vein"\n')
+    surface = load_surface(tmp_path / name, VOLUME)
+    assert np.array_equal(numbered(surface, SHAPE), LABELS)
+    assert surface.labels == (Label(3, "kidney", "#ff8000"), Label(7, "vein", "#0010ff"))

@@ -60,8 +60,7 @@ def test_the_smooth_surface_around_voxels_encloses_the_very_same_ones():
     rng = np.random.default_rng(1)
     for share in (0.02, 0.5, 0.9):
         mask = rng.random((9, 10, 11)) < share
-        exact = body(mask).exact
-        assert isinstance(exact, PackedSurface)
+        exact = PackedSurface.of(body(mask).surface)
         assert np.array_equal(whole(exact, mask.shape), mask)
 
 
@@ -154,7 +153,8 @@ def test_an_object_that_is_painted_over_whole_is_gone():
 def test_the_union_with_painted_voxels_has_the_voxels_of_both():
     rng = np.random.default_rng(5)
     one, other = rng.random((2, 9, 10, 11)) < 0.4
-    items = [SegmentedObject(n, (), surface=(made,)) for n, made in ((1, body(one).exact), (2, body(other)))]
+    exact = PackedSurface.of(body(one).surface)
+    items = [SegmentedObject(n, (), surface=(made,)) for n, made in ((1, exact), (2, body(other)))]
     for first, second in (items, items[::-1]):
         assert np.array_equal(union(first, second).mask(one.shape), one | other)
 

@@ -1,0 +1,171 @@
+"""Objects followed through the pages of a stack in the window: offered on the next page, accepted on all of them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import tifffile
+from PySide6.QtCore import Qt
+
+from app.model.document import objects
+from app.views.features.volumes import PagesFeature
+from tests.app.exporting import export
+
+pytestmark = pytest.mark.shared_window
+
+KEY, LEFT, SHIFT = Qt.Key, Qt.MouseButton.LeftButton, Qt.KeyboardModifier.ShiftModifier
+ALL = Qt.KeyboardModifier.ControlModifier | Qt.KeyboardModifier.ShiftModifier
+
+
+def disk(row: float, col: float, radius: float) -> np.ndarray:
+    rows, cols = np.indices((64, 64))
+    return np.hypot(rows - row, cols - col) < radius
+
+
+def page(*disks: tuple[float, float, float]) -> np.ndarray:
+    """A dark image with a soft noise, and bright disks."""
+    inside = np.any([disk(*each) for each in disks], axis=0)
+    noise = np.random.default_rng(1).normal(0.0, 3.0, inside.shape)
+    return (np.where(inside, 200.0, 30.0) + noise).astype(np.uint8)
+
+
+MOVING = [((20 + 2 * step, 18 + 3 * step, 9), (46, 44 - 2 * step, 7)) for step in range(4)]
+DIVIDING = [((32, 20, 9),), ((32, 20, 9),), ((25, 20, 6), (39, 20, 6)), ((22, 20, 6), (42, 20, 6))]
+
+
+@pytest.fixture
+def stack(window, hand, tmp_path: Path):
+    """Opens a stack of pages with disks, with the tool for objects in use."""
+
+    def opened(pages):
+        path = tmp_path / "cells.tif"
+        tifffile.imwrite(path, np.array([page(*disks) for disks in pages]), imagej=True, metadata={"axes": "TYX"})
+        window.open_image(str(path))
+        hand.wait(lambda: window.session.document.image.name == "cells.tif" and window.session.idle)
+        hand.canvas.setFocus()
+        hand.key(KEY.Key_W)
+        settled(window, hand)
+        return window
+
+    return opened
+
+
+def settled(window, hand) -> None:
+    pages, selection = window.workspace.pages, window.workspace.object_selection
+    hand.wait(lambda: window.session.idle and not pages._turning and selection.ready and selection.idle)
+    hand.wait(lambda: not pages._later.isActive() and pages._linking.idle and window.session.idle and selection.idle)
+    hand.qtbot.wait(20)
+
+
+def followed(window, hand) -> None:
+    """Follow the objects of the page through all others."""
+    hand.key(KEY.Key_F, ALL)
+    assert window.workspace.followed_objects.running
+    hand.wait(lambda: not window.workspace.followed_objects.running)
+    settled(window, hand)
+
+
+def take(window, hand, *places: tuple[float, float]) -> None:
+    """Select objects by clicks, and accept each."""
+    selection = window.workspace.object_selection
+    for place in places:
+        hand.click(*place)
+        hand.wait(lambda: selection.selecting and [each.key for each in selection.proposals[:1]] == [0])
+        hand.key(KEY.Key_Return)
+    settled(window, hand)
+
+
+def go(window, hand, number: int, key=KEY.Key_PageDown) -> None:
+    hand.canvas.setFocus()
+    hand.key(key)
+    hand.wait(lambda: window.workspace.pages.number == number)
+    settled(window, hand)
+
+
+def items(window) -> dict[int, object]:
+    return {item.number: item for item in window.session.document.objects.items}
+
+
+def is_disk(item, disk_of: tuple[float, float, float]) -> bool:
+    one, other = item.mask((64, 64)), disk(*disk_of)
+    return (one & other).sum() / (one | other).sum() > 0.85
+
+
+def test_what_was_accepted_is_offered_on_the_next_page_with_its_number_name_class_and_color(stack, hand):
+    window = stack(MOVING)
+    take(window, hand, *(each[:2] for each in MOVING[0]))
+    window.session.edit("name", lambda d: objects.amend(d, (2,), name="left", color="#123456", category=3))
+    go(window, hand, 2)
+    assert not items(window)
+    assert [each.item.number for each in window.workspace.object_selection.proposals] == [1, 2]
+    hand.key(KEY.Key_Return)
+    found = items(window)
+    assert all(is_disk(found[number], MOVING[1][number - 1]) for number in (1, 2))
+    assert (found[2].name, found[2].color, found[2].category) == ("left", "#123456", 3)
+    settled(window, hand)
+    go(window, hand, 3)
+    hand.key(KEY.Key_Return)
+    assert all(is_disk(items(window)[number], MOVING[2][number - 1]) for number in (1, 2))
+
+
+def test_a_click_corrects_what_is_followed_under_its_number_and_a_new_object_gets_another_one(stack, hand):
+    window = stack(MOVING)
+    take(window, hand, MOVING[0][1][:2])
+    go(window, hand, 2)
+    take(window, hand, MOVING[1][0][:2])
+    assert is_disk(items(window)[2], MOVING[1][0])
+    hand.click(*MOVING[1][1][:2])  # what is offered, which is corrected by the next click
+    settled(window, hand)
+    hand.qtbot.mouseClick(hand.canvas.viewport(), LEFT, SHIFT, hand.at(46, 48))
+    hand.wait(lambda: window.session.document.objects.edited == 1)
+    settled(window, hand)
+    hand.key(KEY.Key_Return)
+    assert sorted(items(window)) == [1, 2]
+
+
+def test_all_pages_are_followed_and_a_page_with_objects_stays_as_it_is(stack, hand):
+    window = stack(MOVING)
+    pages = window.workspace.pages
+    take(window, hand, MOVING[0][0][:2])
+    go(window, hand, 2)
+    go(window, hand, 3)
+    take(window, hand, MOVING[2][1][:2])
+    kept = items(window)
+    go(window, hand, 2, KEY.Key_PageUp)
+    go(window, hand, 1, KEY.Key_PageUp)
+    followed(window, hand)
+    documents = pages.documents
+    assert is_disk(documents[2].objects[1], MOVING[1][0])
+    assert {item.number: item for item in documents[3].objects.items} == kept
+    assert [is_disk(item, MOVING[3][1]) for item in documents[4].objects.items] == [True]
+    go(window, hand, 2)
+    assert window.session.history.undo_name == "follow objects"
+    window.session.undo()
+    assert not items(window)
+
+
+def test_a_division_is_reported_with_its_page_and_the_table_and_files_hold_the_numbers(stack, hand, tmp_path):
+    window = stack(DIVIDING)
+    take(window, hand, (32, 20))
+    followed(window, hand)
+    assert "Page 3: track 2 splits off track 1." in window.canvas_area.messages.text
+    hand.key(KEY.Key_F11, Qt.KeyboardModifier.ShiftModifier)
+    table = window.feature(PagesFeature).panel.table
+    assert sorted(zip(table.column("page"), table.column("track"), strict=True)) == [
+        ("1", "1"), ("2", "1"), ("3", "1"), ("3", "2"), ("4", "1"), ("4", "2")]  # fmt: skip
+    assert "splits off track 1" in table.column("happens")
+    assert all(float(gray) == pytest.approx(190.0, abs=20.0) for gray in table.column("gray")), table.column("gray")
+    labels, rows = export(hand.qtbot, window, tmp_path, "pages:.tif", "pages:.measures.csv")
+    hand.wait(lambda: labels.exists() and rows.exists())
+    assert [sorted(np.unique(one)) for one in tifffile.imread(labels)] == [[0, 1], [0, 1], [0, 1, 2], [0, 1, 2]]
+    assert "mean_gray" in rows.read_text().splitlines()[0]
+
+
+def test_following_stops_with_a_report_where_nothing_is_found(stack, hand):
+    window = stack([MOVING[0], MOVING[1], [(60, 60, 2)], MOVING[2]])
+    take(window, hand, MOVING[0][0][:2])
+    followed(window, hand)
+    assert "Page 3" in window.canvas_area.messages.text
+    assert [number for number, one in window.workspace.pages.documents.items() if one.objects.items] == [2, 1]
