@@ -73,7 +73,8 @@ def run(arguments: argparse.Namespace) -> int:
     source = Path(arguments.source)
     check_exports(arguments.to, arguments)
     suffix, wanted = source.suffix.lower(), {suffix_of(path) for path in arguments.to}
-    of_volumes = suffix in {*FOR_CENTERLINES, *SURFACES_READABLE} or wanted & (FOR_VOLUMES.keys() - WRITABLE.keys())
+    in_space = suffix in {*FOR_CENTERLINES, *SURFACES_READABLE} or wanted & (FOR_VOLUMES.keys() - WRITABLE.keys())
+    of_volumes = bool(in_space)
     if arguments.page is None and suffix not in {SUFFIX, *CONTOURS_READABLE} and wanted <= FOR_VOLUMES.keys():
         of_volumes = of_volumes or holds_volume(source)  # labels, for labels
     if arguments.page is not None and (suffix == SUFFIX or of_volumes):

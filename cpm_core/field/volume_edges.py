@@ -28,16 +28,10 @@ _EVERYWHERE = np.ones((0, 0, 0), np.bool_)
 
 
 class Slopes(NamedTuple):
-    """What edge strengths are computed from.
+    """What edge strengths are computed from: a smoothed volume, shape (P, R, C).
 
-    Attributes
-    ----------
-    smoothed : ndarray of float32, shape (P, R, C)
-        The smoothed volume.
-    factors : tuple of float32
-        What differences of voxels two apart are multiplied with, by axis.
-    inside : ndarray of bool, shape (P, R, C) or empty
-        The voxels that have an edge strength, all if it is empty.
+    Differences of voxels two apart are multiplied with the factors of their axes; `inside` are the voxels that have an
+    edge strength, all if it is empty.
     """
 
     smoothed: Single
@@ -61,14 +55,8 @@ class Slopes(NamedTuple):
 class Edges(NamedTuple):
     """The edge map of a volume in bricks; a plain tuple for the compiled loops.
 
-    Attributes
-    ----------
-    planes, rows, cols : int
-        Shape of the volume.
-    number : ndarray of int32, shape (p, r, c)
-        Number of the brick that begins at every eighth voxel along each axis; -1 where no edge is near.
-    values : ndarray of float32, shape (M, 9, 9, 9)
-        Edge strengths in the bricks, with those of the next voxel along each axis, to interpolate between them.
+    A brick begins at every eighth voxel along each axis, with a number that is -1 where no edge is near. Its values,
+    shape (M, 9, 9, 9), include those of the next voxel along each axis, to interpolate between them.
     """
 
     planes: int

@@ -136,16 +136,8 @@ _WORTH_A_THREAD = 5_000
 class Ridges(NamedTuple):
     """Voxels on the ridges of an edge map where it is at or above its floor.
 
-    Attributes
-    ----------
-    place : ndarray, shape (M, 3)
-        Their positions [units].
-    normal : ndarray, shape (M, 3)
-        Normals of the surface there.
-    strength : ndarray, shape (M,)
-        Edge strength.
-    component : ndarray of int64, shape (M,)
-        Number of the connected part of the edge map, from 0.
+    Their positions [units] and the normals of the surface there, shape (M, 3), with the edge strength and the number,
+    from 0, of the connected part of the edge map.
     """
 
     place: Array

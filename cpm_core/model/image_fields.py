@@ -32,7 +32,7 @@ from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 
-_LEAST_MEMORY = {2: 80.0, 3: 24.0}
+_LEAST_MEMORY = {2: 80.0, 3: 12.0}
 """Memory that no run needs less of, for one pixel [bytes], in the plane and in space; in the plane 106 to 200 are
 measured."""
 

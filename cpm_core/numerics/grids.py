@@ -76,18 +76,8 @@ def sides_of(window: Window) -> tuple[int, ...]:
 class Parts:
     """The connected parts of a mask of three axes, as runs of voxels along the last one.
 
-    Attributes
-    ----------
-    shape : tuple of int
-        Shape of the mask.
-    begin : ndarray of int64, shape (P R + 1,)
-        First run of each row of the mask.
-    first, end : ndarray of int32, shape (M,)
-        First column of each run, and the one behind its last.
-    part : ndarray of int64, shape (M,)
-        Number of the part of each run.
-    count : int
-        Number of parts.
+    `begin` has the first run of each row, shape (P R + 1,); the runs have the first column, the one behind the last,
+    and the number of the part.
     """
 
     shape: tuple[int, ...]
@@ -290,6 +280,11 @@ def ends(mask: Mask) -> Index:
     """First and last row and column that hold a true pixel of a mask, which has one; shape (2, 2)."""
     lines = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
     return np.array([[line[0], line[-1]] for line in lines]).T
+
+
+def box_of(mask: Mask) -> Window:
+    """The least window with all true pixels of a mask, which has one."""
+    return tuple(slice(int(first), int(last) + 1) for first, last in ends(mask).T)
 
 
 _REACH = 4.0

@@ -7,19 +7,22 @@ the prior makes of the moved object. Which is which, and what splits and merges,
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
 import skimage
+from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import centroid
 from cpm_core.contours.result import Result
+from cpm_core.image.image import Image
 from cpm_core.numerics.grids import ends
 from cpm_core.numerics.types import Array, Index, Mask
-from cpm_core.objects import Partition, Selection, overlap
+from cpm_core.objects import Partition, Selection, objects_result, overlap, partition
+from cpm_core.pages.follow import trouble_of
 from cpm_core.pages.page import Page, without_image
 from cpm_core.pages.tracks import LEAST_OVERLAP, PART, Tracker, TrackEvent
 
@@ -79,9 +82,9 @@ class ObjectFollower:
         self._values, self._before, self._tracks = values, objects, max(self._tracks, *objects, 0)
 
     def follow(
-        self, page: int, partition: Partition, check: Callable[[], object] = lambda: None
+        self, number: int, page: Partition, check: Callable[[], object] = lambda: None
     ) -> tuple[tuple[FollowedObject, ...], tuple[TrackEvent, ...]]:
-        """Find the objects of the page before on another one; `check` is called again and again.
+        """Find the objects of the page before on the page of a number; `check` is called again and again.
 
         Returns
         -------
@@ -90,17 +93,17 @@ class ObjectFollower:
         tuple of TrackEvent
             Which objects split, merge, end or leave the image.
         """
-        if self._values.shape != partition.shape:
+        if self._values.shape != page.shape:
             return (), ()
         sought = []
-        for number, one in self._before.items():
+        for each, one in self._before.items():
             check()
-            speed = self._speeds.get(number, np.zeros(2, int))
-            seen = _seen(one.mask, self._values, partition.values, speed)
-            sought.append(_Sought(replace(_outer(one), number=number), one.mask, self._values, speed, seen))
-        found = _found(sought, partition, check)
-        before, now = [each.bound(found) for each in sought], [_outer(one) for one in found]
-        contours, events = Tracker(before, self._tracks).follow(page, now, partition.shape)
+            speed = self._speeds.get(each, np.zeros(2, int))
+            seen = _seen(one.mask, self._values, page.values, speed)
+            sought.append(_Sought(replace(_outer(one), number=each), one.mask, self._values, speed, seen))
+        found = _found(sought, page, check)
+        before, now = [one.bound(found) for one in sought], [_outer(one) for one in found]
+        contours, events = Tracker(before, self._tracks).follow(number, now, page.shape)
         origins = {other: event.track for event in events if event.kind == "splits" for other in event.others}
         begun = {event.track for event in events if event.kind == "begins"}
         kept = [
@@ -109,6 +112,57 @@ class ObjectFollower:
             if contour.number not in begun
         ]
         return tuple(sorted(kept, key=lambda one: one.number)), tuple(one for one in events if one.kind != "begins")
+
+
+def follow_objects(
+    pages: Sequence[Image],
+    found_on: Callable[[Image], Result],
+    inside: ArrayLike,
+    outside: ArrayLike,
+    numbers: Sequence[int],
+) -> Iterator[Page]:
+    """Follow the object of some places on the first of some pages through the others, up to one without it.
+
+    Parameters
+    ----------
+    pages : sequence of Image
+        The pages.
+    found_on : callable
+        Gives the contours of a page.
+    inside, outside : array_like, shape (M, 2) and (K, 2)
+        Places in the object, and not in it [px].
+    numbers : sequence of int
+        Which pages, from 1, in the order in which they are followed.
+
+    Yields
+    ------
+    Page
+        Each page as soon as it is done; one that cannot be used, or without the object, has a sentence.
+    """
+    follower, followed = ObjectFollower(), False
+    for number in numbers:
+        try:
+            image = pages[number - 1]
+            part = partition(found_on(image))
+        except (ValueError, MemoryError) as error:
+            yield Page(number, None, trouble=trouble_of(error))
+            continue
+        events: tuple[TrackEvent, ...] = ()
+        if followed:
+            found, events = follower.follow(number, part)
+            objects = {one.number: one.selection for one in found}
+        else:
+            chosen = part.select(inside, outside)
+            objects = {1: chosen} if chosen.found else {}
+        if not objects:
+            yield Page(number, None, events, "There is no object at this position.")
+            return
+        followed = True
+        follower.take(part.values, objects)
+        made = objects_result(list(objects.values()), image, [f"object {each}" for each in objects], part.channel)
+        own = dict(enumerate(objects, start=1))
+        contours = (replace(one, number=own[one.group], group=own[one.group]) for one in made.contours)
+        yield Page(number, without_image(replace(made, contours=tuple(contours))), events)
 
 
 def pages_of(found: Mapping[int, Result]) -> tuple[Page, ...]:
@@ -182,9 +236,9 @@ def _seen(mask: Mask, before: Array, now: Array, speed: Index) -> Index:
     return speed + place - reach
 
 
-def _found(sought: Sequence[_Sought], partition: Partition, check: Callable[[], object]) -> list[Selection]:
+def _found(sought: Sequence[_Sought], page: Partition, check: Callable[[], object]) -> list[Selection]:
     """What is where objects are sought, each once; of two that share pixels, what is more like before comes first."""
-    certain, taken = list(partition.certain()), np.zeros(partition.shape, np.bool_)
+    certain, taken = list(page.certain()), np.zeros(page.shape, np.bool_)
     found: list[Selection] = []
 
     def closed(mask: Mask) -> Mask | None:
@@ -198,7 +252,7 @@ def _found(sought: Sequence[_Sought], partition: Partition, check: Callable[[], 
         sure = closed(mask)
         if sure is not None:
             return sure
-        likely = partition.around(_core(mask), float(np.count_nonzero(mask)))
+        likely = page.around(_core(mask), float(np.count_nonzero(mask)))
         sure = closed(likely)
         return likely if sure is None else sure
 
@@ -207,18 +261,18 @@ def _found(sought: Sequence[_Sought], partition: Partition, check: Callable[[], 
         if np.count_nonzero(left) > PART * np.count_nonzero(one):
             taken[left] = True
             sure = any(np.array_equal(left, each) for each in certain)
-            found.append(partition.selection_of(left, certain=sure))
+            found.append(page.selection_of(left, certain=sure))
 
     answers = [(each, answer(each.mask)) for each in sought if each.mask.any()]
     for each, mask in sorted(answers, key=lambda pair: -overlap(pair[0].mask, pair[1])):
         for part in each.apart(mask):
-            if each.like(part, partition.values):
+            if each.like(part, page.values):
                 take(part)
     for each in sought:  # what has split off lies where nothing has been found
         rest = each.expected & ~taken
         if np.count_nonzero(rest) > _PIECE * np.count_nonzero(each.expected):
             for other in [one for one in certain if each.holds(one)] or [answer(rest)]:
-                if each.holds(other) and each.like(other, partition.values):
+                if each.holds(other) and each.like(other, page.values):
                     take(other)
     return found
 

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections import defaultdict
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal, Protocol
 
+import numpy as np
+
+from app.model.display.page_rows import PageRow
 from app.model.text.language import tr
 from cpm_core.model import EPSILON
 from cpm_core.numerics import Array
@@ -42,19 +46,60 @@ class RunMetrics:
     scale: Array
     numbered: Array
 
+    @property
+    def marks(self) -> Array:
+        """The steps at which a finer scale has begun."""
+        return self.step[1:][np.diff(self.scale) != 0]
+
+
+class Metrics(Protocol):
+    """What is plotted: values for each step, and the steps at which vertical lines are drawn."""
+
+    @property
+    def step(self) -> Array:
+        """The steps, or the pages."""
+
+    @property
+    def marks(self) -> Array:
+        """Where lines are drawn."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class PageMetrics:
+    """Objects over the pages of a stack: area and mean gray value by track; `marks` is the page that is open."""
+
+    step: Array
+    marks: Array
+    areas: Mapping[int, Array]
+    grays: Mapping[int, Array]
+
+    @classmethod
+    def of(cls, rows: Sequence[PageRow], count: int, here: int, factor: float) -> PageMetrics:
+        """Those of a table, on so many pages; areas in a unit of which one unit of the image has `factor`."""
+        areas: dict[int, Array] = defaultdict(lambda: np.full(count, np.nan))
+        grays: dict[int, Array] = defaultdict(lambda: np.full(count, np.nan))
+        for row in rows:
+            if row.measures is not None and row.measures.closed:
+                areas[row.track][row.page - 1] = row.measures.net_area_in_units * factor**2
+                grays[row.track][row.page - 1] = np.nan if row.gray is None else row.gray
+        return cls(np.arange(1.0, count + 1.0), np.array([float(here)]), areas, grays)
+
 
 @dataclass(frozen=True)
 class Series:
     """One curve: its title, its values, and its colors on a light background and on a dark one."""
 
     title: str
-    of: Callable[[RunMetrics], Array]
+    of: Callable[[Any], Array]
     colors: tuple[str, str]
 
 
 @dataclass(frozen=True)
 class Plot:
-    """Curves on one axis; `line` is a value at which a line is drawn, `first` whether it is shown by default."""
+    """Curves on one axis; `line` is a value at which a line is drawn, `first` whether it is shown by default.
+
+    Values of `points` are marked.
+    """
 
     name: str
     title: str
@@ -63,6 +108,7 @@ class Plot:
     kind: Literal["logarithmic", "from zero", "free"] = "from zero"
     line: float | None = None
     first: bool = False
+    points: bool = False
 
 
 # Hues after Okabe and Ito, each darkened for a light background and lightened for a dark one.
@@ -114,3 +160,26 @@ PLOTS = (
     ),
 )
 """All plots, from top to bottom."""
+
+_MOST_CURVES = 10
+"""Number of objects that are plotted at most; a choice among them is made in the table."""
+
+
+def plotted(rows: Sequence[PageRow], chosen: Collection[int]) -> tuple[int, ...]:
+    """The tracks that are plotted: those that are chosen, or the first ones."""
+    return tuple(sorted(chosen or {row.track for row in rows if row.track})[:_MOST_CURVES])
+
+
+def plots_of_pages(tracks: Sequence[int], area: str) -> tuple[Plot, ...]:
+    """Area, with this title, and mean gray value of tracks over the pages of a stack."""
+    hues = (_BLUE, _ORANGE, _GREEN, _PURPLE, _PINK)
+
+    def series(title: str, name: Literal["areas", "grays"], track: int) -> Series:
+        words = f"{title} {track}" if track == tracks[0] else str(track)
+        return Series(words, lambda metrics: getattr(metrics, name)[track], hues[track % len(hues)])
+
+    gray = tr("Mean gray")
+    return (
+        Plot("area", area, "", tuple(series(area, "areas", track) for track in tracks), points=True),
+        Plot("gray", gray, "", tuple(series(gray, "grays", track) for track in tracks), "free", points=True),
+    )

@@ -12,7 +12,7 @@ from PySide6.QtCore import QObject, Signal
 from app.model.document import objects
 from app.model.document.document import Document, ImageReference
 from app.model.text.language import from_core, tr
-from app.session.features.kept_pages import StackSource, bare
+from app.session.features.kept_pages import StackSource, bare, numbered
 from app.session.features.object_selection import ObjectSelection, Search
 from app.session.features.selector import Everywhere, from_everywhere, parameters_everywhere
 from app.session.features.stack_pages import StackPages
@@ -141,16 +141,21 @@ class FollowedObjects(QObject):
         def edit(document: Document) -> Document:
             taken = max(document.objects.taken, *(item.number for item in items))
             same = document.image if known is not None else image
-            return objects.accept(replace(document, image=same, objects=replace(document.objects, taken=taken)), items)
+            return objects.accept(replace(numbered(document, taken), image=same), items)
 
         self._pages.change(number, tr("follow objects"), edit)
 
     def _report(self, done: tuple[list[TrackEvent], int]) -> None:
         """Report what has happened, and where nothing was found any more."""
         events, lost = done
+        taken = self._pages.taken
+        if taken >= self._session.document.objects.next_number:  # what has split off has numbers of its own
+            self._session.edit(tr("follow objects"), lambda document: numbered(document, taken))
         said = [_sentences(events)] if events else []
         if lost:
-            said.append(tr("Page {number}: no object was found again; accept one there to go on.").format(number=lost))
+            said.append(
+                tr("Page {number}: no object was found again. Accept one there to follow it.").format(number=lost)
+            )
         self._session.say(" ".join(said) or tr("The objects were followed through all pages."))
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 import pyqtgraph as pg
@@ -12,7 +13,7 @@ from PySide6.QtCore import QEvent, QPoint, Qt, QTimer, Signal
 from PySide6.QtGui import QColor, QPalette, QShowEvent
 from PySide6.QtWidgets import QGridLayout, QLabel, QToolButton, QVBoxLayout, QWidget
 
-from app.model.display.plots import PLOTS, Plot, RunMetrics
+from app.model.display.plots import PLOTS, Metrics, Plot, RunMetrics
 from app.model.state.resolve import LEADING, Resolved
 from app.model.state.surface_figures import SURFACE
 from app.model.text.language import tr
@@ -87,20 +88,24 @@ class _Drawn:
 
 
 class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no types
-    """Plots the metrics of a run."""
+    """Plots metrics over steps or pages."""
 
-    def __init__(self) -> None:
+    clicked = Signal(float)
+    """A place along the steps has been clicked."""
+
+    def __init__(self, plots: Sequence[Plot], name: str) -> None:
         self._drawn: tuple[_Drawn, ...] = ()
-        self._plots: Sequence[Plot] = [plot for plot in PLOTS if plot.first]
+        self._plots = plots
         super().__init__()
-        self._metrics: RunMetrics | None = None
+        self._metrics: Metrics | None = None
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        self.setAccessibleName(tr("Plot of the run over its steps"))
+        self.setAccessibleName(name)
+        self.scene().sigMouseClicked.connect(self._click)
         self.ci.setContentsMargins(0, 0, 0, 0)
         self.ci.setSpacing(0)
 
-    def show_metrics(self, metrics: RunMetrics | None) -> None:
-        """Show a run, or none."""
+    def show_metrics(self, metrics: Metrics | None) -> None:
+        """Show metrics, or none."""
         self._metrics = metrics = metrics if metrics is not None and len(metrics.step) else None
         if metrics is not None and self._plots and not self._drawn:
             self._draw()
@@ -110,9 +115,10 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
                 if metrics is None:
                     curve.clear()
                 else:
-                    curve.setData(metrics.step, np.asarray(series.of(metrics), float))
-            finer = () if metrics is None else metrics.step[1:][np.diff(metrics.scale) != 0]
-            drawn.scales.setXVals(list(finer))
+                    values = np.asarray(series.of(metrics), float)
+                    known = np.isfinite(values) if drawn.plot.points else slice(None)
+                    curve.setData(metrics.step[known], values[known])
+            drawn.scales.setXVals([] if metrics is None else list(metrics.marks))
 
     def show_plots(self, plots: Sequence[Plot]) -> None:
         """Show these plots, once they are unfolded for the first time."""
@@ -152,7 +158,11 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
             scales = pg.VTickGroup(yrange=(0.0, 1.0), pen=pg.mkPen(pale, style=Qt.PenStyle.DotLine))
             item.addItem(scales, ignoreBounds=True)
             pens = [pg.mkPen(self._series_color(series.colors), width=1.4) for series in plot.series]
-            curves = tuple(item.plot(pen=pen, connect="finite") for pen in pens)
+            curves = tuple(item.plot(pen=pen, connect="finite", symbol="o" if plot.points else None) for pen in pens)
+            for curve, pen in zip(curves, pens, strict=True):
+                curve.setSymbolBrush(pen.color())
+                curve.setSymbolPen(None)
+                curve.setSymbolSize(4)
             self._drawn += (_Drawn(plot, item, curves, scales),)
             titles = (
                 f"<span style='color: {self._series_color(series.colors)}'>{series.title}</span>"
@@ -162,6 +172,12 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
         self.setMinimumHeight(_LOWEST_PLOT * max(len(plots), 1))
         self.setBackground(self._color(QPalette.ColorRole.Base))
         self.show_metrics(self._metrics)
+
+    def _click(self, event: Any) -> None:
+        if self._drawn:
+            place = self._drawn[0].item.getViewBox().mapSceneToView(event.scenePos()).x()
+            # later, as what follows may draw the plots anew, whose scene still handles the event
+            QTimer.singleShot(0, self, partial(self.clicked.emit, place))
 
     def changeEvent(self, event: QEvent) -> None:
         """Draw in the colors of another theme."""
@@ -186,7 +202,7 @@ class PlotPanel(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self.chart = Chart()
+        self.chart = Chart([plot for plot in PLOTS if plot.first], tr("Plot of the run over its steps"))
         self.buttons: dict[str, QToolButton] = {}
         grid = QGridLayout()
         grid.setSpacing(2)

@@ -71,7 +71,7 @@ def _particles(
 ) -> Particles | None:
     if snapshot is None or size == 0.0:
         return None
-    state, palette, marks = snapshot.state, np.array(list(map(_rgb, inks))), snapshot.resting.astype(np.intp)
+    state, palette, marks = snapshot.state, np.array(list(map(_rgb, inks)), np.uint8), snapshot.resting.astype(np.uint8)
     if quantity in QUANTITIES:
         marks = colored(QUANTITIES[quantity], state, snapshot.metrics).marks
         palette = np.vstack([color_maps.table(map_name, SHADES, BEGIN), _rgb(UNKNOWN)]).astype(np.uint8)

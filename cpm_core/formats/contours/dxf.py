@@ -71,7 +71,7 @@ def encode(result: Outcome) -> bytes:
             model.add_point(places[0].tolist(), look)
         else:
             polyline = model.add_lwpolyline((), close=contour.closed, dxfattribs=look)
-            polyline.lwpoints = _Vertices(places.tolist())
+            polyline.lwpoints = _Vertices(places.tolist())  # type: ignore[assignment]
     comments = ascii_entries_of(facts_of(result))
     comments |= {
         _SHAPE: " ".join(map(str, result.shape)),

@@ -35,24 +35,10 @@ from cpm_core.parameters import Parameters
 
 
 class Cells(NamedTuple):
-    """Particles sorted into cubic cells; a plain tuple for the compiled loops.
+    """Particles sorted into cubic cells of a side `size` [px]; a plain tuple for the compiled loops.
 
-    The particles of a row of cells along the last axis are contiguous.
-
-    Attributes
-    ----------
-    size : float
-        Side of a cell [px].
-    planes, rows, cols : int
-        Cells along the axes; positions beyond the grid belong to its outermost cells.
-    start : ndarray of int64, shape (planes rows + 1,)
-        Where the particles of each row of cells begin in the sorted order.
-    col : ndarray of int64, shape (N,)
-        Column of the cell of each of the sorted particles.
-    order : ndarray of int64, shape (N,)
-        Index of each of the sorted particles.
-    z, y, x : ndarray, shape (N,)
-        Positions of the sorted particles [px].
+    The particles of a row of cells along the last axis, from `start` on, are contiguous, with the column of the cell,
+    the index and the position [px] of each. Those beyond the grid belong to its outermost cells.
     """
 
     size: float

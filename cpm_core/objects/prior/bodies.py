@@ -8,7 +8,7 @@ means and deviations of both around it (local regions: Lankton and Tannenbaum 20
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from itertools import combinations
@@ -34,6 +34,9 @@ _AROUND, _CLOSEST = 1.35, 24.0
 
 _WIDER, _TURNS = 1.4, 4
 """How much wider a cube becomes whose sides a body touches, and how often it does at most."""
+
+_OTHER_SIZE = 1.5
+"""Ratio of volumes from which two bodies around a place are different ones."""
 
 _EVERY = 6
 """Every so manieth slice is asked; between two of them logits are interpolated."""
@@ -98,10 +101,20 @@ class Body:
     opinion: Single
     logits: Single
 
+    @property
+    def size(self) -> float:
+        """Its volume [smallest sides of a voxel, cubed]."""
+        return float(np.count_nonzero(self.logits > 0.0)) * self.cube.scale**3
+
     def holds(self, place: Array) -> bool:
         """Whether a place, shape (3,), lies in it."""
         step = self.cube.steps(place)[:, None]
         return bool(scipy.ndimage.map_coordinates(self.logits, step, order=1, cval=-FAR)[0] > 0.0)
+
+
+def is_other(size: float, other: float) -> bool:
+    """Whether two bodies around a place are different ones, by their volumes."""
+    return max(size, other) > _OTHER_SIZE * min(size, other)
 
 
 def body_of(mask: Mask, size: Array) -> Body:
@@ -165,9 +178,17 @@ class BodyPrior:
     size: Array
     network: Network = field(default_factory=trained)
 
-    def body_at(self, place: Array) -> Body:
-        """The body that a place, shape (3,), lies in."""
-        cube, seen = self._first(place)
+    def bodies_at(self, place: Array) -> Iterator[Body]:
+        """The bodies of different sizes that a place, shape (3,), may lie in, the most plausible one first."""
+        sizes: list[float] = []
+        for cube, seen in self._looks(place):
+            body = self._body(place, *self._closer(cube, seen, place))
+            if all(is_other(body.size, one) for one in sizes):
+                sizes.append(body.size)
+                yield body
+
+    def _body(self, place: Array, cube: Cube, seen: list[Single]) -> Body:
+        """The body that a place lies in, and of which the slices of a cube through it show so much."""
         for turn in range(_TURNS):
             within = self._within(cube, place[None], np.empty((0, 3)))
             if turn == 0:
@@ -204,8 +225,8 @@ class BodyPrior:
 
     # Slices
 
-    def _first(self, place: Array) -> tuple[Cube, list[Single]]:
-        """A cube around what the network sees in the slices through a place, and what it sees of it there."""
+    def _looks(self, place: Array) -> list[tuple[Cube, list[Single]]]:
+        """Cubes of all sizes around a place, and what the network sees of it in their slices; the clearest first."""
         largest = _MOST * self._grays.extent
         count = max(int(np.ceil(np.log(largest / _LEAST) / np.log(_GROWS) - 0.5)), 0)
         cubes = [Cube(place, side) for side in (*(_LEAST * _GROWS**k for k in range(count)), largest)]
@@ -214,8 +235,10 @@ class BodyPrior:
         seen = [answers.seen[k : k + 3] for k in range(0, len(answers.seen), 3)]
         expected = np.mean(np.reshape(answers.overlap, (-1, 3)), axis=1)
         ratings = [overlap + _AGREES * _agreement(slices) for overlap, slices in zip(expected, seen, strict=True)]
-        best = int(np.argmax(ratings))
-        cube, found = cubes[best], seen[best]
+        return [(cubes[k], seen[k]) for k in np.argsort(-np.array(ratings), kind="stable")]
+
+    def _closer(self, cube: Cube, found: list[Single], place: Array) -> tuple[Cube, list[Single]]:
+        """A cube around what is seen in the slices of another one, and what is seen there."""
         wider = _around(cube, found, place)
         before = [_in_slice(wider, cube, axis, found[axis]) for axis in range(3)]
         return wider, self._ask(self._through(wider, place, before)).seen

@@ -54,18 +54,8 @@ _BANK = 0.3
 class Surroundings:
     """What is known around saddles: gray levels that are higher inside than outside, and particles on the edges.
 
-    Attributes
-    ----------
-    volume : ndarray of float32, shape (P, R, C)
-        Smoothed volume.
-    sign : float
-        1, or -1 where the inside is darker.
-    points, normals : ndarray, shape (N, 3)
-        Positions [voxels] of the particles, and unit vectors away from the inside.
-    slopes : ndarray, shape (N,)
-        Steepness of the edges at the particles.
-    size : ndarray, shape (3,)
-        Sides of a voxel; the smallest is 1.
+    The smoothed volume; 1, or -1 where the inside is darker; positions [voxels] of the particles, shape (N, 3), with
+    unit vectors away from the inside and the steepness of the edges; and the sides of a voxel, the smallest being 1.
     """
 
     volume: Single
@@ -154,22 +144,9 @@ def ways_over_saddles(
 ) -> Iterator[Index]:
     """Ways between wanted parts over passable voxels, the highest first; they make no loop.
 
-    Parameters
-    ----------
-    values : ndarray of float32, shape (P, R, C)
-        What the ways keep as high as possible; it may be changed between one way and the next.
-    passable : ndarray of bool, shape (P, R, C)
-        Voxels that a way may run through.
-    parts : Parts
-        Parts that are to be joined.
-    wanted : ndarray of bool, shape (count,)
-        Which of them.
-    apart : int
-        Distance between saddles of the same two parts that are looked at [voxels].
-    reach : int
-        Voxels around a saddle in which the way is sought.
-    joins : callable
-        Whether two parts hang together along a way, shape (K, 3), over a saddle, shape (3,).
+    They keep the values as high as possible, which may be changed between one way and the next. Of saddles of the same
+    two parts nearer than `apart` one is looked at, and the way is sought in the voxels up to `reach` around it. `joins`
+    says of a way, shape (K, 3), and its saddle, shape (3,), whether two parts hang together along it.
     """
     if wanted.sum() < 2:
         return

@@ -29,16 +29,10 @@ _THICKEST = 2.0
 
 @dataclass(frozen=True, eq=False)
 class Levels:
-    """Particles on the edges of a volume, and what the surface needs to know of each.
+    """Particles on the edges of a volume, shape (N, 3) [voxels], and what the surface needs to know of each.
 
-    Attributes
-    ----------
-    points : ndarray, shape (N, 3)
-        Positions [voxels].
-    thresholds : ndarray, shape (N,)
-        Gray level of the smoothed volume at which the edge lies.
-    slopes : ndarray, shape (N,)
-        Steepness of the edge [gray levels / smallest side of a voxel].
+    The gray level of the smoothed volume at which the edge lies, and the steepness of the edge [gray levels / smallest
+    side of a voxel].
     """
 
     points: Array

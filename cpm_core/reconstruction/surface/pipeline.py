@@ -49,27 +49,11 @@ def find_surface(
     smoothing: float = 1.0,
     shut: Mask | None = None,
 ) -> Surface:
-    """Surface through particles that rest on the edges of a volume.
+    """Surface through particles that rest on the edges of a smoothed volume, shape (N, 3) [voxels].
 
-    Parameters
-    ----------
-    volume : ndarray of float32, shape (P, R, C)
-        Smoothed volume.
-    edges : Edges
-        Its edge map.
-    points : ndarray, shape (N, 3)
-        Particles on edges [voxels].
-    spacing, unit : tuple of float, and str, optional
-        Size of a voxel along each axis, and the unit of length.
-    smoothing : float
-        Width of the Gaussian that has smoothed the volume, in smallest sides of a voxel.
-    shut : ndarray of bool, shape (P, R, C), optional
-        Voxels that the surface leaves out: objects get a flat end there, as at the border of the volume.
-
-    Returns
-    -------
-    Surface
-        Without triangles when there are fewer than four particles.
+    `smoothing` is the width of the Gaussian that has smoothed it, in smallest sides of a voxel. The surface leaves out
+    the voxels that are `shut`: objects get a flat end there, as at the border of the volume. It has no triangles when
+    there are fewer than four particles.
     """
     size = np.array(pitch_of(spacing))
     if len(points) < _FEWEST:

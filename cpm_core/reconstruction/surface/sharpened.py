@@ -28,18 +28,6 @@ def gray_at(volume: Single, points: Array) -> Array:
     return interpolate(volume[None], points)[:, 0]
 
 
-def slopes_of(volume: Single, points: Array, size: Array) -> tuple[Array, Array]:
-    """Unit vectors against the slope of a volume at points [voxels], in units of length, and the slope's steepness."""
-    differences = []
-    for axis in range(3):
-        step = np.eye(3)[axis]
-        up, down = gray_at(volume, points + step), gray_at(volume, points - step)
-        differences.append((up - down) / (2.0 * size[axis]))
-    slope = np.stack(differences, 1)
-    steepness = np.linalg.norm(slope, axis=1)
-    return -slope / np.maximum(steepness, 1e-30)[:, None], steepness
-
-
 def step_width(smoothing: float) -> float:
     """Width of the Gaussian as which a sharp edge is seen after one of width `smoothing` [smallest sides]."""
     return float(np.sqrt(smoothing**2 + _WIDENED))
@@ -50,34 +38,36 @@ def levels_at(volume: Single, edges: Edges, points: Array, size: Array, width: f
 
     `size` holds the sides of a voxel, and `width` is that of a smoothed step, both in smallest sides of a voxel.
     """
-    normals, _ = slopes_of(volume, points, size)
-    bent = curvatures(volume, points, size, normals)
+    normals, bent = _bends(volume, points, size)
     curved, shift = _shift_of_tubes()
     off = (np.sign(bent) * np.interp(np.abs(width * bent), curved, shift)).sum(1)  # in widths of the smoothed step
     thresholds = gray_at(volume, points + (width * off)[:, None] * normals / size)
     return Levels(points, thresholds, edges.at(tuple(size.tolist()), points * size)), normals
 
 
-def curvatures(volume: Single, points: Array, size: Array, normals: Array) -> Array:
-    """Two principal curvatures of the surfaces of equal gray level at points, positive where bright is convex."""
-    stride = np.maximum(size, 1.0)
-    steps, at = np.diag(stride / size), gray_at(volume, points)
+def _bends(volume: Single, points: Array, size: Array) -> tuple[Array, Array]:
+    """Unit vectors against the slope of a volume at points [voxels], in units of length.
+
+    With the two principal curvatures of the surfaces of equal gray level there, positive where bright is convex.
+    """
+    steps, at = np.eye(3), gray_at(volume, points)
     ahead, behind = ([gray_at(volume, points + sign * step) for step in steps] for sign in (1, -1))
     second = np.empty((len(points), 3, 3))
     for a in range(3):
-        second[:, a, a] = (ahead[a] - 2.0 * at + behind[a]) / stride[a] ** 2
+        second[:, a, a] = (ahead[a] - 2.0 * at + behind[a]) / size[a] ** 2
         for b in range(a):
             mixed = sum(
                 s * t * gray_at(volume, points + (s * steps[a] + t * steps[b])) for s in (1, -1) for t in (1, -1)
             )
-            second[:, a, b] = second[:, b, a] = mixed / (4.0 * stride[a] * stride[b])
-    slope = np.stack([(ahead[a] - behind[a]) / (2.0 * stride[a]) for a in range(3)], 1)
+            second[:, a, b] = second[:, b, a] = mixed / (4.0 * size[a] * size[b])
+    slope = np.stack([(ahead[a] - behind[a]) / (2.0 * size[a]) for a in range(3)], 1)
     steepness = np.maximum(np.linalg.norm(slope, axis=1), 1e-30)
+    normals = -slope / steepness[:, None]
     flat = np.eye(3) - normals[:, :, None] * normals[:, None, :]
     bend = -flat @ second @ flat / steepness[:, None, None]
     values = np.linalg.eigvalsh(bend)
     order = np.argsort(np.abs(values), axis=1)  # the direction of the normal has none
-    return np.take_along_axis(values, order[:, 1:], axis=1)
+    return normals, np.take_along_axis(values, order[:, 1:], axis=1)
 
 
 @cache

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -10,6 +11,7 @@ import scipy
 import skimage
 from numpy.typing import NDArray
 
+from cpm_core.numerics.grids import Window, around, box_of, whole_window
 from cpm_core.numerics.types import Array, Mask
 
 _LINK = 0.75
@@ -41,9 +43,18 @@ def drawn_area(points: Array, shape: tuple[int, ...]) -> Mask:
     if len(points) < 2:
         return on
     link = max(_LEAST_LINK, _LINK * usual)
-    near = scipy.ndimage.distance_transform_edt(~on) <= link
-    filled = scipy.ndimage.binary_fill_holes(near) | _cut_off(near, on)
-    return on | (scipy.ndimage.distance_transform_edt(filled) > link)
+    box = _box(on, link)
+    near = scipy.ndimage.distance_transform_edt(~on[box]) <= link
+    filled = scipy.ndimage.binary_fill_holes(near) | _cut_off(near, on[box])
+    on[box] |= scipy.ndimage.distance_transform_edt(filled) > link
+    return on
+
+
+def _box(mask: Mask, margin: float) -> Window:
+    """The pixels around those of a mask, which has one, with a margin; all where some of them are at the border."""
+    window = around(box_of(mask), math.ceil(margin) + 1, mask.shape)
+    inner = all(side.start > 0 and side.stop < n for side, n in zip(window, mask.shape, strict=True))
+    return window if inner else whole_window(mask.shape)
 
 
 def _cut_off(near: Mask, on: Mask) -> Mask:
@@ -83,7 +94,9 @@ def is_everywhere(points: Array, shape: tuple[int, ...]) -> bool:
 def hollow_part(points: Array, area: Mask) -> Mask:
     """The part of a start's area that its particles, shape (N, 2) [px], only enclose; none of a filled one."""
     on, usual = _marked(points, area.shape)
-    return area & (scipy.ndimage.distance_transform_edt(~on) > max(_LEAST_LINK, _HOLLOW * usual))
+    hollow, box = np.zeros_like(area), box_of(area | on)
+    hollow[box] = area[box] & (scipy.ndimage.distance_transform_edt(~on[box]) > max(_LEAST_LINK, _HOLLOW * usual))
+    return hollow
 
 
 def _marked(points: Array, shape: tuple[int, ...]) -> tuple[Mask, float]:
@@ -97,6 +110,9 @@ def _marked(points: Array, shape: tuple[int, ...]) -> tuple[Mask, float]:
 
 def radius_of(area: Mask) -> float:
     """Radius of the largest disk in each connected part of an area, the median of all parts [px]."""
+    if not area.any():
+        return 0.0
+    area = area[_box(area, 0.0)]
     labels, count = scipy.ndimage.label(area, structure=np.ones((3, 3), bool))
     depth = scipy.ndimage.distance_transform_edt(area)
-    return float(np.median(scipy.ndimage.maximum(depth, labels, np.arange(1, count + 1)))) if count else 0.0
+    return float(np.median(scipy.ndimage.maximum(depth, labels, np.arange(1, count + 1))))
