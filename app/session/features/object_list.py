@@ -133,8 +133,8 @@ def _measured(item: SegmentedObject, image: Image) -> Figures:
     body = item.body
     if body is None:
         return Figures(gray, counts)
-    # limits are made of it on the window's thread
-    assert all(len(packed.shell.mask) for packed in item.surface)
+    # limits are made of it, and it is painted, on the window's thread
+    assert all(len(packed.shell.mask) and packed.painted for packed in item.surface)
     surface = replace(body, spacing=image.spacing, unit=image.unit)
     volume = item.surface[0].volume * math.prod(image.spacing)
     return Figures(gray, counts, volume, surface.area, surface.components, surface.euler, body)
