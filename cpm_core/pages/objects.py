@@ -140,7 +140,7 @@ def follow_objects(
     Page
         Each page as soon as it is done; one that cannot be used, or without the object, has a sentence.
     """
-    follower, followed = ObjectFollower(), False
+    follower, objects = ObjectFollower(), dict[int, Selection]()
     for number in numbers:
         try:
             image = pages[number - 1]
@@ -149,7 +149,7 @@ def follow_objects(
             yield Page(number, None, trouble=trouble_of(error))
             continue
         events: tuple[TrackEvent, ...] = ()
-        if followed:
+        if objects:
             found, events = follower.follow(number, part)
             objects = {one.number: one.selection for one in found}
         else:
@@ -158,12 +158,11 @@ def follow_objects(
         if not objects:
             yield Page(number, None, events, "There is no object at this position.")
             return
-        followed = True
         follower.take(part.values, objects)
         made = objects_result(list(objects.values()), image, [f"object {each}" for each in objects], part.channel)
-        own = dict(enumerate(objects, start=1))
-        contours = (replace(one, number=own[one.group], group=own[one.group]) for one in made.contours)
-        yield Page(number, without_image(replace(made, contours=tuple(contours))), events)
+        own = [0, *objects]
+        contours = tuple(replace(one, number=own[one.group], group=own[one.group]) for one in made.contours)
+        yield Page(number, without_image(replace(made, contours=contours)), events)
 
 
 def pages_of(found: Mapping[int, Result]) -> tuple[Page, ...]:

@@ -105,10 +105,10 @@ class Body:
         """Its volume [smallest sides of a voxel, cubed]."""
         return float(np.count_nonzero(self.logits > 0.0)) * self.cube.scale**3
 
-    def holds(self, place: Array) -> bool:
-        """Whether a place, shape (3,), lies in it."""
+    def logit(self, place: Array) -> float:
+        """How surely a place, shape (3,), lies in it: above 0 it does."""
         step = self.cube.steps(place)[:, None]
-        return bool(scipy.ndimage.map_coordinates(self.logits, step, order=1, cval=-FAR)[0] > 0.0)
+        return float(scipy.ndimage.map_coordinates(self.logits, step, order=1, cval=-FAR)[0])
 
 
 def is_other(size: float, other: float) -> bool:
@@ -178,13 +178,22 @@ class BodyPrior:
     network: Network = field(default_factory=trained)
 
     def bodies_at(self, place: Array) -> Iterator[Body]:
-        """The bodies of different sizes that a place, shape (3,), may lie in, the most plausible one first."""
+        """The bodies of different sizes that a place, shape (3,), may lie in, the most plausible one first.
+
+        Those come last that would leave out the place if it had not been said to be inside, such as a head around a
+        place in its ventricles.
+        """
         sizes: list[float] = []
+        forced = []
         for cube, seen in self._looks(place):
             body = self._body(place, *self._closer(cube, seen, place))
             if all(is_other(body.size, one) for one in sizes):
                 sizes.append(body.size)
-                yield body
+                if body.logit(place) > _PLACE:
+                    yield body
+                else:
+                    forced.append(body)
+        yield from forced
 
     def _body(self, place: Array, cube: Cube, seen: list[Single]) -> Body:
         """The body that a place lies in, and of which the slices of a cube through it show so much."""
