@@ -130,7 +130,7 @@ class PackedSurface:
         vertices = self.surface.vertices
         return np.array([vertices.min(axis=0), vertices.max(axis=0)])
 
-    @cached_property
+    @property
     def shell(self) -> Voxels:
         """Those of them that have a side in common with a voxel outside."""
         return _shell_of(self.voxels)
@@ -138,10 +138,6 @@ class PackedSurface:
     def moved(self, by: Place) -> PackedSurface:
         """The same surface displaced by so much along each axis [voxels]."""
         return PackedSurface.of(replace(self.surface, vertices=self.surface.vertices + np.array(by)))
-
-
-def _shell_of(voxels: Voxels) -> Voxels:
-    return Voxels(voxels.mask & ~scipy.ndimage.binary_erosion(voxels.mask), voxels.first)
 
 
 _BYTE = 8
@@ -214,17 +210,14 @@ class PackedVoxels:
 
     def with_part(self, begin: Corner, mask: Mask) -> PackedVoxels | None:
         """These with a mask instead of what is in its box, which begins at a voxel; None without any voxel."""
-        known = self._around(begin, mask)
-        low, high = np.maximum(begin, known.first), np.add(begin, mask.shape)
-        high = np.minimum(high, np.add(known.first, known.shape))
-        if (low >= high).any():
-            return known
+        low, high = np.array(begin), np.add(begin, mask.shape)
+        known = self._around(low, high)
         # whole bytes are changed
         first, last = low.copy(), high.copy()
         first[2] -= (low[2] - known.first[2]) % _BYTE
         last[2] += (known.first[2] - high[2]) % _BYTE
         bits = known.part(first, last - first)
-        bits[_window(low, high, first)] = mask[_window(low, high, begin)]
+        bits[_window(low, high, first)] = mask
         (plane, row, col), planes = first - known.first, [*known.planes]
         for at, changed in enumerate(np.packbits(bits, axis=2), start=plane):
             rows = known._rows(at).copy()
@@ -240,7 +233,7 @@ class PackedVoxels:
     @property
     def shell(self) -> Voxels:
         """Those that have a side in common with another voxel."""
-        return _shell(self)
+        return _shell_of(self.voxels)
 
     @property
     def surface(self) -> Surface:
@@ -260,7 +253,9 @@ class PackedVoxels:
     @property
     def box(self) -> Array:
         """The least, and the largest, plane, row and column of them, shape (2, 3)."""
-        return np.asarray(_ends(self.part(self.first, self.shape)) + self.first, float)
+        mask = self.part(self.first, self.shape)
+        lines = (np.flatnonzero(mask.any(axis=axes)) for axes in ((1, 2), (0, 2), (0, 1)))
+        return np.array([(line[0], line[-1]) for line in lines], float).T + self.first
 
     def moved(self, by: Place) -> PackedVoxels:
         """The same voxels displaced by about so much along each axis [voxels]."""
@@ -270,13 +265,10 @@ class PackedVoxels:
         """The bytes of a plane of the box, a row of the array for each of its rows."""
         return np.frombuffer(self.planes[plane], np.uint8).reshape(-1, self.width)
 
-    def _around(self, begin: Corner, mask: Mask) -> PackedVoxels:
-        """The same voxels in a box with room for those of a mask."""
-        if not mask.any():
-            return self
-        low, high = _ends(mask) + begin
+    def _around(self, low: Index, high: Index) -> PackedVoxels:
+        """The same voxels in a box with room for another one."""
         before = np.maximum(np.subtract(self.first, low), 0)
-        after = np.maximum(high + 1 - np.add(self.first, self.shape), 0)
+        after = np.maximum(high - np.add(self.first, self.shape), 0)
         before[2], after[2] = -(-before[2] // _BYTE), -(-after[2] // _BYTE)
         if not (before + after).any():
             return self
@@ -303,15 +295,9 @@ def _window(low: Index, high: Index, begin: Corner) -> tuple[slice, ...]:
     return tuple(slice(a, b) for a, b in zip(low - begin, high - begin, strict=True))
 
 
-def _ends(mask: Mask) -> Index:
-    """First and last plane, row and column with a voxel of a mask, which has one; shape (2, 3)."""
-    lines = (np.flatnonzero(mask.any(axis=axes)) for axes in ((1, 2), (0, 2), (0, 1)))
-    return np.array([(line[0], line[-1]) for line in lines]).T
-
-
 @lru_cache(maxsize=_MOST_KEPT)
-def _shell(body: PackedVoxels) -> Voxels:
-    return _shell_of(body.voxels)
+def _shell_of(voxels: Voxels) -> Voxels:
+    return Voxels(voxels.mask & ~scipy.ndimage.binary_erosion(voxels.mask), voxels.first)
 
 
 @lru_cache(maxsize=_MOST_KEPT)

@@ -219,7 +219,8 @@ class StackPages(QObject):
         image = self._session.document.image
         if image is None:
             return
-        page = numbered(page, self.taken)
+        known = page.known and numbered(page.known, self.taken)
+        page = replace(page, document=numbered(page.document, self.taken), known=known)
         place = ImageFile(image.path, "", image.shape, reading=self.source.reading_of(number))
         now = self._file.file  # whose view lets the image stay in place
         content = replace(

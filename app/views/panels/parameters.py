@@ -20,7 +20,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.model.display.effects import FILTERS, GAP, FilterCounts, effects
+from app.model.display.effects import FILTERS, contours_left, effects
 from app.model.document import edits
 from app.model.document.document import Document
 from app.model.document.modes import acting_in, fresh_parameters
@@ -36,7 +36,7 @@ from app.model.parameters.controls import (
     value_of,
 )
 from app.model.text.language import tr, written
-from app.model.text.wording import FIRST_WORDING, FORMULAS
+from app.model.text.wording import FORMULAS
 from app.session.scene import NO_CONTOURS, ReviewedContours
 from app.session.session import Session
 from app.views.theme.icons import icon
@@ -102,14 +102,13 @@ class ParameterRow(QWidget):
     def __init__(self, control: Control) -> None:
         super().__init__()
         self.control = self._general = control
-        self._label, self.effect = QLabel(), QLabel()
+        self._label, self.effect = QLabel(control.label), QLabel()
         self.number = DecimalField(control.words)
         self.slider = MarkedSlider(control.slider_low, control.slider_high, control.step)
         self._automatic = QCheckBox(tr("auto")) if control.automatic else None
         self._restore = QToolButton()
         self._label.setBuddy(self.number)
         self._label.installEventFilter(self)
-        self.use_wording(FIRST_WORDING)
         self.effect.setObjectName("dim")
         self.number.setRange(control.low, control.high)
         self.number.setSingleStep(control.step)
@@ -175,10 +174,6 @@ class ParameterRow(QWidget):
         self.effect.setText(words)
         self.effect.setVisible(bool(words))
 
-    def use_wording(self, wording: str) -> None:
-        """Label it by name or by symbol first."""
-        self._label.setText(self.control.label(wording))
-
     def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
         """The parameter. See `MenuOwner`."""
         if not self.actions():
@@ -243,7 +238,6 @@ class ParametersPanel(QWidget):
     def __init__(self, session: Session, presets: QToolButton) -> None:
         super().__init__()
         self._session = session
-        self._counts = FilterCounts()
         self._contours: ReviewedContours = NO_CONTOURS
         self._length = 0.0
         """Length of all contours [px]."""
@@ -283,11 +277,6 @@ class ParametersPanel(QWidget):
         for name, choice in self.choices.items():
             choice.show_value(str(value_of(document.parameters, name)))
 
-    def use_wording(self, wording: str) -> None:
-        """Label everything by name or by symbol first."""
-        for row in self.rows.values():
-            row.use_wording(wording)
-
     def _lay_out(self) -> Section:
         more = QWidget()
         others = (choice for name, choice in self.choices.items() if name != CHANNEL)
@@ -314,26 +303,23 @@ class ParametersPanel(QWidget):
 
     def _follow(self) -> None:
         """Show what the parameters change, and count the contours of the scene when they are others."""
-        scene, parameters = self._session.scene, self._session.document.parameters
+        scene = self._session.scene
         if scene.contours is not self._contours:
             self._contours = scene.contours
-            items, result = scene.contours.items, scene.contours.result
-            self._length = sum(item.measures.length for item in items)
-            moment = (self._session.generation, result.steps) if result is not None else None
-            thresholds = {name: float(getattr(parameters, name)) for name in FILTERS}
-            self._counts.update(moment, thresholds, [item.contour for item in items], [item.measures for item in items])
+            self._length = sum(item.measures.length for item in scene.contours.items)
             self._show_effects()
         state = None if scene.snapshot is None else scene.snapshot.state
         for name, words in effects(state, scene.document.parameters, self._length, scene.document.image).items():
             self.rows[name].show_effect(words)
 
     def _show_effects(self) -> None:
-        for name in (*FILTERS, GAP):
+        rows = [item.measures for item in self._contours.items]
+        for name in FILTERS:
             value = float(getattr(self._session.document.parameters, name))
-            self.rows[name].show_effect(self._counts.words(name, value, self._before.get(name)))
+            self.rows[name].show_effect(contours_left(rows, name, value, self._before.get(name)))
 
     def _hold(self, name: str, held: bool) -> None:
         """Remember the number of contours while a slider is held."""
-        self._before = {name: self._counts.present} if held else {}
+        self._before = {name: len(self._contours.items)} if held else {}
         if not held:
             self._show_effects()

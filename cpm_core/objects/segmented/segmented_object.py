@@ -207,18 +207,19 @@ class SegmentedObject:
 
         A vertex when no pixel lies inside. In a volume it is that of the plane with most of its voxels.
         """
+        plane: Place = ()
         if self.surface:
             voxels = self.surface[0].voxels
             at = int(voxels.mask.sum(axis=(1, 2)).argmax())
-            depth = scipy.ndimage.distance_transform_edt(np.pad(voxels.mask[at], 1))[1:-1, 1:-1]
-            row, col = np.unravel_index(int(np.argmax(depth)), depth.shape)
-            return tuple(np.add((at, int(row), int(col)), voxels.first or (0, 0, 0)).astype(float).tolist())
-        first, window = self._window(shape)
+            above, *first = voxels.first or (0, 0, 0)
+            window, plane = voxels.mask[at], (float(above + at),)
+        else:
+            (*first,), window = self._window(shape)
         if not window.any():
             return self.boundary[0][0]
         depth = scipy.ndimage.distance_transform_edt(np.pad(window, 1))[1:-1, 1:-1]
         row, col = np.unravel_index(int(np.argmax(depth)), window.shape)
-        return float(row + first[0]), float(col + first[1])
+        return (*plane, float(row + first[0]), float(col + first[1]))
 
     def _window(self, shape: tuple[int, ...]) -> tuple[tuple[int, int], Mask]:
         """First row and column of the part of an image that the boundary is around, and which of its pixels are inside.
