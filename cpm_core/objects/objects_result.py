@@ -95,15 +95,15 @@ def boundaries_result(
 ) -> Result:
     """The boundaries of objects and their gaps as a result, in an image of which the rest says what it is."""
     return Result(
-        particles=np.empty((0, 2)),
-        contours=tuple(contours),
-        surface=None,
-        steps=0,
-        converged=True,
-        stop_reason="the objects have been chosen",
-        shape=shape,
-        spacing=spacing,
-        unit=unit,
-        source=source,
+        np.empty((0, 2)),
+        tuple(contours),
+        None,
+        0,
+        True,
+        "the objects have been chosen",
+        shape,
+        spacing,
+        unit,
+        source,
         bridges=tuple(bridges),
     )
