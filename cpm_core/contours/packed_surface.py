@@ -130,7 +130,7 @@ class PackedSurface:
         vertices = self.surface.vertices
         return np.array([vertices.min(axis=0), vertices.max(axis=0)])
 
-    @cached_property
+    @property
     def shell(self) -> Voxels:
         """Those of them that have a side in common with a voxel outside."""
         return _shell_of(self.voxels)
@@ -138,10 +138,6 @@ class PackedSurface:
     def moved(self, by: Place) -> PackedSurface:
         """The same surface displaced by so much along each axis [voxels]."""
         return PackedSurface.of(replace(self.surface, vertices=self.surface.vertices + np.array(by)))
-
-
-def _shell_of(voxels: Voxels) -> Voxels:
-    return Voxels(voxels.mask & ~scipy.ndimage.binary_erosion(voxels.mask), voxels.first)
 
 
 _BYTE = 8
@@ -237,7 +233,7 @@ class PackedVoxels:
     @property
     def shell(self) -> Voxels:
         """Those that have a side in common with another voxel."""
-        return _shell(self)
+        return _shell_of(self.voxels)
 
     @property
     def surface(self) -> Surface:
@@ -300,8 +296,8 @@ def _window(low: Index, high: Index, begin: Corner) -> tuple[slice, ...]:
 
 
 @lru_cache(maxsize=_MOST_KEPT)
-def _shell(body: PackedVoxels) -> Voxels:
-    return _shell_of(body.voxels)
+def _shell_of(voxels: Voxels) -> Voxels:
+    return Voxels(voxels.mask & ~scipy.ndimage.binary_erosion(voxels.mask), voxels.first)
 
 
 @lru_cache(maxsize=_MOST_KEPT)

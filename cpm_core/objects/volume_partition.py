@@ -174,7 +174,7 @@ class VolumePartition:
         size, (within, beyond) = self._prior.size, map(self._within, (inside, outside))
         for places, adds in ((within, True), (beyond, False)):
             for place in places:
-                if body.holds(place * size) != adds:
+                if (body.logit(place * size) > 0.0) != adds:
                     body = self._prior.corrected(body, place * size, adds, within * size, beyond * size)
         surface = body_surface(body, self.image.values, size, within, beyond, self.image.spacing, self.image.unit)
         return VolumeSelection(self, surface, inside, outside, remark, body)

@@ -102,7 +102,8 @@ class ObjectFollower:
             seen = _seen(one.mask, self._values, page.values, speed)
             sought.append(_Sought(replace(_outer(one), number=each), one.mask, self._values, speed, seen))
         found = _found(sought, page, check)
-        before, now = [one.bound(found) for one in sought], [_outer(one) for one in found]
+        taken = np.logical_or.reduce([one.mask for one in found])
+        before, now = [one.bound(taken) for one in sought], [_outer(one) for one in found]
         contours, events = Tracker(before, self._tracks).follow(number, now, page.shape)
         origins = {other: event.track for event in events if event.kind == "splits" for other in event.others}
         begun = {event.track for event in events if event.kind == "begins"}
@@ -139,7 +140,7 @@ def follow_objects(
     Page
         Each page as soon as it is done; one that cannot be used, or without the object, has a sentence.
     """
-    follower, followed = ObjectFollower(), False
+    follower, objects = ObjectFollower(), dict[int, Selection]()
     for number in numbers:
         try:
             image = pages[number - 1]
@@ -148,7 +149,7 @@ def follow_objects(
             yield Page(number, None, trouble=trouble_of(error))
             continue
         events: tuple[TrackEvent, ...] = ()
-        if followed:
+        if objects:
             found, events = follower.follow(number, part)
             objects = {one.number: one.selection for one in found}
         else:
@@ -157,12 +158,11 @@ def follow_objects(
         if not objects:
             yield Page(number, None, events, "There is no object at this position.")
             return
-        followed = True
         follower.take(part.values, objects)
         made = objects_result(list(objects.values()), image, [f"object {each}" for each in objects], part.channel)
-        own = dict(enumerate(objects, start=1))
-        contours = (replace(one, number=own[one.group], group=own[one.group]) for one in made.contours)
-        yield Page(number, without_image(replace(made, contours=tuple(contours))), events)
+        own = [0, *objects]
+        contours = tuple(replace(one, number=own[one.group], group=own[one.group]) for one in made.contours)
+        yield Page(number, without_image(replace(made, contours=contours)), events)
 
 
 def pages_of(found: Mapping[int, Result]) -> tuple[Page, ...]:
@@ -199,10 +199,10 @@ class _Sought:
         self._contrast = _contrast(mask, values)
         self._distinct = abs(self._contrast) > values[mask].std()
 
-    def bound(self, found: Sequence[Selection]) -> Contour:
+    def bound(self, taken: Mask) -> Contour:
         """Its boundary where it was expected, or where it is seen if nothing has been found there."""
-        there = (self.holds(one.mask) or overlap(self.expected, one.mask) >= LEAST_OVERLAP for one in found)
-        return self._bounds[not any(there)]
+        there = np.count_nonzero(self.expected & taken) > LEAST_OVERLAP * np.count_nonzero(self.expected)
+        return self._bounds[not there]
 
     def like(self, other: Mask, values: Array) -> bool:
         """Whether something on the next page differs from what is around it as this object does, if it does clearly."""
@@ -238,13 +238,18 @@ def _seen(mask: Mask, before: Array, now: Array, speed: Index) -> Index:
 
 def _found(sought: Sequence[_Sought], page: Partition, check: Callable[[], object]) -> list[Selection]:
     """What is where objects are sought, each once; of two that share pixels, what is more like before comes first."""
-    certain, taken = list(page.certain()), np.zeros(page.shape, np.bool_)
+    certain, taken = [(one, *ends(one)) for one in page.certain()], np.zeros(page.shape, np.bool_)
     found: list[Selection] = []
 
+    def near(mask: Mask) -> list[Mask]:
+        low, high = ends(mask)
+        return [one for one, first, last in certain if (first <= high).all() and (last >= low).all()]
+
     def closed(mask: Mask) -> Mask | None:
-        parts = [one for one in certain if np.count_nonzero(one & mask) > PART * np.count_nonzero(one)]
-        whole = np.logical_or.reduce([taken & False, *parts])
-        best = max((*certain, whole), key=lambda one: overlap(one, mask))
+        several = near(mask)
+        parts = [one for one in several if np.count_nonzero(one & mask) > PART * np.count_nonzero(one)]
+        whole = np.logical_or.reduce(parts) if parts else mask & False
+        best = max((*several, whole), key=lambda one: overlap(one, mask))
         return best if overlap(best, mask) > _ALIKE else None
 
     def answer(mask: Mask) -> Mask:
@@ -253,14 +258,14 @@ def _found(sought: Sequence[_Sought], page: Partition, check: Callable[[], objec
         if sure is not None:
             return sure
         likely = page.around(_core(mask), float(np.count_nonzero(mask)))
-        sure = closed(likely)
+        sure = closed(likely) if likely.any() else None
         return likely if sure is None else sure
 
     def take(one: Mask) -> None:
         left = one & ~taken
         if np.count_nonzero(left) > PART * np.count_nonzero(one):
             taken[left] = True
-            sure = any(np.array_equal(left, each) for each in certain)
+            sure = any(np.array_equal(left, each) for each in near(left))
             found.append(page.selection_of(left, certain=sure))
 
     answers = [(each, answer(each.mask)) for each in sought if each.mask.any()]
@@ -271,7 +276,7 @@ def _found(sought: Sequence[_Sought], page: Partition, check: Callable[[], objec
     for each in sought:  # what has split off lies where nothing has been found
         rest = each.expected & ~taken
         if np.count_nonzero(rest) > _PIECE * np.count_nonzero(each.expected):
-            for other in [one for one in certain if each.holds(one)] or [answer(rest)]:
+            for other in [one for one in near(rest) if each.holds(one)] or [answer(rest)]:
                 if each.holds(other) and each.like(other, page.values):
                     take(other)
     return found
@@ -284,6 +289,9 @@ def _outer(one: Selection) -> Contour:
 
 def _contrast(mask: Mask, values: Array) -> float:
     """How much brighter an object is than what is around it."""
+    low, high = ends(mask)
+    box = tuple(map(slice, np.maximum(low - _RING, 0), high + _RING + 1))
+    mask, values = mask[box], values[box]
     ring = scipy.ndimage.binary_dilation(mask, iterations=_RING) & ~mask
     return float(np.median(values[mask]) - np.median(values[ring])) if ring.any() else 0.0
 

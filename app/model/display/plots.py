@@ -27,9 +27,8 @@ class RunMetrics:
         Eq. (23) [px of the scale]; NaN while it is not known.
     count, born, deleted : ndarray, shape (K,)
         Particles, and numbers of particles inserted and deleted in the step.
-    kinetic, potential : ndarray, shape (K,)
-        Energies of all particles [px^2 / unit of time^2]; the latter is measured every few steps and repeated in
-        between; NaN before.
+    kinetic : ndarray, shape (K,)
+        Kinetic energy of all particles [px^2 / unit of time^2].
     scale : ndarray, shape (K,)
         Scale; 0 is the image itself.
     numbered : ndarray, shape (K,)
@@ -42,7 +41,6 @@ class RunMetrics:
     born: Array
     deleted: Array
     kinetic: Array
-    potential: Array
     scale: Array
     numbered: Array
 
@@ -131,16 +129,6 @@ PLOTS = (
         tr("Kinetic energy of all particles."),
         (Series(tr("kinetic energy"), lambda metrics: metrics.kinetic, _GREEN),),
         "logarithmic",
-    ),
-    Plot(
-        "potential",
-        tr("Potential"),
-        tr(
-            "Potential energy of all particles: in the field of the edges and of placed charges, and of near pairs. "
-            "Computed every 8 steps, on large images only while this is shown."
-        ),
-        (Series(tr("potential energy"), lambda metrics: metrics.potential, _PURPLE),),
-        "free",
     ),
     Plot(
         "count",

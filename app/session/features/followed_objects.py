@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtCore import QObject, Signal
+from PySide6.QtCore import QObject, QTimer
 
 from app.model.document import objects
 from app.model.document.document import Document, ImageReference
@@ -23,6 +23,9 @@ from app.session.tasks.tasks import Task
 from cpm_core import Image, Partition, TrackEvent
 from cpm_core.objects.segmented import Click, SegmentedObject, selection_of
 from cpm_core.pages import FollowedObject, ObjectFollower, fitting
+
+_SOON = 100
+"""Time after which it is looked again whether a page has been opened [ms]."""
 
 _MOST_EVENTS = 3
 """Number of events that a message lists; the table has all."""
@@ -58,9 +61,6 @@ class Former:
 class FollowedObjects(QObject):
     """Offers the objects of the page before on the page that is opened, and follows them through all pages."""
 
-    changed = Signal()
-    """Objects are being followed, or no longer."""
-
     def __init__(self, session: Session, pages: StackPages, selection: ObjectSelection) -> None:
         super().__init__(session)
         self._session, self._pages, self._selection = session, pages, selection
@@ -69,7 +69,6 @@ class FollowedObjects(QObject):
         self._task: Task | None = None
         selection.followed = lambda: self._search if self._image is session.image else None
         pages.changed.connect(self._look)
-        session.tasks.changed.connect(self.changed)
 
     @property
     def running(self) -> bool:
@@ -110,11 +109,6 @@ class FollowedObjects(QObject):
         title = tr("Following objects on {count} pages…").format(count=len(numbers))
         self._task = session.tasks.start(title, work, tr("following objects"), then=self._report)
 
-    def cancel(self) -> None:
-        """Stop after the pages that are done, which stay."""
-        if self._task is not None:
-            self._task.cancel()
-
     # Internal
 
     def _former(self, number: int) -> Former:
@@ -134,6 +128,9 @@ class FollowedObjects(QObject):
 
     def _accept(self, number: int, image: ImageReference, items: tuple[SegmentedObject, ...]) -> None:
         """Accept objects on a page, unless another stack is open or the page has objects of its own by now."""
+        if number == self._pages.ahead != self._pages.number:  # it is being opened
+            QTimer.singleShot(_SOON, self, partial(self._accept, number, image, items))
+            return
         known = self._pages.documents.get(number)
         if self._pages.source.path != image.path or (known is not None and known.objects.items):
             return

@@ -72,10 +72,8 @@ class RunControlFeature(Feature):
         return True
 
     def _choose_plots(self) -> None:
-        shown, unfolded = self.panel.plot.shown, self.panel.unfolded
-        self.window.preferences.put(_PLOTS, list(shown))
-        self.window.preferences.put(_UNFOLDED, unfolded)
-        self.window.session.post(run_call(None, Run.watch_energy, "potential" in shown and "plots" in unfolded))
+        self.window.preferences.put(_PLOTS, list(self.panel.plot.shown))
+        self.window.preferences.put(_UNFOLDED, self.panel.unfolded)
 
     def _show(self) -> None:
         running = is_running(self.window.session.situation)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
@@ -245,8 +246,8 @@ class Actions:
 
 
 def _plain(text: str) -> str:
-    """A text without its mnemonic, which a menu may have moved."""
-    return text.replace("&", "")
+    """A text without its mnemonic, which a menu may have moved, and which Chinese and Japanese have in parentheses."""
+    return re.sub(r"\(&\w\)", "", text).replace("&", "")
 
 
 def add_choice(menu: QMenu, text: str, do: Callable[[], object], tip: str = "", checked: bool | None = None) -> QAction:

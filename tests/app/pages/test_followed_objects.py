@@ -10,6 +10,7 @@ import tifffile
 from PySide6.QtCore import QPointF, Qt
 
 from app.model.document import edits, objects
+from app.views.features.files import OpenSaveFeature
 from app.views.features.volumes import PagesFeature
 from cpm_core.shapes import Everywhere
 from tests.app.exporting import export
@@ -204,6 +205,30 @@ def test_contours_of_runs_are_listed_next_to_objects(stack, hand):
     panel.kind.setFocus()
     hand.key(KEY.Key_Down)
     hand.wait(lambda: window.workspace.pages.result is window.workspace.pages.tables["contours"][0])
+
+
+def test_following_can_be_cancelled_and_a_session_keeps_the_objects_of_all_pages(stack, hand, tmp_path):
+    window = stack(MOVING)
+    pages = window.workspace.pages
+    take(window, hand, *(each[:2] for each in MOVING[0]))
+    hand.key(KEY.Key_F, ALL)
+    hand.wait(lambda: bool(pages.documents.get(2) and pages.documents[2].objects.items))
+    window.session.tasks.current[-1].cancel()
+    hand.wait(lambda: window.session.tasks.idle)
+    settled(window, hand)
+    done = [number for number, one in pages.documents.items() if one.objects.items]
+    assert 2 in done
+    followed(window, hand)
+    rows = pages.tables["objects"][1]
+    documents = window.feature(OpenSaveFeature).document_file
+    assert documents.save_at_once(tmp_path / "a.cpm")
+    window.session.open(tmp_path / "a.cpm")
+    hand.wait(lambda: window.session.idle and set(pages.documents) == {1, 2, 3, 4})
+    settled(window, hand)
+    again = pages.tables["objects"][1]
+    assert [(row.page, row.track, row.gray) for row in again] == [(row.page, row.track, row.gray) for row in rows]
+    assert len(rows) == 8
+    assert not documents.unsaved
 
 
 def test_following_stops_with_a_report_where_nothing_is_found(stack, hand):

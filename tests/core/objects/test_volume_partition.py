@@ -120,8 +120,8 @@ def _dice(one, other):
     ("shape", "spacing", "radius", "off"),
     [
         pytest.param((48, 48, 48), (1.0, 1.0, 1.0), 12.0, 0.1, id="cubes"),
-        pytest.param((60, 60, 24), (1.0, 1.0, 3.0), 17.0, 0.4, id="long voxels"),
-        pytest.param((60, 60, 24), (0.2, 0.2, 0.6), 3.4, 0.08, id="long voxels in another unit"),
+        pytest.param((60, 60, 24), (1.0, 1.0, 3.0), 17.0, 0.45, id="long voxels"),
+        pytest.param((60, 60, 24), (0.2, 0.2, 0.6), 3.4, 0.09, id="long voxels in another unit"),
     ],
 )
 def test_a_click_in_a_ball_gives_the_ball_to_a_fraction_of_a_voxel_without_a_run(shape, spacing, radius, off):
