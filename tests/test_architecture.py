@@ -25,9 +25,9 @@ LATE_LIBRARIES = {
     "cpm_core.objects.segmented.areas": {"shapely"},
     "cpm_core.objects.segmented.by_hand": {"shapely"},
     "cpm_core.numerics.segments": {"shapely"},
-    **dict.fromkeys(
-        ("cpm_core.contours.polygonal_line", "cpm_core.contours.region_table", "cpm_core.image.regions"), {"shapely"}
-    ),
+    "cpm_core.contours.polygonal_line": {"shapely"},
+    "cpm_core.contours.region_table": {"shapely"},
+    "cpm_core.image.regions": {"shapely"},
     "cpm_core.formats.animation": {"imageio_ffmpeg"},
     "cpm_core.formats.images.nifti": {"nibabel"},
     "cpm_core.formats.images.nrrd": {"nrrd"},
