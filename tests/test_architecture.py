@@ -54,8 +54,8 @@ FLOORS = (
     "cpm_core.medial_axis",
     "cpm_core.segmentation",
     "cpm_core.objects",
-    "cpm_core.pages",
     "cpm_core.shapes",
+    "cpm_core.pages",
     "cpm_core.formats",
     "cpm_core.cli",
 )
