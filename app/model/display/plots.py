@@ -54,15 +54,12 @@ class Series:
 
 @dataclass(frozen=True)
 class Plot:
-    """Curves on one axis; `line` is a value at which a line is drawn, `first` whether it is shown by default."""
+    """Curves on one axis, what they mean, and a value at which a line is drawn."""
 
-    name: str
-    title: str
     tip: str
     series: tuple[Series, ...]
     kind: Literal["logarithmic", "from zero", "free"] = "from zero"
     line: float | None = None
-    first: bool = False
 
 
 # Hues after Okabe and Ito, each darkened for a light background and lightened for a dark one.
@@ -71,41 +68,29 @@ _PURPLE, _PINK = ("#7c4fd6", "#b48cff"), ("#b5307f", "#ff7ac6")
 
 PLOTS = (
     Plot(
-        "epsilon",
-        tr("ε"),
         tr("How much the particles still move (ε of eq. (23)); below the dashed line the run may come to rest."),
         (Series(tr("ε"), lambda metrics: metrics.epsilon, _ORANGE),),
         "logarithmic",
         EPSILON,
-        True,
     ),
     Plot(
-        "kinetic",
-        tr("Kinetic"),
         tr("Kinetic energy of all particles."),
         (Series(tr("kinetic energy"), lambda metrics: metrics.kinetic, _GREEN),),
         "logarithmic",
     ),
     Plot(
-        "potential",
-        tr("Potential"),
         tr(
             "Potential energy of all particles: in the field of the edges and of placed charges, and of near pairs. "
-            "Computed every 8 steps, on large images only while this is shown."
+            "Computed every 8 steps, on large images only while the plots are unfolded."
         ),
         (Series(tr("potential energy"), lambda metrics: metrics.potential, _PURPLE),),
         "free",
     ),
     Plot(
-        "count",
-        tr("Particles"),
         tr("Number of particles."),
         (Series(tr("particles"), lambda metrics: metrics.count, _BLUE),),
-        first=True,
     ),
     Plot(
-        "changes",
-        tr("Changes"),
         tr("Particles inserted and deleted in each step."),
         (
             Series(tr("inserted"), lambda metrics: metrics.born, _BLUE),
