@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from functools import partial
-from itertools import starmap
 
 from PySide6.QtWidgets import QApplication
 
@@ -12,7 +11,7 @@ from app.model.state.situation import has_image
 from app.model.text.language import tr, written
 from app.session.storage.preferences import Preferences
 from app.views.canvas.canvas import ZOOM
-from app.views.canvas.layers.image_layer import AUTOMATIC, CT_WINDOWS, WHOLE, WidthAndLevel, Window, named, window_at
+from app.views.canvas.layers.image_layer import AUTOMATIC, WHOLE, named
 from app.views.canvas.layers.layer import Layer
 from app.views.panels.layer_list import LayersPanel
 from app.views.widgets.actions import LAYER, ActionSpec
@@ -34,7 +33,7 @@ class LayersFeature(Feature):
 
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
-        area, canvas, workspace = window.canvas_area, window.canvas_area.canvas, window.workspace
+        area, canvas, workspace = window.canvas_area, self.canvas, window.workspace
         layers, legend = canvas.layers, area.strip.legend
         panel = LayersPanel(layers)
         self.panels = (Panel("layers", "Layers", panel, "F8"),)
@@ -53,7 +52,7 @@ class LayersFeature(Feature):
         workspace.object_list.selection_changed.connect(window.refresh)
 
         def toggle(layer: Layer) -> ActionSpec:
-            tip = tr("Show or hide: {layer}").format(layer=layer.tip)
+            tip = tr("Show or hide: {layer}", layer=layer.tip)
             return ActionSpec(f"{LAYER}{layer.name}", _LAYERS, layer.title, tip,
                               lambda: layer.set_shown(not layer.shown), layer.shortcut,
                               holds=lambda _: layer.shown)  # fmt: skip
@@ -76,7 +75,7 @@ class LayersFeature(Feature):
 
     def close(self) -> bool:
         """Keep the settings of layers for the next start; their visibility is not kept."""
-        for layer in self.window.canvas_area.canvas.layers:
+        for layer in self.canvas.layers:
             chosen = {name: value for name, value in layer.chosen.items() if value != "hand"}
             if layer.options:
                 self.window.preferences.put(_KEY.format(layer=layer.name), json.dumps(chosen))
@@ -97,7 +96,7 @@ class LevelsFeature(Feature):
 
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
-        self._layer = layer = window.canvas_area.canvas.layers.image
+        self._layer = layer = self.canvas.layers.image
         drag = window.canvas_area.level_drag
         drag.moved.connect(self._say)
         drag.ended.connect(window.refresh)
@@ -111,22 +110,7 @@ class LevelsFeature(Feature):
                        "button to change the range.",
                        partial(self._choose, AUTOMATIC), "Alt+W", when=has_image,
                        holds=lambda _: layer.word("range") == AUTOMATIC),
-            *starmap(self._usual, CT_WINDOWS.items()),
         )  # fmt: skip
-
-    def _usual(self, name: str, width_and_level: WidthAndLevel) -> ActionSpec:
-        """The action for one of the usual windows of CT."""
-        layer, window = self._layer, window_at(width_and_level)
-        text = tr("CT window: {name}").format(name=name)
-        tip = tr("Show the gray values {window} Hounsfield units.").format(window=named(window))
-        key = "ct_window_{:g}_{:g}".format(*width_and_level)
-        return ActionSpec(key, _LAYERS, text, tip, partial(self._use, window),
-                          when=lambda _: layer.scene.whole is not None and layer.scene.whole.is_ct,
-                          holds=lambda _: layer.window == window)  # fmt: skip
-
-    def _use(self, window: Window) -> None:
-        self._layer.choose_window(*window)
-        self.window.refresh()
 
     def _choose(self, value: str) -> None:
         self._layer.choose("range", value)
@@ -134,7 +118,7 @@ class LevelsFeature(Feature):
 
     def _say(self) -> None:
         low, high = self._layer.window
-        text = tr("Black {low}, white {high}").format(low=written(f"{low:.4g}"), high=written(f"{high:.4g}"))
+        text = tr("Black {low}, white {high}", low=written(f"{low:.4g}"), high=written(f"{high:.4g}"))
         self.window.canvas_area.strip.say_next(f"{text}: {named(self._layer.window)}")
 
 
