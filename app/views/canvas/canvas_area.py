@@ -211,7 +211,7 @@ class CanvasArea(QWidget):
             else:
                 slices = self._session.scene.slices
                 by = by if slices is None else slices.current.along(by)
-                name = tr("move {shape}").format(shape=from_core(self._session.document.shapes[index].title))
+                name = tr("move {shape}", shape=from_core(self._session.document.shapes[index].title))
                 self._session.edit(name, lambda document: edits.move_shape(document, index, by), f"nudge {index}")
         elif key in _SIZES and (index is not None or tool.sized):
             self.enlarge(_SIZES[key])

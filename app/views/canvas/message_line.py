@@ -30,13 +30,11 @@ class MessageLine(QFrame):
         self._label = ElidedLabel()
         self.details = QToolButton(autoRaise=True)
         self.details.setText(tr("Details"))
-        self.details.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.details.setToolTip(tr("Read the whole message."))
         self.details.clicked.connect(self._show_details)
         self._label.fits_changed.connect(lambda: self.details.setVisible(not self._label.fits))
         self._button = QToolButton(autoRaise=True)
         self._button.setAccessibleName(tr("Dismiss message"))
-        self._button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self._button.clicked.connect(self.dismiss)
         parts = self._label, self.details, self._button
         arrange(QHBoxLayout(self), *parts, margins=(10, 0, 2, 0), spacing=4, wide=self._label)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QButtonGroup, QHBoxLayout, QToolButton
 
 from app.model.display.lengths import size_text
@@ -35,16 +35,14 @@ class SliceBar(PlaceBar):
         group = QButtonGroup(self)
         for axis, button in enumerate(self.axes):
             button.setToolTip(_TIPS[axis])
-            button.setAccessibleName(tr("Slices across the axis: {axis}").format(axis=AXES[axis]))
+            button.setAccessibleName(tr("Slices across the axis: {axis}", axis=AXES[axis]))
             button.setCheckable(True)
-            button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
             group.addButton(button, axis)
         group.idClicked.connect(self.turned)
         self.voxel.setObjectName("dim")
         self.voxel.setAutoRaise(True)
         self.voxel.setAccessibleName(tr("Voxel size"))
         self.voxel.setToolTip(tr("Voxel size: plane × row × column. Click to change it."))
-        self.voxel.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.voxel.clicked.connect(self.size_wanted)
         parts = *self.axes, self.slider, self.number, self.of, self.voxel
         row = arrange(QHBoxLayout(self), *parts, margins=(10, 3, 10, 3), spacing=4, wide=self.slider)

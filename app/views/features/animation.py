@@ -41,7 +41,7 @@ def comment_on(session: Session) -> str:
 
 def begin_writing(session: Session, path: Path, work: Callable[[Task], Report]) -> Task:
     """Write a file on another thread."""
-    doing, done = tr("Writing {name}…").format(name=path.name), tr("writing {name}").format(name=path.name)
+    doing, done = tr("Writing {name}…", name=path.name), tr("writing {name}", name=path.name)
     return session.tasks.start(doing, work, done)
 
 
@@ -74,7 +74,7 @@ class AnimationFeature(Feature):
 
     def write(self, branch: int, plan: AnimationPlan, path: Path) -> Task | None:
         """Write an animation; None if it cannot be written, which is reported."""
-        session, canvas = self.window.session, self.window.canvas_area.canvas
+        session, canvas = self.session, self.canvas
         session.attempt(FILMING)
         try:
             check_animation(path)
@@ -90,7 +90,7 @@ class AnimationFeature(Feature):
 
     def part(self) -> QRectF:
         """Part of the image that frames show: the visible one."""
-        canvas = self.window.canvas_area.canvas
+        canvas = self.canvas
         whole = image_rectangle(canvas.shape or (1, 1))
         part = canvas.view.viewRect().intersected(whole)
         return whole if part.isEmpty() else part

@@ -48,12 +48,12 @@ class DrawFeature(Feature):
 
     def _start(self, kind: Kind, text: str, keys: str, tip: str, short: str = "") -> ActionSpec:
         """An action that adds a start that needs no drawing, or removes it."""
-        start, session = Everywhere(kind), self.window.session
+        start, session = Everywhere(kind), self.session
 
         def toggle() -> None:
             name = from_core(start.title)
             if start in session.document.shapes:
-                name = tr("remove {start}").format(start=name)
+                name = tr("remove {start}", start=name)
             session.edit(name, lambda document: edits.toggle_everywhere(document, kind))
             # The action must show the state of the document even if it has not changed.
             self.window.refresh()
@@ -73,11 +73,11 @@ class ModesFeature(Feature):
         self.actions = [self._choice(mode) for mode in MODES]
 
     def _choice(self, mode: Mode) -> ActionSpec:
-        info, session = MODES[mode], self.window.session
+        info, session = MODES[mode], self.session
 
         def use() -> None:
             if session.document.mode != mode:
-                name = tr("mode “{mode}”").format(mode=info.title.replace("&", ""))
+                name = tr("mode “{mode}”", mode=info.title.replace("&", ""))
                 session.edit(name, lambda document: use_mode(document, mode))
             # The action must show the state of the document even if it has not changed.
             self.window.refresh()

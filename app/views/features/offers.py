@@ -34,7 +34,7 @@ class BeginningFeature(Feature):
 
     def __init__(self, window: MainWindow) -> None:
         super().__init__(window)
-        window.session.listen(Opened, self._look)
+        self.session.listen(Opened, self._look)
         window.preferences.follow(KEEP_PARAMETERS, self._use)
 
     def _look(self, opened: Opened) -> None:
@@ -47,15 +47,15 @@ class BeginningFeature(Feature):
             context.report(Finished(partial(self._offer, opened, kind, settings)))
 
         if opened.saved is None:
-            self.window.session.post(Command(work, tr("looking at the image"), "kind"))
+            self.session.post(Command(work, tr("looking at the image"), "kind"))
 
     def _offer(self, opened: Opened, kind: Kind | None, settings: LargeImageSettings | None) -> None:
-        session, offers, beside = self.window.session, self.window.offers, opened.beside
+        session, offers, beside = self.session, self.window.offers, opened.beside
         if session.image is not opened.image or session.status.started:
             return
         of_sample = sample_like(opened.path) is not None
         if beside is not None and not of_sample:
-            earlier = tr("{name} contains earlier work on this image. Continue it?").format(name=beside.name)
+            earlier = tr("{name} contains earlier work on this image. Continue it?", name=beside.name)
             offers.offer(earlier, (tr("Open session"), partial(self.window.open_image, beside)))
         elif (
             kind is not None
@@ -73,13 +73,15 @@ class BeginningFeature(Feature):
         if settings is not None and _with_settings(document, settings) != document:
             sentence = tr(
                 "This image is large: {scales} scales and smoothing {smoothing} find its objects more "
-                "reliably. Use them?"
-            ).format(scales=settings.scales, smoothing=written(f"{settings.smoothing:g}"))
+                "reliably. Use them?",
+                scales=settings.scales,
+                smoothing=written(f"{settings.smoothing:g}"),
+            )
             enlarge = partial(_with_settings, settings=settings)
             offers.offer(sentence, (tr("Use them"), partial(session.edit, tr("settings for a large image"), enlarge)))
 
     def _use(self) -> None:
-        self.window.session.keeps_parameters = self.window.preferences.value(KEEP_PARAMETERS)
+        self.session.keeps_parameters = self.window.preferences.value(KEEP_PARAMETERS)
 
 
 def _with_settings(document: Document, settings: LargeImageSettings) -> Document:
@@ -96,8 +98,8 @@ class StackFeature(Feature):
         super().__init__(window)
         self.dialog: PartDialog | None = None
         self._opened: Opened | None = None
-        self._looking = LatestOnlyWorker(window.session, "cpm-parts", tr("inspecting the file"))
-        window.session.listen(Opened, self._offer)
+        self._looking = LatestOnlyWorker(self.session, "cpm-parts", tr("inspecting the file"))
+        self.session.listen(Opened, self._offer)
         self.actions = (
             ActionSpec("parts", "File", "&Parts of the file…",
                        "Open all pages as a volume or one as an image, another channel, time or series.", self.ask,
@@ -148,8 +150,10 @@ class StackFeature(Feature):
         offer, volume = self.window.offers.offer, opened.image.ndim == 3
         answers = [(tr("Choose…"), self.ask)]
         if parts.series_around is not None:
-            sentence = tr("{name} seems to be one slice of a series in the folder {folder}.").format(
-                name=opened.path.name, folder=parts.series_around.name
+            sentence = tr(
+                "{name} seems to be one slice of a series in the folder {folder}.",
+                name=opened.path.name,
+                folder=parts.series_around.name,
             )
             offer(sentence, (tr("Open the series"), partial(self._open, None, opened.reading)))
         elif parts.doubts and (volume or not parts.fit_a_volume):
@@ -160,8 +164,11 @@ class StackFeature(Feature):
         elif parts.several_volumes or (parts.several and not volume):
             if parts.fit_a_volume and not volume:
                 answers.insert(0, (tr("Open as volume"), partial(self._open, True, replace(opened.reading, page=None))))
-            sentence = tr("{name} contains {parts}. Open now: {open}.").format(
-                name=opened.path.name, parts=parts.counted, open=parts.taken(opened.reading, volume)
+            sentence = tr(
+                "{name} contains {parts}. Open now: {open}.",
+                name=opened.path.name,
+                parts=parts.counted,
+                open=parts.taken(opened.reading, volume),
             )
             offer(sentence, *answers)
 
@@ -184,7 +191,7 @@ class PixelSizeFeature(Feature):
         super().__init__(window)
         self.dialog: PixelSizeDialog | None = None
         self._told: tuple[tuple[float, ...], str | None] | None = None
-        window.session.listen(Opened, self._offer)
+        self.session.listen(Opened, self._offer)
         self.actions = (
             ActionSpec("pixel_size", "Edit", "P&ixel size…",
                        "Set the distance between rows, columns and planes, and its unit.", self.ask,
@@ -203,7 +210,7 @@ class PixelSizeFeature(Feature):
 
     def ask(self) -> None:
         """Ask for the size."""
-        image = self.window.session.document.image
+        image = self.session.document.image
         if image is None:
             return
         stated = "" if self._told is None or self._told[1] is None else size_text(*self._told)
@@ -216,7 +223,7 @@ class PixelSizeFeature(Feature):
 
     def _use(self, spacing: tuple[float, ...], unit: str | None, by_hand: bool = True) -> None:
         name = tr("voxel size") if len(spacing) == 3 else tr("pixel size")
-        self.window.session.edit(
+        self.session.edit(
             name if by_hand else tr("size in the file"),
             lambda document: edits.set_pixel_size(document, spacing, unit, by_hand=by_hand),
         )

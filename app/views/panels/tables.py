@@ -238,9 +238,8 @@ class Table(QTableView):
         super().__init__(showGrid=False, wordWrap=False)
         self.rows = rows
         rows.setParent(self)
-        self._sorted = QSortFilterProxyModel(self)
+        self._sorted = QSortFilterProxyModel(self, sortRole=Role.UserRole)
         self._sorted.setSourceModel(rows)
-        self._sorted.setSortRole(Role.UserRole)
         self.setModel(self._sorted)
         self.setAccessibleName(name)
         self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
@@ -307,8 +306,7 @@ class Table(QTableView):
 
     def _open_menu(self, point: QPoint) -> None:
         """Open the menu of the header, which chooses the columns shown."""
-        menu = QMenu(self)
-        menu.setToolTipsVisible(True)
+        menu = QMenu(self, toolTipsVisible=True)
         for index, column in enumerate(self.rows.columns):
             title, hidden = str(self.model().headerData(index, Qt.Orientation.Horizontal)), self.isColumnHidden(index)
             shown = add_choice(menu, title, partial(self._ask, index, hidden), with_keys(column.tip), not hidden)

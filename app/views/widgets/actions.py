@@ -140,13 +140,6 @@ class Actions:
             assert spec.name not in self._specs, spec.name
             self._specs[spec.name] = spec
             self._actions[spec.name] = self._make(spec, parent)
-        self._changing = [spec for spec in self._specs.values() if spec.worded or spec.holds or spec.pictured]
-        self._conditional = [(self._actions[name], spec.when) for name, spec in self._specs.items()]
-        self._kinds = [
-            (self._actions[name], spec.there, name in NOT_IN_VOLUMES)
-            for name, spec in self._specs.items()
-            if spec.there is not always or name in NOT_IN_VOLUMES
-        ]
 
     def __getitem__(self, name: str) -> QAction:
         return self._actions[name]
@@ -166,36 +159,30 @@ class Actions:
     def show(self, situation: Situation) -> None:
         """Update state, text and icon of all actions."""
         volume = has_volume(situation)
-        for action, there, flat in self._kinds:
-            action.setVisible(there(situation) and not (flat and volume))
-        for action, allows in self._conditional:
-            action.setEnabled(allows(situation))
         self._show_limits(volume)
-        for spec in self._changing:
-            action = self._actions[spec.name]
+        for name, spec in self._specs.items():
+            action = self._actions[name]
+            action.setVisible(spec.there(situation) and not (volume and name in NOT_IN_VOLUMES))
+            action.setEnabled(spec.when(situation))
             if spec.holds is not None:
                 action.setChecked(spec.holds(situation))
             if spec.worded is not None and _plain(action.text()) != _plain(text := spec.worded(situation)):
                 action.setText(text)
-                self._tell(spec.name)
-            if spec.pictured is not None and self._icons[spec.name] != (wanted := spec.pictured(situation)):
-                self._icons[spec.name] = wanted
-                self._tint(spec.name)
+                self._tell(name)
+            if spec.pictured is not None and self._icons[name] != (wanted := spec.pictured(situation)):
+                self._icons[name] = wanted
+                self._tint(name)
 
     def _show_limits(self, volume: bool) -> None:
         """Name what does something else in volumes; it returns with the next image."""
-        if not (volume or self._limited):
+        if volume == self._limited:
             return
-        changed, self._limited = volume != self._limited, volume
-        for name, (in_volume, _) in OTHERWISE_IN_VOLUMES.items() if changed else ():
-            action, text = self._actions[name], in_volume if volume else self._specs[name].text
-            on_button = _plain(text) if action.iconText() == _plain(action.text()) else action.iconText()
-            action.setText(text)
-            action.setIconText(on_button)
+        self._limited = volume
+        for name, (in_volume, _) in OTHERWISE_IN_VOLUMES.items():
+            self._actions[name].setText(in_volume if volume else self._specs[name].text)
             if name in ICONS_IN_VOLUMES:
                 self._icons[name] = ICONS_IN_VOLUMES[name] if volume else self._specs[name].icon
                 self._tint(name)
-        for name in OTHERWISE_IN_VOLUMES if changed else ():
             self._tell(name)
 
     def show_keys(self) -> None:
@@ -249,8 +236,13 @@ def _plain(text: str) -> str:
     return text.replace("&", "")
 
 
-def add_choice(menu: QMenu, text: str, do: Callable[[], object], tip: str = "", checked: bool | None = None) -> QAction:
-    """Add something to a menu that is filled whenever it opens; with room for a check mark unless `checked` is None."""
+def add_choice(
+    menu: QWidget, text: str, do: Callable[[], object], tip: str = "", checked: bool | None = None
+) -> QAction:
+    """Add something to a menu that is filled whenever it opens, or to what comes first in the menu of a widget.
+
+    There is room for a check mark unless `checked` is None.
+    """
     action = menu.addAction(text)
     action.setToolTip(tip)
     action.setStatusTip(tip)

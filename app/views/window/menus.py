@@ -41,12 +41,6 @@ QUIT = "quit"
 """The action that is always the last of its menu."""
 
 
-def refill(menu: QMenu, spec: Submenu) -> None:
-    """Fill a submenu in place of what it had."""
-    menu.clear()
-    spec.fill(menu)
-
-
 class Menus:
     """The menus of a window, made from specifications and their actions."""
 
@@ -63,7 +57,8 @@ class Menus:
             if isinstance(spec, Submenu):
                 inner = menu.addMenu(spec.text)
                 inner.setToolTipsVisible(True)
-                inner.aboutToShow.connect(partial(refill, inner, spec))
+                inner.aboutToShow.connect(inner.clear)
+                inner.aboutToShow.connect(partial(spec.fill, inner))
             else:
                 menu.addAction(actions[spec.name])
         for menu in self._menus.values():
@@ -137,8 +132,7 @@ class ContextMenus(QObject):
         return True
 
     def _show(self, thing: str, owner: QWidget, place: QPoint) -> None:
-        menu = QMenu(self._parent)
-        menu.setToolTipsVisible(True)
+        menu = QMenu(self._parent, toolTipsVisible=True)
         own = owner.actions() if thing else self._general
         menu.addActions(list(own))
         menu.addSeparator()

@@ -149,12 +149,10 @@ class PathTool(Tool):
                 shape = self.solid(flat, begun, volume)
         self.cancel()
         if shape is None:
-            advice = tr("That is too small for a {shape}. {advice}").format(shape=self.title, advice=self.tip)
+            advice = tr("That is too small for a {shape}. {advice}", shape=self.title, advice=self.tip)
             self._session.say(advice, topic=EDITING)
             return
-        self._session.edit(
-            tr("draw {shape}").format(shape=self.title), lambda document: edits.add_shape(document, shape)
-        )
+        self._session.edit(tr("draw {shape}", shape=self.title), lambda document: edits.add_shape(document, shape))
         self._session.select(len(self._session.document.shapes) - 1)
 
     def take_back(self) -> None:
