@@ -17,7 +17,7 @@ from app.session.signals import FILMING
 from app.session.tasks.tasks import Task
 from app.views.canvas.items.item import image_rectangle
 from app.views.export.frames import AnimationPlan, FrameRecorder, FrameRenderer
-from app.views.window.window import Feature, MainWindow
+from app.views.window.window import Feature
 from cpm_core import METHODS, write_animation
 from cpm_core.formats import check_animation, facts_on, plain_shapes, text_of
 from cpm_core.numerics import Pixels
@@ -62,8 +62,8 @@ def begin_animation(
 class AnimationFeature(Feature):
     """Exports animations."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
         self._filming: list[FrameRecorder] = []
 
     def close(self) -> bool:

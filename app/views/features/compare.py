@@ -14,7 +14,7 @@ from app.views.features.animation import begin_writing
 from app.views.widgets.actions import ActionSpec
 from app.views.window.dialogs import ALL_FILES, Files
 from app.views.window.docks import Panel
-from app.views.window.window import Feature, MainWindow
+from app.views.window.window import Feature
 from cpm_core.formats import CONTOURS_READABLE, READABLE, SURFACES_READABLE, TABLE, write_together
 from cpm_core.formats.common.printable import cell
 from cpm_core.formats.contours.contour_csv import table
@@ -26,8 +26,9 @@ _SPAN = 48.0
 class CompareFeature(Feature):
     """One way to compare: runs, methods, values of parameters, kept results and a ground truth."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        window = self.window
         self._compared = compared = window.workspace.comparison
 
         def export() -> None:

@@ -32,7 +32,7 @@ from app.views.features.animation import AnimationFeature
 from app.views.features.volumes import SpaceFeature
 from app.views.widgets.actions import ActionSpec
 from app.views.window.dialogs import ALL_FILES, Button, Files, Question
-from app.views.window.window import Feature, MainWindow
+from app.views.window.window import Feature
 from cpm_core.formats import CONTOURS_READABLE, FOR_CENTERLINES, READABLE, SURFACES_READABLE
 from cpm_core.shapes import Points
 
@@ -40,8 +40,8 @@ from cpm_core.shapes import Points
 class ExportFeature(Feature):
     """Export of what has been found, and of pictures and animations, to files."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
         self.dialog: ExportDialog | None = None
         self._last: tuple[ExportOrder, AnimationPlan] | None = None
         self._written: set[Path] = set()
@@ -132,8 +132,8 @@ _KINDS = ("image/svg+xml", "application/geo+json", "text/csv")
 class ClipboardFeature(Feature):
     """Copies for other programs: what has been found, in several formats at once, and the view."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
         self.actions = (
             ActionSpec("copy", "Edit", "&Copy", "Copy the selection, or everything, as a drawing and as a table.",
                        self.copy, "Ctrl+C", gap=True,
@@ -179,8 +179,8 @@ _TITLES = {"contours": tr("Use contours"), "surface": tr("Use surface"), "center
 class ImportFeature(Feature):
     """Contours, surfaces and pictures of other programs."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
         self.actions = (
             ActionSpec("import_contours", "File", "&Import contours…",
                        "Import contours from another program as a start, as objects or as ground truth.", self._choose,
@@ -278,8 +278,8 @@ def _buttons(found: Imported, of_file: bool) -> Sequence[Button]:
 class BatchFeature(Feature):
     """Applies the session to the images of a folder, one folder at a time."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
         self._task: Task | None = None
         self.actions = (
             ActionSpec("apply_to_folder", "File", "Apply this session to a &folder…",

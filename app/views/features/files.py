@@ -27,7 +27,7 @@ from app.views.widgets.actions import Actions, ActionSpec, Submenu
 from app.views.widgets.containers import arrange
 from app.views.window import dialogs
 from app.views.window.dialogs import ALL_FILES, SESSIONS, Button, Files, Question
-from app.views.window.window import Feature, MainWindow
+from app.views.window.window import Feature
 from cpm_core.formats import CONTOURS_READABLE, FOR_CENTERLINES, READABLE, SUFFIX, SURFACES_READABLE, Reading
 
 CONTOURS = frozenset((*CONTOURS_READABLE, *SURFACES_READABLE, *FOR_CENTERLINES)) - frozenset(READABLE)
@@ -41,8 +41,9 @@ _SEGMENTS = (".seg.nrrd", ".seg.dcm")
 class OpenSaveFeature(Feature):
     """Opening of images, sessions, points and presets, and the session file."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        window = self.window
         self.document_file = window.document_file
         self.recent = RecentFiles(window.preferences, window.open_image)
         self._left: tuple[Document, int] | None = None
@@ -104,8 +105,9 @@ class OpenSaveFeature(Feature):
         elsewhere = [url for url in urls if not url.isLocalFile()]
         self.take([Path(url.toLocalFile()) for url in urls if url.isLocalFile()])
         if elsewhere:
-            message = tr("{place} is not a file on this computer. Save it first, then open it.")
-            self.session.say(message.format(place=elsewhere[0].toDisplayString()), True, OPENING)
+            place = elsewhere[0].toDisplayString()
+            message = tr("{place} is not a file on this computer. Save it first, then open it.", place=place)
+            self.session.say(message, True, OPENING)
 
     def ask_for_file(self) -> None:
         """Ask for a file and open it."""
@@ -168,8 +170,7 @@ class OpenSaveFeature(Feature):
         if self.close():
             self.session.use(opened)
         else:
-            kept = tr("{name} was not opened, and your work stays open.")
-            self.session.say(kept.format(name=opened.path.name))
+            self.session.say(tr("{name} was not opened, and your work stays open.", name=opened.path.name))
 
     def _ask_where(self) -> Path | None:
         path, name = self.document_file.path, self.document_file.name
@@ -201,8 +202,9 @@ class OpenSaveFeature(Feature):
 class StartFeature(Feature):
     """Shows the start screen, and keeps a picture of each image and session that has been open."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        window = self.window
         self.pictures = Pictures(folder_of_pictures())
         self.screen = StartScreen(window.canvas_area)
         self._recent = window.feature(OpenSaveFeature).recent
@@ -318,8 +320,9 @@ class FolderBar(QWidget):
 class FolderFeature(Feature):
     """Opens the previous and the next image of a folder, each with the session next to it."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        window = self.window
         self.bar = FolderBar()
         window.shortcuts.changed.connect(lambda: self.bar.use_actions(window.actions_by_name))
         window.statusBar().addPermanentWidget(self.bar)
@@ -373,10 +376,10 @@ _PATH = 300
 class RecoveryFeature(Feature):
     """Recovery of unsaved work after the program has ended unexpectedly."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
         self._folder = folder_of_journals()
-        self.journal = Journal(window.document_file, self._folder, window.preferences)
+        self.journal = Journal(self.window.document_file, self._folder, self.window.preferences)
         self.journal.put.connect(lambda trouble: self.session.trouble(trouble, JOURNAL))
         self.box: Question | None = None
         self._waiting: list[Leftover] = []

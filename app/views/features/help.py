@@ -17,7 +17,7 @@ from app.views.theme.icons import program_icon
 from app.views.widgets.actions import ActionSpec
 from app.views.window.guide import KEYS, Guide
 from app.views.window.preferences import PreferencesDialog
-from app.views.window.window import Feature, MainWindow
+from app.views.window.window import Feature
 from cpm_core import __version__
 
 SEEN = "guide/seen"
@@ -27,8 +27,8 @@ SEEN = "guide/seen"
 class HelpFeature(Feature):
     """Help on the program."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
         self.guide: Guide | None = None
         """The guide, while it is open."""
         self.actions = (
@@ -111,10 +111,10 @@ class HelpFeature(Feature):
 class PreferencesFeature(Feature):
     """Opens the dialog of the preferences, and says what of those that are stored cannot be used."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
-        if window.preferences.trouble:
-            self.session.say(window.preferences.trouble, True, PREFERENCES)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        if self.window.preferences.trouble:
+            self.session.say(self.window.preferences.trouble, True, PREFERENCES)
         self.actions = (
             ActionSpec("preferences", "Edit", "&Preferences…", "Change the settings of the program.", self.show,
                        "Ctrl+,", gap=True),

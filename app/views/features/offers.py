@@ -22,7 +22,7 @@ from app.views.features.files import OpenSaveFeature
 from app.views.files.part_dialog import PartDialog
 from app.views.files.pixel_size_dialog import PixelSizeDialog
 from app.views.widgets.actions import ActionSpec
-from app.views.window.window import Feature, MainWindow
+from app.views.window.window import Feature
 from cpm_core import PRESETS
 from cpm_core.formats import Reading
 from cpm_core.image import Kind, guessed_kind
@@ -32,10 +32,10 @@ from cpm_core.segmentation import LargeImageSettings, large_image_settings
 class BeginningFeature(Feature):
     """The parameters that an image begins with, and what is offered for it: earlier work, and settings that suit it."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
         self.session.listen(Opened, self._look)
-        window.preferences.follow(KEEP_PARAMETERS, self._use)
+        self.window.preferences.follow(KEEP_PARAMETERS, self._use)
 
     def _look(self, opened: Opened) -> None:
         """Find out what suits the image, which is shown meanwhile."""
@@ -94,8 +94,8 @@ def _with_settings(document: Document, settings: LargeImageSettings) -> Document
 class StackFeature(Feature):
     """Says what else a file holds when a part of it is opened, and opens another part."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
         self.dialog: PartDialog | None = None
         self._opened: Opened | None = None
         self._looking = LatestOnlyWorker(self.session, "cpm-parts", tr("inspecting the file"))
@@ -187,8 +187,8 @@ class StackFeature(Feature):
 class PixelSizeFeature(Feature):
     """Asks for the size, offers to where a volume has none, and makes it an edit that can be undone."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
         self.dialog: PixelSizeDialog | None = None
         self._told: tuple[tuple[float, ...], str | None] | None = None
         self.session.listen(Opened, self._offer)
@@ -205,8 +205,9 @@ class PixelSizeFeature(Feature):
         parts, ndim = opened.parts, opened.image.ndim
         self._told = None if parts is None else (parts.spacing[-ndim:], parts.unit)
         if ndim == 3 and opened.image.unit is None and opened.saved is None:
-            sentence = tr("{name} contains no voxel size: its voxels are assumed to be cubes. Set the size?")
-            self.window.offers.offer(sentence.format(name=opened.path.name), (tr("Set the size…"), self.ask))
+            name = opened.path.name
+            sentence = tr("{name} contains no voxel size: its voxels are assumed to be cubes. Set the size?", name=name)
+            self.window.offers.offer(sentence, (tr("Set the size…"), self.ask))
 
     def ask(self) -> None:
         """Ask for the size."""

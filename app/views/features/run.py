@@ -24,7 +24,7 @@ from app.views.widgets.actions import ActionSpec
 from app.views.window.bars import TaskBar
 from app.views.window.docks import Panel
 from app.views.window.keyboard import Keys
-from app.views.window.window import Feature, MainWindow
+from app.views.window.window import Feature
 
 _UPDATE_EVERY = 250
 """Time between two updates of the panel during the run [ms]."""
@@ -36,8 +36,9 @@ _UNFOLDED = "run/unfolded"
 class RunControlFeature(Feature):
     """Control and state of the run."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        window = self.window
         session, speed = window.session, window.speed
         self.presets = Presets(window, PresetStore(parent=window))
         parameters = ParametersPanel(session, self.presets)
@@ -94,8 +95,9 @@ _MENU = ">" + tr("Timeline")
 class TimelineFeature(Feature):
     """Navigation through the recorded run and its branches."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        window = self.window
         self.navigation = to = window.workspace.navigation
         self.panel = TimelinePanel(to, lambda: self.session.status)
         self.panels = (Panel("timeline", "Timeline", self.panel, "F9", below=True),)
@@ -162,11 +164,11 @@ class TimelineFeature(Feature):
 class TasksFeature(Feature):
     """Tasks in the status bar."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
         tasks = self.session.tasks
         self.bar = TaskBar(tasks)
-        window.statusBar().addPermanentWidget(self.bar)
+        self.window.statusBar().addPermanentWidget(self.bar)
         self.actions = (
             ActionSpec("cancel_task", "Run", "Cancel background &task", "Cancel the task shown in the status bar.",
                        self.bar.cancel, "Ctrl+.", gap=True,

@@ -16,7 +16,7 @@ from app.views.canvas.layers.layer import Layer
 from app.views.panels.layer_list import LayersPanel
 from app.views.widgets.actions import LAYER, ActionSpec
 from app.views.window.docks import Panel
-from app.views.window.window import Feature, MainWindow
+from app.views.window.window import Feature
 
 _LAYERS, _AREAS = ">" + tr("Layers"), ">" + tr("Panels")
 """Groups in the list of keys."""
@@ -31,8 +31,9 @@ _LEGEND = "legend/folded"
 class LayersFeature(Feature):
     """Zoom, layers and their settings."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        window = self.window
         area, canvas, workspace = window.canvas_area, self.canvas, window.workspace
         layers, legend = canvas.layers, area.strip.legend
         panel = LayersPanel(layers)
@@ -44,10 +45,7 @@ class LayersFeature(Feature):
         legend.fold(bool(window.preferences.get(_LEGEND, False)))
         legend.folded_changed.connect(lambda folded: window.preferences.put(_LEGEND, folded))
         legend.folded_changed.connect(window.refresh)
-        keys = window.shortcuts.keys
-        window.shortcuts.changed.connect(
-            lambda: panel.show_keys({layer.name: keys(f"{LAYER}{layer.name}") for layer in layers})
-        )
+        window.shortcuts.changed.connect(lambda: panel.use_actions(window.actions_by_name))
         workspace.review.selection_changed.connect(window.refresh)
         workspace.object_list.selection_changed.connect(window.refresh)
 
@@ -85,21 +83,20 @@ class LayersFeature(Feature):
 def _kept(preferences: Preferences, layer: Layer) -> dict[str, object]:
     """The stored settings of a layer; empty if they cannot be read."""
     try:
-        kept = json.loads(preferences.get(_KEY.format(layer=layer.name), "{}"))
-    except json.JSONDecodeError:
+        return dict(json.loads(preferences.get(_KEY.format(layer=layer.name), "{}")))
+    except (TypeError, ValueError):
         return {}
-    return {name: kept[name] for name in layer.chosen if name in kept} if isinstance(kept, dict) else {}
 
 
 class LevelsFeature(Feature):
     """Acts on the layer of the image, which slices and the view in space follow."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
         self._layer = layer = self.canvas.layers.image
-        drag = window.canvas_area.level_drag
+        drag = self.window.canvas_area.level_drag
         drag.moved.connect(self._say)
-        drag.ended.connect(window.refresh)
+        drag.ended.connect(self.window.refresh)
         self.actions = (
             ActionSpec("levels_full", _LAYERS, "&All gray values",
                        "Show all gray values, from the smallest (black) to the largest (white).",
@@ -125,8 +122,9 @@ class LevelsFeature(Feature):
 class KeyboardFeature(Feature):
     """Gives the keyboard to the sliders, and to one area of the window after the other."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        window = self.window
         self.actions = (
             ActionSpec("go_to_sliders", _AREAS, "&Go to the sliders",
                        "Move the keyboard focus to the sliders; Enter or Esc returns it to the image.",

@@ -124,6 +124,13 @@ class ParameterRow(QWidget):
             self._automatic.clicked.connect(lambda on: self._finish("auto" if on else self.number.value()))
         self._lay_out()
         self.adapt(control)
+        add_choice(self, tr("&Restore the default"), self._reset)
+        add_choice(self, tr("&Copy the value"), lambda: QApplication.clipboard().setText(f"{self.number.exact:.10g}"))
+        add_choice(
+            self,
+            tr("&Explain"),
+            lambda: QWhatsThis.showText(self.mapToGlobal(QPoint(0, 0)), tip(self.control), self),
+        )
 
     def show_value(self, value: float | str) -> None:
         """Show a value or ``"auto"``."""
@@ -167,8 +174,6 @@ class ParameterRow(QWidget):
 
     def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
         """The parameter. See `MenuOwner`."""
-        if not self.actions():
-            self._add_actions()
         return "parameter", point if point is not None else self.slider.geometry().center()
 
     def use_theme(self, theme: Theme) -> None:
@@ -198,15 +203,6 @@ class ParameterRow(QWidget):
         grid.addWidget(self.effect, 2, 0, 1, 4)
         grid.setColumnStretch(0, 1)
         self.effect.hide()
-
-    def _add_actions(self) -> None:
-        """Make the actions of its menu, when that is opened first."""
-        for text, do in (
-            (tr("&Restore the default"), self._reset),
-            (tr("&Copy the value"), lambda: QApplication.clipboard().setText(f"{self.number.exact:.10g}")),
-            (tr("&Explain"), lambda: QWhatsThis.showText(self.mapToGlobal(QPoint(0, 0)), tip(self.control), self)),
-        ):
-            add_choice(self, text, do)
 
     def _report(self, value: float) -> None:
         self.changed.emit(self.control.name, int(value) if self.control.whole else value)

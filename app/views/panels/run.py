@@ -8,7 +8,7 @@ from functools import partial
 import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import QEvent, QPoint, Qt, QTimer, Signal
-from PySide6.QtGui import QColor, QPalette, QShowEvent
+from PySide6.QtGui import QColor, QPalette
 from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout, QWidget
 
 from app.model.display.plots import PLOTS, RunMetrics, Series
@@ -76,7 +76,7 @@ class Numbers(QWidget):
 
 
 class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no types
-    """Plots the metrics of a run, once it is seen."""
+    """Plots the metrics of a run; made when they are shown first."""
 
     def __init__(self) -> None:
         self._curves: list[tuple[Series, pg.PlotDataItem]] = []
@@ -93,6 +93,9 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
     def show_metrics(self, metrics: RunMetrics | None) -> None:
         """Show a run, or none."""
         self._metrics = metrics = metrics if metrics is not None and len(metrics.step) else None
+        if not self._curves:
+            self._draw()
+            return
         for series, curve in self._curves:
             if metrics is None:
                 curve.clear()
@@ -101,12 +104,6 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
         finer = [] if metrics is None else metrics.step[1:][np.diff(metrics.scale) != 0].tolist()
         for scales in self._scales:
             scales.setXVals(finer)
-
-    def showEvent(self, event: QShowEvent) -> None:
-        """Draw the plots."""
-        super().showEvent(event)
-        if not self._curves:
-            self._draw()
 
     def _draw(self) -> None:
         self.clear()

@@ -97,9 +97,10 @@ class TimelineView(QWidget):
         branch, step = self._navigation.place
         known = self._navigation.branch(branch)
         if known is not None:
-            words = tr("{branch}, step {step} of {last}")
             last = self._navigation.last(branch)
-            self.setAccessibleDescription(words.format(branch=known.name, step=step, last=last))
+            self.setAccessibleDescription(
+                tr("{branch}, step {step} of {last}", branch=known.name, step=step, last=last)
+            )
         self.update()
 
     def point(self, branch: int, step: int) -> QPointF:

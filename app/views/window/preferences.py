@@ -63,7 +63,6 @@ class PreferencesDialog(QDialog):
         super().__init__(parent)
         self.setWindowTitle(tr("Preferences"))
         self._keys, self._pages = shortcuts, QStackedWidget()
-        self._made: dict[str, QWidget] = {}
         self.rows: dict[str, QWidget] = {}
         self._preferences = preferences
         self._show: dict[str, Callable[[], object]] = {}
@@ -73,7 +72,10 @@ class PreferencesDialog(QDialog):
         self.contents.addItems(list(PAGES.values()))
         self.contents.setFixedWidth(self.contents.sizeHintForColumn(0) + 40)
         preferences.changed.connect(self._follow)
-        self.contents.currentRowChanged.connect(lambda row: self._pages.setCurrentWidget(self.page([*PAGES][row])))
+        self._made = {name: self._make_page(name) for name in BY_PAGE} | {"shortcuts": ShortcutsPage(shortcuts)}
+        for name in PAGES:
+            self._pages.addWidget(self._made[name])
+        self.contents.currentRowChanged.connect(self._pages.setCurrentIndex)
         self.contents.setCurrentRow(0)
         buttons = QDialogButtonBox()
         reset = buttons.addButton(tr("Reset this page"), QDialogButtonBox.ButtonRole.ResetRole)
@@ -92,10 +94,7 @@ class PreferencesDialog(QDialog):
         self.resize(min(_WIDTH, room.width() - _MARGIN), min(_HEIGHT, room.height() - _MARGIN))
 
     def page(self, name: str) -> QWidget:
-        """A page by its name, which is made when it is wanted first."""
-        if name not in self._made:
-            self._made[name] = ShortcutsPage(self._keys) if name == "shortcuts" else self._make_page(name)
-            self._pages.addWidget(self._made[name])
+        """A page by its name."""
         return self._made[name]
 
     def turn_to(self, page: str) -> None:
@@ -123,7 +122,7 @@ class PreferencesDialog(QDialog):
         )
         page.setWidget(content)
         page.setFrameShape(QFrame.Shape.NoFrame)
-        for preference in BY_PAGE.get(name, ()):
+        for preference in BY_PAGE[name]:
             self._add_row(rows, preference)
         return page
 

@@ -69,6 +69,10 @@ class Feature:
     def __init__(self, window: MainWindow) -> None:
         self.window = window
         self.session, self.canvas = window.session, window.canvas_area.canvas
+        self.set_up()
+
+    def set_up(self) -> None:
+        """Make its actions and panels, and follow what they depend on."""
 
     def close(self) -> bool:
         """End its work before the window closes; False keeps the window open."""
