@@ -8,7 +8,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QDateTime, QLocale, Qt, QTimer, QUrl
 from PySide6.QtGui import QImage
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QToolButton, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QToolButton, QWidget
 
 from app.model.document.document import Document
 from app.model.document.samples import sample_at, samples
@@ -24,7 +24,7 @@ from app.views.features.exchange import ImportFeature
 from app.views.files.recent_files import RecentFiles
 from app.views.files.start_screen import Entry, StartScreen
 from app.views.widgets.actions import Actions, ActionSpec, Submenu
-from app.views.widgets.containers import arrange
+from app.views.widgets.containers import arrange, dim_label
 from app.views.window import dialogs
 from app.views.window.dialogs import ALL_FILES, SESSIONS, Button, Files, Question
 from app.views.window.window import Feature
@@ -296,8 +296,7 @@ class FolderBar(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self.back, self.forward, self._place = QToolButton(), QToolButton(), QLabel()
-        self._place.setObjectName("dim")
+        self.back, self.forward, self._place = QToolButton(), QToolButton(), dim_label()
         for button in (self.back, self.forward):
             button.setObjectName("quiet")
             button.setAutoRaise(True)

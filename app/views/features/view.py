@@ -42,6 +42,8 @@ class LayersFeature(Feature):
         for layer in layers:
             layer.use_view_state(_kept(window.preferences, layer))
             layer.changed.connect(window.refresh)
+        area.level_drag.moved.connect(self._say_range)
+        area.level_drag.ended.connect(window.refresh)
         legend.fold(bool(window.preferences.get(_LEGEND, False)))
         legend.folded_changed.connect(lambda folded: window.preferences.put(_LEGEND, folded))
         legend.folded_changed.connect(window.refresh)
@@ -69,6 +71,15 @@ class LayersFeature(Feature):
             ActionSpec("legend", "View", "Le&gend", "Show or hide what the lines and dots mean.",
                        lambda: legend.fold(not legend.folded), "Alt+L", gap=True, holds=lambda _: not legend.folded),
             *map(toggle, layers),
+            ActionSpec("levels_full", _LAYERS, "&All gray values",
+                       "Show all gray values, from the smallest (black) to the largest (white).",
+                       partial(self._choose_range, WHOLE), "Alt+Shift+W", when=has_image,
+                       holds=lambda _: layers.image.word("range") == WHOLE),
+            ActionSpec("levels_auto", _LAYERS, "A&utomatic range",
+                       "Show all gray values except 0.1 % at either end. Drag with Ctrl and the right "
+                       "button to change the range.",
+                       partial(self._choose_range, AUTOMATIC), "Alt+W", when=has_image,
+                       holds=lambda _: layers.image.word("range") == AUTOMATIC),
         )  # fmt: skip
 
     def close(self) -> bool:
@@ -79,6 +90,15 @@ class LayersFeature(Feature):
                 self.window.preferences.put(_KEY.format(layer=layer.name), json.dumps(chosen))
         return True
 
+    def _choose_range(self, value: str) -> None:
+        self.canvas.layers.image.choose("range", value)
+        self.window.refresh()
+
+    def _say_range(self) -> None:
+        low, high = self.canvas.layers.image.window
+        text = tr("Black {low}, white {high}", low=written(f"{low:.4g}"), high=written(f"{high:.4g}"))
+        self.window.canvas_area.strip.say_next(f"{text}: {named((low, high))}")
+
 
 def _kept(preferences: Preferences, layer: Layer) -> dict[str, object]:
     """The stored settings of a layer; empty if they cannot be read."""
@@ -86,37 +106,6 @@ def _kept(preferences: Preferences, layer: Layer) -> dict[str, object]:
         return dict(json.loads(preferences.get(_KEY.format(layer=layer.name), "{}")))
     except (TypeError, ValueError):
         return {}
-
-
-class LevelsFeature(Feature):
-    """Acts on the layer of the image, which slices and the view in space follow."""
-
-    def set_up(self) -> None:
-        """Make its actions, and follow what they depend on."""
-        self._layer = layer = self.canvas.layers.image
-        drag = self.window.canvas_area.level_drag
-        drag.moved.connect(self._say)
-        drag.ended.connect(self.window.refresh)
-        self.actions = (
-            ActionSpec("levels_full", _LAYERS, "&All gray values",
-                       "Show all gray values, from the smallest (black) to the largest (white).",
-                       partial(self._choose, WHOLE), "Alt+Shift+W", when=has_image,
-                       holds=lambda _: layer.word("range") == WHOLE),
-            ActionSpec("levels_auto", _LAYERS, "A&utomatic range",
-                       "Show all gray values except 0.1 % at either end. Drag with Ctrl and the right "
-                       "button to change the range.",
-                       partial(self._choose, AUTOMATIC), "Alt+W", when=has_image,
-                       holds=lambda _: layer.word("range") == AUTOMATIC),
-        )  # fmt: skip
-
-    def _choose(self, value: str) -> None:
-        self._layer.choose("range", value)
-        self.window.refresh()
-
-    def _say(self) -> None:
-        low, high = self._layer.window
-        text = tr("Black {low}, white {high}", low=written(f"{low:.4g}"), high=written(f"{high:.4g}"))
-        self.window.canvas_area.strip.say_next(f"{text}: {named(self._layer.window)}")
 
 
 class KeyboardFeature(Feature):

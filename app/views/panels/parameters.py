@@ -40,7 +40,7 @@ from app.session.session import Session
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
 from app.views.widgets.actions import add_choice
-from app.views.widgets.containers import Section, arrange
+from app.views.widgets.containers import Section, arrange, dim_label
 from app.views.widgets.fields import ChoiceBox, DecimalField, MarkedSlider
 from cpm_core import Parameters
 
@@ -91,7 +91,7 @@ class ParameterRow(QWidget):
     def __init__(self, control: Control) -> None:
         super().__init__()
         self.control = self._general = control
-        self._label, self.effect = QLabel(), QLabel()
+        self._label, self.effect = QLabel(), dim_label()
         limits = control.low, control.high, control.step
         self.number = DecimalField(*limits, control.decimals, words=control.words)
         self.slider = MarkedSlider(control.slider_low, control.slider_high, control.step)
@@ -100,7 +100,6 @@ class ParameterRow(QWidget):
         self._label.setBuddy(self.number)
         self._label.installEventFilter(self)
         self.use_wording(FIRST_WORDING)
-        self.effect.setObjectName("dim")
         self.number.setAlignment(Qt.AlignmentFlag.AlignRight)
         self.number.setButtonSymbols(DecimalField.ButtonSymbols.NoButtons)
         self.number.setFixedWidth(_WIDTH)

@@ -16,7 +16,7 @@ from app.model.state.resolve import LEADING, Resolved
 from app.model.state.surface_figures import SURFACE
 from app.model.text.language import tr
 from app.views.panels.parameters import ParametersPanel
-from app.views.widgets.containers import ElidedLabel, Scrolled, Section, arrange
+from app.views.widgets.containers import ElidedLabel, Scrolled, Section, arrange, dim_label
 
 _WIDE = (tr("Contours"), tr("Bridged"), tr("Skeleton of"), SURFACE)
 """Numbers that need a row of their own."""
@@ -61,9 +61,7 @@ class Numbers(QWidget):
         self._values = {}
         place = 0
         for name, _, explanation in numbers:
-            label, value = QLabel(name), ElidedLabel()
-            label.setObjectName("dim")
-            label.setToolTip(explanation)
+            label, value = dim_label(name, explanation), ElidedLabel()
             value.setToolTip(explanation)
             value.setAccessibleName(name)
             wide = name in _WIDE

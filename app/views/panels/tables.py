@@ -39,7 +39,7 @@ from app.model.display.lengths import PixelSize
 from app.model.text.keys import with_keys
 from app.model.text.language import tr, written
 from app.views.widgets.actions import add_choice
-from app.views.widgets.containers import takes_key
+from app.views.widgets.containers import ENTER, takes_key
 
 Row = TypeVar("Row")
 Index = QModelIndex | QPersistentModelIndex
@@ -48,7 +48,6 @@ Role = Qt.ItemDataRole
 NONE = "–"
 """Text of a cell without a value."""
 
-ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
 _ALONG = (Qt.Key.Key_Up, Qt.Key.Key_Down)
 

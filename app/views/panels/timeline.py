@@ -18,7 +18,6 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import (
     QFrame,
     QHBoxLayout,
-    QLabel,
     QScrollArea,
     QSizePolicy,
     QSpinBox,
@@ -35,7 +34,7 @@ from app.session.timeline.stored_runs import Branch
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
 from app.views.widgets.actions import Actions, add_choice
-from app.views.widgets.containers import arrange, takes_key
+from app.views.widgets.containers import arrange, dim_label, takes_key
 from app.views.window.dialogs import ask_for_text
 
 _ROW, _FOOT, _HEAD, _SIDE = 20, 15, 5, 10
@@ -287,8 +286,7 @@ class TimelinePanel(QWidget):
         self.step.setAccessibleName(tr("Step"))
         self.step.setToolTip(tr("Shown step; type a number to go there."))
         self.step.valueChanged.connect(lambda step: navigation.go(navigation.place[0], step))
-        self._of = QLabel()
-        self._of.setObjectName("dim")
+        self._of = dim_label()
         self.parameters = _button("parameters")
         self.parameters.setToolTip(tr("This step was computed with different parameters. Set them again to repeat it."))
         self.parameters.clicked.connect(navigation.use_its_parameters)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
 from typing import Protocol, runtime_checkable
@@ -126,42 +126,28 @@ PRIMARY = "run"
 """The action whose button has the accent color."""
 
 
-class Actions:
+class Actions(dict[str, QAction]):
     """One Qt action for each specification; their keys work in the window `parent`."""
 
     def __init__(self, parent: QWidget, specs: Iterable[ActionSpec]) -> None:
+        super().__init__()
         self._theme: Theme | None = None
         self._limited = False
         self._groups: dict[str, QActionGroup] = {}
-        self._actions: dict[str, QAction] = {}
-        self._specs: dict[str, ActionSpec] = {}
+        self.specs: dict[str, ActionSpec] = {}
+        """All of them by their names, in the order of the features."""
         self._icons: dict[str, str] = {}
         for spec in specs:
-            assert spec.name not in self._specs, spec.name
-            self._specs[spec.name] = spec
-            self._actions[spec.name] = self._make(spec, parent)
-
-    def __getitem__(self, name: str) -> QAction:
-        return self._actions[name]
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._actions
-
-    def get(self, name: str) -> QAction | None:
-        """An action by its name, if there is one."""
-        return self._actions.get(name)
-
-    @property
-    def specs(self) -> Iterator[ActionSpec]:
-        """All of them, in the order of the features."""
-        return iter(self._specs.values())
+            assert spec.name not in self.specs, spec.name
+            self.specs[spec.name] = spec
+            self[spec.name] = self._make(spec, parent)
 
     def show(self, situation: Situation) -> None:
         """Update state, text and icon of all actions."""
         volume = has_volume(situation)
         self._show_limits(volume)
-        for name, spec in self._specs.items():
-            action = self._actions[name]
+        for name, spec in self.specs.items():
+            action = self[name]
             action.setVisible(spec.there(situation) and not (volume and name in NOT_IN_VOLUMES))
             action.setEnabled(spec.when(situation))
             if spec.holds is not None:
@@ -179,22 +165,22 @@ class Actions:
             return
         self._limited = volume
         for name, (in_volume, _) in OTHERWISE_IN_VOLUMES.items():
-            self._actions[name].setText(in_volume if volume else self._specs[name].text)
+            self[name].setText(in_volume if volume else self.specs[name].text)
             if name in ICONS_IN_VOLUMES:
-                self._icons[name] = ICONS_IN_VOLUMES[name] if volume else self._specs[name].icon
+                self._icons[name] = ICONS_IN_VOLUMES[name] if volume else self.specs[name].icon
                 self._tint(name)
             self._tell(name)
 
     def show_keys(self) -> None:
         """Say the keys as they are now in all tips, which may name those of other actions."""
-        for name in self._specs:
+        for name in self.specs:
             self._tell(name)
 
     def use_theme(self, theme: Theme, turns: Turns) -> None:
         """Tint the icons in later turns, except those that a new window shows first."""
         begins, self._theme = self._theme is None, theme
         for name in self._icons:
-            if begins and any(isinstance(it, QToolBar | QToolButton) for it in self._actions[name].associatedObjects()):
+            if begins and any(isinstance(it, QToolBar | QToolButton) for it in self[name].associatedObjects()):
                 self._tint(name)
             else:
                 turns.ask(partial(self._tint, name))
@@ -218,7 +204,7 @@ class Actions:
 
     def _tell(self, name: str) -> None:
         """Set the tips of an action, in a volume those that hold there."""
-        action, tip = self._actions[name], self._specs[name].tip
+        action, tip = self[name], self.specs[name].tip
         if self._limited:
             tip = OTHERWISE_IN_VOLUMES.get(name, ("", tip))[1]
         said, key = with_keys(tip), action.shortcut().toString(QKeySequence.SequenceFormat.NativeText)
@@ -228,7 +214,7 @@ class Actions:
     def _tint(self, name: str) -> None:
         if self._theme is not None:
             color = self._theme.accent_text if name == PRIMARY else self._theme.text
-            self._actions[name].setIcon(icon(self._icons[name], color, faded=self._theme.line))
+            self[name].setIcon(icon(self._icons[name], color, faded=self._theme.line))
 
 
 def _plain(text: str) -> str:

@@ -25,7 +25,7 @@ from PySide6.QtWidgets import (
 from app.model.state.resolve import FIRST_PACE, PACES, pace_text
 from app.model.text.language import tr
 from app.session.session import Session
-from app.views.widgets.containers import arrange
+from app.views.widgets.containers import arrange, dim_label
 
 _POINT = "."
 _LARGE = 100.0
@@ -242,13 +242,12 @@ class PlaceBar(QFrame):
     def __init__(self, title: str, name: str, jump: int) -> None:
         super().__init__()
         self.setObjectName("slices")
-        self.slider, self.number, self.of = QSlider(Qt.Orientation.Horizontal), QSpinBox(), QLabel()
+        self.slider, self.number, self.of = QSlider(Qt.Orientation.Horizontal), QSpinBox(), dim_label()
         self.slider.setAccessibleName(title)
         self.slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.slider.setPageStep(jump)
         self.number.setAccessibleName(name)
         self.number.setKeyboardTracking(False)
-        self.of.setObjectName("dim")
         self.slider.valueChanged.connect(self.moved)
         self.number.valueChanged.connect(self.moved)
         self.hide()

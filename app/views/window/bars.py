@@ -29,7 +29,7 @@ from app.views.canvas.tools.tool import AUTO, GROUPS
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
 from app.views.widgets.actions import PRIMARY, Actions
-from app.views.widgets.containers import Scrolled, arrange
+from app.views.widgets.containers import Scrolled, arrange, dim_label, flat_button
 from cpm_core.shapes import KINDS
 
 _BEFORE, _RUN, _AFTER = ("open", "save", "", "undo", "redo"), ("run", "step", "reset"), ("", "fit", "export")
@@ -174,15 +174,11 @@ class TaskBar(QWidget):
         self._tasks = tasks
         self._task: Task | None = None
         self._name = QLabel()
-        self._left = QLabel()
-        self._left.setObjectName("dim")
+        self._left = dim_label()
         self._bar = QProgressBar(textVisible=False)
         self._bar.setFixedWidth(_WIDTH)
         self._bar.setMaximumHeight(self.fontMetrics().height())
-        self._button = QToolButton(autoRaise=True)
-        self._button.setText(tr("Cancel"))
-        self._button.setAccessibleName(tr("Cancel"))
-        self._button.clicked.connect(self.cancel)
+        self._button = flat_button(tr("Cancel"), "", self.cancel)
         parts = self._name, self._bar, self._left, self._button
         arrange(QHBoxLayout(self), *parts, margins=(6, 0, 6, 0), spacing=8)
         self._later = QTimer(self, singleShot=True)

@@ -20,7 +20,6 @@ from PySide6.QtWidgets import (
     QKeySequenceEdit,
     QLabel,
     QLineEdit,
-    QListWidget,
     QPushButton,
     QScrollArea,
     QSizePolicy,
@@ -37,7 +36,7 @@ from app.model.text.language import tr
 from app.session.storage.preferences import Preferences
 from app.views.theme.icons import swatch
 from app.views.widgets.actions import native
-from app.views.widgets.containers import arrange, wrapped
+from app.views.widgets.containers import Contents, arrange, wrapped
 from app.views.widgets.fields import ChoiceBox, DecimalField
 from app.views.window.shortcuts import Shortcuts
 
@@ -66,11 +65,7 @@ class PreferencesDialog(QDialog):
         self.rows: dict[str, QWidget] = {}
         self._preferences = preferences
         self._show: dict[str, Callable[[], object]] = {}
-        self.contents = QListWidget(self)
-        self.contents.setObjectName("contents")
-        self.contents.setAccessibleName(tr("Pages of the preferences"))
-        self.contents.addItems(list(PAGES.values()))
-        self.contents.setFixedWidth(self.contents.sizeHintForColumn(0) + 40)
+        self.contents = Contents(tr("Pages of the preferences"), [*PAGES.values()])
         preferences.changed.connect(self._follow)
         self._made = {name: self._make_page(name) for name in BY_PAGE} | {"shortcuts": ShortcutsPage(shortcuts)}
         for name in PAGES:

@@ -227,7 +227,7 @@ class MainWindow(QMainWindow):
         return menus
 
     def _add_shortcuts(self) -> None:
-        for spec in self.actions_by_name.specs:
+        for spec in self.actions_by_name.specs.values():
             menu, _, group = spec.menu.partition(">")
             group = MENUS[menu].replace("&", "") if menu else group
             self.shortcuts.add(self.actions_by_name[spec.name], spec.name, spec.title, group)

@@ -26,7 +26,7 @@ from app.model.text.language import tr, written
 from app.views.canvas.layers.image_layer import CT_WINDOWS, ImageLayer, named, window_at
 from app.views.canvas.layers.layer import Choice, Layer, Option, Switch
 from app.views.theme import color_maps
-from app.views.widgets.containers import arrange
+from app.views.widgets.containers import arrange, dim_label
 from app.views.widgets.fields import ChoiceBox, DecimalField, MarkedSlider
 from cpm_core import Image
 
@@ -53,7 +53,7 @@ class LayerForm(QWidget):
             if isinstance(field, QCheckBox):
                 self.rows.addRow(field)
             else:
-                self.rows.addRow(_dim_label(option.title, option.tip), field)
+                self.rows.addRow(dim_label(option.title, option.tip), field)
         layer.changed.connect(self.show_chosen)
         self.show_chosen()
 
@@ -106,13 +106,6 @@ class LayerForm(QWidget):
             figure.setText(written(f"{value:g}"))
 
         return both, show
-
-
-def _dim_label(title: str, tip: str) -> QLabel:
-    label = QLabel(title)
-    label.setObjectName("dim")
-    label.setToolTip(tip)
-    return label
 
 
 _BINS = 128
@@ -179,9 +172,10 @@ class Levels(QWidget):
         ):
             field.setAccessibleName(title)
             field.setToolTip(tip)
-            row.addWidget(_dim_label(title, ""))
+            row.addWidget(dim_label(title))
             row.addWidget(field, 1)
-        self.figures = QLabel()
+        tip = tr("Width and level of the range: white minus black, and the middle between them.")
+        self.figures = dim_label(tip=tip)
         usual = {name: f"{name}  {named(window_at(window))}" for name, window in CT_WINDOWS.items()}
         self.usual = ChoiceBox(usual)
         self.usual.setPlaceholderText(tr("CT window"))
@@ -191,8 +185,6 @@ class Levels(QWidget):
         self.usual.setToolTip(tr("The usual windows of CT, in Hounsfield units."))
         self.usual.chosen.connect(lambda name: self.moved.emit(*window_at(CT_WINDOWS[name])))
         self.usual.setVisible(image.is_ct)
-        self.figures.setObjectName("dim")
-        self.figures.setToolTip(tr("Width and level of the range: white minus black, and the middle between them."))
         below = arrange(QHBoxLayout(), self.figures, self.usual, wide=self.usual)
         arrange(QVBoxLayout(self), self.histogram, row, below, spacing=4)
 
