@@ -26,6 +26,8 @@ OPEN_ENDED = {
 }
 """Samples whose objects leave the image, so that their contours are open."""
 VOLUME = "vessels.tif"
+VOXELS = {"vessels.tif": (0.6, 0.4, 0.4), "head.tif": (3.0, 2.0, 2.0)}
+"""Sizes of the voxels of volumes [mm]."""
 ENDS = ((56, 96, 75), (22, 96, 17), (38, 86, 96), (72, 87, 38), (31, 39, 96), (69, 26, 84), (46, 33, 1), (63, 17, 22))
 """Where the vessels end, or leave the volume (plane, row, col), in columns."""
 
@@ -54,12 +56,21 @@ def test_the_images_are_what_the_script_draws(redrawn, file):
     assert np.mean(kept != drawn) < 1e-3
 
 
-def test_the_volume_is_what_the_script_draws_and_tells_the_size_of_its_voxels(redrawn):
-    kept, drawn = (cpm.load_volume(folder / VOLUME) for folder in (SAMPLES, redrawn))
+@pytest.mark.parametrize("file", VOXELS)
+def test_the_volumes_are_what_the_script_draws_and_contain_the_size_of_their_voxels(redrawn, file):
+    kept, drawn = (cpm.load_volume(folder / file) for folder in (SAMPLES, redrawn))
     assert np.mean(kept.values != drawn.values) < 1e-3
-    assert kept.spacing == pytest.approx((0.6, 0.4, 0.4), rel=1e-4)
+    assert kept.spacing == pytest.approx(VOXELS[file], rel=1e-4)
     assert kept.unit == "mm"
-    assert (SAMPLES / VOLUME).stat().st_size < 150_000
+    assert (SAMPLES / file).stat().st_size < 200_000
+
+
+def test_a_click_in_the_head_has_the_lesion_among_its_candidates():
+    volume = cpm.load_volume(SAMPLES / "head.tif")
+    lesion = cpm.partition(volume).candidates([(29, 45, 31)])[0]
+    low, high = lesion.surface.vertices.min(axis=0), lesion.surface.vertices.max(axis=0)
+    assert (low + high) / 2 == pytest.approx((28.8, 45.0, 31.5), abs=1.0)
+    assert lesion.volume == pytest.approx(4 / 3 * np.pi * 15 * 16 * 10, rel=0.15)
 
 
 def test_the_sphere_of_the_volume_finds_the_whole_tree_in_one_piece():
@@ -76,7 +87,7 @@ def test_the_sphere_of_the_volume_finds_the_whole_tree_in_one_piece():
 def run(file):
     """What the sample of this name gives when it is run as it is opened."""
     sample = sample_called(file)
-    image = (cpm.load_volume if file == VOLUME else cpm.load_image)(sample.path)
+    image = (cpm.load_volume if file in VOXELS else cpm.load_image)(sample.path)
     document = Document(shapes=sample.shapes, parameters=sample.parameters)
     seeds = document.seeds(
         SeedCache(image).seeds_for(document.image_starts, sample.parameters.smoothing, document.regions)

@@ -39,9 +39,9 @@ OPENING, RUNNING, EDITING, SAVING = "opening", "running", "editing", "saving"
 EXPORTING, FILMING, CONTOURS = "exporting", "filming", "contours"
 """Kinds of attempts that messages belong to."""
 
-RECOVERY, JOURNAL, PREFERENCES, UNEXPECTED = "recovery", "journal", "preferences", "unexpected"
+RECOVERY, JOURNAL, UNEXPECTED = "recovery", "journal", "unexpected"
 
-OF_THE_PROGRAM = (RECOVERY, JOURNAL, PREFERENCES, UNEXPECTED)
+OF_THE_PROGRAM = (RECOVERY, JOURNAL, UNEXPECTED)
 """Topics of messages that do not concern the open image, and stay when another one is opened."""
 
 

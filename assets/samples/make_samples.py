@@ -26,8 +26,12 @@ Drawn = dict[str, object]
 
 SIDE = 256
 OVERSAMPLING = 8
-VOLUME, VOXEL = (56, 96, 96), (0.6, 0.4, 0.4)
-"""Planes, rows and columns of the volume, and the size of a voxel [mm]."""
+VOLUME = (56, 96, 96)
+"""Planes, rows and columns of the volumes."""
+VOXELS = {"vessels.tif": (0.6, 0.4, 0.4), "head.tif": (3.0, 2.0, 2.0)}
+"""Size of a voxel [mm], by file."""
+PICTURED = {"head.tif": 31}
+"""Plane that the picture of a volume shows, by file; else the brightest voxels from plane to plane."""
 
 
 def coverage(shape: Shape, side: int = SIDE) -> Grid:
@@ -110,7 +114,7 @@ def tube(points: Grid, radii: Grid, side: int) -> Grid:
 
 def vessel(inside: Grid, points: Grid, radii: Grid) -> None:
     """Raise `inside`, how far each voxel lies within vessels [columns], by one along points (plane, row, col)."""
-    places = [np.arange(count) * (side / VOXEL[2]) for count, side in zip(VOLUME, VOXEL, strict=True)]
+    places = [np.arange(count) * side for count, side in zip(VOLUME, (1.5, 1.0, 1.0), strict=True)]
     for point, radius in zip(points, radii, strict=True):
         near = [np.abs(along - at) <= radius + 2 for along, at in zip(places, point, strict=True)]
         plane, row, col = np.ix_(*(along[part] - at for along, part, at in zip(places, near, point, strict=True)))
@@ -275,6 +279,33 @@ def vessels() -> tuple[Grid, list[Drawn]]:
     return 16 * np.rint(values / 16), [{"shape": "sphere", "center": [16, 21, 49], "radius": 3}]
 
 
+def head() -> tuple[Grid, list[Drawn]]:
+    """A head as magnetic resonance shows it: scalp, dark skull, gray and white matter, ventricles, and a lesion."""
+    sides = zip(VOLUME, VOXELS["head.tif"], strict=True)
+    z, y, x = np.ix_(*(side * (np.arange(count) - (count - 1) / 2) for count, side in sides))
+    size = np.sqrt((z / 76) ** 2 + (y / 90) ** 2 + (x / 72) ** 2)
+    around, above = np.arctan2(y, x), np.arctan2(z, np.hypot(y, x))
+    folds = 0.035 * np.cos(13 * around + 3 * np.sin(4 * above)) * np.cos(9 * above) * np.cos(above)
+    white = 0.68 + 0.8 * folds - 0.02 * np.cos(6 * around)
+    cleft = np.where(z > 12, np.exp(-((x / 2.2) ** 2)) * (size > 0.5), 0.0)
+    values = np.zeros(VOLUME)
+    around_brain = ((1.0, 165.0), (0.95, 110.0), (0.91, 14.0), (0.85, 45.0))
+    for limit, level in (*around_brain, (0.82 + folds, 105.0), (white, 150.0)):
+        values += (level - values) * np.clip((limit - size) * 36 + 0.5, 0, 1)
+    values += (45.0 - values) * cleft * (size < 0.85)
+    inside = np.full(VOLUME, -1.0)
+    for turn in (-1, 1):
+        corners: Way = [(40, 73, 47.5 + 12 * turn), (49, 66, 47.5 + 9 * turn), (51, 50, 47.5 + 5 * turn),
+                        (49, 36, 47.5 + 5 * turn), (45, 27, 47.5 + 8 * turn)]  # fmt: skip
+        points = curve(corners)
+        vessel(inside, points, np.linspace(3.2, 4.2, len(points)))
+    values += (32.0 - values) * np.clip(inside + 0.5, 0, 1)
+    lump = np.sqrt(((z - 4) / 15) ** 2 + ((y + 5) / 16) ** 2 + ((x + 32) / 10) ** 2) + 0.05 * np.cos(5 * around + z / 6)
+    values += (205.0 - values) * np.clip((1 - lump) * 8 + 0.5, 0, 1)
+    values = blur(values * (1 + 0.06 * y / 90), 0.6) + 5 * np.random.RandomState(77).standard_normal(VOLUME)
+    return 8 * np.rint(values / 8), [{"shape": "sphere", "center": [29, 45, 31], "radius": 3}]
+
+
 SAMPLES = (
     ("u_shape.png", "U shape", u_shape, "shape", "A circle over one arm finds the whole U."),
     ("cells.png", "Cells", cells, "shape", "One circle in each cell; the background is uneven."),
@@ -314,6 +345,13 @@ SAMPLES = (
         "volume",
         "A volume with a tree of vessels under noise; a small sphere in the trunk finds all branches.",
     ),
+    (
+        "head.tif",
+        "A head",
+        head,
+        "volume",
+        "A volume with a brain, its ventricles and a lesion; click them with the tool Objects.",
+    ),
 )
 CHANGED = {
     "rings.png": {"reach": 300.0, "weakest_edge": 0.0},
@@ -324,17 +362,18 @@ CHANGED = {
 
 
 def write_image(gray: NDArray[np.uint8], path: Path) -> None:
-    """Write an image, or a volume with its brightest voxels from plane to plane as a picture beside it."""
+    """Write an image, or a volume with a picture of it next to it."""
     if gray.ndim == 2:
         PIL.Image.fromarray(gray).save(path, optimize=True)
         return
-    plane, row, col = VOXEL
+    plane, row, col = VOXELS[path.name]
     about = {"axes": "ZYX", "spacing": plane, "unit": "mm"}
     tifffile.imwrite(
         path, gray, imagej=True, compression="zlib", compressionargs={"level": 9}, predictor=False,
         resolution=(1 / col, 1 / row), metadata=about,
     )  # fmt: skip
-    PIL.Image.fromarray(gray.max(axis=0)).save(path.with_suffix(".png"), optimize=True)
+    picture = gray[PICTURED[path.name]] if path.name in PICTURED else gray.max(axis=0)
+    PIL.Image.fromarray(picture).save(path.with_suffix(".png"), optimize=True)
 
 
 def write(folder: Path) -> None:

@@ -88,7 +88,6 @@ COMMANDS = {
         (
             "cpm compare cell.png --circle 120,80,30 --truth cell_mask.png",
             "cpm compare cell.png --circle 120,80,30 --methods cpm gvf --export table.csv",
-            "cpm compare angio.nii --sphere 20,64,64,4 --truth vessels.nii --export angio.ply",
         ),
     ),
     "info": Command(

@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -18,13 +18,12 @@ from cpm_core.cli.arguments import (
     numbers_of,
     part_of,
     places_in,
-    refuse,
 )
 from cpm_core.cli.inputs import fitted, image_of, session_of, starts_from_file, truth_for
 from cpm_core.cli.output import Files, announce_compilation, report, say
-from cpm_core.contours.ground_truth import VolumeTruth
+from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.result import Result
-from cpm_core.formats import load_image, load_volume
+from cpm_core.formats import load_image
 from cpm_core.formats.comparison import check_comparison, files_of, write_comparison
 from cpm_core.formats.contour_file import CONTOURS_READABLE
 from cpm_core.formats.sessions.session_file import SessionFile
@@ -39,11 +38,10 @@ from cpm_core.objects.methods import (
     facts_of,
     result_of,
     run_method,
-    runnable,
 )
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.quotation import counted, shown
-from cpm_core.shapes import Barrier, Charge, Circle, Polygon, Region, Shape, sides_of
+from cpm_core.shapes import Barrier, Charge, Circle, Polygon, Region, Shape
 from cpm_core.shapes.document_shapes import check_axes, starts_of
 from cpm_core.shapes.outlines import outlines_of
 
@@ -63,7 +61,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for flag, form, words in (
         ("--circle", "ROW,COL,RADIUS", "a circle, in px"),
         ("--polygon", "ROW,COL,ROW,COL,...", "corners of a closed line, in px"),
-        ("--sphere", "PLANE,ROW,COL,RADIUS", "a sphere in a volume, in voxels; IMAGE is then a volume"),
         ("--start", "FILE", f"the closed contours of a file ({', '.join(CONTOURS_READABLE)}, or a label mask)"),
     ):
         start.add_argument(flag, metavar=form, action="append", default=[], help=words)
@@ -107,31 +104,22 @@ def run(arguments: argparse.Namespace) -> int:
     """Run the methods; every check that needs no image comes first."""
     session = session_of(arguments)
     compared = Compared(()) if session.comparison == Compared() else session.comparison
-    ndim = 3 if arguments.sphere else 2
-    if ndim == 3:
-        refuse(arguments, ("circle", "polygon", "start", "session"), "images, but --sphere is for volumes")
     named = arguments.methods or [name for name in compared.methods if name]
     for name in named:
         if name not in CONTOUR_METHODS:
             raise ValueError(f"{shown(name)} is not a method: choose among {', '.join(CONTOUR_METHODS)}.")
-        method = CONTOUR_METHODS[name]
-        if ndim == 3 and not method.in_volumes:
-            raise ValueError(f"{method.title} is for images: in a volume choose among {', '.join(runnable(ndim))}.")
-    names = list(dict.fromkeys(named or runnable(ndim)))
+    names = list(dict.fromkeys(named or CONTOUR_METHODS))
     settings = _settings(arguments, names, session, compared)
     drawn = _drawn(arguments, session)
     for path in arguments.export:
-        check_comparison(path, names, ndim)
+        check_comparison(path, names)
     targets = [file for path in arguments.export for file in files_of(Path(path), names)]
     check_targets(targets, arguments)
     image = _image(arguments, session, targets)
     start = _start_on(image, drawn, arguments, session)
-    truth = truth_for(arguments, image)
+    truth = cast("Truth | None", truth_for(arguments, image))
     announce_compilation()
-    source, unit = (None, "px") if truth is None else (truth.source, "px")
-    if isinstance(truth, VolumeTruth):
-        unit = truth.unit or "vx"
-    scores = ("Dice", "F", f"Hausd. [{unit}]", f"mean [{unit}]") if truth else ()
+    scores = ("Dice", "F", "Hausd. [px]", "mean [px]") if truth else ()
     if not arguments.json:
         print(_cells("", "steps", "time", *scores, "contours", "closed"), " end")
     found: list[Facts] = []
@@ -148,10 +136,10 @@ def run(arguments: argparse.Namespace) -> int:
             line = _cells(title, facts.steps, seconds, *measures, facts.contours, facts.closed)
             print(line, "", facts.stop_reason, flush=True)
         found.append(facts)
-        results.append(result_of(facts, moment.state.contours, image, start, settings[name], moment.state.surface))
+        results.append(result_of(facts, moment.state.contours, image, start, settings[name]))
     files = Files()
     files.written += map(str, write_comparison(found, results, arguments.export, say, files.refuse))
-    given = {"image": image.source, "around": start.around, "truth": source, "unit": unit}
+    given = {"image": image.source, "around": start.around, "truth": truth and truth.source, "unit": "px"}
     # JSON has no infinite distances
     rows = [
         {
@@ -169,13 +157,7 @@ def _cells(title: str, *cells: object) -> str:
 
 
 def _image(arguments: argparse.Namespace, session: SessionFile, targets: Sequence[Path]) -> Image:
-    """The image, in the gray levels that all methods take, or the volume."""
-    if arguments.sphere:
-        volume = load_volume(arguments.image, **part_of(arguments, volume=True))
-        fitted(volume, session.parameters)
-        if not np.allclose(volume.spacing, volume.spacing[0], rtol=1e-3):
-            say(f"{volume.source}: its voxels are no cubes, but methods other than the particles take them for cubes.")
-        return volume
+    """The image, in the gray levels that all methods take."""
     part = part_of(arguments)
     path, reading = image_of(arguments.image, session, arguments.session)
     check_targets(targets, arguments, path)
@@ -198,8 +180,7 @@ def _settings(
     ValueError
         When a setting is of another form, of a method that is not compared, unknown, or out of its range.
     """
-    preset = arguments.preset or ("volume" if arguments.sphere else None)
-    ours = PRESETS[preset] if preset else session.parameters if arguments.session else None
+    ours = PRESETS[arguments.preset] if arguments.preset else session.parameters if arguments.session else None
     found: dict[str, Any] = {
         name: ours if ours is not None and name in _OURS else compared.settings_of(name) for name in methods
     }
@@ -230,7 +211,7 @@ def _drawn(arguments: argparse.Namespace, session: SessionFile) -> list[Shape]:
     drawn: list[Shape] = [Circle((row, col), radius) for row, col, radius in circles]
     drawn += [Polygon(places_in(numbers, 2)) for numbers in polygons]
     drawn += session.shapes
-    if not (outlines_of(drawn) or arguments.start or arguments.sphere):
+    if not (outlines_of(drawn) or arguments.start):
         raise ValueError(
             "No start is given: add --circle ROW,COL,RADIUS, --polygon ROW,COL,ROW,COL,... or --start FILE, or a "
             "session with a circle, an ellipse or a polygon."
@@ -242,12 +223,7 @@ def _drawn(arguments: argparse.Namespace, session: SessionFile) -> list[Shape]:
 
 
 def _start_on(image: Image, drawn: Sequence[Shape], arguments: argparse.Namespace, session: SessionFile) -> Start:
-    """The start: lines that are drawn, and those of the files of ``--start``, or in a volume spheres."""
-    if image.ndim == 3:
-        numbers = (numbers_of("--sphere", text, "PLANE,ROW,COL,RADIUS") for text in arguments.sphere)
-        spheres = tuple((plane, row, col, radius) for plane, row, col, radius in numbers)
-        plane, row, col = sides_of(image.spacing)
-        return Start((), arguments.around, spheres, (plane, row, col))
+    """The start: lines that are drawn, and those of the files of ``--start``."""
     found = list(outlines_of(drawn))
     for path in arguments.start:
         shapes, name = starts_from_file(path, image), Path(path).name

@@ -10,6 +10,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from cpm_core.cli.inputs import notes_on
 from cpm_core.cli.output import (
     IN_PART,
@@ -21,16 +23,19 @@ from cpm_core.cli.output import (
     report,
     say_notes,
 )
+from cpm_core.contours.result import Result
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.formats import load_pages
 from cpm_core.formats.stack_files import export_stack
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.types import Array
-from cpm_core.pages.follow import follow
+from cpm_core.pages.follow import fitting, follow
+from cpm_core.pages.objects import follow_objects
 from cpm_core.pages.page import Page, StackResult
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import counted, shown
+from cpm_core.segmentation.evolve import segment
 
 
 def run_pages(
@@ -40,6 +45,7 @@ def run_pages(
     parameters: Parameters,
     seeds: Callable[[Image], Array],
     *,
+    places: Sequence[Sequence[tuple[float, ...]]],
     drawn: tuple[Mapping[str, Any], ...],
     regions: AnyRegions | None,
     charges: Sequence[PlacedCharge],
@@ -54,6 +60,8 @@ def run_pages(
         The stack, and what `load_pages` is given in addition.
     parameters, seeds
         Parameters of all runs, and the start on an image.
+    places : sequence
+        Places inside of an object that is followed, and outside of it; none where contours are followed.
     drawn : tuple of mapping
         What was drawn, as session files hold it.
     regions, charges
@@ -66,16 +74,15 @@ def run_pages(
     announce_compilation()
     began = time.perf_counter()
     found: list[Page] = []
-    runs = follow(
-        pages,
-        seeds,
-        parameters,
-        numbers=numbers,
-        fresh=not arguments.follow,
-        max_steps=arguments.max_steps,
-        regions=regions,
-        charges=charges,
-    )
+    limits: dict[str, Any] = {"max_steps": arguments.max_steps, "regions": regions, "charges": charges}
+
+    def found_on(image: Image) -> Result:
+        return segment(image, seeds(image), fitting(parameters, image), **limits)
+
+    if places[0]:
+        runs = follow_objects(pages, found_on, np.array(places[0]), np.array(places[1]), numbers)
+    else:
+        runs = follow(pages, seeds, parameters, numbers=numbers, fresh=not arguments.follow, **limits)
     interrupted, files = False, Files()
     try:
         with StatusLine() as line:

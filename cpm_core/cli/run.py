@@ -115,7 +115,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         (place, "--barrier", line, "vertices of a line that no particle crosses, in px; in a volume a point of a plane "
          "and the direction across it"),
         (named, "--object", "ROW,COL", "a place inside an object, in px; its boundary is closed, and written instead "
-         "of the contours (all places lie in one object; without a start, particles start everywhere)"),
+         "of the contours (all places lie in one object; without a start, particles start everywhere); with --pages on "
+         "the first of them, and --follow finds it on the others"),
         (named, "--not", "ROW,COL", "a place outside the object, in px"),
     ):  # fmt: skip
         group.add_argument(flag, metavar=form, action="append", default=[], help=meaning)
@@ -173,8 +174,9 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.pages is None:
         check_exports(arguments.export, arguments, path)
         return _run_image(arguments, session, path, reading | part, parameters, drawn)
-    # --not follows --object
-    refuse(arguments, ("page", "object", "close", "truth", "save_session"), "one image, but --pages runs several")
+    if drawn["object"] and not arguments.follow:
+        raise ValueError("--object is on the first of the pages: add --follow, which finds the object on the others.")
+    refuse(arguments, ("page", "close", "truth", "save_session"), "one image, but --pages runs several")
     for target in arguments.export:
         check_target(target, FOR_STACKS, "for all pages of a stack")
     check_targets(arguments.export, arguments, path)
@@ -188,6 +190,7 @@ def run(arguments: argparse.Namespace) -> int:
         lambda image: seeds_on(
             image, _starting(arguments, session, image, shapes), parameters.smoothing, parameters.channel
         ),
+        places=(drawn["object"], drawn["not"]),
         drawn=(*plain_shapes((*session.shapes, *shapes)), *_files_drawn(arguments)),
         regions=regions_of((*session.shapes, *shapes), session.objects.barriers),
         charges=charges_of(session.shapes),

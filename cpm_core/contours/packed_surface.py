@@ -12,6 +12,7 @@ import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -21,10 +22,13 @@ from numpy.typing import DTypeLike, NDArray
 from cpm_core.contours.surface import Surface, inside_of
 from cpm_core.image.volume_regions import Voxels
 from cpm_core.numerics.grids import zero_surface
-from cpm_core.numerics.types import Array, Index, Mask, Place, Single
+from cpm_core.numerics.types import Array, Index, Mask, Place
 
 _LARGEST = 256 * 2**20
 """Most bytes of an array that is read."""
+
+Corner = Sequence[int] | Index
+"""A voxel, or the sides of a box, (plane, row, col)."""
 
 MOST_VOXELS = 2**28
 """Most voxels of the box around a surface, whose inside takes a byte for each and more while it is found."""
@@ -111,7 +115,7 @@ class PackedSurface:
         """The same body as voxels, which a brush can change."""
         return PackedVoxels.of(self.voxels)
 
-    def part(self, begin: Sequence[int], shape: Sequence[int]) -> Mask:
+    def part(self, begin: Corner, shape: Corner) -> Mask:
         """Which voxels of a box, given its first voxel and its shape, have their centers inside."""
         return self.painted.part(begin, shape)
 
@@ -126,7 +130,7 @@ class PackedSurface:
         vertices = self.surface.vertices
         return np.array([vertices.min(axis=0), vertices.max(axis=0)])
 
-    @cached_property
+    @property
     def shell(self) -> Voxels:
         """Those of them that have a side in common with a voxel outside."""
         return _shell_of(self.voxels)
@@ -134,10 +138,6 @@ class PackedSurface:
     def moved(self, by: Place) -> PackedSurface:
         """The same surface displaced by so much along each axis [voxels]."""
         return PackedSurface.of(replace(self.surface, vertices=self.surface.vertices + np.array(by)))
-
-
-def _shell_of(voxels: Voxels) -> Voxels:
-    return Voxels(voxels.mask & ~scipy.ndimage.binary_erosion(voxels.mask), voxels.first)
 
 
 _BYTE = 8
@@ -150,6 +150,9 @@ _LEAST = 0.15
 
 _PLANES = 16
 """Planes of a surface that are made at once: while triangles are made nothing else can be done."""
+
+_WEIGHTS = np.array([1.0, math.e, math.pi])
+"""Of the coordinates of a place in a sum that no other place has."""
 
 _MOST_KEPT = 32
 """Bodies of voxels of which surfaces and shells are kept: documents that can be undone hold many versions of each."""
@@ -193,9 +196,9 @@ class PackedVoxels:
         """Planes, rows and columns of the box."""
         return len(self.planes), len(self.planes[0]) // self.width, _BYTE * self.width
 
-    def part(self, begin: Sequence[int], shape: Sequence[int]) -> Mask:
+    def part(self, begin: Corner, shape: Corner) -> Mask:
         """Which voxels of another box, given its first voxel and its shape, are among them."""
-        found = np.zeros(shape, np.bool_)
+        found = np.zeros(tuple(shape), np.bool_)
         low, high = np.maximum(begin, self.first), np.minimum(np.add(begin, shape), np.add(self.first, self.shape))
         if (low < high).all():
             (plane, row, col), (planes, rows, cols) = low - self.first, high - low
@@ -205,19 +208,16 @@ class PackedVoxels:
             found[_window(low, high, begin)] = bits[:, :, col % _BYTE :][:, :, :cols]
         return found
 
-    def with_part(self, begin: Sequence[int], mask: Mask) -> PackedVoxels | None:
+    def with_part(self, begin: Corner, mask: Mask) -> PackedVoxels | None:
         """These with a mask instead of what is in its box, which begins at a voxel; None without any voxel."""
-        known = self._around(begin, mask)
-        low, high = np.maximum(begin, known.first), np.add(begin, mask.shape)
-        high = np.minimum(high, np.add(known.first, known.shape))
-        if (low >= high).any():
-            return known
+        low, high = np.array(begin), np.add(begin, mask.shape)
+        known = self._around(low, high)
         # whole bytes are changed
         first, last = low.copy(), high.copy()
         first[2] -= (low[2] - known.first[2]) % _BYTE
         last[2] += (known.first[2] - high[2]) % _BYTE
         bits = known.part(first, last - first)
-        bits[_window(low, high, first)] = mask[_window(low, high, begin)]
+        bits[_window(low, high, first)] = mask
         (plane, row, col), planes = first - known.first, [*known.planes]
         for at, changed in enumerate(np.packbits(bits, axis=2), start=plane):
             rows = known._rows(at).copy()
@@ -233,7 +233,7 @@ class PackedVoxels:
     @property
     def shell(self) -> Voxels:
         """Those that have a side in common with another voxel."""
-        return _shell(self)
+        return _shell_of(self.voxels)
 
     @property
     def surface(self) -> Surface:
@@ -253,7 +253,9 @@ class PackedVoxels:
     @property
     def box(self) -> Array:
         """The least, and the largest, plane, row and column of them, shape (2, 3)."""
-        return _ends(self.part(self.first, self.shape)) + self.first
+        mask = self.part(self.first, self.shape)
+        lines = (np.flatnonzero(mask.any(axis=axes)) for axes in ((1, 2), (0, 2), (0, 1)))
+        return np.array([(line[0], line[-1]) for line in lines], float).T + self.first
 
     def moved(self, by: Place) -> PackedVoxels:
         """The same voxels displaced by about so much along each axis [voxels]."""
@@ -263,22 +265,21 @@ class PackedVoxels:
         """The bytes of a plane of the box, a row of the array for each of its rows."""
         return np.frombuffer(self.planes[plane], np.uint8).reshape(-1, self.width)
 
-    def _around(self, begin: Sequence[int], mask: Mask) -> PackedVoxels:
-        """The same voxels in a box with room for those of a mask."""
-        if not mask.any():
-            return self
-        low, high = _ends(mask) + begin
+    def _around(self, low: Index, high: Index) -> PackedVoxels:
+        """The same voxels in a box with room for another one."""
         before = np.maximum(np.subtract(self.first, low), 0)
-        after = np.maximum(high + 1 - np.add(self.first, self.shape), 0)
+        after = np.maximum(high - np.add(self.first, self.shape), 0)
         before[2], after[2] = -(-before[2] // _BYTE), -(-after[2] // _BYTE)
-        if not before.any() and not after.any():
+        if not (before + after).any():
             return self
-        room = tuple(zip(before.tolist(), after.tolist(), strict=True))
-        planes = [np.pad(self._rows(at), room[1:]).tobytes() for at in range(len(self.planes))]
-        nothing = (bytes(len(planes[0])),)
-        first = np.subtract(self.first, before * (1, 1, _BYTE))
+        (above, below), *room = zip(before.tolist(), after.tolist(), strict=True)
+        planes = [
+            np.pad(self._rows(at), room).tobytes() if np.any(room) else self.planes[at]
+            for at in range(len(self.planes))
+        ]
+        nothing, first = (bytes(len(planes[0])),), np.subtract(self.first, before * (1, 1, _BYTE))
         return PackedVoxels(
-            tuple(first.tolist()), self.width + sum(room[2]), (*nothing * room[0][0], *planes, *nothing * room[0][1])
+            tuple(first.tolist()), self.width + sum(room[1]), (*nothing * above, *planes, *nothing * below)
         )
 
 
@@ -289,20 +290,14 @@ def _any(planes: Sequence[bytes]) -> bool:
     return any(plane != bytes(len(plane)) for plane in planes)
 
 
-def _window(low: Index, high: Index, begin: Sequence[int] | Index) -> tuple[slice, ...]:
+def _window(low: Index, high: Index, begin: Corner) -> tuple[slice, ...]:
     """A box in one that begins at a voxel."""
     return tuple(slice(a, b) for a, b in zip(low - begin, high - begin, strict=True))
 
 
-def _ends(mask: Mask) -> Index:
-    """First and last plane, row and column with a voxel of a mask, which has one; shape (2, 3)."""
-    lines = (np.flatnonzero(mask.any(axis=axes)) for axes in ((1, 2), (0, 2), (0, 1)))
-    return np.array([(line[0], line[-1]) for line in lines]).T
-
-
 @lru_cache(maxsize=_MOST_KEPT)
-def _shell(body: PackedVoxels) -> Voxels:
-    return _shell_of(body.voxels)
+def _shell_of(voxels: Voxels) -> Voxels:
+    return Voxels(voxels.mask & ~scipy.ndimage.binary_erosion(voxels.mask), voxels.first)
 
 
 @lru_cache(maxsize=_MOST_KEPT)
@@ -310,29 +305,12 @@ def _surface(body: PackedVoxels) -> Surface:
     inside = np.pad(body.voxels.mask, _MARGIN)
     level = scipy.ndimage.gaussian_filter(inside.astype(np.float32), _SMOOTH) - np.float32(0.5)
     level = np.where(inside, np.maximum(level, _LEAST), np.minimum(level, -_LEAST))
-    vertices, faces = _in_turns(level)
-    return Surface(vertices + np.array(body.first) - _MARGIN, faces)
-
-
-def _in_turns(level: Single) -> tuple[Array, Index]:
-    """The surface at zero, some planes after the others, between which the window has its turn."""
-    found: list[tuple[Array, Index]] = []
-    seam, count = np.empty(0, np.int64), 0
-    for first in range(0, len(level) - 1, _PLANES):
-        inner = (first, min(first + _PLANES + 1, len(level))), (0, level.shape[1]), (0, level.shape[2])
-        vertices, faces = zero_surface(level, inner)
-        known = _on_plane(vertices, first)
-        number = np.full(len(vertices), -1)
-        number[known] = seam
-        fresh = number < 0
-        number[fresh] = count + np.arange(int(fresh.sum()))
-        seam, count = number[_on_plane(vertices, first + _PLANES)], count + int(fresh.sum())
-        found.append((vertices[fresh], number[faces]))
-    places, triangles = zip(*found, strict=True)
-    return np.concatenate(places), np.concatenate(triangles)
-
-
-def _on_plane(vertices: Array, plane: int) -> Index:
-    """Which vertices lie on a plane, in the order of their rows and columns."""
-    on = np.flatnonzero(vertices[:, 0] == plane)
-    return on[np.lexsort(vertices[on, 1:].T)]
+    # a few planes at a time, between which the window has its turn; corners on the planes between are the same twice
+    ends = pairwise([*range(0, len(level) - 1, _PLANES), len(level) - 1])
+    inner = [(0, side) for side in level.shape[1:]]
+    parts = [zero_surface(level, ((first, last + 1), *inner)) for first, last in ends]
+    counts = np.cumsum([0, *(len(vertices) for vertices, _ in parts)])
+    vertices = np.concatenate([part for part, _ in parts])
+    _, kept, numbers = np.unique((vertices * _WEIGHTS).sum(axis=1), return_index=True, return_inverse=True)
+    faces = numbers[np.concatenate([part + count for (_, part), count in zip(parts, counts, strict=False)])]
+    return Surface(vertices[kept] + np.array(body.first) - _MARGIN, faces)

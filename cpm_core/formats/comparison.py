@@ -1,4 +1,4 @@
-"""Comparisons of methods as files: a table, and the contours or the surface of each."""
+"""Comparisons of methods as files: a table, and the contours of each."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from cpm_core.formats.common.atomic import check_place, write_together
 from cpm_core.formats.common.content import AnyPath
 from cpm_core.formats.common.printable import cell
 from cpm_core.formats.contours import contour_csv
-from cpm_core.formats.writers import FOR_VOLUMES, WRITABLE, check_export, encoded, omission, suffix_of
+from cpm_core.formats.writers import WRITABLE, check_export, encoded, omission, suffix_of
 from cpm_core.objects.methods import Facts
 
 TABLE = ".csv"
@@ -25,7 +25,7 @@ def write_comparison(
     warn: Callable[[str], object],
     refuse: Callable[[Path, str], object],
 ) -> tuple[Path, ...]:
-    """Write the table, or the contours, or in a volume the surfaces, by the suffix of each path; all files or none.
+    """Write the table or the contours, by the suffix of each path; all files or none.
 
     Parameters
     ----------
@@ -75,16 +75,11 @@ def files_of(path: Path, methods: Sequence[str]) -> list[Path]:
     return [path.with_name(f"{stem}.{method}{suffix}") for method in methods]
 
 
-def check_comparison(path: AnyPath, methods: Sequence[str], ndim: int) -> None:
-    """Check in advance whether `write_comparison` could write to a path, of an image or a volume; ValueError if not."""
+def check_comparison(path: AnyPath, methods: Sequence[str]) -> None:
+    """Check in advance whether `write_comparison` could write to a path; ValueError if not."""
     file = Path(path)
     check_export(file)
-    if ndim == 3 and suffix_of(file) not in (TABLE, *FOR_VOLUMES):
-        raise ValueError(
-            f"{file.name} would be a file of contours, but in a volume surfaces are compared: choose one of "
-            f"{', '.join((TABLE, *FOR_VOLUMES))}."
-        )
-    if ndim == 2 and suffix_of(file) not in WRITABLE:
+    if suffix_of(file) not in WRITABLE:
         raise ValueError(
             f"{file.name} would be a file of a surface or of center lines, but a comparison is one of contours: choose "
             f"one of {', '.join(WRITABLE)}."

@@ -23,7 +23,7 @@ from cpm_core.parameters.quotation import shown
 _LOG = logging.getLogger(__name__)
 
 CONTOURS_READABLE: dict[str, str] = {
-    ".csv": "table of vertices, of CPM or of napari",
+    ".csv": "table of vertices, of CPM",
     ".geojson": "GeoJSON, as of QuPath",
     ".json": "JSON of CPM, of labelme or COCO, or GeoJSON",
     ".zip": "set of selections of ImageJ and Fiji",

@@ -276,7 +276,7 @@ class SkeletonMethod(ImageFields):
             state.contours, state.radii, *place, polarity, width, channel, made, image.geometry, image, lines
         )  # fmt: skip
 
-    def measures(self, state: SkeletonState, parameters: Parameters, thorough: bool = False) -> Mapping[str, float]:
+    def measures(self, state: SkeletonState, parameters: Parameters) -> Mapping[str, float]:
         """Metrics of a state by name; see `Method.measures`."""
         length = self.result(state, parameters).length
         return {"count": state.count, "scale": 0.0, "branches": len(state.contours), "length": length}

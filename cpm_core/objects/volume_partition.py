@@ -22,7 +22,7 @@ from cpm_core.image.image import Image
 from cpm_core.numerics.grids import Parts, parts_of
 from cpm_core.numerics.real_numbers import as_places
 from cpm_core.numerics.types import Array, Index, Mask
-from cpm_core.objects.prior.bodies import Body, BodyPrior, body_of
+from cpm_core.objects.prior.bodies import Body, BodyPrior, body_of, is_other
 from cpm_core.objects.prior.body_surface import body_surface
 from cpm_core.parameters.quotation import counted, described, sized
 
@@ -133,10 +133,26 @@ class VolumePartition:
             found = self._likely(within, beyond, previous)
         return found if found.found or found.remark else replace(found, remark=_THIN)
 
+    def candidates(
+        self, inside: ArrayLike, outside: ArrayLike = (), *, previous: VolumeSelection | None = None
+    ) -> tuple[VolumeSelection, ...]:
+        """Find the different bodies that some places may mean, from the smallest to the largest.
+
+        One of them is that of `select`, which has the same parameters. The others are what the prior sees in parts of
+        the volume of other sizes around the first place inside.
+        """
+        first = self.select(inside, outside, previous=previous)
+        found = [first]
+        if len(first.inside):
+            for body in self._prior.bodies_at(self._within(first.inside[:1])[0] * self._prior.size):
+                other = self._bounded(body, first.inside, first.outside, "")
+                if other.found and all(is_other(other.volume, one.volume) for one in found):
+                    found.append(other)
+        return tuple(sorted(found, key=lambda one: one.volume))
+
     def _likely(self, inside: Array, outside: Array, previous: VolumeSelection | None) -> VolumeSelection:
         """What the prior makes of places, next to what was chosen before."""
-        last = np.array(self.shape) - 1.0
-        within, beyond = np.clip(inside, 0.0, last), np.clip(outside, 0.0, last)
+        within, beyond = inside, outside
         same = (np.rint(within)[:, None] == np.rint(beyond)).all(axis=2)
         if same.any():  # what was said last counts
             newer = np.arange(len(within)) >= (len(within) if previous is None else len(previous.inside))
@@ -149,13 +165,23 @@ class VolumePartition:
         elif previous is not None and previous.found:
             body = body_of(previous.mask, size)
         else:
-            body = self._prior.body_at(within[0] * size)
+            body = next(self._prior.bodies_at(self._within(within)[0] * size))
+        found = self._bounded(body, within, beyond, _BOTH if same.any() else "")
+        return replace(found, inside=inside, outside=outside)
+
+    def _bounded(self, body: Body, inside: Array, outside: Array, remark: str) -> VolumeSelection:
+        """The selection of a body, corrected by the places that contradict it."""
+        size, (within, beyond) = self._prior.size, map(self._within, (inside, outside))
         for places, adds in ((within, True), (beyond, False)):
             for place in places:
-                if body.holds(place * size) != adds:
+                if (body.logit(place * size) > 0.0) != adds:
                     body = self._prior.corrected(body, place * size, adds, within * size, beyond * size)
         surface = body_surface(body, self.image.values, size, within, beyond, self.image.spacing, self.image.unit)
-        return VolumeSelection(self, surface, inside, outside, _BOTH if same.any() else "", body)
+        return VolumeSelection(self, surface, inside, outside, remark, body)
+
+    def _within(self, places: Array) -> Array:
+        """The nearest places in the volume."""
+        return np.clip(places, 0.0, np.array(self.shape) - 1.0)
 
     @cached_property
     def _prior(self) -> BodyPrior:

@@ -5,6 +5,7 @@ from cpm_core.pages.follow import fitting as fitting
 from cpm_core.pages.follow import trouble_of as trouble_of
 from cpm_core.pages.objects import FollowedObject as FollowedObject
 from cpm_core.pages.objects import ObjectFollower as ObjectFollower
+from cpm_core.pages.objects import follow_objects as follow_objects
 from cpm_core.pages.objects import pages_of as pages_of
 from cpm_core.pages.page import StackResult as StackResult
 from cpm_core.pages.page import StartingLine as StartingLine

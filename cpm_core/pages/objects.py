@@ -7,19 +7,22 @@ the prior makes of the moved object. Which is which, and what splits and merges,
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
 import skimage
+from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import centroid
 from cpm_core.contours.result import Result
+from cpm_core.image.image import Image
 from cpm_core.numerics.grids import ends
 from cpm_core.numerics.types import Array, Index, Mask
-from cpm_core.objects import Partition, Selection, overlap
+from cpm_core.objects import Partition, Selection, objects_result, overlap, partition
+from cpm_core.pages.follow import trouble_of
 from cpm_core.pages.page import Page, without_image
 from cpm_core.pages.tracks import LEAST_OVERLAP, PART, Tracker, TrackEvent
 
@@ -79,9 +82,9 @@ class ObjectFollower:
         self._values, self._before, self._tracks = values, objects, max(self._tracks, *objects, 0)
 
     def follow(
-        self, page: int, partition: Partition, check: Callable[[], object] = lambda: None
+        self, number: int, page: Partition, check: Callable[[], object] = lambda: None
     ) -> tuple[tuple[FollowedObject, ...], tuple[TrackEvent, ...]]:
-        """Find the objects of the page before on another one; `check` is called again and again.
+        """Find the objects of the page before on the page of a number; `check` is called again and again.
 
         Returns
         -------
@@ -90,17 +93,18 @@ class ObjectFollower:
         tuple of TrackEvent
             Which objects split, merge, end or leave the image.
         """
-        if self._values.shape != partition.shape:
+        if self._values.shape != page.shape:
             return (), ()
         sought = []
-        for number, one in self._before.items():
+        for each, one in self._before.items():
             check()
-            speed = self._speeds.get(number, np.zeros(2, int))
-            seen = _seen(one.mask, self._values, partition.values, speed)
-            sought.append(_Sought(replace(_outer(one), number=number), one.mask, self._values, speed, seen))
-        found = _found(sought, partition, check)
-        before, now = [each.bound(found) for each in sought], [_outer(one) for one in found]
-        contours, events = Tracker(before, self._tracks).follow(page, now, partition.shape)
+            speed = self._speeds.get(each, np.zeros(2, int))
+            seen = _seen(one.mask, self._values, page.values, speed)
+            sought.append(_Sought(replace(_outer(one), number=each), one.mask, self._values, speed, seen))
+        found = _found(sought, page, check)
+        taken = np.logical_or.reduce([one.mask for one in found])
+        before, now = [one.bound(taken) for one in sought], [_outer(one) for one in found]
+        contours, events = Tracker(before, self._tracks).follow(number, now, page.shape)
         origins = {other: event.track for event in events if event.kind == "splits" for other in event.others}
         begun = {event.track for event in events if event.kind == "begins"}
         kept = [
@@ -109,6 +113,56 @@ class ObjectFollower:
             if contour.number not in begun
         ]
         return tuple(sorted(kept, key=lambda one: one.number)), tuple(one for one in events if one.kind != "begins")
+
+
+def follow_objects(
+    pages: Sequence[Image],
+    found_on: Callable[[Image], Result],
+    inside: ArrayLike,
+    outside: ArrayLike,
+    numbers: Sequence[int],
+) -> Iterator[Page]:
+    """Follow the object of some places on the first of some pages through the others, up to one without it.
+
+    Parameters
+    ----------
+    pages : sequence of Image
+        The pages.
+    found_on : callable
+        Gives the contours of a page.
+    inside, outside : array_like, shape (M, 2) and (K, 2)
+        Places in the object, and not in it [px].
+    numbers : sequence of int
+        Which pages, from 1, in the order in which they are followed.
+
+    Yields
+    ------
+    Page
+        Each page as soon as it is done; one that cannot be used, or without the object, has a sentence.
+    """
+    follower, objects = ObjectFollower(), dict[int, Selection]()
+    for number in numbers:
+        try:
+            image = pages[number - 1]
+            part = partition(found_on(image))
+        except (ValueError, MemoryError) as error:
+            yield Page(number, None, trouble=trouble_of(error))
+            continue
+        events: tuple[TrackEvent, ...] = ()
+        if objects:
+            found, events = follower.follow(number, part)
+            objects = {one.number: one.selection for one in found}
+        else:
+            chosen = part.select(inside, outside)
+            objects = {1: chosen} if chosen.found else {}
+        if not objects:
+            yield Page(number, None, events, "There is no object at this position.")
+            return
+        follower.take(part.values, objects)
+        made = objects_result(list(objects.values()), image, [f"object {each}" for each in objects], part.channel)
+        own = [0, *objects]
+        contours = tuple(replace(one, number=own[one.group], group=own[one.group]) for one in made.contours)
+        yield Page(number, without_image(replace(made, contours=contours)), events)
 
 
 def pages_of(found: Mapping[int, Result]) -> tuple[Page, ...]:
@@ -145,10 +199,10 @@ class _Sought:
         self._contrast = _contrast(mask, values)
         self._distinct = abs(self._contrast) > values[mask].std()
 
-    def bound(self, found: Sequence[Selection]) -> Contour:
+    def bound(self, taken: Mask) -> Contour:
         """Its boundary where it was expected, or where it is seen if nothing has been found there."""
-        there = (self.holds(one.mask) or overlap(self.expected, one.mask) >= LEAST_OVERLAP for one in found)
-        return self._bounds[not any(there)]
+        there = np.count_nonzero(self.expected & taken) > LEAST_OVERLAP * np.count_nonzero(self.expected)
+        return self._bounds[not there]
 
     def like(self, other: Mask, values: Array) -> bool:
         """Whether something on the next page differs from what is around it as this object does, if it does clearly."""
@@ -182,15 +236,20 @@ def _seen(mask: Mask, before: Array, now: Array, speed: Index) -> Index:
     return speed + place - reach
 
 
-def _found(sought: Sequence[_Sought], partition: Partition, check: Callable[[], object]) -> list[Selection]:
+def _found(sought: Sequence[_Sought], page: Partition, check: Callable[[], object]) -> list[Selection]:
     """What is where objects are sought, each once; of two that share pixels, what is more like before comes first."""
-    certain, taken = list(partition.certain()), np.zeros(partition.shape, np.bool_)
+    certain, taken = [(one, *ends(one)) for one in page.certain()], np.zeros(page.shape, np.bool_)
     found: list[Selection] = []
 
+    def near(mask: Mask) -> list[Mask]:
+        low, high = ends(mask)
+        return [one for one, first, last in certain if (first <= high).all() and (last >= low).all()]
+
     def closed(mask: Mask) -> Mask | None:
-        parts = [one for one in certain if np.count_nonzero(one & mask) > PART * np.count_nonzero(one)]
-        whole = np.logical_or.reduce([taken & False, *parts])
-        best = max((*certain, whole), key=lambda one: overlap(one, mask))
+        several = near(mask)
+        parts = [one for one in several if np.count_nonzero(one & mask) > PART * np.count_nonzero(one)]
+        whole = np.logical_or.reduce(parts) if parts else mask & False
+        best = max((*several, whole), key=lambda one: overlap(one, mask))
         return best if overlap(best, mask) > _ALIKE else None
 
     def answer(mask: Mask) -> Mask:
@@ -198,27 +257,27 @@ def _found(sought: Sequence[_Sought], partition: Partition, check: Callable[[], 
         sure = closed(mask)
         if sure is not None:
             return sure
-        likely = partition.around(_core(mask), float(np.count_nonzero(mask)))
-        sure = closed(likely)
+        likely = page.around(_core(mask), float(np.count_nonzero(mask)))
+        sure = closed(likely) if likely.any() else None
         return likely if sure is None else sure
 
     def take(one: Mask) -> None:
         left = one & ~taken
         if np.count_nonzero(left) > PART * np.count_nonzero(one):
             taken[left] = True
-            sure = any(np.array_equal(left, each) for each in certain)
-            found.append(partition.selection_of(left, certain=sure))
+            sure = any(np.array_equal(left, each) for each in near(left))
+            found.append(page.selection_of(left, certain=sure))
 
     answers = [(each, answer(each.mask)) for each in sought if each.mask.any()]
     for each, mask in sorted(answers, key=lambda pair: -overlap(pair[0].mask, pair[1])):
         for part in each.apart(mask):
-            if each.like(part, partition.values):
+            if each.like(part, page.values):
                 take(part)
     for each in sought:  # what has split off lies where nothing has been found
         rest = each.expected & ~taken
         if np.count_nonzero(rest) > _PIECE * np.count_nonzero(each.expected):
-            for other in [one for one in certain if each.holds(one)] or [answer(rest)]:
-                if each.holds(other) and each.like(other, partition.values):
+            for other in [one for one in near(rest) if each.holds(one)] or [answer(rest)]:
+                if each.holds(other) and each.like(other, page.values):
                     take(other)
     return found
 
@@ -230,6 +289,9 @@ def _outer(one: Selection) -> Contour:
 
 def _contrast(mask: Mask, values: Array) -> float:
     """How much brighter an object is than what is around it."""
+    low, high = ends(mask)
+    box = tuple(map(slice, np.maximum(low - _RING, 0), high + _RING + 1))
+    mask, values = mask[box], values[box]
     ring = scipy.ndimage.binary_dilation(mask, iterations=_RING) & ~mask
     return float(np.median(values[mask]) - np.median(values[ring])) if ring.any() else 0.0
 

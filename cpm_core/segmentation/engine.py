@@ -268,12 +268,10 @@ class Engine(ImageFields):
             found = contours_of(state, self.image, field, parameters, self.reach_map)
         return replace(found, provenance=_provenance(self.image, state, parameters))
 
-    def measures(self, state: State, parameters: Parameters, thorough: bool = False) -> Mapping[str, float]:
-        """Metrics of a state by name, the potential energy only if `thorough`; see `Method.measures`."""
+    def measures(self, state: State, parameters: Parameters) -> Mapping[str, float]:
+        """Metrics of a state by name; see `Method.measures`."""
         metrics = {name: float(getattr(state, attribute)) for name, attribute in _METRICS.items()}
-        metrics["kinetic"] = kinetic_energy(state)
-        slow = {"potential": self.energies(state, parameters, state.charges).potential} if thorough else {}
-        return metrics | slow
+        return metrics | {"kinetic": kinetic_energy(state)}
 
     def positions(self, state: State) -> Array:
         """Positions of the particles, shape (N, 2) [px of the image]."""

@@ -141,8 +141,8 @@ class Method(Protocol[S]):
     def result(self, state: S, parameters: Parameters) -> Result | Skeleton:
         """Contours of a state."""
 
-    def measures(self, state: S, parameters: Parameters, thorough: bool = False) -> Mapping[str, float]:
-        """Metrics of a state by name, for plots and the status; `thorough` adds those that take longer."""
+    def measures(self, state: S, parameters: Parameters) -> Mapping[str, float]:
+        """Metrics of a state by name, for plots and the status."""
 
     def positions(self, state: S) -> Array:
         """Points of a state to display, shape (N, 2) [px of the image]."""

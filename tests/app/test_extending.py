@@ -217,7 +217,7 @@ class Halfway(ImageFields):
     def result(self, state: HalfwayState, parameters: Parameters) -> Result:
         return replace(result_of(*state.contours), shape=self.image.shape, stop_reason=state.stop_reason)
 
-    def measures(self, state, parameters: Parameters, thorough: bool = False) -> Mapping[str, float]:
+    def measures(self, state, parameters: Parameters) -> Mapping[str, float]:
         return {"lines": len(state.contours)}
 
     def positions(self, state: HalfwayState) -> np.ndarray:

@@ -131,7 +131,7 @@ def in_volume(window: MainWindow, folder: Path) -> Iterator[Work]:
         yield (
             f"take the brush for {name}",
             lambda radius=radius, in_space=in_space: (
-                window.canvas_area.use_tool("mend"), objects.set_brush(radius), objects.set_way(ball=in_space)
+                window.canvas_area.use_tool("mend"), objects.set_brush(radius), setattr(objects, "ball", in_space)
             ),
         )  # fmt: skip
         for act, col in (

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -12,7 +11,6 @@ from numpy.typing import NDArray
 from app.model.display.lengths import round_up
 from app.model.display.plots import RunMetrics
 from app.model.text.language import tr
-from cpm_core.model import EPSILON
 from cpm_core.numerics import Array
 from cpm_core.segmentation import MethodState
 
@@ -44,13 +42,6 @@ def age(state: MethodState, metrics: RunMetrics) -> Array:
     return steps
 
 
-def convergence(state: MethodState, _: RunMetrics) -> Array:
-    """Share of each particle in ε of eq. (23): ``|sum_i (-1)^i |r(t_k-i)||`` [px]; NaN before it has a history."""
-    distance = state.particles.distance
-    signs = np.where(np.arange(distance.shape[1]) % 2, 1.0, -1.0)
-    return np.abs(distance @ signs)
-
-
 @dataclass(frozen=True)
 class Quantity:
     """A quantity by which particles can be colored.
@@ -61,26 +52,17 @@ class Quantity:
         Its name, and a sentence on it.
     of : callable
         Its value for every particle of a state.
-    range : tuple of float, optional
-        Ends of its range, on a logarithmic scale; by default it is linear from 0 to a round number.
     """
 
     title: str
     tip: str
     of: Callable[[MethodState, RunMetrics], Array]
-    range: tuple[float, float] | None = None
 
 
 QUANTITIES = {
     "speed": Quantity(tr("Speed"), tr("How fast each particle is [px / unit of time]."), speed),
     "force": Quantity(tr("Force"), tr("Coulomb and Lorentz force on each particle, without damping."), force),
     "age": Quantity(tr("Age"), tr("Steps since each particle was inserted, or since its scale began."), age),
-    "convergence": Quantity(
-        tr("Convergence"),
-        tr("Contribution of each particle to ε of eq. (23); the run is at rest when the mean is small."),
-        convergence,
-        (EPSILON / 10.0, 1000.0 * EPSILON),
-    ),
 }
 
 
@@ -92,12 +74,11 @@ class Colored:
     ----------
     marks : ndarray of uint8, shape (N,)
         Color of each particle, from 0 to `SHADES` - 1; `SHADES` where the value is not known.
-    low, high : float
-        Values of the first and the last color.
+    high : float
+        Value of the last color; the first one is 0.
     """
 
     marks: Marks
-    low: float
     high: float
 
 
@@ -105,15 +86,10 @@ def colored(quantity: Quantity, state: MethodState, metrics: RunMetrics) -> Colo
     """Colors of all particles of a state; a larger quantity never has a lower color."""
     values = quantity.of(state, metrics)
     unknown = np.isnan(values)
-    if quantity.range is not None:
-        low, high = quantity.range
-        with np.errstate(divide="ignore"):
-            fraction = np.log(values / low) / math.log(high / low)
-    else:
-        end = float(np.nanpercentile(values, _IN_RANGE)) if not unknown.all() else 0.0
-        low, high = 0.0, round_up(end) if end > 0.0 else 1.0
-        fraction = values / high
+    end = float(np.nanpercentile(values, _IN_RANGE)) if not unknown.all() else 0.0
+    high = round_up(end) if end > 0.0 else 1.0
+    fraction = values / high
     fraction[unknown] = 0.0
     marks = np.clip(np.rint(fraction * (SHADES - 1)), 0, SHADES - 1).astype(np.uint8)
     marks[unknown] = SHADES
-    return Colored(marks, low, high)
+    return Colored(marks, high)

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections import defaultdict
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal, Protocol
 
+import numpy as np
+
+from app.model.display.page_rows import PageRow
 from app.model.text.language import tr
 from cpm_core.model import EPSILON
 from cpm_core.numerics import Array
@@ -23,9 +27,8 @@ class RunMetrics:
         Eq. (23) [px of the scale]; NaN while it is not known.
     count, born, deleted : ndarray, shape (K,)
         Particles, and numbers of particles inserted and deleted in the step.
-    kinetic, potential : ndarray, shape (K,)
-        Energies of all particles [px^2 / unit of time^2]; the latter is measured every few steps and repeated in
-        between; NaN before.
+    kinetic : ndarray, shape (K,)
+        Kinetic energy of all particles [px^2 / unit of time^2].
     scale : ndarray, shape (K,)
         Scale; 0 is the image itself.
     numbered : ndarray, shape (K,)
@@ -38,9 +41,46 @@ class RunMetrics:
     born: Array
     deleted: Array
     kinetic: Array
-    potential: Array
     scale: Array
     numbered: Array
+
+    @property
+    def marks(self) -> Array:
+        """The steps at which a finer scale has begun."""
+        return self.step[1:][np.diff(self.scale) != 0]
+
+
+class Metrics(Protocol):
+    """What is plotted: values for each step, and the steps at which vertical lines are drawn."""
+
+    @property
+    def step(self) -> Array:
+        """The steps, or the pages."""
+
+    @property
+    def marks(self) -> Array:
+        """Where lines are drawn."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class PageMetrics:
+    """Objects over the pages of a stack: area and mean gray value by track; `marks` is the page that is open."""
+
+    step: Array
+    marks: Array
+    areas: Mapping[int, Array]
+    grays: Mapping[int, Array]
+
+    @classmethod
+    def of(cls, rows: Sequence[PageRow], count: int, here: int, factor: float) -> PageMetrics:
+        """Those of a table, on so many pages; areas in a unit of which one unit of the image has `factor`."""
+        areas: dict[int, Array] = defaultdict(lambda: np.full(count, np.nan))
+        grays: dict[int, Array] = defaultdict(lambda: np.full(count, np.nan))
+        for row in rows:
+            if row.measures is not None and row.measures.closed:
+                areas[row.track][row.page - 1] = row.measures.net_area_in_units * factor**2
+                grays[row.track][row.page - 1] = np.nan if row.gray is None else row.gray
+        return cls(np.arange(1.0, count + 1.0), np.array([float(here)]), areas, grays)
 
 
 @dataclass(frozen=True)
@@ -48,18 +88,19 @@ class Series:
     """One curve: its title, its values, and its colors on a light background and on a dark one."""
 
     title: str
-    of: Callable[[RunMetrics], Array]
+    of: Callable[[Any], Array]
     colors: tuple[str, str]
 
 
 @dataclass(frozen=True)
 class Plot:
-    """Curves on one axis, what they mean, and a value at which a line is drawn."""
+    """Curves on one axis, what they mean, and a value at which a line is drawn; values of `points` are marked."""
 
     tip: str
     series: tuple[Series, ...]
     kind: Literal["logarithmic", "from zero", "free"] = "from zero"
     line: float | None = None
+    points: bool = False
 
 
 # Hues after Okabe and Ito, each darkened for a light background and lightened for a dark one.
@@ -79,14 +120,6 @@ PLOTS = (
         "logarithmic",
     ),
     Plot(
-        tr(
-            "Potential energy of all particles: in the field of the edges and of placed charges, and of near pairs. "
-            "Computed every 8 steps, on large images only while the plots are unfolded."
-        ),
-        (Series(tr("potential energy"), lambda metrics: metrics.potential, _PURPLE),),
-        "free",
-    ),
-    Plot(
         tr("Number of particles."),
         (Series(tr("particles"), lambda metrics: metrics.count, _BLUE),),
     ),
@@ -99,3 +132,26 @@ PLOTS = (
     ),
 )
 """All plots, from top to bottom."""
+
+_MOST_CURVES = 10
+"""Number of objects that are plotted at most; a choice among them is made in the table."""
+
+
+def plotted(rows: Sequence[PageRow], chosen: Collection[int]) -> tuple[int, ...]:
+    """The tracks that are plotted: those that are chosen, or the first ones."""
+    return tuple(sorted(chosen or {row.track for row in rows if row.track})[:_MOST_CURVES])
+
+
+def plots_of_pages(tracks: Sequence[int], area: str) -> tuple[Plot, ...]:
+    """Area, with this title, and mean gray value of tracks over the pages of a stack."""
+    hues = (_BLUE, _ORANGE, _GREEN, _PURPLE, _PINK)
+
+    def series(title: str, name: Literal["areas", "grays"], track: int) -> Series:
+        words = f"{title} {track}" if track == tracks[0] else str(track)
+        return Series(words, lambda metrics: getattr(metrics, name)[track], hues[track % len(hues)])
+
+    gray = tr("Mean gray")
+    return (
+        Plot("", tuple(series(area, "areas", track) for track in tracks), points=True),
+        Plot("", tuple(series(gray, "grays", track) for track in tracks), "free", points=True),
+    )

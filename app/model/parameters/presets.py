@@ -6,18 +6,14 @@ import json
 from dataclasses import asdict, dataclass
 from functools import cache
 
-from app.model.text.language import reason, tr
+from app.model.text.language import tr
 from cpm_core import Parameters
 from cpm_core.formats import parameters_from_plain
-from cpm_core.parameters import PLANE_PRESETS, shown
+from cpm_core.parameters import PLANE_PRESETS
 
 SUFFIX = ".cpmpreset"
 
-_FORMAT, _VERSION = "CPM preset", 1
 _LONGEST_NAME, _LONGEST_ABOUT = 60, 1000
-_LARGEST = 4_000_000
-"""Maximum length of a preset file [bytes]."""
-
 _BUILT_IN = {
     "shape": (tr("Shape recovery"), tr("Finds the whole outline of an object from a start in or around it.")),
     "automatic": (tr("Automatic segmentation"), tr("Starts everywhere and keeps the contours of clear edges.")),
@@ -56,11 +52,7 @@ class Preset:
 @cache
 def built_in() -> tuple[Preset, ...]:
     """The presets of the program, for images."""
-    presets = []
-    for key, parameters in PLANE_PRESETS.items():
-        name, about = _BUILT_IN[key]
-        presets.append(Preset(name, parameters, about, key))
-    return tuple(presets)
+    return tuple(Preset(_BUILT_IN[key][0], known, _BUILT_IN[key][1], key) for key, known in PLANE_PRESETS.items())
 
 
 def checked_name(name: str) -> str:
@@ -78,36 +70,15 @@ def checked_name(name: str) -> str:
 
 def written(preset: Preset) -> bytes:
     """The content of a preset file."""
-    kept = {
-        "format": _FORMAT,
-        "version": _VERSION,
-        "name": preset.name,
-        "about": preset.about,
-        "parameters": asdict(preset.parameters),
-    }
+    kept = {"name": preset.name, "about": preset.about, "parameters": asdict(preset.parameters)}
     return (json.dumps(kept, indent=1, ensure_ascii=False) + "\n").encode("utf-8")
 
 
-def read(content: bytes, source: str) -> Preset:
-    """The preset in a file, whose name is used in error messages.
-
-    Parameters that the file lacks have their defaults. ValueError when it is not a valid preset file.
-    """
+def read(content: bytes) -> Preset:
+    """The preset in a file; parameters that it lacks have their defaults. ValueError when there is none in it."""
     try:
-        kept = json.loads(content.decode("utf-8")) if len(content) <= _LARGEST else {}
-        known = kept["format"] == _FORMAT and isinstance(kept["parameters"], dict)
-    except (ValueError, TypeError, KeyError, RecursionError):
-        known = False
-    if not known:
-        message = tr("{file} is not a preset of CPM: choose a file that was exported as one.")
-        raise ValueError(message.format(file=source))
-    if kept.get("version") != _VERSION:
-        message = tr("{file} has version {version}, but this program reads version {most}.")
-        raise ValueError(message.format(file=source, version=shown(kept.get("version")), most=_VERSION))
-    try:
-        parameters, unknown = parameters_from_plain(kept["parameters"])
-        if unknown:
-            raise ValueError(tr("there is no parameter {name}.").format(name=unknown[0]))
+        kept = json.loads(content.decode("utf-8"))
+        parameters, _ = parameters_from_plain(kept["parameters"])
         return Preset(checked_name(str(kept["name"])), parameters, str(kept.get("about", ""))[:_LONGEST_ABOUT])
-    except (AttributeError, KeyError, TypeError, ValueError) as error:
-        raise ValueError(tr("{file} cannot be used: {reason}").format(file=source, reason=reason(error))) from error
+    except (AttributeError, KeyError, TypeError, RecursionError) as error:
+        raise ValueError("not a preset of CPM") from error

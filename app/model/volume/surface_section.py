@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 from functools import lru_cache
-from weakref import WeakKeyDictionary
 
 import numpy as np
 import scipy
@@ -18,24 +17,13 @@ from cpm_core.contours import Graph, Measures, PackedBody, PackedVoxels
 from cpm_core.numerics import Array, Place, polyline
 from cpm_core.objects.segmented import Click, Line, SegmentedObject, SegmentedObjects
 
-_MOST = 8
-"""Number of slices whose lines are kept with one surface: they are asked for again whenever the pointer moves."""
-
-_sections: WeakKeyDictionary[Surface, dict[Slice, tuple[Contour, ...]]] = WeakKeyDictionary()
+_MOST, _MOST_OF_OBJECTS = 32, 256
+"""Cuts that are kept: they are asked for again whenever the pointer moves, an edit leaves those of other objects."""
 
 
+@lru_cache(maxsize=_MOST)
 def section(surface: Surface, cut: Slice) -> tuple[Contour, ...]:
     """Where a slice cuts a surface: closed contours in the slice, and open ones where the surface has a rim."""
-    kept = _sections.setdefault(surface, {})
-    found = kept.get(cut)
-    if found is None:
-        if len(kept) >= _MOST:
-            kept.clear()
-        found = kept[cut] = _section(surface, cut)
-    return found
-
-
-def _section(surface: Surface, cut: Slice) -> tuple[Contour, ...]:
     heights = surface.vertices[:, cut.axis] - cut.index
     above = heights >= 0.0  # a vertex in the slice lies on one side, so that each triangle is cut once or never
     corners = above[surface.faces]
@@ -75,16 +63,13 @@ def unmeasured(contour: Contour, number: int) -> Measures:
 _NEAR = 1.0
 """Distance from a slice up to which it shows a click [voxels]."""
 
-_MOST_CUTS = 256
-"""Cuts of objects that are kept: an edit leaves those of the others, and undo brings back many versions."""
-
 
 def _closed(surface: Surface, here: Slice) -> tuple[Contour, ...]:
     """The closed lines in which a slice cuts a surface."""
     return tuple(each for each in section(surface, here) if each.closed and len(each.points) > 2)
 
 
-@lru_cache(maxsize=_MOST_CUTS)
+@lru_cache(maxsize=_MOST_OF_OBJECTS)
 def boundary_in(body: PackedBody, here: Slice) -> tuple[Line, ...]:
     """The closed lines in which a slice cuts a body; around voxels they run halfway to others."""
     return tuple(_lines(body, here))

@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
-from PySide6.QtCore import QObject, Signal
+from PySide6.QtCore import QObject, QTimer
 
 from app.model.document import objects
 from app.model.document.document import Document, ImageReference
 from app.model.text.language import from_core, tr
-from app.session.features.kept_pages import StackSource, bare
+from app.session.features.kept_pages import StackSource, bare, numbered
 from app.session.features.object_selection import ObjectSelection, Search
 from app.session.features.selector import Everywhere, from_everywhere, parameters_everywhere
 from app.session.features.stack_pages import StackPages
@@ -23,6 +23,9 @@ from app.session.tasks.tasks import Task
 from cpm_core import Image, Partition, TrackEvent
 from cpm_core.objects.segmented import Click, SegmentedObject, selection_of
 from cpm_core.pages import FollowedObject, ObjectFollower, fitting
+
+_SOON = 100
+"""Time after which it is looked again whether a page has been opened [ms]."""
 
 _MOST_EVENTS = 3
 """Number of events that a message lists; the table has all."""
@@ -58,9 +61,6 @@ class Former:
 class FollowedObjects(QObject):
     """Offers the objects of the page before on the page that is opened, and follows them through all pages."""
 
-    changed = Signal()
-    """Objects are being followed, or no longer."""
-
     def __init__(self, session: Session, pages: StackPages, selection: ObjectSelection) -> None:
         super().__init__(session)
         self._session, self._pages, self._selection = session, pages, selection
@@ -69,7 +69,6 @@ class FollowedObjects(QObject):
         self._task: Task | None = None
         selection.followed = lambda: self._search if self._image is session.image else None
         pages.changed.connect(self._look)
-        session.tasks.changed.connect(self.changed)
 
     @property
     def running(self) -> bool:
@@ -110,11 +109,6 @@ class FollowedObjects(QObject):
         title = tr("Following objects on {count} pages…").format(count=len(numbers))
         self._task = session.tasks.start(title, work, tr("following objects"), then=self._report)
 
-    def cancel(self) -> None:
-        """Stop after the pages that are done, which stay."""
-        if self._task is not None:
-            self._task.cancel()
-
     # Internal
 
     def _former(self, number: int) -> Former:
@@ -134,6 +128,9 @@ class FollowedObjects(QObject):
 
     def _accept(self, number: int, image: ImageReference, items: tuple[SegmentedObject, ...]) -> None:
         """Accept objects on a page, unless another stack is open or the page has objects of its own by now."""
+        if number == self._pages.ahead != self._pages.number:  # it is being opened
+            QTimer.singleShot(_SOON, self, partial(self._accept, number, image, items))
+            return
         known = self._pages.documents.get(number)
         if self._pages.source.path != image.path or (known is not None and known.objects.items):
             return
@@ -141,16 +138,21 @@ class FollowedObjects(QObject):
         def edit(document: Document) -> Document:
             taken = max(document.objects.taken, *(item.number for item in items))
             same = document.image if known is not None else image
-            return objects.accept(replace(document, image=same, objects=replace(document.objects, taken=taken)), items)
+            return objects.accept(replace(numbered(document, taken), image=same), items)
 
         self._pages.change(number, tr("follow objects"), edit)
 
     def _report(self, done: tuple[list[TrackEvent], int]) -> None:
         """Report what has happened, and where nothing was found any more."""
         events, lost = done
+        taken = self._pages.taken
+        if taken >= self._session.document.objects.next_number:  # what has split off has numbers of its own
+            self._session.edit(tr("follow objects"), lambda document: numbered(document, taken))
         said = [_sentences(events)] if events else []
         if lost:
-            said.append(tr("Page {number}: no object was found again; accept one there to go on.").format(number=lost))
+            said.append(
+                tr("Page {number}: no object was found again. Accept one there to follow it.").format(number=lost)
+            )
         self._session.say(" ".join(said) or tr("The objects were followed through all pages."))
 
 

@@ -118,10 +118,10 @@ def _points(path: Path, axes: int = 2) -> Points:
 
 
 def _names_contours(path: Path) -> bool:
-    """Whether the first line of a table has a column of contours or of shapes."""
+    """Whether the first line of a table has a column of contours."""
     try:
         with path.open(encoding="utf-8-sig", errors="replace") as stream:
             first = stream.readline(2**14)
     except OSError:
         return False
-    return any(name in first.split(",") for name in ("contour", "track", "shape-type"))
+    return any(name in first.split(",") for name in ("contour", "track"))

@@ -135,12 +135,9 @@ def bare(document: Document) -> Document:
     return Document(document.image, document.shapes, document.parameters, mode=document.mode, objects=known)
 
 
-def numbered(page: KeptPage, taken: int) -> KeptPage:
-    """A page on which new objects get larger numbers than those that are taken."""
-    document, known = (
-        each and replace(each, objects=replace(each.objects, taken=taken)) for each in (page.document, page.known)
-    )
-    return replace(page, document=document or page.document, known=known)
+def numbered(document: Document, taken: int) -> Document:
+    """A document in which new objects get larger numbers than those that are taken."""
+    return replace(document, objects=replace(document.objects, taken=taken))
 
 
 Table = tuple[StackResult | None, tuple[PageRow, ...]]

@@ -128,13 +128,13 @@ def histogram(values: Array, image: Image) -> tuple[int, ...]:
 
 
 def _measured(item: SegmentedObject, image: Image) -> Figures:
-    values = item.values(image.values)
+    values = image.values[item.mask(image.shape)]
     gray, counts = float(values.mean()) if len(values) else float("nan"), histogram(values, image)
     body = item.body
     if body is None:
         return Figures(gray, counts)
-    # limits are made of it on the window's thread
-    assert all(len(packed.shell.mask) for packed in item.surface)
+    # limits are made of it, and it is painted, on the window's thread
+    assert all(len(packed.shell.mask) and packed.painted for packed in item.surface)
     surface = replace(body, spacing=image.spacing, unit=image.unit)
     volume = item.surface[0].volume * math.prod(image.spacing)
     return Figures(gray, counts, volume, surface.area, surface.components, surface.euler, body)
@@ -165,7 +165,7 @@ def _size(row: Row) -> float:
     return size_of(row.item) if row.item is not None else row.contour.contour.area if row.contour else 0.0
 
 
-BRUSH = 1.0, 500.0
+BRUSH = 0.5, 500.0
 """Limits of the radius of the brush [px]."""
 
 
@@ -355,10 +355,9 @@ class ObjectList(QObject):
         self._brush = radius
         self.brush_changed.emit(self.brush)
 
-    def set_way(self, *, ball: bool | None = None, over_others: bool | None = None) -> None:
-        """Let the brush paint in space in a volume, or in a slice, and over other objects, or beside them."""
-        self.ball = self.ball if ball is None else ball
-        self.over_others = self.over_others if over_others is None else over_others
+    def turn_brush(self, way: Literal["ball", "over_others"]) -> None:
+        """Let the brush paint in space in a volume, or in a slice; over other objects, or beside them."""
+        setattr(self, way, not getattr(self, way))
         self.brush_changed.emit(self.brush)
 
     # Selecting
@@ -699,16 +698,15 @@ class ObjectBrush:
 
         In a volume it is a chosen one even where the brush does not touch it, so that it continues in other slices.
         """
-        if len(newest[-1]) == 3:
-            under, chosen = self._list.under(newest[-1]), [item for item in self._list.items if not item.hidden]
-            found = [item for item in chosen or self._list.objects.items if item.number == under]
-            return next(iter((*found, *chosen)), None)
-        way = polyline.sampled(np.array(newest), 0.5 * radius) if len(newest) > 1 else np.array(newest)
-        near = [
-            item for item in self._list.near(way, radius)
-            if item.encloses(way).any() or (polyline.distances_from_closed(item.boundary, way) < radius).any()
-        ]  # fmt: skip
         under, chosen = self._list.under(newest[-1]), self._list.chosen
+        if len(newest[-1]) == 3:
+            near = [one for one in self._list.objects.items if one.number in {*chosen, under} and not one.hidden]
+        else:
+            way = polyline.sampled(np.array(newest), 0.5 * radius) if len(newest) > 1 else np.array(newest)
+            near = [
+                item for item in self._list.near(way, radius)
+                if item.encloses(way).any() or (polyline.distances_from_closed(item.boundary, way) < radius).any()
+            ]  # fmt: skip
         return min(near, key=lambda one: (one.number not in chosen, one.number != under, one.area), default=None)
 
     def _apply(self) -> None:

@@ -366,7 +366,7 @@ class ObjectSelection(QObject):
             self._searched, self._found = partition, ()
             self._end_finding()
             self._finding = self._session.tasks.start(
-                tr("Finding objects between the contours…"),
+                tr("Following objects…") if search else tr("Finding objects between the contours…"),
                 partial(search or all_objects, partition),
                 tr("finding objects"),
                 then=partial(self._use_found, partition),

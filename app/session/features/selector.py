@@ -276,7 +276,9 @@ class Selector:
     def __init__(self, partition: AnyPartition, items: Sequence[SegmentedObject], edited: int, offer: Offer) -> None:
         self.partition, self.items, self.edited, self.offer = partition, items, edited, offer
         self._known: dict[tuple[Click, ...], AnySelection | None] = {}
-        self._given = {each.clicks: each.selection for each in offer.found}
+        self._given: dict[tuple[Click, ...], AnySelection] = {each.clicks: each.selection for each in offer.found}
+        self._stepped: tuple[tuple[Click, ...], tuple[Sequence[AnySelection], int]] | None = None
+        """The clicks whose candidates were asked for last, and the candidates, which take long in a volume."""
         self._changed = next((item for item in items if item.number == edited), None)
         # the places of frozen objects that lie in them: not those of a line that was drawn around one
         frozen = [item for item in items if item.frozen and item.number != edited and item.body is None]
@@ -292,29 +294,28 @@ class Selector:
         return selection
 
     def _select(self, clicks: tuple[Click, ...]) -> AnySelection | None:
-        inside, outside = places_of(clicks, inside=True), places_of(clicks, inside=False)
+        inside = places_of(clicks, inside=True)
         if not len(inside):
             return None
-        if isinstance(self.partition, VolumePartition):
-            if self._changed is not None and clicks == first_clicks(self._changed, self.partition.shape):
-                item = self._changed
-                whole = replace(cast("Surface", item.body), spacing=self.partition.image.spacing)
-                return VolumeSelection(self.partition, whole, item.inside, item.outside)
-            before = self.selection(clicks[:-1])
-            made = self.partition.select(inside, outside, previous=cast("VolumeSelection | None", before))
+        item, made = self._changed, self._given.get(clicks)
+        if made is None and item is not None and clicks == first_clicks(item, self.partition.shape):
+            made = selection_of(item, self.partition.shape) if item.body is None else self._body_of(item)
+        elif made is None and clicks[-1].step:
+            found, first = self._candidates(clicks)
+            made = found[min(max(first + clicks[-1].step, 0), len(found) - 1)]
+        elif made is None:
+            made = self.partition.select(inside, **self._rest(clicks))
+        if isinstance(made, VolumeSelection):
             known = (one for one in self._known.values() if isinstance(one, VolumeSelection) and one.same(made))
             made = next((one for one in known if one.remark == made.remark), made)
             if made.found:
                 _ = made.packed, made.holds(inside)  # made on this thread, not on that of the window
-            return made
-        if clicks in self._given:
-            return self._given[clicks]
-        if self._changed is not None and clicks == first_clicks(self._changed, self.partition.shape):
-            return selection_of(self._changed, self.partition.shape)
-        if clicks[-1].step:
-            found, first = self._candidates(clicks)
-            return found[min(max(first + clicks[-1].step, 0), len(found) - 1)]
-        return self.partition.select(inside, **self._rest(clicks))
+        return made
+
+    def _body_of(self, item: SegmentedObject) -> VolumeSelection:
+        partition = cast("VolumePartition", self.partition)
+        whole = replace(cast("Surface", item.body), spacing=partition.image.spacing)
+        return VolumeSelection(partition, whole, item.inside, item.outside)
 
     def quick(self, clicks: tuple[Click, ...]) -> bool:
         """Whether what clicks select is known at once, so that it can be shown while the pointer moves."""
@@ -324,27 +325,28 @@ class Selector:
         return bool(self.partition.bodies_at(places).all())
 
     def _rest(self, clicks: tuple[Click, ...]) -> dict[str, Any]:
-        """What a selection in an image depends on except for the places inside."""
+        """What a selection depends on except for the places inside."""
         inside, outside = places_of(clicks, inside=True), places_of(clicks, inside=False)
-        previous = cast("Selection | None", self.selection(clicks[:-1]))
+        previous = self.selection(clicks[:-1])
+        if isinstance(self.partition, VolumePartition):
+            return {"outside": outside, "previous": previous}
         areas = [item.area for item in self.items if item.number != self.edited]
         if previous is None and len(self._elsewhere):  # frozen objects only take away
-            previous = cast("Partition", self.partition).select(inside, outside, areas=areas)
+            previous = self.partition.select(inside, outside, areas=areas)
         return {"outside": np.concatenate([outside, self._elsewhere]), "previous": previous, "areas": areas}
 
-    def _candidates(self, clicks: tuple[Click, ...]) -> tuple[Sequence[Selection], int]:
-        """What clicks may mean in an image, from small to large, and which of it is their answer without a step."""
+    def _candidates(self, clicks: tuple[Click, ...]) -> tuple[Sequence[AnySelection], int]:
+        """What clicks may mean, from small to large, and which of it is their answer without a step."""
         clicks = (*clicks[:-1], replace(clicks[-1], step=0))
-        answer = cast("Selection", self.selection(clicks))
-        found = cast("Partition", self.partition).candidates(places_of(clicks, inside=True), **self._rest(clicks))
-        return found, int(np.argmax([overlap(each.mask, answer.mask) for each in found]))
+        if self._stepped is None or self._stepped[0] != clicks:
+            found = self.partition.candidates(places_of(clicks, inside=True), **self._rest(clicks))
+            alike = [_likeness(each, cast("AnySelection", self.selection(clicks))) for each in found]
+            self._stepped = clicks, (found, int(np.argmax(alike)))
+        return self._stepped[1]
 
     def stepped(self, clicks: tuple[Click, ...], by: int) -> tuple[tuple[Click, ...], int, int]:
-        """The clicks of a candidate so many steps larger, or smaller below 0; its number, from 1, and how many are.
-
-        In a volume there is only one.
-        """
-        if isinstance(self.partition, VolumePartition) or self.selection(clicks) is None:
+        """The clicks of a candidate so many steps larger, or smaller below 0; its number, from 1, and how many are."""
+        if self.selection(clicks) is None:
             return clicks, 1, 1
         found, first = self._candidates(clicks)
         last = len(found) - 1
@@ -434,3 +436,10 @@ def _places_in(selection: Selection) -> Array:
 def extent(selection: AnySelection) -> float:
     """Volume of a selection; its area [px²] in an image."""
     return selection.volume if isinstance(selection, VolumeSelection) else float(np.count_nonzero(selection.mask))
+
+
+def _likeness(one: AnySelection, other: AnySelection) -> float:
+    """How much alike two selections of the same places are: their overlap, or how near their volumes are."""
+    if isinstance(one, Selection) and isinstance(other, Selection):
+        return overlap(one.mask, other.mask)
+    return -abs(extent(one) - extent(other))

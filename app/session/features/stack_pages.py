@@ -123,6 +123,11 @@ class StackPages(QObject):
         """What is shown of all pages: the objects, or the contours with their tracks; None while there is nothing."""
         return self.tables.get(self.listed) or next(iter(self.tables.values()), NOTHING)
 
+    def show_kind(self, listed: Listed) -> None:
+        """Show the objects of all pages, or the contours."""
+        self.listed = listed
+        self.found.emit()
+
     @property
     def result(self) -> StackResult | None:
         """What is shown of all pages, and exported; None while there is nothing."""
@@ -214,7 +219,8 @@ class StackPages(QObject):
         image = self._session.document.image
         if image is None:
             return
-        page = numbered(page, self.taken)
+        known = page.known and numbered(page.known, self.taken)
+        page = replace(page, document=numbered(page.document, self.taken), known=known)
         place = ImageFile(image.path, "", image.shape, reading=self.source.reading_of(number))
         now = self._file.file  # whose view lets the image stay in place
         content = replace(

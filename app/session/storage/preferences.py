@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import shutil
 from collections.abc import Callable
-from contextlib import suppress
-from pathlib import Path
 from typing import TypeVar
 
 from PySide6.QtCore import QByteArray, QObject, QSettings, Signal
 
 from app.model.preferences.table import Preference
-from app.model.text.language import tr
 
 Value = TypeVar("Value", bool, int, float, str, list[str], QByteArray)
 V = TypeVar("V")
@@ -31,8 +27,6 @@ class Preferences(QObject):
     def __init__(self, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._settings = settings()
-        self.trouble = self._check_file()
-        """A sentence on what is stored and cannot be read, empty where all can."""
 
     def value(self, preference: Preference[V]) -> V:
         """The value of a preference; its default when none is stored or the stored one cannot be used."""
@@ -73,17 +67,6 @@ class Preferences(QObject):
         if self._settings.value(key) != value:
             self._settings.setValue(key, value)
             self.changed.emit(key)
-
-    def _check_file(self) -> str:
-        """Keep a copy of a file that cannot be read, because the next value that is stored replaces the file."""
-        if self._settings.status() == QSettings.Status.NoError:
-            return ""
-        path = Path(self._settings.fileName())
-        copy = path.with_name(f"{path.name}.unread")
-        with suppress(OSError):
-            shutil.copy(path, copy)
-        text = tr("The preferences in {path} cannot be read, so the defaults are used; the file is kept as {copy}.")
-        return text.format(path=path, copy=copy)
 
     def flush(self) -> None:
         """Write to the file now."""

@@ -58,7 +58,7 @@ class PresetStore(QObject):
         found: dict[str, tuple[Preset, Path]] = {}
         for path in sorted(self.folder.glob(f"*{SUFFIX}")):
             try:
-                preset = read(path.read_bytes(), path.name)
+                preset = read(path.read_bytes())
             except (ValueError, OSError) as error:
                 _log.warning("%s: %s", path, error)
                 continue

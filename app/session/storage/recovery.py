@@ -159,10 +159,6 @@ def left_behind(folder: Path) -> tuple[list[Leftover], list[str]]:
     A journal that is damaged is set aside; one that only could not be read stays for the next start.
     """
     remove_abandoned(folder)
-    for path in folder.glob("*.lock"):  # locks of killed processes without a journal
-        lock = lock_of(path)
-        if not path.with_suffix(SUFFIX).exists() and lock.tryLock(0):
-            lock.unlock()
     found, troubles = [], []
     for journal in sorted(folder.glob(f"*{SUFFIX}")):
         lock = lock_of(journal)

@@ -132,10 +132,9 @@ class RunRecord:
         return np.array(self._values).reshape(-1, len(FIGURES)).T
 
     def record(self, step: int, measures: Mapping[str, float]) -> None:
-        """Add one step unless it is known; where the potential energy is not measured, the last value is repeated."""
-        last = dict(zip(FIGURES, self._values[-len(FIGURES) :], strict=False))
-        if step > last.get("step", -1):
-            row = {"potential": last.get("potential", math.nan), "step": step, **measures}
+        """Add one step unless it is known."""
+        if not self._values or step > self._values[-len(FIGURES)]:
+            row = {"step": step, **measures}
             self._values.extend(row.get(name, math.nan) for name in FIGURES)
 
     def until(self, step: int) -> RunRecord:

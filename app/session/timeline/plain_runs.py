@@ -54,17 +54,6 @@ Plain = Mapping[str, Any]
 T = TypeVar("T")
 
 
-_ENTRIES = {
-    "number": "identity",
-    "name": "name",
-    "named": "renamed",
-    "parent": "parent",
-    "first": "first",
-    "scales": "scales",
-}
-"""Entries of a branch in a file, and the attributes of a branch that they hold."""
-
-
 @dataclass(frozen=True)
 class _Numbered:
     """A contour by its number, with a place that it passes."""
@@ -151,7 +140,7 @@ def _run_to_plain(run: StoredRun) -> dict[str, Any]:
     numbers: dict[RunAction, int] = {}
     branches = []
     for stored in run.branches:
-        plain = {entry: to_plain(getattr(stored.branch, name)) for entry, name in _ENTRIES.items()}
+        plain = to_plain(stored.branch)
         # the actions by their numbers, and how often they follow
         numbered = ([numbers.setdefault(action, len(numbers)) for action in step] for step in stored.steps)
         plain["steps"] = [[alike, len(list(group))] for alike, group in itertools.groupby(numbered)]
@@ -211,8 +200,8 @@ def _run(plain: Plain, image: ImageReference) -> StoredRun:
 
 
 def _branch(plain: Plain, actions: Sequence[RunAction]) -> StoredBranch:
-    given = {name: plain.get(entry) for entry, name in _ENTRIES.items()}
-    branch = from_plain(Branch, {**given, "last": 0}, "branch")
+    given = {name: value for name, value in plain.items() if name not in ("steps", "figures")}
+    branch = from_plain(Branch, given, "branch")
     figures = None
     if "figures" in plain:
         figures = array_from_plain(plain["figures"], float, (len(FIGURES), None), "figures of a branch")

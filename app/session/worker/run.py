@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Callable, Hashable, Mapping
 from dataclasses import replace
@@ -32,12 +31,6 @@ from cpm_core.shapes import ImageSeeds
 RESTING_SPEED = 0.1
 """Speed below which a particle is shown as at rest [px per unit of time]."""
 
-_ENERGY_EVERY = 8
-"""Steps between two measurements of the potential energy; each takes about as long as a small part of a step."""
-
-_SMALL_IMAGE = 1 << 20
-"""Pixels up to which the potential, which is computed once for each field, is always ready at once."""
-
 
 class Run:
     """The run that the worker thread steps: a method, its state and its parameters; no other thread touches it."""
@@ -55,7 +48,6 @@ class Run:
         self.parameters = Parameters()
         self.charges: tuple[PlacedCharge, ...] = ()
         self.hand_edits: tuple[HandEdit, ...] = ()
-        self._energy_watched = False
         self._prepared = prepared
         self._overlaid: frozenset[str] = frozenset()
         self._overlays_of: tuple[object, ...] = ()
@@ -253,10 +245,7 @@ class Run:
         state = self.state = method.step(self.state, parameters, self.charges)
         self._remaining = 0.0 if state.stop_reason else self._remaining - 1
         self.pacer.stepped()
-        small = math.prod(method.image.shape) <= _SMALL_IMAGE
-        ready = method.image.ndim == 2 and (self._energy_watched or small)
-        thorough = ready and not state.step % _ENERGY_EVERY
-        measures = method.measures(state, parameters, thorough)
+        measures = method.measures(state, parameters)
         self.timeline.record(Stepped(parameters, self.charges, method.regions), state, measures)
         self._send()
 
@@ -293,10 +282,6 @@ class Run:
         """Let the states of the timeline take at most so many bytes."""
         self.timeline.limit(budget)
         self._send()
-
-    def watch_energy(self, watched: bool) -> None:
-        """Measure the potential energy even where the potential takes long, or no more."""
-        self._energy_watched = watched
 
     def set_pace(self, steps_per_second: float | None) -> None:
         """Take at most so many steps a second; None for no limit."""

@@ -12,7 +12,6 @@ from app.model.text.about import LICENSE, PAPER, PURPOSE, versions
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.session.exchange.messages import Opened
-from app.session.signals import PREFERENCES
 from app.views.theme.icons import program_icon
 from app.views.widgets.actions import ActionSpec
 from app.views.window.guide import KEYS, Guide
@@ -109,12 +108,10 @@ class HelpFeature(Feature):
 
 
 class PreferencesFeature(Feature):
-    """Opens the dialog of the preferences, and says what of those that are stored cannot be used."""
+    """Opens the dialog of the preferences."""
 
     def set_up(self) -> None:
         """Make its actions, and follow what they depend on."""
-        if self.window.preferences.trouble:
-            self.session.say(self.window.preferences.trouble, True, PREFERENCES)
         self.actions = (
             ActionSpec("preferences", "Edit", "&Preferences…", "Change the settings of the program.", self.show,
                        "Ctrl+,", gap=True),

@@ -44,8 +44,7 @@ class ObjectsFeature(Feature):
         Keys(area.canvas, self.take_key)
         area.canvas.pointer.doubled.connect(self._open)
         self.panel.table.zoom_wanted.connect(area.zoom_to_selection)
-        for changed in (area.tool_changed, session.image_changed):
-            changed.connect(lambda: self.panel.show_brush(area.canvas.hold.tool.name == "mend"))
+        area.tool_changed.connect(lambda: self.panel.brush.setVisible(area.canvas.hold.tool.name == "mend"))
         area.canvas.pointed.connect(lambda at: objects.hover(None) if at is None else None)
         for changed in (objects.selection_changed, objects.brush_changed):
             changed.connect(lambda *_: window.refresh())
@@ -100,12 +99,16 @@ class ObjectsFeature(Feature):
                        when=lambda _: any(not item.contour.closed for item in window.workspace.review.chosen)),
             ActionSpec("fill_between", "Objects", "Fill &between slices",
                        "Fill the slices between those in which the selected object has been painted.",
-                       objects.fill_between, "Shift+I", there=has_volume,
+                       objects.fill_between, "Shift+I", short=tr("Fill gaps"), there=has_volume,
                        when=lambda _: len(objects.items) == 1 and not objects.items[0].frozen),
             ActionSpec("paint_in_space", "Objects", "&Paint in space",
                        "Paint balls through all slices with the brush, or disks in one slice.",
-                       lambda: objects.set_way(ball=not objects.ball), "Shift+J", there=has_volume,
+                       partial(objects.turn_brush, "ball"), "Shift+J", short=tr("In space"), there=has_volume,
                        holds=lambda _: objects.ball),
+            ActionSpec("paint_over", "Objects", "Paint &over others",
+                       "Take what the brush goes over from other objects that are not frozen, or leave it to them.",
+                       partial(objects.turn_brush, "over_others"), short=tr("Over others"), there=has_volume,
+                       holds=lambda _: objects.over_others),
             ActionSpec("objects_alike", "Objects", "All li&ke this", "Find all objects like the selected one.",
                        lambda: selection.find_like(objects.items[0].number), "Ctrl+L",
                        when=lambda _: len(objects.items) == 1),

@@ -71,7 +71,6 @@ class RunControlFeature(Feature):
 
     def _keep_unfolded(self) -> None:
         self.window.preferences.put(_UNFOLDED, self.panel.unfolded)
-        self.session.post(run_call(None, Run.watch_energy, "plots" in self.panel.unfolded))
 
     def _show(self) -> None:
         running = is_running(self.session.situation)

@@ -21,7 +21,6 @@ from PySide6.QtGui import (
     QShowEvent,
 )
 from PySide6.QtWidgets import (
-    QCheckBox,
     QComboBox,
     QGridLayout,
     QHBoxLayout,
@@ -65,7 +64,7 @@ def _figure(get: Callable[[Figures], float | None]) -> Callable[[Row], float | N
     return lambda row: None if row.figures is None else get(row.figures)
 
 
-def _measure(get: Callable[[Measures], float | None]) -> Callable[[Row], float | None]:
+def _measure(get: Callable[[Measures], float | str | None]) -> Callable[[Row], float | str | None]:
     """A measure of a contour; None for an object."""
     return lambda row: None if row.contour is None else get(row.contour.measures)
 
@@ -321,7 +320,8 @@ _FILTERS: tuple[tuple[str, tuple[Kind, ...]], ...] = (
 )
 """What the table can be limited to."""
 
-BUTTONS = ("shrink", "enlarge", "split", "merge_objects", "objects_alike", "fill_between", "freeze_object")
+BUTTONS = ("shrink", "enlarge", "split", "merge_objects", "objects_alike", "freeze_object", "fill_between",
+           "paint_in_space", "paint_over")  # fmt: skip
 """Actions with a button, where there are such."""
 
 
@@ -347,16 +347,9 @@ class ObjectPanel(QWidget):
         self.brush = DecimalField(*BRUSH, suffix=" px")
         self.brush.setPrefix(tr("Brush") + " ")
         self.brush.setToolTip(tr("Radius of the brush; the keys [ and ] change it."))
+        self.brush.setVisible(False)
         self.brush.valueChanged.connect(object_list.set_brush)
-        self.ball = QCheckBox(tr("In space"))
-        self.ball.setToolTip(with_keys(tr("Paint balls through all slices, or disks in one ({key:paint_in_space}).")))
-        self.ball.clicked.connect(lambda on: object_list.set_way(ball=on))
-        self.over = QComboBox()
-        self.over.addItems([tr("Paint over all but frozen objects"), tr("Paint where no object is")])
-        self.over.setAccessibleName(tr("What is painted over"))
-        self.over.activated.connect(lambda at: object_list.set_way(over_others=at == 0))
-        self.show_brush(False)
-        object_list.brush_changed.connect(self._show_brush)
+        object_list.brush_changed.connect(self.brush.show_value)
         self.shown = QComboBox()
         self.shown.setAccessibleName(tr("Rows in the table"))
         self.shown.setToolTip(tr("Which rows the table shows."))
@@ -364,9 +357,8 @@ class ObjectPanel(QWidget):
         self.shown.currentIndexChanged.connect(lambda place: self.table.show_only(_FILTERS[place][1]))
         self.summary = wrapped(dim=True)
         row = arrange(QHBoxLayout(), self.summary, self.shown, spacing=6, wide=self.summary)
-        paint = arrange(QHBoxLayout(), self.brush, self.ball, spacing=6, wide=self.brush)
-        arrange(QVBoxLayout(self), self.name, self.figures, self.histogram, self._classes, self._grid, paint, self.over,
-                row, self.table, margins=(2, 6, 2, 6), spacing=6, wide=self.table)  # fmt: skip
+        arrange(QVBoxLayout(self), self.name, self.figures, self.histogram, self._classes, self._grid, self.brush, row,
+                self.table, margins=(2, 6, 2, 6), spacing=6, wide=self.table)  # fmt: skip
         session.image_changed.connect(lambda: self.name.setModified(False))  # what is typed names nothing of the next
         for changed in (object_list.changed, object_list.selection_changed, session.image_changed):
             changed.connect(self.show_chosen)
@@ -385,7 +377,7 @@ class ObjectPanel(QWidget):
         self.figures.setText(self._said(row) if row else "")
         counts = row.figures.counts if row is not None and row.figures is not None else ()
         self.histogram.show_counts(self._session.image, counts, color_of(self._list, row) if row else "")
-        self._show_brush()
+        self.brush.show_value(self._list.brush)
         self._show_classes()
         found = Counter(each.kind for each in self._list.rows)
         words: tuple[tuple[Kind, str, str], ...] = (
@@ -397,12 +389,6 @@ class ObjectPanel(QWidget):
         said = [one if found[kind] == 1 else many.format(count=found[kind]) for kind, one, many in words if found[kind]]
         nothing = with_keys(tr("Nothing yet. Click an object with the Objects tool ({key:objects}), or run."))
         self.summary.setText(", ".join(said) or nothing)
-
-    def show_brush(self, shown: bool) -> None:
-        """Show how the brush paints, or not, and in a volume whether in space and over what."""
-        in_volume = self._session.document.is_about_volume
-        for widget, there in ((self.brush, True), (self.ball, in_volume), (self.over, in_volume)):
-            widget.setVisible(shown and there)
 
     def ask_name(self, category: int) -> None:
         """Ask for the name of a class, or for 0 of the chosen row: in the table for several, or if it has the focus."""
@@ -441,11 +427,6 @@ class ObjectPanel(QWidget):
             button.setVisible(button in there)
         for place, button in enumerate(there):
             self._grid.addWidget(button, *divmod(place, 3))
-
-    def _show_brush(self) -> None:
-        self.brush.show_value(self._list.brush)
-        self.ball.setChecked(self._list.ball)
-        self.over.setCurrentIndex(0 if self._list.over_others else 1)
 
     def _show_classes(self) -> None:
         listed = listed_classes(self._list.objects)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from PySide6.QtCore import QSignalBlocker, Qt, Signal
+from PySide6.QtCore import QItemSelection, QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QKeyEvent
 from PySide6.QtWidgets import (
     QAbstractItemView,
     QCheckBox,
+    QComboBox,
     QHBoxLayout,
     QLabel,
     QPushButton,
@@ -18,9 +19,11 @@ from PySide6.QtWidgets import (
 
 from app.model.display.lengths import shown_in
 from app.model.display.page_rows import PageRow
+from app.model.display.plots import PageMetrics, plots_of_pages, plotted
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.session.features.stack_pages import StackPages
+from app.views.panels.run import Chart
 from app.views.panels.tables import Column, Index, Table, TableModel
 from app.views.widgets.containers import ENTER, arrange, wrapped
 from app.views.widgets.fields import PlaceBar
@@ -35,15 +38,12 @@ def _measured(get: Callable[[Measures], float | None]) -> Callable[[PageRow], fl
 
 
 COLUMNS: tuple[Column[PageRow], ...] = (
-    Column("page", tr("Page"), tr("Page of the stack; double-click to open it."), lambda row: row.page, "0000",
+    Column("page", tr("Page"), tr("Page of the stack; a click opens it."), lambda row: row.page, "0000",
            form=".0f"),
     Column("track", tr("Track"), tr("Number of the object, which it keeps from page to page."),
            lambda row: row.track or None, "0000", form=".0f"),
     Column("happens", tr("What happens"), tr("What happens to the object here, or why the page could not be used."),
            lambda row: row.happens, "splits off track 12"),
-    Column("kind", tr("Kind"), tr("Closed, or open with two ends."),
-           lambda row: None if row.measures is None else tr("closed") if row.measures.closed else tr("open"),
-           "closed"),
     Column("area", tr("Area [{unit}²]"), tr("Gross area, including contours inside."),
            _measured(lambda found: found.area_in_units if found.closed else None), "00,000,000", 2),
     Column("gray", tr("Mean gray"), tr("Mean gray value inside."), lambda row: row.gray, "000.0"),
@@ -59,21 +59,37 @@ COLUMNS: tuple[Column[PageRow], ...] = (
            _measured(lambda found: found.strength), "000.0"),
     Column("contrast", tr("Contrast"), tr("Contrast between both sides, 0 to 1."),
            _measured(lambda found: found.contrast), "0.00"),
+    Column("kind", tr("Kind"), tr("Closed, or open with two ends."),
+           lambda row: None if row.measures is None else tr("closed") if row.measures.closed else tr("open"),
+           "closed"),
 )  # fmt: skip
 """All columns in the order shown."""
 
 
 class PageTable(Table):
-    """Shows the rows; a double click or Enter goes to the contour of a row."""
+    """Shows the rows; a click or Enter goes to the object or contour of a row, if no other is selected too."""
 
     wanted = Signal(object)
-    """The user wants to see the contour of a row: a PageRow."""
+    """The user wants to see what a row is about: a PageRow."""
+    selected = Signal()
+    """Other rows are selected."""
 
     def __init__(self) -> None:
-        super().__init__(TableModel[PageRow](COLUMNS, key=id), "happens", tr("Contours on all pages"))
-        self.setSelectionMode(QAbstractItemView.SelectionMode.SingleSelection)
+        rows = TableModel[PageRow](COLUMNS, key=lambda row: (row.page, row.track, row.row, row.col))
+        super().__init__(rows, "happens", tr("Contours on all pages"))
+        self.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
         self.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
-        self.doubleClicked.connect(self._go)
+        self.clicked.connect(self._go)
+
+    @property
+    def chosen(self) -> tuple[PageRow, ...]:
+        """The selected rows."""
+        return tuple(self.rows.items[self.row_at(index)] for index in self.selectionModel().selectedRows())
+
+    def selectionChanged(self, selected: QItemSelection, deselected: QItemSelection) -> None:
+        """Report that other rows are selected."""
+        super().selectionChanged(selected, deselected)
+        self.selected.emit()
 
     def keyPressEvent(self, event: QKeyEvent) -> None:
         """Go to the contour of the row on Enter."""
@@ -83,20 +99,30 @@ class PageTable(Table):
             super().keyPressEvent(event)
 
     def _go(self, index: Index) -> None:
-        self.wanted.emit(self.rows.items[self.row_at(index)])
+        if len(self.chosen) < 2:
+            self.wanted.emit(self.rows.items[self.row_at(index)])
 
 
 class PagePanel(QWidget):
-    """Shows what was found on all pages of a stack; `show` goes to the contour of a row."""
+    """Shows what was found on all pages of a stack, and plots it; `show` goes to what a row is about."""
 
     def __init__(self, pages: StackPages, show: Callable[[PageRow], None]) -> None:
         super().__init__()
         self._pages = pages
+        self._plotted: tuple[tuple[int, ...], str] = ((), "")
         self.table, self.summary, self.export = PageTable(), wrapped(dim=True), QPushButton(tr("Export all pages…"))
+        self.kind, self.chart = QComboBox(), Chart((), tr("Plot over the pages"))
+        for name, title in (("objects", tr("Objects")), ("contours", tr("Contours"))):
+            self.kind.addItem(title, name)
         self.setFocusProxy(self.table)
-        arrange(QVBoxLayout(self), self.summary, self.export, self.table, margins=(4, 6, 4, 6), wide=self.table)
+        parts = self.summary, self.kind, self.export, self.table, self.chart
+        arrange(QVBoxLayout(self), *parts, margins=(4, 6, 4, 6), wide=self.table)
         self.table.wanted.connect(show)
+        self.table.selected.connect(self.show_plots)
+        self.chart.clicked.connect(lambda place: pages.open(round(place)))
+        self.kind.activated.connect(lambda _: pages.show_kind(self.kind.currentData()))
         pages.found.connect(self.show_rows)
+        pages.changed.connect(self.show_plots)
         self.show_rows()
 
     def show_rows(self) -> None:
@@ -106,6 +132,8 @@ class PagePanel(QWidget):
         size = shown_in((1.0, 1.0), None) if first is None else shown_in(first.spacing, first.unit)
         self.table.rows.update(self._pages.table[1], size)
         self.export.setEnabled(first is not None)
+        self.kind.setVisible(len(self._pages.tables) > 1)
+        self.show_plots()
         text = tr("No page of the stack has been run yet: run this page or all pages.")
         if found is not None and found.pages:
             text = tr("{done} of {count} pages finished; tracks: {tracks}.").format(
@@ -114,6 +142,18 @@ class PagePanel(QWidget):
             if failed := len(found.pages) - len(found.results):
                 text += " " + tr("{failed} could not be used.").format(failed=failed)
         self.summary.setText(text)
+
+    def show_plots(self) -> None:
+        """Plot the selected objects, or the first ones, over the pages."""
+        pages, (found, rows), size = self._pages, self._pages.table, self.table.rows
+        tracks = plotted(rows, {row.track for row in self.table.chosen if row.track})
+        area = tr("Area [{unit}²]").format(unit=size.unit)
+        if (tracks, area) != self._plotted:
+            self._plotted = tracks, area
+            self.chart.show_plots(plots_of_pages(tracks, area))
+        self.chart.setVisible(bool(tracks))
+        count = 0 if found is None else found.count
+        self.chart.show_metrics(PageMetrics.of(rows, count, pages.number, size.factor))
 
 
 class PageBar(PlaceBar):

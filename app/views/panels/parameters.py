@@ -18,7 +18,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.model.display.effects import FILTERS, GAP, FilterCounts, effects
+from app.model.display.effects import FILTERS, contours_left, effects
 from app.model.document import edits
 from app.model.document.document import Document
 from app.model.document.modes import acting_in, fresh_parameters
@@ -222,7 +222,6 @@ class ParametersPanel(QWidget):
     def __init__(self, session: Session, presets: QToolButton) -> None:
         super().__init__()
         self._session = session
-        self._counts = FilterCounts()
         self._contours: ReviewedContours = NO_CONTOURS
         self._length = 0.0
         """Length of all contours [px]."""
@@ -293,26 +292,23 @@ class ParametersPanel(QWidget):
 
     def _follow(self) -> None:
         """Show what the parameters change, and count the contours of the scene when they are others."""
-        scene, parameters = self._session.scene, self._session.document.parameters
+        scene = self._session.scene
         if scene.contours is not self._contours:
             self._contours = scene.contours
-            items, result = scene.contours.items, scene.contours.result
-            self._length = sum(item.measures.length for item in items)
-            moment = (self._session.generation, result.steps) if result is not None else None
-            thresholds = {name: float(getattr(parameters, name)) for name in FILTERS}
-            self._counts.update(moment, thresholds, [item.contour for item in items], [item.measures for item in items])
+            self._length = sum(item.measures.length for item in scene.contours.items)
             self._show_effects()
         state = None if scene.snapshot is None else scene.snapshot.state
         for name, words in effects(state, scene.document.parameters, self._length, scene.document.image).items():
             self.rows[name].show_effect(words)
 
     def _show_effects(self) -> None:
-        for name in (*FILTERS, GAP):
+        rows = [item.measures for item in self._contours.items]
+        for name in FILTERS:
             value = float(getattr(self._session.document.parameters, name))
-            self.rows[name].show_effect(self._counts.words(name, value, self._before.get(name)))
+            self.rows[name].show_effect(contours_left(rows, name, value, self._before.get(name)))
 
     def _hold(self, name: str, held: bool) -> None:
         """Remember the number of contours while a slider is held."""
-        self._before = {name: self._counts.present} if held else {}
+        self._before = {name: len(self._contours.items)} if held else {}
         if not held:
             self._show_effects()

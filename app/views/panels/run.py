@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import QEvent, QPoint, Qt, QTimer, Signal
-from PySide6.QtGui import QColor, QPalette
+from PySide6.QtGui import QColor, QPalette, QShowEvent
 from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout, QWidget
 
-from app.model.display.plots import PLOTS, RunMetrics, Series
+from app.model.display.plots import PLOTS, Metrics, Plot, RunMetrics
 from app.model.state.resolve import LEADING, Resolved
 from app.model.state.surface_figures import SURFACE
 from app.model.text.language import tr
@@ -73,42 +75,67 @@ class Numbers(QWidget):
             self._values[name] = value
 
 
-class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no types
-    """Plots the metrics of a run; made when they are shown first."""
+@dataclass(frozen=True, eq=False, slots=True)
+class _Drawn:
+    """A plot with its curves, and the steps at which a finer scale began."""
 
-    def __init__(self) -> None:
-        self._curves: list[tuple[Series, pg.PlotDataItem]] = []
-        self._scales: list[pg.VTickGroup] = []
-        """Where a finer scale began, in each plot."""
-        self._metrics: RunMetrics | None = None
+    plot: Plot
+    item: pg.PlotItem
+    curves: tuple[pg.PlotDataItem, ...]
+    scales: pg.VTickGroup
+
+
+class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no types
+    """Plots metrics over steps or pages."""
+
+    clicked = Signal(float)
+    """A place along the steps has been clicked."""
+
+    def __init__(self, plots: Sequence[Plot], name: str) -> None:
+        self._drawn: tuple[_Drawn, ...] = ()
+        self._plots = plots
         super().__init__()
+        self._metrics: Metrics | None = None
         self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        self.setAccessibleName(tr("Plot of the run over its steps"))
-        self.setMinimumHeight(_LOWEST_PLOT * len(PLOTS))
+        self.setAccessibleName(name)
+        self.scene().sigMouseClicked.connect(self._click)
         self.ci.setContentsMargins(0, 0, 0, 0)
         self.ci.setSpacing(0)
 
-    def show_metrics(self, metrics: RunMetrics | None) -> None:
-        """Show a run, or none."""
+    def show_metrics(self, metrics: Metrics | None) -> None:
+        """Show metrics, or none."""
         self._metrics = metrics = metrics if metrics is not None and len(metrics.step) else None
-        if not self._curves:
+        if metrics is not None and self._plots and not self._drawn:
             self._draw()
             return
-        for series, curve in self._curves:
-            if metrics is None:
-                curve.clear()
-            else:
-                curve.setData(metrics.step, np.asarray(series.of(metrics), float))
-        finer = [] if metrics is None else metrics.step[1:][np.diff(metrics.scale) != 0].tolist()
-        for scales in self._scales:
-            scales.setXVals(finer)
+        for drawn in self._drawn:
+            for series, curve in zip(drawn.plot.series, drawn.curves, strict=True):
+                if metrics is None:
+                    curve.clear()
+                else:
+                    values = np.asarray(series.of(metrics), float)
+                    known = np.isfinite(values) if drawn.plot.points else slice(None)
+                    curve.setData(metrics.step[known], values[known])
+            drawn.scales.setXVals([] if metrics is None else list(metrics.marks))
+
+    def show_plots(self, plots: Sequence[Plot]) -> None:
+        """Show these plots, once they are unfolded for the first time."""
+        self._plots = plots
+        if self._drawn or self.isVisible():
+            self._draw()
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Draw the plots."""
+        super().showEvent(event)
+        if not self._drawn:
+            self._draw()
 
     def _draw(self) -> None:
+        plots = self._plots
         self.clear()
-        self._curves, self._scales, first = [], [], None
-        pale = self._color(QPalette.ColorRole.PlaceholderText)
-        for row, plot in enumerate(PLOTS):
-            item = self.addPlot(row=row, col=0)
+        self._drawn = ()
+        for plot in plots:
+            item = self.addPlot(row=len(self._drawn), col=0)
             item.setToolTip(plot.tip)
             item.setMouseEnabled(False, False)
             item.setMenuEnabled(False)
@@ -117,39 +144,53 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
             item.setDownsampling(auto=True, mode="subsample")
             for side in ("left", "bottom"):
                 item.getAxis(side).setPen(self._color(QPalette.ColorRole.Mid))
-                item.getAxis(side).setTextPen(pale)
+                item.getAxis(side).setTextPen(self._color(QPalette.ColorRole.PlaceholderText))
             item.getAxis("left").setWidth(self.fontMetrics().horizontalAdvance("0000000"))
-            item.getAxis("bottom").setStyle(showValues=plot is PLOTS[-1])
+            item.getAxis("bottom").setStyle(showValues=plot is plots[-1])
+            pale = self._color(QPalette.ColorRole.PlaceholderText)
             if plot.kind == "from zero":
                 item.getViewBox().setLimits(yMin=0.0)
             if plot.line is not None:
                 item.addLine(y=float(np.log10(plot.line)), pen=pg.mkPen(pale, style=Qt.PenStyle.DashLine))
-            if first is None:
-                first = item
-            else:
-                item.setXLink(first)
+            if self._drawn:
+                item.setXLink(self._drawn[0].item)
             scales = pg.VTickGroup(yrange=(0.0, 1.0), pen=pg.mkPen(pale, style=Qt.PenStyle.DotLine))
             item.addItem(scales, ignoreBounds=True)
-            self._scales.append(scales)
-            titles = []
-            for series in plot.series:
-                # the darker of two colors on a light background, the brighter on a dark one
-                color = series.colors[self._color(QPalette.ColorRole.Base).lightness() < 128]
-                self._curves.append((series, item.plot(pen=pg.mkPen(color, width=1.4), connect="finite")))
-                titles.append(f"<span style='color: {color}'>{series.title}</span>")
+            pens = [pg.mkPen(self._series_color(series.colors), width=1.4) for series in plot.series]
+            curves = tuple(item.plot(pen=pen, connect="finite", symbol="o" if plot.points else None) for pen in pens)
+            for curve, pen in zip(curves, pens, strict=True):
+                curve.setSymbolBrush(pen.color())
+                curve.setSymbolPen(None)
+                curve.setSymbolSize(4)
+            self._drawn += (_Drawn(plot, item, curves, scales),)
+            titles = (
+                f"<span style='color: {self._series_color(series.colors)}'>{series.title}</span>"
+                for series in plot.series
+            )
             item.setTitle(" &nbsp; ".join(titles), size="8pt")
+        self.setMinimumHeight(_LOWEST_PLOT * max(len(plots), 1))
         self.setBackground(self._color(QPalette.ColorRole.Base))
         self.show_metrics(self._metrics)
+
+    def _click(self, event: Any) -> None:
+        if self._drawn:
+            place = self._drawn[0].item.getViewBox().mapSceneToView(event.scenePos()).x()
+            # later, as what follows may draw the plots anew, whose scene still handles the event
+            QTimer.singleShot(0, self, partial(self.clicked.emit, place))
 
     def changeEvent(self, event: QEvent) -> None:
         """Draw in the colors of another theme."""
         super().changeEvent(event)
-        if event.type() == QEvent.Type.PaletteChange and self._curves:
+        if event.type() == QEvent.Type.PaletteChange and self._drawn:
             # Later, since Qt is going through the items of the scene when it reports another palette.
             QTimer.singleShot(0, self, self._draw)
 
     def _color(self, role: QPalette.ColorRole) -> QColor:
         return QColor(self.palette().color(role))
+
+    def _series_color(self, colors: tuple[str, str]) -> str:
+        """The darker of two colors on a light background, the brighter on a dark one."""
+        return colors[self._color(QPalette.ColorRole.Base).lightness() < 128]
 
 
 class StatusPanel(QWidget):
@@ -187,7 +228,11 @@ class RunPanel(Scrolled):
     """A section has been folded or unfolded."""
 
     def __init__(self, parameters: ParametersPanel) -> None:
-        self.status, self.parameters, self.plot = StatusPanel(), parameters, Chart()
+        self.status, self.parameters, self.plot = (
+            StatusPanel(),
+            parameters,
+            Chart(PLOTS, tr("Plot of the run over its steps")),
+        )
         further = QWidget()
         arrange(QVBoxLayout(further), self.status.others, self.plot, spacing=4, wide=self.plot)
         self.plots = Section(tr("Numbers and plots"), further)

@@ -100,24 +100,20 @@ def _objects(
     )  # fmt: skip
     found = [each.selection for each in offered if isinstance(each.selection, VolumeSelection) and each.selection.found]
     return (
-        *(_colored(body, spacing, color) for body, color in shown if body is not None),
-        *(_colored(selection.surface, spacing, theme.PROPOSAL) for selection in found),
+        *(_colored(body, spacing, look().color(color)) for body, color in shown if body is not None),
+        *(_colored(selection.surface, spacing, look().color(theme.PROPOSAL)) for selection in found),
     )
 
 
 def _truth(truth: Truth | VolumeTruth | None, spacing: tuple[float, ...]) -> tuple[ColoredMesh, ...]:
-    return (_colored(truth.surface, spacing, theme.TRUTH),) if isinstance(truth, VolumeTruth) else ()
+    return (_colored(truth.surface, spacing, look().color(theme.TRUTH)),) if isinstance(truth, VolumeTruth) else ()
 
 
-def _colored(surface: Surface, spacing: tuple[float, ...], ink: Ink | str) -> ColoredMesh:
-    red, green, blue = _rgb(ink).tolist()
-    return _made(surface, spacing, (red, green, blue))
-
-
-@lru_cache(maxsize=64)
-def _made(surface: Surface, spacing: tuple[float, ...], color: tuple[int, int, int]) -> ColoredMesh:
+@lru_cache(maxsize=32)
+def _colored(surface: Surface, spacing: tuple[float, ...], color: str) -> ColoredMesh:
     """The same mesh as before, with its normals, while others change."""
-    return ColoredMesh(Mesh(replace(surface, spacing=spacing)), color)
+    shade = QColor(color)
+    return ColoredMesh(Mesh(replace(surface, spacing=spacing)), (shade.red(), shade.green(), shade.blue()))
 
 
 def _wires(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
@@ -218,8 +219,8 @@ class Actions(dict[str, QAction]):
 
 
 def _plain(text: str) -> str:
-    """A text without its mnemonic, which a menu may have moved."""
-    return text.replace("&", "")
+    """A text without its mnemonic, which a menu may have moved, and which Chinese and Japanese have in parentheses."""
+    return re.sub(r"\(&\w\)", "", text).replace("&", "")
 
 
 def add_choice(

@@ -1,4 +1,4 @@
-"""CSV: contours as tables for spreadsheets and statistics, one row a vertex or one row a contour, and shapes of napari.
+"""CSV: contours as tables for spreadsheets and statistics, one row a vertex or one row a contour.
 
 Provenance (`provenance.entries_of`) is in the last columns: ``program``, ``image``, its hash and so on; a line of its
 own would break programs that read tables.
@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from itertools import chain, groupby
 
 import numpy as np
@@ -19,7 +19,6 @@ from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.printable import cell, text_of_cell
 from cpm_core.formats.common.provenance import Outcome, entries_of, facts_of
 from cpm_core.formats.contours.contents import Contents
-from cpm_core.formats.contours.curves import ellipse
 from cpm_core.formats.images.resolution import in_ascii
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.pages.page import StackResult
@@ -28,7 +27,6 @@ Row = dict[str, object]
 """The cells of a row by the names of their columns."""
 
 _OWN = {"closed", "row", "col"}
-_NAPARI = {"index", "shape-type", "vertex-index"}
 
 
 def encode(result: Outcome) -> bytes:
@@ -232,8 +230,6 @@ def read(text: str, name: str) -> Contents:
     """Contours of a table with one vertex in each row."""
     rows = list(csv.DictReader(text.splitlines()))
     columns = set(rows[0] if rows else ())
-    if columns >= _NAPARI:
-        return _shapes(rows)
     number = "track" if "track" in columns and "contour" not in columns else "contour"
     missing = ({number} | _OWN) - columns
     if missing:
@@ -254,24 +250,4 @@ def read(text: str, name: str) -> Contents:
             color=first.get("color") or "",
             number=int(of) if of.strip().isdecimal() else 0,
         )
-    return found
-
-
-def _shapes(rows: Sequence[Mapping[str, str]]) -> Contents:
-    """Shapes of napari, whose last two axes are row and column."""
-    found = Contents()
-    axes = sorted((column for column in rows[0] if column.startswith("axis-")), key=lambda name: int(name[5:]))
-    for _, group in groupby(rows, key=lambda row: row["index"]):
-        vertices = list(group)
-        kind = vertices[0]["shape-type"].strip()
-        places = np.array([[float(row[axis]) for axis in axes] for row in vertices])
-        page = 1 + round(places[0, -3]) if len(axes) > 2 else 0
-        corners = places[:, -2:]
-        if kind == "ellipse":
-            center = corners.mean(axis=0)
-            corners = ellipse(center, 0.5 * (corners[1] - corners[0]), 0.5 * (corners[2] - corners[1]))
-        if kind in ("ellipse", "rectangle", "polygon", "path", "line"):
-            found.add(corners, kind not in ("path", "line"), page=page)
-        else:
-            found.left_out[f"shape of the kind {kind}"] += 1
     return found

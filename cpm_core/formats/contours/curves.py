@@ -14,29 +14,23 @@ _NEAR = 0.005
 """Largest distance of the vertices' line from the curve [unit of the file; px in most]."""
 
 _MOST = 2000
-"""Most vertices of one arc or curve."""
+"""Most vertices of one curve."""
 
 _FEWEST = 128
-"""Fewest vertices of a whole ellipse."""
+"""Fewest vertices of an ellipse."""
 
 
 def ellipse(
     center: Sequence[float] | Array,
     first: Sequence[float] | Array,
     second: Sequence[float] | Array,
-    start: float = 0.0,
-    sweep: float = 2.0 * math.pi,
 ) -> Array:
-    """Vertices of an ellipse with two half axes as vectors, shape (K, 2).
-
-    From the angle `start` over `sweep`, both ends included; the end of a whole ellipse is left out.
-    """
+    """Vertices of an ellipse with two half axes as vectors, shape (K, 2)."""
     one, other = np.asarray(first, dtype=float), np.asarray(second, dtype=float)
     radius = max(float(np.linalg.norm(one)), float(np.linalg.norm(other)), _NEAR)
     turn = 2.0 * math.acos(1.0 - min(_NEAR / radius, 0.5))
-    count = int(min(_MOST, max(_FEWEST * abs(sweep) / (2.0 * math.pi), abs(sweep) / turn, 1.0))) + 1
-    whole = abs(sweep) >= 2.0 * math.pi - 1e-9
-    angle = start + sweep * np.arange(count + (not whole)) / count
+    count = int(min(_MOST, max(_FEWEST, 2.0 * math.pi / turn))) + 1
+    angle = 2.0 * math.pi * np.arange(count) / count
     return np.asarray(center, dtype=float) + np.outer(np.cos(angle), one) + np.outer(np.sin(angle), other)
 
 

@@ -54,11 +54,11 @@ def with_run(session: SessionFile, recorder: Recorder, name: str = "Run 1") -> S
     action |= regions_to_plain(regions)
     bare = replace(session, image=None, marks=(), view={}, extra={}, hand_edits=(), runs={}, truth=None)
     branch = {
-        "number": _BRANCH,
+        "identity": _BRANCH,
         "name": name,
-        "named": False,
         "parent": None,
         "first": 0,
+        "last": state.step,
         "steps": [[[], 1], [[0], state.step]],
         "scales": [list(scale) for scale in recorder.scales],
     }
@@ -78,7 +78,7 @@ def shown_state(session: SessionFile, image: Image) -> tuple[State, Parameters] 
     runs = session.runs
     try:
         number, step = runs["here"]
-        run, branch = next((run, one) for run in runs["runs"] for one in run["branches"] if one["number"] == number)
+        run, branch = next((run, one) for run in runs["runs"] for one in run["branches"] if one["identity"] == number)
         plain = next(one["state"] for one in runs["states"] if (one["branch"], one["step"]) == (number, step))
         first = decode(json.dumps(run["document"]).encode(), "the beginning of a run").parameters
         begins = np.cumsum([branch["first"], *(count for _, count in branch["steps"])])

@@ -13,7 +13,6 @@ from cpm_core.objects.methods.comparison import (
     moments,
     result_of,
     run_method,
-    runnable,
 )
 from cpm_core.objects.methods.method import AnyMethod, ContourMethod, ContourState, Settings, Start
 
@@ -31,5 +30,4 @@ __all__ = [
     "moments",
     "result_of",
     "run_method",
-    "runnable",
 ]

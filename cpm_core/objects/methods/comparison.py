@@ -12,10 +12,8 @@ import numpy as np
 
 from cpm_core.contours.agreement import compare
 from cpm_core.contours.contour import Contour, sampled
-from cpm_core.contours.ground_truth import Truth, VolumeTruth
+from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.result import Result
-from cpm_core.contours.surface import Surface
-from cpm_core.contours.surface_agreement import compare_surface
 from cpm_core.field.edge_map import edge_map
 from cpm_core.field.interpolation import interpolate
 from cpm_core.image.image import Image, as_image
@@ -48,11 +46,6 @@ _ALL = (
 
 CONTOUR_METHODS: Mapping[str, AnyMethod] = MappingProxyType({method.name: method for method in _ALL})
 """All methods that can be compared, by name. A new one is a function with its settings, and a line above."""
-
-
-def runnable(ndim: int = 2) -> tuple[str, ...]:
-    """Names of the methods for images, or for volumes, which have three axes."""
-    return tuple(name for name, method in CONTOUR_METHODS.items() if ndim == 2 or method.in_volumes)
 
 
 FIRST = ("cpm", "gvf", "geodesic", "chan_vese")
@@ -132,11 +125,8 @@ def moments(method: AnyMethod, image: Image, start: Start, settings: Any = None)
             f"the settings are {shown(settings)} but must be {method.settings.__name__}, those of {method.title}."
         )
     image = as_image(image)
-    if image.ndim == 3 and not method.in_volumes:
-        raise ValueError(f"{image.source} is a volume, but {method.title} is for images: choose another method.")
-    if image.ndim != start.ndim:
-        wanted = "spheres, Start((), spheres=(...,))" if image.ndim == 3 else "outlines, Start((outline,))"
-        raise ValueError(f"The start does not fit {image.source}, which has {image.ndim} axes: give {wanted}.")
+    if image.ndim == 3:
+        raise ValueError(f"{image.source} is a volume, but methods are compared in images: take a slice of it.")
     began, seconds = time.perf_counter(), 0.0
     for state in method.evolve(image, start, settings):
         seconds += time.perf_counter() - began
@@ -185,14 +175,13 @@ class Facts:
     stop_reason : str
         Why it ended.
     contours : int
-        Number of contours, in a volume of parts of the surface.
+        Number of contours.
     closed : int
-        Number of closed ones among them, which alone have an area that overlaps another; in a volume all, if the
-        surface is closed.
+        Number of closed ones among them, which alone have an area that overlaps another.
     dice, f : float or None
         Overlap of the areas, and agreement of the boundaries up to a tolerance.
     hausdorff, mean_distance : float or None
-        Largest and mean distance of the boundaries [px], in a volume in the unit of its voxels.
+        Largest and mean distance of the boundaries [px].
 
     Examples
     --------
@@ -222,7 +211,7 @@ class Facts:
         return described("Facts", self.method, steps, f"{self.seconds:.3g} s", contours, agreed)
 
 
-def facts_of(moment: Moment, truth: Truth | VolumeTruth | None = None) -> Facts:
+def facts_of(moment: Moment, truth: Truth | None = None) -> Facts:
     """The report on a moment of a run, with its agreement with a ground truth where one is known.
 
     Examples
@@ -234,19 +223,20 @@ def facts_of(moment: Moment, truth: Truth | VolumeTruth | None = None) -> Facts:
     """
     if not isinstance(moment, Moment):
         raise ValueError(f"the moment is {shown(moment)} but must be one of a run: take those of `moments`.")
-    state, surface = moment.state, moment.state.surface
-    contours, closed = len(state.contours), sum(contour.closed for contour in state.contours)
-    if surface is not None:
-        contours = surface.components
-        closed = contours if surface.closed else 0
-    facts = Facts(moment.method.name, state.step, moment.seconds, state.converged, state.stop_reason, contours, closed)
+    state = moment.state
+    closed = sum(contour.closed for contour in state.contours)
+    facts = Facts(
+        moment.method.name,
+        state.step,
+        moment.seconds,
+        state.converged,
+        state.stop_reason,
+        len(state.contours),
+        closed,
+    )
     if truth is None:
         return facts
-    if isinstance(truth, VolumeTruth):
-        sized = None if surface is None else replace(surface, spacing=truth.spacing, unit=truth.unit)
-        seen: Any = compare_surface(sized, truth)
-    else:
-        seen = compare(state.contours, truth)
+    seen = compare(state.contours, truth)
     return replace(facts, dice=seen.dice, f=seen.f, hausdorff=seen.hausdorff, mean_distance=seen.mean_boundary_distance)
 
 
@@ -254,10 +244,8 @@ _SMOOTHING = 1.0
 """Width of the Gaussian before the edge strength along the contours is taken [px]."""
 
 
-def result_of(
-    facts: Facts, contours: Sequence[Contour], image: Image, start: Start, settings: Any, surface: Surface | None = None
-) -> Result:
-    """The contours that a method has found, or its surface, as a result, for everything that takes one.
+def result_of(facts: Facts, contours: Sequence[Contour], image: Image, start: Start, settings: Any) -> Result:
+    """The contours that a method has found as a result, for everything that takes one.
 
     The contours have numbers from 1 and the mean edge strength along them; there are no particles.
     """
@@ -266,15 +254,14 @@ def result_of(
     for number, contour in enumerate(contours, start=1):
         mean = float(interpolate(strength[None], sampled([contour])).mean())
         numbered.append(replace(contour, number=number, strength=mean))
-    shapes: list[dict[str, Any]] = [{"shape": "polygon", "points": outline.tolist()} for outline in start.outlines]
-    shapes += [{"shape": "sphere", "center": center, "radius": radius} for *center, radius in start.spheres]
+    shapes = tuple({"shape": "polygon", "points": outline.tolist()} for outline in start.outlines)
     made = Provenance(
-        facts.method, asdict(settings), None, tuple(shapes), sha256=image.sha256, of_file=bool(image.file_sha256)
+        facts.method, asdict(settings), None, shapes, sha256=image.sha256, of_file=bool(image.file_sha256)
     )
     return Result(
-        particles=np.empty((0, image.ndim)),
+        particles=np.empty((0, 2)),
         contours=tuple(numbered),
-        surface=None if surface is None else replace(surface, spacing=image.spacing, unit=image.unit),
+        surface=None,
         steps=facts.steps,
         converged=facts.converged,
         stop_reason=facts.stop_reason,

@@ -18,11 +18,8 @@ from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.rasterize import check_plane
-from cpm_core.contours.surface import Surface
 from cpm_core.field.edge_map import edge_map
 from cpm_core.image.image import Image
-from cpm_core.model.volume.starts import sphere
-from cpm_core.numerics.grids import zero_surface
 from cpm_core.numerics.polyline import resampled
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Mask
@@ -47,52 +44,31 @@ class Start:
         Corners (row, col) [px]; the last is joined to the first, which is not repeated.
     around : bool
         Whether the start lies around the objects, so that what drives a contour on must drive it inwards.
-    spheres : tuple of (float, float, float, float)
-        In a volume, in place of outlines: center (plane, row, col) [voxels] and radius [smallest side of a voxel].
-    sides : tuple of float
-        Sides of a voxel along (plane, row, col) in units of the smallest.
 
     Raises
     ------
     ValueError
-        When there are neither outlines nor spheres, or both, an outline has fewer than three corners or corners at no
-        usable place, or a sphere is not three places and a radius above 0.
+        When there are no outlines, or one has fewer than three corners or corners at no usable place.
 
     Examples
     --------
     >>> start = cpm.Start((cpm.circle((32, 32), 8),))
     >>> start
     <Start 1 outline, inside the objects>
-    >>> start.ndim, cpm.Start((), spheres=((15, 15, 15, 4),)).ndim
-    (2, 3)
     >>> start.onward, start.points.shape, len(start.curves(4.0)), int(start.mask((64, 64)).sum())
     (1.0, (26, 2), 1, 194)
     """
 
     outlines: tuple[Array, ...]
     around: bool = False
-    spheres: tuple[tuple[float, float, float, float], ...] = ()
-    sides: tuple[float, float, float] = (1.0, 1.0, 1.0)
 
     def __post_init__(self) -> None:
         if not isinstance(self.outlines, Iterable):
             raise ValueError(f"outlines is {shown(self.outlines)} but must be a sequence of outlines.")
         made = tuple(real_numbers(outline) for outline in self.outlines)
-        several: Any = self.spheres
-        several = tuple(several) if isinstance(several, Iterable) else (several,)
-        object.__setattr__(self, "spheres", several)
         object.__setattr__(self, "outlines", made)
-        if several and made:
-            raise ValueError("A start has outlines in an image or spheres in a volume, not both: leave one out.")
-        if not several and not made:
+        if not made:
             raise ValueError("There is no start: draw a circle, an ellipse or a polygon, from which all methods begin.")
-        for given in several:
-            numbers = real_numbers(given)
-            if numbers.shape != (4,) or not (np.abs(numbers) <= _FARTHEST).all() or numbers[3] <= 0.0:
-                raise ValueError(
-                    f"A sphere is {shown(given)} but must be plane, row, column and a radius above 0, none beyond "
-                    f"{_FARTHEST:g} voxels."
-                )
         for outline in made:
             if not (np.abs(outline) <= _FARTHEST).all():
                 raise ValueError(f"A corner of the start is not within {_FARTHEST:g} px: choose one in the image.")
@@ -103,20 +79,13 @@ class Start:
                 )
 
     @property
-    def ndim(self) -> int:
-        """Number of axes of what it is a start in: 2 for an image, 3 for a volume."""
-        return 3 if self.spheres else 2
-
-    @property
     def onward(self) -> float:
         """Sign of a pressure that drives a contour on: 1 outwards, from inside the objects, -1 inwards."""
         return -1.0 if self.around else 1.0
 
     @cached_property
     def points(self) -> Array:
-        """Points every `SPACING` along the outlines, shape (N, 2) [px]; on spheres, evenly spread, shape (N, 3)."""
-        if self.spheres:
-            return np.concatenate([sphere((p, r, c), radius, spacing=self.sides) for p, r, c, radius in self.spheres])
+        """Points every `SPACING` along the outlines, shape (N, 2) [px]."""
         return np.concatenate(self.curves(SPACING))
 
     def curves(self, spacing: float) -> tuple[Array, ...]:
@@ -125,16 +94,9 @@ class Start:
         return tuple(resampled(outline, spacing)[:-1] for outline in closed)
 
     def mask(self, shape: tuple[int, ...]) -> Mask:
-        """The pixels inside one outline at least, shape (H, W); an outline that lies within others bounds a hole.
-
-        Of spheres the voxels in one at least, shape (P, H, W).
-        """
+        """The pixels inside one outline at least, shape (H, W); an outline that lies within others bounds a hole."""
+        check_plane(shape)
         found = np.zeros(shape, bool)
-        for *center, radius in self.spheres:
-            axes = zip(np.ogrid[tuple(map(slice, shape))], center, self.sides, strict=True)
-            found |= sum((side * (at - middle)) ** 2 for at, middle, side in axes) <= radius**2
-        if self.outlines:
-            check_plane(shape)
         masks = (skimage.draw.polygon2mask(shape, outline) for outline in self.outlines)  # type: ignore[no-untyped-call]
         different = {mask.tobytes(): mask for mask in masks}.values()  # a line that is drawn twice bounds no hole
         for mask in sorted(different, key=np.count_nonzero, reverse=True):
@@ -143,9 +105,10 @@ class Start:
 
     def __repr__(self) -> str:
         where = "around the objects" if self.around else "inside the objects"
-        what = counted(len(self.spheres), "sphere") if self.spheres else counted(len(self.outlines), "outline")
-        return described("Start", what, where)
+        return described("Start", counted(len(self.outlines), "outline"), where)
 
+
+Contours = tuple[Contour, ...]
 
 Span = tuple[float, float]
 """Lowest and highest value."""
@@ -219,10 +182,6 @@ def distance_of(inside: Mask) -> Array:
     return np.where(inside, edt(inside) - 0.5, 0.5 - edt(~inside))
 
 
-Found = tuple[tuple[Contour, ...], Surface | None]
-"""Contours, and in a volume a surface."""
-
-
 @dataclass(frozen=True, eq=False)
 class ContourState:
     """A moment of the run of any method.
@@ -232,65 +191,53 @@ class ContourState:
     step : int
         Number of steps so far.
     find : callable
-        Computes the contours, and the surface of a volume.
+        Computes the contours.
     stop_reason : str
         Why the run ended, in words; empty while it continues.
     converged : bool
         Whether it ended because nothing moved any more.
-    points : ndarray, shape (N, 2) [px] or (N, 3) [voxels]
-        Particles; empty for a method that has none.
+    points : ndarray, shape (N, 2)
+        Particles [px]; empty for a method that has none.
 
     Examples
     --------
     >>> method = cpm.CONTOUR_METHODS["chan_vese"]
     >>> start = cpm.Start((cpm.circle((32, 32), 8),))
     >>> state = next(method.evolve(cpm.example("disk"), start, method.settings()))
-    >>> state.step, state.stop_reason, state.converged, len(state.contours), state.surface, len(state.points)
-    (0, '', False, 1, None, 0)
+    >>> state.step, state.stop_reason, state.converged, len(state.contours), len(state.points)
+    (0, '', False, 1, 0)
     """
 
     step: int
-    find: Callable[[], Found]
+    find: Callable[[], Contours]
     stop_reason: str = ""
     converged: bool = False
     points: Array = field(default_factory=lambda: np.empty((0, 2)))
 
     @cached_property
-    def _found(self) -> Found:
-        return self.find()
-
-    @property
-    def contours(self) -> tuple[Contour, ...]:
+    def contours(self) -> Contours:
         """The contours [px], computed when they are asked for."""
-        return self._found[0]
-
-    @property
-    def surface(self) -> Surface | None:
-        """The surface in a volume, computed when it is asked for; None in an image."""
-        return self._found[1]
+        return self.find()
 
 
 def region_state(
     values: NDArray[Any], level: float, step: int, stop_reason: str = "", converged: bool = False
 ) -> ContourState:
-    """The state of a function on pixels or voxels that is above a level inside."""
+    """The state of a function on pixels that is above a level inside."""
     return ContourState(step, partial(boundary, values, level), stop_reason, converged)
 
 
-def boundary(values: NDArray[Any], level: float) -> Found:
-    """What bounds the pixels of a function, shape (H, W) or (P, H, W), that lie above a level.
+def boundary(values: NDArray[Any], level: float) -> Contours:
+    """What bounds the pixels of a function, shape (H, W), that lie above a level.
 
-    Contours are closed, also at the border of the image, and the longest is the first; a surface has voxels of sides 1.
+    Contours are closed, also at the border of the image, and the longest is the first.
     """
     inside = np.asarray(values, dtype=float) - level
     rimmed = np.pad(inside, 1, constant_values=-max(float(np.abs(inside).max(initial=0.0)), 1e-9))
     last = np.array(values.shape) - 0.5
-    if values.ndim == 3:
-        vertices, faces = zero_surface(rimmed.astype(np.float32))
-        return (), Surface(np.clip(vertices - 1.0, -0.5, last), faces)
     lines = skimage.measure.find_contours(rimmed, 0.0)  # type: ignore[no-untyped-call]
     rings = (np.clip(line[:-1] - 1.0, -0.5, last) for line in lines if len(line) > _LEAST_CORNERS)
-    return tuple(sorted((Contour(ring, closed=True) for ring in rings), key=lambda contour: -contour.length)), None
+    return tuple(sorted((Contour(ring, closed=True) for ring in rings), key=lambda contour: -contour.length))
 
 
 _EVERY, _REST = 40, 0.002
@@ -310,7 +257,7 @@ def until_at_rest(functions: Iterable[NDArray[Any]], level: float, most_steps: i
         elif step >= most_steps:
             reason = f"stopped after {step} steps"
         elif step % _EVERY == 0:
-            front = sum(np.diff(inside, axis=axis).sum() for axis in range(inside.ndim))
+            front = sum(np.diff(inside, axis=axis).sum() for axis in range(2))
             at_rest = before is not None and bool((inside != before).sum() <= _REST * front)
             reason, before = "the contour is at rest" if at_rest else "", inside
         yield region_state(values, level, step, reason, at_rest)
@@ -342,8 +289,6 @@ class ContourMethod(Generic[S]):
         `stop_reason`. A later state never changes an earlier one.
     most_steps : int
         Steps after which a run that is not at rest is ended.
-    in_volumes : bool
-        Whether it finds surfaces in volumes as well.
     preset : settings, optional
         Its settings unless others are given; those of the class by default.
 
@@ -361,7 +306,6 @@ class ContourMethod(Generic[S]):
     settings: type[S]
     evolve: Callable[[Image, Start, S], Iterator[ContourState]]
     most_steps: int
-    in_volumes: bool = False
     preset: S | None = None
 
     @property

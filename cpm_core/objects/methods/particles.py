@@ -10,7 +10,7 @@ import numpy as np
 
 from cpm_core.image.image import Image
 from cpm_core.image.pyramid import most_scales
-from cpm_core.objects.methods.method import SPACING, ContourMethod, ContourState, Found, Start
+from cpm_core.objects.methods.method import SPACING, ContourMethod, Contours, ContourState, Start
 from cpm_core.objects.partition import partition
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.segmentation.engine import Engine
@@ -23,7 +23,7 @@ def _states(
     image: Image,
     start: Start,
     parameters: Parameters,
-    find: Callable[[Evolved], Found] = lambda moment: (moment.contours, moment.surface),
+    find: Callable[[Evolved], Contours] = lambda moment: moment.contours,
 ) -> Iterator[ContourState]:
     """States of a run, which ends after `MOST_STEPS` at the latest."""
     chosen = replace(parameters, scales=min(parameters.scales, most_scales(image.shape)))
@@ -38,12 +38,12 @@ def _states(
 
 
 def _evolve_to_object(image: Image, start: Start, parameters: Parameters) -> Iterator[ContourState]:
-    def boundaries(moment: Evolved) -> Found:
+    def boundaries(moment: Evolved) -> Contours:
         """The closed boundaries of what is proposed for each outline of the start, joined where these overlap."""
         cut = partition(moment.result)
         chosen = [cut.select(outline) for outline in start.curves(SPACING)]
         whole = chosen[0] if len(chosen) == 1 else cut.selection_of(np.any([one.mask for one in chosen], axis=0))
-        return whole.contours, None
+        return whole.contours
 
     return _states(image, start, parameters, boundaries)
 
@@ -56,7 +56,6 @@ PARTICLES = ContourMethod(
     Parameters,
     _states,
     MOST_STEPS,
-    in_volumes=True,
 )
 
 PROPOSED_OBJECT = ContourMethod(

@@ -183,7 +183,6 @@ MORPHOLOGICAL_GAC = ContourMethod(
     MorphologicalGacSettings,
     morph_gac,
     _MORPHOLOGICAL_STEPS,
-    in_volumes=True,
 )
 
 MORPHOLOGICAL_CHAN_VESE = ContourMethod(
@@ -194,7 +193,6 @@ MORPHOLOGICAL_CHAN_VESE = ContourMethod(
     MorphologicalChanVeseSettings,
     morph_chan_vese,
     _MORPHOLOGICAL_STEPS,
-    in_volumes=True,
 )
 
 
@@ -234,11 +232,11 @@ def seeds(start: Start, shape: tuple[int, ...], settings: RandomWalkerSettings) 
     """
     inside = start.mask(shape)
     rim = np.ones(shape, dtype=bool)
-    rim[(slice(1, -1),) * len(shape)] = False
+    rim[1:-1, 1:-1] = False
     outer = rim if settings.margin == 0.0 else scipy.ndimage.distance_transform_edt(~inside) >= settings.margin
     if start.around:
         outer = rim | ~inside
-        depth = scipy.ndimage.distance_transform_edt(np.pad(inside, 1))[(slice(1, -1),) * len(shape)]
+        depth = scipy.ndimage.distance_transform_edt(np.pad(inside, 1))[1:-1, 1:-1]
         inside &= depth >= settings.depth * depth.max()
     return np.where(inside, _OBJECT_SEED, np.where(outer, _BACKGROUND_SEED, 0)).astype(np.int32)
 
@@ -252,7 +250,7 @@ def random_walk(image: Image, start: Start, settings: RandomWalkerSettings) -> I
         if not (labels == label).any():
             yield region_state(inside, 0.5, 1, f"there are no seeds of the {what}")
             return
-    mode = "bf" if labels.ndim == 2 and labels.size <= _DIRECT else "cg_j"
+    mode = "bf" if labels.size <= _DIRECT else "cg_j"
     found = skimage.segmentation.random_walker(unit_gray(image), labels, settings.beta, mode, prob_tol=_NO_WARNING)
     yield region_state(found == _OBJECT_SEED, 0.5, 1, "all pixels have been decided", converged=True)
 
@@ -265,5 +263,4 @@ RANDOM_WALKER = ContourMethod(
     RandomWalkerSettings,
     random_walk,
     1,
-    in_volumes=True,
 )

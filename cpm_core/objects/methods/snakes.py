@@ -25,7 +25,6 @@ from cpm_core.numerics.types import Array
 from cpm_core.objects.methods.method import (
     ContourMethod,
     ContourState,
-    Found,
     Settings,
     Start,
     number,
@@ -172,10 +171,7 @@ def evolution(
 
 
 def _state(step: int, curves: tuple[Array, ...], reason: str = "", at_rest: bool = False) -> ContourState:
-    def find() -> Found:
-        return tuple(Contour(curve, closed=True) for curve in curves), None
-
-    return ContourState(step, find, reason, at_rest)
+    return ContourState(step, lambda: tuple(Contour(curve, closed=True) for curve in curves), reason, at_rest)
 
 
 def _evened(curve: Array) -> Array:

@@ -8,7 +8,7 @@ means and deviations of both around it (local regions: Lankton and Tannenbaum 20
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from itertools import combinations
@@ -16,9 +16,10 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy
+import skimage
 
 from cpm_core.numerics.parallel import share
-from cpm_core.numerics.types import Array, Index, Mask, Single
+from cpm_core.numerics.types import Array, Mask, Single
 from cpm_core.objects.prior.cubes import Cube, Grays, resampled
 from cpm_core.objects.prior.network import Network, trained
 from cpm_core.objects.prior.prior import maps_of
@@ -33,6 +34,9 @@ _AROUND, _CLOSEST = 1.35, 24.0
 
 _WIDER, _TURNS = 1.4, 4
 """How much wider a cube becomes whose sides a body touches, and how often it does at most."""
+
+_OTHER_SIZE = 1.5
+"""Ratio of volumes from which two bodies around a place are different ones."""
 
 _EVERY = 6
 """Every so manieth slice is asked; between two of them logits are interpolated."""
@@ -59,11 +63,23 @@ count [logits]."""
 _FEW = np.float32(1e-3)
 """What the gray levels of one side count where none of it is near, as a share of where all is."""
 
+_AGAIN = 2.0
+"""What an opinion counts that a place has led to, more than gray levels do, as a multiple of that at first."""
+
 _COARSE = 4
 """Steps along each side of the blocks in which gray levels are measured."""
 
-_PLACE, _NEAR = 8.0, 3.0
+_PLACE, _NEAR = 8.0, 1.5
 """What a click counts [logits], and the deviation of the Gaussian within which it does [steps]."""
+
+_BESIDE = 1.5
+"""Distance from the boundary up to which a place moves no more than that [smallest sides of a voxel]."""
+
+_IN, _OUT = 1, 2
+"""Numbers of basins."""
+
+_AS_STRONG, _WIDEST_NECK = 0.5, 3
+"""Least edge strength around what edges add to a body, in that of its boundary; and half the widest neck [steps]."""
 
 _OTHERS = ((1, 2), (0, 2), (0, 1))
 """The axes of a slice across each axis."""
@@ -85,10 +101,20 @@ class Body:
     opinion: Single
     logits: Single
 
-    def holds(self, place: Array) -> bool:
-        """Whether a place, shape (3,), lies in it."""
+    @property
+    def size(self) -> float:
+        """Its volume [smallest sides of a voxel, cubed]."""
+        return float(np.count_nonzero(self.logits > 0.0)) * self.cube.scale**3
+
+    def logit(self, place: Array) -> float:
+        """How surely a place, shape (3,), lies in it: above 0 it does."""
         step = self.cube.steps(place)[:, None]
-        return bool(scipy.ndimage.map_coordinates(self.logits, step, order=1, cval=-FAR)[0] > 0.0)
+        return float(scipy.ndimage.map_coordinates(self.logits, step, order=1, cval=-FAR)[0])
+
+
+def is_other(size: float, other: float) -> bool:
+    """Whether two bodies around a place are different ones, by their volumes."""
+    return max(size, other) > _OTHER_SIZE * min(size, other)
 
 
 def body_of(mask: Mask, size: Array) -> Body:
@@ -105,11 +131,16 @@ def body_of(mask: Mask, size: Array) -> Body:
 
 
 class _Slice(NamedTuple):
-    """A slice of a cube that the network is asked about: the axis across, the step there, and the answer so far."""
+    """A slice of a cube that the network is asked about: the axis across, the step there, and the answer so far.
+
+    What the slice next to it has added, or has taken away, is in `more` or `less`.
+    """
 
     axis: int
     step: int
     before: Single
+    more: Mask | None = None
+    less: Mask | None = None
 
 
 class _Asked(NamedTuple):
@@ -147,9 +178,26 @@ class BodyPrior:
     size: Array
     network: Network = field(default_factory=trained)
 
-    def body_at(self, place: Array) -> Body:
-        """The body that a place, shape (3,), lies in."""
-        cube, seen = self._first(place)
+    def bodies_at(self, place: Array) -> Iterator[Body]:
+        """The bodies of different sizes that a place, shape (3,), may lie in, the most plausible one first.
+
+        Those come last that would leave out the place if it had not been said to be inside, such as a head around a
+        place in its ventricles.
+        """
+        sizes: list[float] = []
+        forced = []
+        for cube, seen in self._looks(place):
+            body = self._body(place, *self._closer(cube, seen, place))
+            if all(is_other(body.size, one) for one in sizes):
+                sizes.append(body.size)
+                if body.logit(place) > _PLACE:
+                    yield body
+                else:
+                    forced.append(body)
+        yield from forced
+
+    def _body(self, place: Array, cube: Cube, seen: list[Single]) -> Body:
+        """The body that a place lies in, and of which the slices of a cube through it show so much."""
         for turn in range(_TURNS):
             within = self._within(cube, place[None], np.empty((0, 3)))
             if turn == 0:
@@ -167,7 +215,16 @@ class BodyPrior:
         while True:
             before = Body(cube, cube.of(body.cube, body.opinion, -FAR), cube.of(body.cube, body.logits, -FAR))
             within = self._within(cube, inside, outside)
-            opinion = self._changed(within, before, cube.steps(place))
+            step = cube.steps(place)
+            near = _at_boundary(before, step)
+            changed = None if near else _parted(within, before) if adds else _behind_neck(within, before, step)
+            if changed is not None:
+                # gray levels decide at its rim
+                weight = np.where(changed, 1.0, 0.0) + (_AGAIN - 1.0) * scipy.ndimage.binary_erosion(changed)
+                sure = (FAR if adds else -FAR) * weight.astype(np.float32)
+                opinion = np.where(changed, sure, before.opinion)
+            else:
+                opinion = before.opinion if near else self._changed(within, before, step, adds)
             logits = self._settled(within, opinion)
             logits = np.maximum(logits, before.logits) if adds else np.minimum(logits, before.logits)
             after = Body(cube, opinion, logits)
@@ -177,24 +234,23 @@ class BodyPrior:
 
     # Slices
 
-    def _first(self, place: Array) -> tuple[Cube, list[Single]]:
-        """A cube around what the network sees in the slices through a place, and what it sees of it there."""
+    def _looks(self, place: Array) -> list[tuple[Cube, list[Single]]]:
+        """Cubes of all sizes around a place, and what the network sees of it in their slices; the clearest first."""
         largest = _MOST * self._grays.extent
         count = max(int(np.ceil(np.log(largest / _LEAST) / np.log(_GROWS) - 0.5)), 0)
         cubes = [Cube(place, side) for side in (*(_LEAST * _GROWS**k for k in range(count)), largest)]
         asked = [self._through(cube, place, None) for cube in cubes]
         answers = self._ask([maps for each in asked for maps in each])
-        ratings, seen = [], [answers.seen[k : k + 3] for k in range(0, len(answers.seen), 3)]
-        for k, slices in enumerate(seen):
-            middle = np.array([SIDE // 2] * 3)
-            ratings.append(np.mean(answers.overlap[3 * k : 3 * k + 3]) + _AGREES * _agreement(slices, middle))
-        best = int(np.argmax(ratings))
-        cube, found = cubes[best], seen[best]
-        for _ in range(2):
-            wider = _around(cube, found, place)
-            before = [_in_slice(wider, cube, axis, found[axis]) for axis in range(3)]
-            cube, found = wider, self._ask(self._through(wider, place, before)).seen
-        return cube, found
+        seen = [answers.seen[k : k + 3] for k in range(0, len(answers.seen), 3)]
+        expected = np.mean(np.reshape(answers.overlap, (-1, 3)), axis=1)
+        ratings = [overlap + _AGREES * _agreement(slices) for overlap, slices in zip(expected, seen, strict=True)]
+        return [(cubes[k], seen[k]) for k in np.argsort(-np.array(ratings), kind="stable")]
+
+    def _closer(self, cube: Cube, found: list[Single], place: Array) -> tuple[Cube, list[Single]]:
+        """A cube around what is seen in the slices of another one, and what is seen there."""
+        wider = _around(cube, found, place)
+        before = [_in_slice(wider, cube, axis, found[axis]) for axis in range(3)]
+        return wider, self._ask(self._through(wider, place, before)).seen
 
     def _through(self, cube: Cube, place: Array, before: list[Single] | None) -> list[Callable[[], Single]]:
         """What makes the maps of the slices of a cube through a place that lies inside."""
@@ -242,7 +298,7 @@ class BodyPrior:
             heads = left
         return np.mean([_between(known[axis], axis, -FAR)[0] for axis in range(3)], axis=0, dtype=np.float32)
 
-    def _changed(self, within: _Within, body: Body, step: Array) -> Single:
+    def _changed(self, within: _Within, body: Body, step: Array, adds: bool) -> Single:
         """The opinion of slices once a place has been added, asked anew near it as long as they change."""
         start = np.clip(np.rint(step).astype(int), 0, SIDE - 1).tolist()
         ends = self._grays.within(within.cube)
@@ -255,20 +311,23 @@ class BodyPrior:
             for (head, way), found, overlap in zip(heads, *answers, strict=True):
                 known[head.axis][head.step] = _logit(found)
                 before = now.take(head.step, head.axis)
-                other = (found > _LIKELY) != (before > _LIKELY)
+                on, was = found > _LIKELY, before > _LIKELY
+                other = on & ~was if adds else was & ~on
                 if overlap < _SURE or not other.any() or len(known[head.axis]) > 6:
                     continue
                 for turn in (way,) if way else (-1, 1):
                     at = head.step + turn * _EVERY
                     if ends[head.axis, 0] <= at <= ends[head.axis, 1]:
                         there = np.where(other, found, now.take(at, head.axis))
-                        left.append((_Slice(head.axis, at, there), turn))
+                        sides = (other, None) if adds else (None, other)
+                        left.append((_Slice(head.axis, at, there, *sides), turn))
             heads = left
         opinions, weights = zip(*(_between(known[axis], axis, 0.0) for axis in range(3)), strict=True)
         total = np.maximum(np.sum(weights, axis=0), 1e-6)
         mean = np.sum([one * weight for one, weight in zip(opinions, weights, strict=True)], axis=0) / total
         blend = np.max(weights, axis=0)
-        return np.asarray(blend * mean + (1.0 - blend) * body.opinion, np.float32)
+        anew = np.clip(_AGAIN * _AGAIN * mean, -_AGAIN * FAR, _AGAIN * FAR)
+        return np.asarray(blend * anew + (1.0 - blend) * body.opinion, np.float32)
 
     # Gray levels
 
@@ -283,10 +342,9 @@ class BodyPrior:
         half, coarse = _blocks(within.grays, _COARSE // 2), _blocks(given, _COARSE // 2)
         logits = coarse
         for _ in range(_ROUNDS):
-            gain, middle = _likelihood(half, scipy.special.expit(logits))
-            logits = coarse + np.clip(_finer(gain, 2) * (half - _finer(middle, 2)), -_LEVELS, _LEVELS)
-        finer = _finer(gain, _COARSE) * (within.grays - _finer(middle, _COARSE))
-        return np.asarray(given + np.clip(finer, -_LEVELS, _LEVELS), np.float32)
+            rule = _likelihood(half, scipy.special.expit(logits))
+            logits = coarse + _weighed(half, rule, 2)
+        return np.asarray(given + _weighed(within.grays, rule, _COARSE), np.float32)
 
     # Cubes
 
@@ -326,11 +384,21 @@ def _maps_through(grays: Callable[[], Single], axis: int, inside: Array, before:
 def _maps_within(within: _Within, asked: _Slice) -> Single:
     """Maps of a slice of a cube, which the places near it lie in."""
     there = within.grays.take(asked.step, asked.axis)
-    near = [
+    inside, outside = (
         _holding(steps[np.abs(steps[:, asked.axis] - asked.step) <= 1.0][:, _OTHERS[asked.axis]])
-        for steps in (within.inside, within.outside)
-    ]
-    return _maps(there, within.level, near[0], near[1], asked.before)
+        if changed is None
+        else _deepest(changed)
+        for steps, changed in ((within.inside, asked.more), (within.outside, asked.less))
+    )
+    if outside.any() and not inside.any():  # a place outside alone says little
+        inside = _deepest((asked.before > _LIKELY) & ~outside)
+    return _maps(there, within.level, inside, outside, asked.before)
+
+
+def _deepest(mask: Mask) -> Mask:
+    """Where the border of a mask is farthest away."""
+    depth = scipy.ndimage.distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]
+    return np.asarray((depth == depth.max()) & mask)
 
 
 def _maps(grays: Single, level: float, inside: Mask, outside: Mask, before: Single) -> Single:
@@ -349,12 +417,12 @@ def _holding(steps: Array) -> Mask:
     return on
 
 
-def _agreement(slices: Sequence[Single], at: Index) -> float:
-    """Mean overlap of the answers in three slices along the lines that they share, through some step."""
+def _agreement(slices: Sequence[Single]) -> float:
+    """Mean overlap of the answers in three slices through the middle of a cube along the lines that they share."""
     found = []
     for one, other in combinations(range(3), 2):
         first, second = (
-            slices[across].take(at[rest], _OTHERS[across].index(rest)) > _LIKELY
+            slices[across].take(SIDE // 2, _OTHERS[across].index(rest)) > _LIKELY
             for across, rest in ((one, other), (other, one))
         )
         found.append(np.count_nonzero(first & second) / max(np.count_nonzero(first | second), 1))
@@ -400,6 +468,57 @@ def _between(known: dict[int, Single], axis: int, beyond: float) -> tuple[Single
     return np.moveaxis(found, 0, axis), np.moveaxis(np.broadcast_to(counts[:, None, None], found.shape), 0, axis)
 
 
+def _at_boundary(body: Body, step: Array) -> bool:
+    """Whether a step lies so near to the boundary of a body that it means no more than that."""
+    ways = np.concatenate([np.eye(3), -np.eye(3)]) * (_BESIDE / body.cube.scale)
+    near = scipy.ndimage.map_coordinates(body.logits, (step + ways).T, order=1, mode="nearest") > 0.0
+    return bool(near.any() and not near.all())
+
+
+def _parted(within: _Within, body: Body) -> Mask | None:
+    """What edges part from the rest together with places that a body lacks.
+
+    Basins of the edge map are flooded from the body and the places, and from the sides of the cube and places outside
+    (watershed from markers: Meyer 1994, doi:10.1016/0165-1684(94)90060-4). None unless the boundary of what is new is
+    about as strong as that of the body.
+    """
+    before = _blocks(body.logits, 2) > 0.0
+    edges = scipy.ndimage.gaussian_gradient_magnitude(_blocks(within.grays, 2), 1.0)
+    markers = np.where(before, _IN, 0).astype(np.int32)
+    for axis in range(3):
+        np.moveaxis(markers, axis, 0)[[0, -1]] = _OUT
+    for steps, number in ((within.outside, _OUT), (within.inside, _IN)):
+        place = np.clip(np.rint((steps - 0.5) / 2.0), 0, len(before) - 1).astype(np.int64)
+        markers[tuple(place.T)] = number
+    changed = (skimage.segmentation.watershed(edges, markers) == _IN) & ~before  # type: ignore[no-untyped-call]
+    along = scipy.ndimage.binary_dilation(changed) & ~changed & ~scipy.ndimage.binary_dilation(before, iterations=2)
+    around = before & ~scipy.ndimage.binary_erosion(before)
+    if not along.any() or not around.any() or np.median(edges[along]) < _AS_STRONG * np.median(edges[around]):
+        return None
+    return np.asarray(changed.repeat(2, axis=0).repeat(2, axis=1).repeat(2, axis=2))
+
+
+def _behind_neck(within: _Within, body: Body, step: Array) -> Mask | None:
+    """What lies behind a neck of a body, seen from the places inside, with a step; None where no neck parts them."""
+    before = body.logits > 0.0
+    depth = scipy.ndimage.distance_transform_edt(before)
+    last = len(before) - 1
+    inner = tuple(np.clip(np.rint(within.inside), 0, last).astype(np.int64).T)
+    outer = tuple(np.clip(np.rint(step), 0, last).astype(np.int64))
+    for radius in range(1, _WIDEST_NECK + 1):
+        parts, _ = scipy.ndimage.label(depth > radius)
+        held = np.setdiff1d(parts[inner], 0)
+        if not len(held):
+            return None
+        if parts[outer] in held:
+            continue
+        kept = scipy.ndimage.distance_transform_edt(~np.isin(parts, held)) <= radius + 1.0
+        rest, _ = scipy.ndimage.label(before & ~kept, np.ones((3, 3, 3)))
+        if rest[outer]:
+            return np.asarray(rest == rest[outer])
+    return None
+
+
 def _logit(seen: Single) -> Single:
     return np.clip(scipy.special.logit(seen), -FAR, FAR)
 
@@ -416,18 +535,25 @@ def _finer(values: Single, times: int) -> Single:
     return resampled(values, [line] * 3, (1.0, 1.0, 1.0))
 
 
-def _likelihood(grays: Single, inside: Single) -> tuple[Single, Single]:
-    """By how much a gray level that is higher by 1 is likelier inside, and that which is as likely on both sides."""
-    means, variance = [], np.float32(LEAST_DEVIATION**2 / 4.0)
-    deviation = _WIDE / _COARSE
-    for weight in (inside, 1.0 - inside):
+def _likelihood(grays: Single, inside: Single) -> Single:
+    """How much likelier gray levels are inside than outside, as factors of their powers 0, 1 and 2, by normal laws."""
+    rule: Single = np.zeros((3, *[len(grays) // 2] * 3), np.float32)
+    for weight, sign in ((inside, -0.5), (1.0 - inside, 0.5)):
         blurred = [
-            scipy.ndimage.gaussian_filter(_blocks(weight * part, 2), deviation, truncate=2.5)
+            scipy.ndimage.gaussian_filter(_blocks(weight * part, 2), _WIDE / _COARSE, truncate=2.5)
             for part in (1.0, grays, np.square(grays))
         ]
         few = [_FEW * part.mean() / max(blurred[0].mean(), 1e-6) for part in blurred]
         total, first, second = (part + some for part, some in zip(blurred, few, strict=True))
         mean = first / total
-        variance = variance + 0.5 * np.maximum(second / total - np.square(mean), 0.0)
-        means.append(mean)
-    return (means[0] - means[1]) / variance, 0.5 * (means[0] + means[1])
+        variance = np.maximum(second / total - np.square(mean), 0.0) + LEAST_DEVIATION**2
+        rule += np.float32(sign) * np.stack(
+            [np.square(mean) / variance + np.log(variance), -2.0 * mean / variance, 1.0 / variance]
+        )
+    return rule
+
+
+def _weighed(grays: Single, rule: Single, times: int) -> Single:
+    """Logits of gray levels by a rule that is so many times coarser."""
+    level, slope, bend = (_finer(part, times) for part in rule)
+    return np.clip(level + grays * (slope + grays * bend), -_LEVELS, _LEVELS)

@@ -26,7 +26,7 @@ _ROUNDS = 3
 _CLEAR = 3.0
 """Rise across an edge, in deviations of the profiles from their mean, from which it counts in full."""
 
-_SHARP = 1.0
+_SHARP = 1.5
 """Deviation of the derivative of a Gaussian that finds the steepest place of a profile [samples]."""
 
 _AT_PLACE = 2.0
@@ -61,7 +61,7 @@ def body_surface(
     scale = max(body.cube.scale, 1.0)
     away = scipy.spatial.KDTree(np.concatenate([inside, outside]) * size).query(vertices * size)[0]
     held |= away < _AT_PLACE * scale
-    for width in (scale, max(0.5 * scale, 1.0)):
+    for width in (scale, *[max(0.5 * scale, 1.0)] * 2):
         found = Surface(vertices, faces, tuple(size.tolist()))
         moved = np.where(held, 0.0, _to_edges(found, values, size, width))
         vertices = vertices + moved[:, None] * found.normals / size
@@ -114,7 +114,7 @@ def _to_edges(surface: Surface, values: Array, size: Array, scale: float) -> Arr
         smooth = mean @ smooth
     slope = scipy.ndimage.gaussian_filter1d(smooth, _SHARP, axis=1, order=1, mode="nearest")
     rise = smooth[:, -2:].mean(axis=1) - smooth[:, :2].mean(axis=1)
-    steep = np.maximum(slope * np.sign(rise)[:, None], 0.0) * np.exp(-0.5 * np.square(away / (0.5 * away[-1])))
+    steep = np.maximum(slope * np.sign(rise)[:, None], 0.0) * np.exp(-0.5 * np.square(away / away[-1]))
     peak = np.clip(steep.argmax(axis=1), 1, len(away) - 2)
     before, at, after = (steep[np.arange(count), peak + k] for k in (-1, 0, 1))
     bend = before - 2.0 * at + after

@@ -10,6 +10,9 @@ import numpy as np
 from cpm_core.numerics.types import Array, Index, Mask, Single
 from cpm_core.objects.prior.windows import BRIGHTEST, DARKEST, SAMPLES, SIDE
 
+_FLAT = 1e-6
+"""Range of gray levels, as a fraction of the largest, up to which a volume is even."""
+
 
 @dataclass(frozen=True, eq=False)
 class Cube:
@@ -73,7 +76,8 @@ class Grays:
         lines = [np.array([across[axis]]) if across and axis in across else cube.lines[axis] for axis in range(3)]
         low, high = self._range
         voxels = [line / side for line, side in zip(lines, self.size.tolist(), strict=True)]
-        return (resampled(self.values, voxels, tuple(cube.scale / self.size)) - low) * (255.0 / max(high - low, 1e-300))
+        factor = 255.0 / (high - low) if high - low > _FLAT * max(abs(low), abs(high)) else 0.0
+        return (resampled(self.values, voxels, tuple(cube.scale / self.size)) - low) * factor
 
     def within(self, cube: Cube) -> Index:
         """For each axis the first and the last step of a cube in the volume, shape (3, 2)."""
@@ -89,10 +93,9 @@ class Grays:
         return float((self.size * self.values.shape).max())
 
     @cached_property
-    def _range(self) -> tuple[np.float32, np.float32]:
+    def _range(self) -> tuple[float, ...]:
         step = max(int(np.cbrt(self.values.size / SAMPLES)), 1)
-        low, high = np.percentile(self.values[::step, ::step, ::step], [DARKEST, BRIGHTEST])
-        return np.float32(low), np.float32(high)
+        return tuple(np.percentile(self.values[::step, ::step, ::step], [DARKEST, BRIGHTEST]).tolist())
 
 
 def resampled(values: Array | Single | Mask, lines: list[Array], widths: tuple[float, ...]) -> Single:

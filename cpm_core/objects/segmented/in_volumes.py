@@ -81,38 +81,31 @@ def painted_in(
         Whether voxels of other objects are taken at all.
     """
     begin, mask = part
-    items = {item.number: item for item in objects.items}
-    there = {
-        item.number: found
-        for item in (objects.items if adds else ())
-        if item.number != number and (found := item.surface[0].part(begin, mask.shape) & mask).any()
-    }
-    for other, found in there.items():
-        if not over_others or items[other].frozen or items[other].hidden:
-            mask = mask & ~found
-    changed: dict[int, PackedVoxels | None] = {}
-    for other, found in there.items():
-        if (found & mask).any():
-            changed[other] = _changed(items[other].surface[0], (begin, mask), False)
-    if number in items:
-        changed[number] = _changed(items[number].surface[0], part if not adds else (begin, mask), adds)
+    known = {item.number: item for item in objects.items}
+    taken: dict[int, Mask] = {}
+    for item in objects.items if adds else ():
+        there = item.surface[0].part(begin, mask.shape) & mask
+        if item.number == number or not there.any():
+            continue
+        if over_others and not item.frozen and not item.hidden:
+            taken[item.number] = there
+        else:
+            mask = mask & ~there
+    if number in known:
+        taken[number] = mask
     elif adds and mask.any():
         voxels = PackedVoxels.of(Voxels(mask, tuple(begin.tolist())))
-        items[number] = SegmentedObject(number, (), category=objects.category, surface=(voxels,))
-    for other, body in changed.items():
-        if body is None:
-            del items[other]
-        elif body is not items[other].surface[0]:
-            items[other] = replace(items[other], clicks=(), surface=(body,))
-    over = {"clicks": (), "edited": 0} if objects.edited in changed else {}
-    return replace(objects, items=tuple(items.values()), **over)
-
-
-def _changed(body: PackedBody, part: Part, adds: bool) -> PackedVoxels | None:
-    begin, mask = part
-    known = body.painted
-    there = known.part(begin, mask.shape)
-    return known.with_part(begin, there | mask if adds else there & ~mask)
+        known[number] = SegmentedObject(number, (), category=objects.category, surface=(voxels,))
+    for other, part_taken in taken.items():
+        body = known[other].surface[0].painted
+        there, here = body.part(begin, mask.shape), part_taken & mask
+        left = body.with_part(begin, there | here if adds and other == number else there & ~here)
+        if left is None:
+            del known[other]
+        elif left != body:
+            known[other] = replace(known[other], clicks=(), surface=(left,))
+    ends = replace(objects, clicks=(), edited=0) if objects.edited in taken else objects
+    return replace(ends, items=tuple(known.values()))
 
 
 def between_slices(body: PackedBody, axis: int, sides: tuple[float, ...]) -> tuple[Part, int]:
@@ -130,35 +123,32 @@ def between_slices(body: PackedBody, axis: int, sides: tuple[float, ...]) -> tup
         pairs = _pairs(slices[first], slices[last], pixel) if last - first > 1 else ()
         for at in range(first + 1, last):
             share = (at - first) / (last - first)
-            filled[at] = np.logical_or.reduce([between(share) for between in pairs])
+            filled[at] = np.any([_between(*pair, pixel, share) for pair in pairs], axis=0)
     return (np.array(voxels.first), np.moveaxis(filled, 0, axis)), int(filled.any(axis=(1, 2)).sum())
 
 
-class _Between:
-    """What lies between two pieces, by the share of the way from one to the other."""
-
-    def __init__(self, one: Mask, other: Mask, pixel: tuple[float, ...]) -> None:
-        self._distances = _signed(one, pixel), _signed(other, pixel)
-        self._way = _center(other) - _center(one)
-
-    def __call__(self, share: float) -> Mask:
-        one, other = self._distances
-        one = scipy.ndimage.shift(one, share * self._way, order=1, mode="nearest")
-        other = scipy.ndimage.shift(other, (share - 1.0) * self._way, order=1, mode="nearest")
-        return np.asarray((1.0 - share) * one + share * other > 0.0)
+def _between(one: Mask, other: Mask, pixel: tuple[float, ...], share: float) -> Mask:
+    """What lies between two pieces at a share of the way from one to the other."""
+    way = _center(other) - _center(one)
+    near, far = (
+        weight * scipy.ndimage.shift(_signed(piece, pixel), by * way, order=1, mode="nearest")
+        for piece, weight, by in ((one, 1.0 - share, share), (other, share, share - 1.0))
+    )
+    return np.asarray(near + far > 0.0)
 
 
-def _pairs(first: Mask, last: Mask, pixel: tuple[float, ...]) -> list[_Between]:
-    """The pieces of two slices that continue each other."""
-    one, other = ([numbers == n for n in range(1, count + 1)] for numbers, count in (
-        scipy.ndimage.label(each, np.ones((3, 3))) for each in (first, last)))  # fmt: skip
-    meet = np.array([[bool((a & b).any()) for b in other] for a in one])
+def _pairs(first: Mask, last: Mask, pixel: tuple[float, ...]) -> list[tuple[Mask, Mask]]:
+    """The pieces of two slices that continue each other: those that overlap, or else the nearest ones."""
+    one, other = (
+        [numbers == n for n in range(1, count + 1)]
+        for numbers, count in (scipy.ndimage.label(each, np.ones((3, 3))) for each in (first, last))
+    )
+    meet = np.array([[(a & b).any() for b in other] for a in one])
     away = np.array([[np.linalg.norm((_center(a) - _center(b)) * pixel) for b in other] for a in one])
-    alone = ~meet.any(axis=1)
-    meet[alone, away.argmin(axis=1)[alone]] = True
-    alone = ~meet.any(axis=0)
-    meet[away.argmin(axis=0)[alone], alone] = True
-    return [_Between(one[i], other[j], pixel) for i, j in np.argwhere(meet).tolist()]
+    for joined, distances in ((meet, away), (meet.T, away.T)):
+        alone = ~joined.any(axis=1)
+        joined[alone, distances.argmin(axis=1)[alone]] = True
+    return [(one[i], other[j]) for i, j in np.argwhere(meet).tolist()]
 
 
 def _center(piece: Mask) -> Array:

@@ -163,14 +163,6 @@ class SegmentedObject:
         found[top : top + window.shape[0], left : left + window.shape[1]] = window
         return found
 
-    def values(self, values: Array) -> Array:
-        """The values of the pixels of an image, or of the voxels of a volume, whose centers lie inside, shape (N,)."""
-        if not self.surface:
-            return values[self.mask(values.shape)]
-        low, high = np.clip([self.surface[0].box[0], self.surface[0].box[1] + 1], 0, values.shape).astype(int)
-        there = tuple(map(slice, low, high))
-        return values[there][self.surface[0].part(low, high - low)]
-
     @property
     def outer(self) -> tuple[Line, ...]:
         """The curves of the boundary that are no holes."""
@@ -215,18 +207,19 @@ class SegmentedObject:
 
         A vertex when no pixel lies inside. In a volume it is that of the plane with most of its voxels.
         """
+        plane: Place = ()
         if self.surface:
             voxels = self.surface[0].voxels
             at = int(voxels.mask.sum(axis=(1, 2)).argmax())
-            depth = scipy.ndimage.distance_transform_edt(np.pad(voxels.mask[at], 1))[1:-1, 1:-1]
-            deepest = (at, *np.unravel_index(int(np.argmax(depth)), depth.shape))
-            return tuple(np.add(deepest, voxels.first or 0).astype(float).tolist())
-        first, window = self._window(shape)
+            above, *first = voxels.first or (0, 0, 0)
+            window, plane = voxels.mask[at], (float(above + at),)
+        else:
+            (*first,), window = self._window(shape)
         if not window.any():
             return self.boundary[0][0]
         depth = scipy.ndimage.distance_transform_edt(np.pad(window, 1))[1:-1, 1:-1]
         row, col = np.unravel_index(int(np.argmax(depth)), window.shape)
-        return float(row + first[0]), float(col + first[1])
+        return (*plane, float(row + first[0]), float(col + first[1]))
 
     def _window(self, shape: tuple[int, ...]) -> tuple[tuple[int, int], Mask]:
         """First row and column of the part of an image that the boundary is around, and which of its pixels are inside.

@@ -11,13 +11,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 from PySide6.QtCore import Qt
 
-from app.model.display.coloring import QUANTITIES, SHADES, age, colored, convergence, speed
+from app.model.display.coloring import QUANTITIES, SHADES, age, colored, speed
 from app.model.display.lengths import round_up
 from app.session.timeline.moments import RunRecord
 from app.views.theme import color_maps
 from cpm_core import Engine, Parameters
 from cpm_core.model.coverage import no_coverage
-from cpm_core.model.equations import epsilon
 from cpm_core.model.state import Particles, State
 from tests.app.conftest import disc
 
@@ -59,17 +58,6 @@ def test_a_higher_shade_is_brighter(name):
 def test_speeds_of_all_scales_are_in_px_of_the_image():
     state = moment(5)
     assert speed(replace(state, scale=2), NOBODY_BORN) == pytest.approx(4.0 * speed(state, NOBODY_BORN))
-
-
-def test_the_contributions_are_those_whose_signed_mean_is_epsilon():
-    state = replace(moment(40))
-    distance = state.particles.distance
-    signs = np.array([-1.0, 1.0, -1.0, 1.0])
-    told = convergence(state, NOBODY_BORN)
-    assert np.isnan(told[-1])
-    signed = (distance @ signs)[:-1]
-    assert told[:-1] == pytest.approx(np.abs(signed))
-    assert abs(signed.mean()) == pytest.approx(epsilon(distance))
 
 
 def test_the_age_of_every_particle_is_the_number_of_steps_since_it_appeared(compiled_loops):

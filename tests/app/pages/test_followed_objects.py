@@ -7,10 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import tifffile
-from PySide6.QtCore import Qt
+from PySide6.QtCore import QPointF, Qt
 
-from app.model.document import objects
+from app.model.document import edits, objects
+from app.views.features.files import OpenSaveFeature
 from app.views.features.volumes import PagesFeature
+from cpm_core.shapes import Everywhere
 from tests.app.exporting import export
 
 pytestmark = pytest.mark.shared_window
@@ -161,6 +163,72 @@ def test_a_division_is_reported_with_its_page_and_the_table_and_files_hold_the_n
     hand.wait(lambda: labels.exists() and rows.exists())
     assert [sorted(np.unique(one)) for one in tifffile.imread(labels)] == [[0, 1], [0, 1], [0, 1, 2], [0, 1, 2]]
     assert "mean_gray" in rows.read_text().splitlines()[0]
+
+
+def test_a_click_in_the_table_or_in_the_plot_goes_to_the_page_and_selected_objects_are_plotted(stack, hand):
+    window = stack(MOVING[:3])
+    take(window, hand, *(each[:2] for each in MOVING[0]))
+    followed(window, hand)
+    hand.key(KEY.Key_F11, Qt.KeyboardModifier.ShiftModifier)
+    panel = window.feature(PagesFeature).panel
+    table, chart = panel.table, panel.chart
+    hand.wait(lambda: table.model().rowCount() == 6 and bool(chart._drawn))
+    assert [len(drawn.curves) for drawn in chart._drawn] == [2, 2]
+    row = table.column("page").index("3") + 1
+    hand.qtbot.mouseClick(table.viewport(), LEFT, pos=table.visualRect(table.model().index(row, 0)).center())
+    hand.wait(lambda: window.workspace.pages.number == 3 and window.workspace.object_list.chosen == {2})
+    settled(window, hand)
+    assert [len(drawn.curves) for drawn in chart._drawn] == [1, 1]
+    pages, areas = chart._drawn[0].curves[0].getData()
+    assert pages.tolist() == [1, 2, 3]
+    np.testing.assert_allclose(areas, np.pi * 49, rtol=0.12)
+    place = chart._drawn[0].item.getViewBox().mapViewToScene(QPointF(2.1, areas[1]))
+    hand.qtbot.mouseClick(chart.viewport(), LEFT, pos=chart.mapFromScene(place))
+    hand.wait(lambda: window.workspace.pages.number == 2)
+
+
+def test_contours_of_runs_are_listed_next_to_objects(stack, hand):
+    window = stack(MOVING[:2])
+    panel = window.feature(PagesFeature).panel
+    hand.key(KEY.Key_F11, Qt.KeyboardModifier.ShiftModifier)
+    window.session.edit("start", lambda document: edits.add_shape(document, Everywhere("grid")))
+    window.session.run()
+    hand.wait_for_phase("finished")
+    settled(window, hand)
+    assert panel.table.column("kind") == ["closed", "closed"]
+    hand.click(*MOVING[0][0][:2])
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_Return)
+    settled(window, hand)
+    hand.wait(lambda: set(window.workspace.pages.tables) == {"objects", "contours"})
+    assert not any(row.is_object for row in window.workspace.pages.tables["contours"][1])
+    panel.kind.setFocus()
+    hand.key(KEY.Key_Down)
+    hand.wait(lambda: window.workspace.pages.result is window.workspace.pages.tables["contours"][0])
+
+
+def test_following_can_be_cancelled_and_a_session_keeps_the_objects_of_all_pages(stack, hand, tmp_path):
+    window = stack(MOVING)
+    pages = window.workspace.pages
+    take(window, hand, *(each[:2] for each in MOVING[0]))
+    hand.key(KEY.Key_F, ALL)
+    hand.wait(lambda: bool(pages.documents.get(2) and pages.documents[2].objects.items))
+    window.session.tasks.current[-1].cancel()
+    hand.wait(lambda: window.session.tasks.idle)
+    settled(window, hand)
+    done = [number for number, one in pages.documents.items() if one.objects.items]
+    assert 2 in done
+    followed(window, hand)
+    rows = pages.tables["objects"][1]
+    documents = window.feature(OpenSaveFeature).document_file
+    assert documents.save_at_once(tmp_path / "a.cpm")
+    window.session.open(tmp_path / "a.cpm")
+    hand.wait(lambda: window.session.idle and set(pages.documents) == {1, 2, 3, 4})
+    settled(window, hand)
+    again = pages.tables["objects"][1]
+    assert [(row.page, row.track, row.gray) for row in again] == [(row.page, row.track, row.gray) for row in rows]
+    assert len(rows) == 8
+    assert not documents.unsaved
 
 
 def test_following_stops_with_a_report_where_nothing_is_found(stack, hand):

@@ -13,7 +13,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from PySide6.QtCore import QPoint, Qt
 
-from app.model.display.effects import MOTION, Distribution, FilterCounts, figures
+from app.model.display.effects import MOTION, contours_left, figures
 from app.model.document import edits
 from app.model.parameters.controls import MAIN, controls, with_value
 from app.views.window.window import MainWindow
@@ -103,34 +103,13 @@ def test_the_number_next_to_a_slider_goes_where_its_explanation_says(name, data)
         assert all(one[name] <= other[name] for one, other in zip(slow, fast, strict=False))
 
 
-@settings(max_examples=60, deadline=None)
-@given(st.lists(st.integers(1, 40), min_size=1, max_size=30), st.lists(st.integers(0, 45), min_size=1, max_size=5))
-def test_a_raised_threshold_is_counted_exactly_while_contours_disappear(values, thresholds) -> None:
-    distribution = Distribution()
-    distribution.update("step 7", 0.0, values)
-    for threshold in sorted(thresholds):
-        assert distribution.above(threshold) == sum(value >= threshold for value in values)
-        distribution.update("step 7", float(threshold), [value for value in values if value >= threshold])
-        assert len(distribution.values) == len(values), "lowered again, they are back"
-        assert distribution.above(0.0) == len(values)
-
-
-def test_gaps_are_counted_between_loose_ends_alone() -> None:
+def test_contours_that_a_filter_leaves_are_counted() -> None:
     line = np.column_stack([np.zeros(20), np.arange(20.0)])
-    contours = [
-        Contour(line, False),
-        Contour(line + np.array([0.0, 25.0]), False),
-        Contour(line + np.array([0.0, 60.0]), False, junctions=(True, False)),
-        Contour(line[::4] + np.array([40.0, 0.0]), True),
-    ]
-    counts = FilterCounts()
-    counts.update("a", {}, contours, measure(contours))
-    assert [counts.words("max_gap", gap, None) for gap in (0.0, 5.0, 6.5, 18.0)] == [
-        "", "up to 0 gaps", "up to 1 gaps", "up to 1 gaps"
-    ]  # fmt: skip
-    assert counts.words("min_length", 100.0, 4) == "4 → 0 contours"
-    assert counts.words("min_length", 30.0, None) == "1 contour"
-    assert counts.words("beta", 1.0, None) == ""
+    rows = measure([Contour(line, False), Contour(line[:5], False), Contour(line[::4] + 40.0, True)])
+    assert contours_left(rows, "min_length", 100.0, 4) == "4 → 0 contours"
+    assert contours_left(rows, "min_length", 10.0, None) == "2 contours"
+    assert contours_left(rows, "min_length", 25.0, None) == "1 contour"
+    assert contours_left((), "min_length", 25.0, None) == ""
 
 
 @pytest.mark.usefixtures("found")

@@ -7,7 +7,7 @@ import pytest
 from PySide6.QtCore import QPoint, QRectF, Qt
 from PySide6.QtWidgets import QCheckBox, QLabel, QToolButton
 
-from app.model.display.plots import RunMetrics
+from app.model.display.plots import PLOTS, RunMetrics
 from app.model.parameters.controls import controls, value_of
 from app.views.canvas.layers.fields import ARROW_SPACING, arrow_lines, arrows
 from app.views.panels.run import Chart
@@ -98,7 +98,7 @@ def test_no_label_is_cut_off(window, hand) -> None:
 
 
 def test_the_plot_draws_all_values_that_a_run_can_have(qtbot) -> None:
-    plot = Chart()
+    plot = Chart(PLOTS, "")
     qtbot.addWidget(plot)
     plot.resize(300, 150)
     empty = plot.grab().toImage()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from app.model.display.lengths import short_text
-from app.model.display.plots import RunMetrics
+from app.model.display.plots import PLOTS, RunMetrics
 from app.session.timeline.moments import RunRecord
 from app.views.panels.run import Chart
 from cpm_core import Engine, Parameters
@@ -18,14 +18,12 @@ pytestmark = pytest.mark.shared_window
 def trace_of(length: int) -> RunMetrics:
     """Metrics of a number of steps over three scales."""
     step = np.arange(1.0, length + 1)
-    return RunMetrics(
-        step, 1.0 / step, 10 * step, step % 3, step % 2, 1.0 / step**2, -step, 2.0 - step // (length / 3), step
-    )
+    return RunMetrics(step, 1.0 / step, 10 * step, step % 3, step % 2, 1.0 / step**2, 2.0 - step // (length / 3), step)
 
 
 @pytest.fixture
 def panel(qtbot):
-    made = Chart()
+    made = Chart(PLOTS, "")
     qtbot.addWidget(made)
     made.resize(330, 460)
     made.show()
@@ -40,26 +38,17 @@ def test_the_metrics_are_those_of_the_recorded_states(compiled_loops):
     states = []
     for _ in range(20):
         state = engine.step(state, parameters)
-        recorder.record(state.step, engine.measures(state, parameters, thorough=state.step % 4 == 0))
+        recorder.record(state.step, engine.measures(state, parameters))
         states.append(state)
     metrics = recorder.metrics()
     for name in ("step", "count", "born", "deleted", "scale"):
         assert getattr(metrics, name).tolist() == [getattr(state, name) for state in states]
-    expected = [engine.energies(state, parameters) for state in states]
-    assert metrics.kinetic == pytest.approx([energies.kinetic for energies in expected])
-    assert np.isnan(metrics.potential[:3]).all()
-    assert metrics.potential[3:] == pytest.approx(
-        [expected[i - i % 4 + 3 - 4 * (i % 4 != 3)].potential for i in range(3, 20)]
-    )
+    assert metrics.kinetic == pytest.approx([engine.energies(state, parameters).kinetic for state in states])
 
 
-def test_the_potential_energy_is_measured_once_the_plots_are_unfolded(ready, hand):
-    run, worker = ready.panels["run"], ready.session
-    run.plots.fold.click()
-    for step in range(1, 9):
-        worker.step()
-        hand.wait(lambda step=step: worker.status.step == step and worker.idle)
-    assert np.isfinite(worker.scene.snapshot.metrics.potential[-1])
+def test_that_the_plots_are_unfolded_is_remembered(ready):
+    ready.panels["run"].plots.fold.click()
+    assert ready.panels["run"].plot.isVisible()
     assert ready.preferences.get("run/unfolded", [""]) == ["plots"]
 
 
@@ -67,7 +56,7 @@ def test_each_curve_and_each_change_of_scale_is_drawn(panel):
     metrics, constant = trace_of(60), np.ones(60)
     panel.show_metrics(metrics)
     pictures = [panel.grab().toImage()]
-    for changed in ("epsilon", "count", "born", "deleted", "kinetic", "potential", "scale"):
+    for changed in ("epsilon", "count", "born", "deleted", "kinetic", "scale"):
         panel.show_metrics(RunMetrics(*[constant if name == changed else column for name, column in columns(metrics)]))
         pictures.append(panel.grab().toImage())
     assert all(one != other for i, one in enumerate(pictures) for other in pictures[:i])

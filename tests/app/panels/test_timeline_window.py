@@ -251,8 +251,8 @@ def timeline_of(window):
 def test_the_memory_set_in_the_preferences_acts_at_once(rested, hand, fresh) -> None:
     hand.key(KEY.Key_Comma, CONTROL)
     (dialog,) = rested.findChildren(PreferencesDialog)
-    field = dialog.rows["Memory for steps"]
     dialog.turn_to("run")
+    field = dialog.rows["Memory for steps"]
     field.setFocus()
     field.selectAll()
     hand.qtbot.keyClicks(field, "16")

@@ -125,7 +125,7 @@ class FakeEngine:
     def suits(self, parameters: Parameters) -> bool:
         return parameters.scales == self.scales
 
-    def measures(self, state: FakeState, parameters: Parameters, thorough: bool = False) -> dict[str, float]:
+    def measures(self, state: FakeState, parameters: Parameters) -> dict[str, float]:
         return {"epsilon": state.epsilon, "count": state.count}
 
     def positions(self, state: FakeState) -> np.ndarray:

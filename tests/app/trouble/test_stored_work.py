@@ -6,10 +6,8 @@ import json
 from pathlib import Path
 
 import pytest
-from PySide6.QtCore import QSettings
 
 from app.session.storage import recovery
-from app.session.storage.preferences import Preferences
 from app.session.storage.recovery import KEY, folder_of_journals, left_behind
 from app.views.features.files import RecoveryFeature
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_session
@@ -112,15 +110,3 @@ def test_a_folder_that_takes_no_journal_is_said(window, hand) -> None:
     journal(window).write()
     hand.wait(lambda: folder_of_journals().name in said(window))
     assert window.feature(RecoveryFeature).close()
-
-
-def test_preferences_that_cannot_be_read_are_kept_and_said(tmp_path) -> None:
-    path = Path(QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "cpm", "cpm").fileName())
-    path.parent.mkdir(parents=True)
-    path.write_bytes(b"[window\nthis is no setting\n\xff\xfe" * 3)
-    preferences = Preferences()
-    copy = path.with_name("cpm.ini.unread")
-    assert str(copy) in preferences.trouble
-    preferences.put("a", 1)
-    preferences.flush()
-    assert copy.read_bytes() == b"[window\nthis is no setting\n\xff\xfe" * 3

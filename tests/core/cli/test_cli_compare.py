@@ -10,9 +10,8 @@ import PIL.Image
 import pytest
 import tifffile
 
-from cpm_core.formats import load_surface
 from cpm_core.formats.sessions.session_file import SessionFile, load_session, save_session
-from cpm_core.objects.methods import CONTOUR_METHODS, Compared, runnable
+from cpm_core.objects.methods import CONTOUR_METHODS, Compared
 from cpm_core.objects.methods.level_sets import GeodesicSettings
 from cpm_core.shapes import Ellipse
 
@@ -47,7 +46,7 @@ def test_methods_are_told_in_the_order_in_which_they_are_named_with_a_table(imag
 
 def test_all_methods_are_compared_unless_some_are_named(image, told):
     rows = told("compare", image, *CIRCLE, "--max-steps", 1)["methods"]
-    assert [row["method"] for row in rows] == list(runnable())
+    assert [row["method"] for row in rows] == list(CONTOUR_METHODS)
     assert {row["steps"] for row in rows} == {1}
     reasons = {row["method"]: row["stop_reason"] for row in rows}
     assert reasons["cpm"] == "stopped after 1 step, as asked"
@@ -90,22 +89,3 @@ def test_a_session_gives_methods_settings_and_the_side_of_the_start(image, told,
     found = json.loads((tmp_path / "a.geodesic.json").read_text(encoding="utf-8"))
     assert found["provenance"]["parameters"]["balloon"] == 0.4
     assert [row["method"] for row in told(*run, "--methods", "geodesic")["methods"]] == ["geodesic"]
-
-
-@pytest.fixture
-def volume(tmp_path):
-    ball = np.linalg.norm(np.indices((21, 23, 25)) - np.array([10, 11, 12])[:, None, None, None], axis=0) < 7
-    np.save(tmp_path / "ball.npy", np.where(ball, 180.0, 40.0))
-    return tmp_path / "ball.npy"
-
-
-def test_surfaces_are_compared_in_a_volume(volume, told, command, tmp_path):
-    run = ("compare", volume, "--sphere", "10,11,12,4", "--truth", volume, "--methods", "morph_chan_vese")
-    facts = told(*run, "cpm", "--export", tmp_path / "a.csv", tmp_path / "a.ply")
-    assert facts["unit"] == "vx"
-    for row in facts["methods"]:
-        assert row["dice"] > 0.95 and row["f"] > 0.99 and row["hausdorff"] < 2.0 and row["contours"] == 1
-        assert load_surface(tmp_path / f"a.{row['method']}.ply").closed
-    rows = list(csv.DictReader(io.StringIO((tmp_path / "a.csv").read_text(encoding="utf-8"))))
-    assert [row["method"] for row in rows] == ["morph_chan_vese", "cpm"]
-    assert "[vx]" in command(*run)[1]

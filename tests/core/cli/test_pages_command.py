@@ -11,7 +11,7 @@ from cpm_core.formats.sessions.session_file import SessionFile, save_session
 from cpm_core.pages import follow as following
 from cpm_core.shapes import Circle
 
-from .drawn import MOVING, SHAPE
+from .drawn import MOVING, SHAPE, SPLITTING
 
 
 @pytest.fixture(scope="module")
@@ -67,3 +67,22 @@ def test_a_session_gives_start_and_parameters(stack, command, tmp_path):
     command(*given, "--export", tmp_path / "a.csv")
     command("run", stack, *FOLLOWED, "--export", tmp_path / "b.csv")
     assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
+
+
+def test_an_object_is_followed_by_a_place_on_the_first_page(command, tmp_path):
+    path = tmp_path / "cells.tif"
+    tifffile.imwrite(path, np.array(SPLITTING).astype(np.uint8), imagej=True, metadata={"axes": "TYX"})
+    place = ("--pages", "all", "--object", "32,44")
+    status, _, err = command("run", path, *place)
+    assert status == 2
+    assert "--follow" in err
+    status, out, _ = command(
+        "run", path, *place, "--follow", "--export", tmp_path / "a.tif", tmp_path / "a.measures.csv"
+    )
+    assert status == 0
+    assert "Page 4: track 2 splits off track 1." in out
+    labels = tifffile.imread(tmp_path / "a.tif")
+    assert [np.unique(page).tolist() for page in labels] == [[0, 1], [0, 1], [0, 1], [0, 1, 2], [0, 1, 2]]
+    rows = (tmp_path / "a.measures.csv").read_text(encoding="utf-8").splitlines()
+    assert len(rows) == 8
+    assert {"page", "track", "centroid_row", "net_area_px2", "mean_gray"} <= set(rows[0].split(","))

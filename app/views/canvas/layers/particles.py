@@ -29,7 +29,7 @@ _WIDTH, _STRIP = 154, 8
 
 _LEGEND = (
     f"<table width='{_WIDTH}' cellspacing='0' cellpadding='1'><tr><td colspan='3' align='center'>{{title}}</td></tr>"
-    f"<tr><td colspan='3'><img src='{{map}}' width='{_WIDTH}' height='{_STRIP}'></td></tr><tr><td>{{low}}</td>"
+    f"<tr><td colspan='3'><img src='{{map}}' width='{_WIDTH}' height='{_STRIP}'></td></tr><tr><td>0</td>"
     f"<td align='center' style='color:{UNKNOWN}'>{{unknown}}</td><td align='right'>{{high}}</td></tr></table>"
 )
 """Title, a strip of colors, and the values at its ends."""
@@ -157,10 +157,10 @@ class ParticleLayer(Layer):
             quantity = QUANTITIES[self.word("colour")]
             shown = colored(quantity, snapshot.state, snapshot.metrics)
             marks = shown.marks if near is None else shown.marks[near.index]
-            low, high = (written(f"{end:g}") for end in (shown.low, shown.high))
+            high = written(f"{shown.high:g}")
             unknown = tr("● too new") if (shown.marks == SHADES).any() else ""
             self.legend.show_html(
-                _LEGEND.format(title=quantity.title, map=self.word("map"), low=low, high=high, unknown=unknown)
+                _LEGEND.format(title=quantity.title, map=self.word("map"), high=high, unknown=unknown)
             )
         for discs in self._discs:
             if snapshot is None:

@@ -33,7 +33,8 @@ def brush(volume, hand):
     tool = hand.canvas.hold.tool
     assert tool.name == "mend"
     tool.set_radius(3.0)
-    volume.workspace.object_list.set_way(ball=False, over_others=True)
+    listed = volume.workspace.object_list
+    listed.ball, listed.over_others = False, True
     return tool
 
 
@@ -146,10 +147,10 @@ def test_a_frozen_object_keeps_every_voxel_and_others_are_painted_over_if_that_i
     assert np.array_equal(masks(volume)[0], first)
     assert "frozen" in volume.canvas_area.messages.text
     listed.toggle("frozen")
-    listed.over_others = False
+    volume.do("paint_over")
     stroke(hand.canvas, (12, 16), (12, 8), keys=CTRL)
     assert np.array_equal(masks(volume)[0], first)
-    listed.over_others = True
+    volume.do("paint_over")
     stroke(hand.canvas, (12, 8), keys=CTRL)
     left, new = masks(volume)[0], masks(volume)[-1]
     assert np.array_equal(left, first & ~new)
@@ -194,11 +195,11 @@ def test_a_key_fills_the_slices_between_and_says_how_many(volume, hand, brush) -
     assert np.array_equal(masks(volume)[0], before)
     hand.key(KEY.Key_J, SHIFT)
     assert volume.workspace.object_list.ball
-    assert volume.panels["objects"].ball.isChecked()
+    assert volume.actions_by_name["paint_in_space"].isChecked()
 
 
 def test_painted_objects_limit_the_next_run_start_it_and_have_center_lines(volume, hand, brush) -> None:
-    volume.workspace.object_list.set_way(ball=True)
+    volume.workspace.object_list.ball = True
     stroke(hand.canvas, (12, 6), (12, 26))
     mask = masks(volume)[0]
     for edit in (objects.as_regions, objects.as_barriers, objects.as_starts):
@@ -223,7 +224,7 @@ def test_painted_objects_limit_the_next_run_start_it_and_have_center_lines(volum
 
 
 def test_the_objects_tool_takes_up_a_painted_object_and_escape_leaves_it_as_it_was(volume, hand, brush) -> None:
-    volume.workspace.object_list.set_way(ball=True)
+    volume.workspace.object_list.ball = True
     stroke(hand.canvas, (12, 12))
     before = items(volume)
     hand.key(KEY.Key_W)

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 
 import cpm_core
 from cpm_core.contours.hand_edits import HandEdit
-from cpm_core.contours.packed_surface import PackedSurface
+from cpm_core.contours.packed_surface import PackedBody, PackedSurface
 from cpm_core.contours.review import Mark, Verdict
 from cpm_core.formats.common.content import fingerprint
 from cpm_core.formats.common.plain import LARGEST
@@ -58,8 +58,8 @@ def values(hint: Any, name: str) -> st.SearchStrategy[Any]:
         return st.tuples(*(values(item, "") for item in items))
     if get_origin(hint) is Literal:
         return st.sampled_from(get_args(hint))
-    if hint is PackedSurface:
-        return st.sampled_from(SURFACES)
+    if hint == PackedBody:
+        return st.sampled_from([*SURFACES, SURFACES[0].painted])
     assert hint is float, hint
     return numbers
 

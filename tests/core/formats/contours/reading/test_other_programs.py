@@ -333,24 +333,6 @@ def test_a_drawing_without_an_image_tells_that_its_own_height_is_taken():
     assert "does not state the height" in " ".join(read(content, "a.dxf").notes)
 
 
-# napari
-
-
-def test_shapes_of_napari_are_read():
-    rows = ["index,shape-type,vertex-index,axis-0,axis-1"]
-    for index, (kind, corners) in enumerate(
-        {
-            "polygon": [(1, 1), (1, 9), (9, 9)],
-            "path": [(1, 1), (5, 5)],
-            "ellipse": [(10, 10), (10, 30), (20, 30), (20, 10)],
-        }.items()
-    ):
-        rows += [f"{index},{kind},{k},{row},{col}" for k, (row, col) in enumerate(corners)]
-    polygon, path, ellipse = read("\n".join(rows) + "\n", "a.csv").contours
-    assert (polygon.area, path.closed) == (32.0, False)
-    assert ellipse.area == pytest.approx(np.pi * 10 * 5, rel=0.01)
-
-
 @pytest.mark.parametrize(
     ("name", "content"),
     [
