@@ -41,6 +41,12 @@ QUIT = "quit"
 """The action that is always the last of its menu."""
 
 
+def refill(menu: QMenu, spec: Submenu) -> None:
+    """Fill a submenu in place of what it had."""
+    menu.clear()
+    spec.fill(menu)
+
+
 class Menus:
     """The menus of a window, made from specifications and their actions."""
 
@@ -57,8 +63,7 @@ class Menus:
             if isinstance(spec, Submenu):
                 inner = menu.addMenu(spec.text)
                 inner.setToolTipsVisible(True)
-                inner.aboutToShow.connect(inner.clear)
-                inner.aboutToShow.connect(partial(spec.fill, inner))
+                inner.aboutToShow.connect(partial(refill, inner, spec))
             else:
                 menu.addAction(actions[spec.name])
         for menu in self._menus.values():
