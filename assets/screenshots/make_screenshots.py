@@ -206,6 +206,36 @@ def vessels(stand: Stand) -> None:
     stand.take("vessels")
 
 
+STRUCTURES = {
+    "lesion": (29.0, 45.0, 31.0),
+    "left ventricle": (29.0, 28.0, 55.0),
+    "right ventricle": (29.0, 28.0, 40.0),
+}
+"""Places in what is clicked in the head."""
+
+
+def head(stand: Stand) -> None:
+    """Three structures of a head: the last one as it is proposed, and all of them accepted, named and measured."""
+    selection, listed = stand.window.workspace.object_selection, stand.window.workspace.object_list
+    stand.open("head.tif")
+    stand.window.session.edit("clear", edits.clear_shapes)
+    stand.do("objects")
+    for category, (name, place) in enumerate(STRUCTURES.items(), start=1):
+        selection.click((place,))
+        wait(lambda: selection.idle and bool(selection.proposals))
+        stand.settle()
+        if category == len(STRUCTURES):
+            stand.take("head_click")
+        listed.accept()
+        stand.settle()
+        listed.choose({listed.under(place)})
+        listed.rename(("object", category), name)
+        listed.classify(category)
+        stand.settle()
+    wait(lambda: stand.window.feature(SpaceFeature).panel.view.idle)
+    stand.take("head")
+
+
 PICTURES: Mapping[str, Callable[[Stand], None]] = {
     "window": midway,
     "rest": rest,
@@ -215,6 +245,7 @@ PICTURES: Mapping[str, Callable[[Stand], None]] = {
     "trust": trust,
     "skeleton": skeleton,
     "vessels": vessels,
+    "head": head,
 }
 
 

@@ -52,7 +52,6 @@ from cpm_core.contours.agreement import compare
 from cpm_core.contours.ground_truth import Truth, VolumeTruth
 from cpm_core.contours.result import Result
 from cpm_core.contours.surface_agreement import compare_surface
-from cpm_core.field.edge_map import edge_map
 from cpm_core.formats import (
     CONTOURS_READABLE,
     FOR_CENTERLINES,
@@ -76,11 +75,10 @@ from cpm_core.model.state import State
 from cpm_core.objects import Selection, objects_result, partition
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.quotation import counted, sized
-from cpm_core.reconstruction.curve.closing import close_contours
 from cpm_core.shapes import KINDS, Barrier, Circle, Everywhere, Points, Region, Shape, Sphere, Stroke
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on, starts_of
 
-_CLOSE = "Add --close to close those whose ends are near each other."
+_CLOSE = "Name an object by --object ROW,COL, whose boundary is closed."
 
 Drawn = Mapping[str, Sequence[tuple[float, ...]]]
 """Numbers of what is drawn on the command line, by option."""
@@ -130,13 +128,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add(outcome, "--space")
     add(outcome, "--export", help=f"write the contours {EXPORTED}")
     outcome.add_argument(
-        "--close",
-        nargs="?",
-        choices=("edges", "straight"),
-        const="edges",
-        help="close open contours whose ends are near each other, along the edges of the image or straight",
-    )
-    outcome.add_argument(
         "--truth", metavar="FILE", help="compare with a ground truth: a mask, contours, or a label volume"
     )
     outcome.add_argument(
@@ -176,7 +167,7 @@ def run(arguments: argparse.Namespace) -> int:
         return _run_image(arguments, session, path, reading | part, parameters, drawn)
     if drawn["object"] and not arguments.follow:
         raise ValueError("--object is on the first of the pages: add --follow, which finds the object on the others.")
-    refuse(arguments, ("page", "close", "truth", "save_session"), "one image, but --pages runs several")
+    refuse(arguments, ("page", "truth", "save_session"), "one image, but --pages runs several")
     for target in arguments.export:
         check_target(target, FOR_STACKS, "for all pages of a stack")
     check_targets(arguments.export, arguments, path)
@@ -234,7 +225,7 @@ def _run_image(
     if volume:
         result = shown = _surface(made, drawn)
     else:
-        result = shown = _contours(made, image, parameters, session, arguments)
+        result = shown = reviewed(made, image, parameters, session, kept=arguments.image is None)
         if drawn["object"]:
             chosen = partition(result).select(np.array(drawn["object"]), np.array(drawn["not"]))
             if not chosen.mask.any():
@@ -280,7 +271,7 @@ def _run_image(
 def _check_options(arguments: argparse.Namespace, session: SessionFile, volume: bool) -> None:
     """Raise ValueError for options that have no meaning for this run."""
     if volume:
-        refuse(arguments, ("circle", "close", "pages", "save_session"), "images, but a volume is run")
+        refuse(arguments, ("circle", "pages", "save_session"), "images, but a volume is run")
     else:
         refuse(arguments, ("space",), "volumes, but an image is run")
     given = [*arguments.circle, *arguments.sphere, *arguments.stroke, *arguments.points, *arguments.start]
@@ -340,17 +331,6 @@ def _planes(drawn: Drawn, session: SessionFile) -> AnyRegions | None:
 def _files_drawn(arguments: argparse.Namespace) -> list[dict[str, Any]]:
     """The files whose contours a run starts from, as session files hold shapes."""
     return [{"shape": "points", "file": Path(path).name} for path in arguments.start]
-
-
-def _contours(
-    found: Result, image: Image, parameters: Parameters, session: SessionFile, arguments: argparse.Namespace
-) -> Result:
-    """The result of a run after all that a session says of its contours, with open ones closed as asked."""
-    result = reviewed(found, image, parameters, session, kept=arguments.image is None)
-    if arguments.close is None:
-        return result
-    edges = edge_map(image.gray(parameters.channel), parameters.smoothing) if arguments.close == "edges" else None
-    return close_contours(result, edges)
 
 
 def _surface(found: Result, drawn: Drawn) -> Result:

@@ -106,8 +106,8 @@ class Contour:
     >>> square.length, square.area, square.box.tolist(), len(square.path)
     (40.0, 100.0, [[2.0, 2.0], [12.0, 12.0]], 5)
     >>> found = cpm.segment(cpm.example("disk"), cpm.circle((32, 32), 8)).contours[0]
-    >>> round(found.contrast, 2), found.length_by_hand
-    (0.92, 0)
+    >>> round(found.contrast, 2), found.length_by_hand, found.reached
+    (0.92, 0, 'flight')
     """
 
     points: Array

@@ -112,8 +112,8 @@ class Graph:
             total = self.degrees.sum()  # each edge twice: room for its two vertices
             vertices, start = np.empty(total, np.int64), np.zeros(total // 2 + 1, np.int64)
             closed = np.zeros(total // 2, np.bool_)
-            walked = np.zeros(self._near.shape, np.bool_)
-            count = _walk_all(self._near, self.degrees, walked, vertices, start, closed)
+            near = np.sort(self._near, axis=1)
+            count = _walk_all(near, self.degrees, np.zeros(near.shape, np.bool_), vertices, start, closed)
             start, closed = start[: count + 1], closed[:count]
             self._ways = Ways(self.points, vertices[: start[-1]], start, closed)
         return self._ways
@@ -295,23 +295,19 @@ def _walk_all(
     start: Index,
     closed: Mask,
 ) -> int:
-    """Write all paths and return their number; `walked` marks the edges, shape (N, K), that a path has used."""
+    """Write all paths and return their number; `walked` marks the edges, shape (N, K), that a path has used.
+
+    Rows of `near` are sorted.
+    """
     count, filled = 0, 0
     for rounds in range(2):
         for v in range(len(near)):
             if (degrees[v] == 2) != (rounds == 1):
                 continue
-            before = -1
-            for _ in range(degrees[v]):
-                # the neighbor with the next higher number
-                slot = -1
-                for k in range(near.shape[1]):
-                    if near[v, k] > before and (slot < 0 or near[v, k] < near[v, slot]):
-                        slot = k
-                before = near[v, slot]
-                if walked[v, slot]:
+            for slot in range(near.shape[1]):
+                if near[v, slot] < 0 or walked[v, slot]:
                     continue
-                length = follow(near, degrees, walked, v, before, vertices[filled:])
+                length = follow(near, degrees, walked, v, near[v, slot], vertices[filled:])
                 closed[count] = vertices[filled + length - 1] == v
                 filled += length - 1 if closed[count] else length
                 count += 1

@@ -6,12 +6,12 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.numerics import polyline
-from cpm_core.numerics.segments import distances_to_segments
 from cpm_core.numerics.types import Array, Mask, Position
 
 _TINY = 1e-6
@@ -78,26 +78,21 @@ class PolygonalLine:
 
     def passes(self, place: Position, reach: float) -> bool:
         """Whether the line passes within reach of a place [px]."""
-        top, left, bottom, right = self._bounds  # numbers of Python: there are many lines, and most are far away
-        row, col = place
-        if row < top - reach or row > bottom + reach or col < left - reach or col > right + reach:
-            return False
         return self.nearest(place)[1] <= reach
 
     @cached_property
-    def _bounds(self) -> tuple[float, ...]:
-        return tuple(self.box.ravel().tolist())
+    def _line(self) -> Any:
+        """The same for shapely, which needs two vertices."""
+        import shapely  # noqa: PLC0415 - needed for few edits
+
+        return shapely.LineString(np.concatenate([self.path, self.path[-1:]]))
 
     def nearest(self, place: Position) -> tuple[float, float]:
         """Length along the line up to its place nearest to another one, and the distance between the two [px]."""
-        begin, along = self.path[:-1], np.diff(self.path, axis=0)
-        if not len(begin):
-            return 0.0, float(np.linalg.norm(self.points[0] - place))
-        away = distances_to_segments(np.array(place), begin, along)
-        n = np.argmin(away)
-        square = along[n] @ along[n]
-        share = (place - begin[n]) @ along[n] / square if square > 0.0 else 0.0
-        return float(self.lengths[n] + min(max(share, 0.0), 1.0) * np.sqrt(square)), float(away[n])
+        import shapely  # noqa: PLC0415
+
+        point = shapely.Point(place)
+        return float(self._line.project(point)), float(self._line.distance(point))
 
     def part(self, first: float, last: float) -> PolygonalLine:
         """The open line from one length along it to a larger one; on a closed line the second may go once around."""

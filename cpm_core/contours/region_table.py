@@ -7,7 +7,6 @@ centers lie inside.
 
 from __future__ import annotations
 
-import html
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -22,9 +21,6 @@ from cpm_core.numerics.types import Array, Index
 from cpm_core.parameters.quotation import counted, described
 
 Column = NDArray[Any]
-
-_MOST_ROWS = 60
-"""Rows that a notebook shows of a table."""
 
 
 class Table(dict[str, Column]):
@@ -68,24 +64,6 @@ class Table(dict[str, Column]):
 
     def __repr__(self) -> str:
         return described("Table", counted(self.rows, "row"), *self)
-
-    def _repr_html_(self) -> str:
-        heads = "".join(
-            f"<th>{html.escape(name)}{f'<br>[{html.escape(unit)}]' if unit else ''}</th>"
-            for name, unit in self.units.items()
-        )
-        lines = [
-            "".join(f"<td>{html.escape(_text(column[row]))}</td>" for column in self.values())
-            for row in range(min(self.rows, _MOST_ROWS))
-        ]
-        left_out = self.rows - len(lines)
-        more = f"<p>… and {counted(left_out, 'more row')}</p>" if left_out else ""
-        return f"<table><tr>{heads}</tr>{''.join(f'<tr>{line}</tr>' for line in lines)}</table>{more}"
-
-
-def _text(value: Any) -> str:
-    """A value of a table in a notebook."""
-    return f"{value:.6g}" if isinstance(value, float | np.floating) else str(value)
 
 
 _LENGTHS = (
@@ -141,15 +119,15 @@ def volume_table(labels: NDArray[np.integer], gray: Array | None, spacing: Seque
 
 def _row(label: int, outlines: Sequence[Contour], holes: Sequence[Contour], sides: Array) -> dict[str, object]:
     """The columns of one label except for gray levels."""
+    import shapely  # noqa: PLC0415 - needed for tables only
+
     paths, cuts = ([contour.path * sides for contour in some] for some in (outlines, holes))
     filled = sum((moments(path) for path in paths), np.zeros(6))
     net = filled - sum((moments(path) for path in cuts), np.zeros(6))
     area, whole = max(float(net[0]), 0.0), float(filled[0])
     outer = sum(polyline.length(path) for path in paths)
     points = np.concatenate([np.zeros((0, 2)), *paths])
-    hull = whole
-    if len(points) > 2 and np.linalg.matrix_rank(points - points[0]) == 2:
-        hull = float(scipy.spatial.ConvexHull(points).volume)
+    hull = float(shapely.MultiPoint(points).convex_hull.area) or whole
     center = net[1:3] / area if area > 0.0 else points.mean(axis=0) if len(points) else np.zeros(2)
     low, high = (points.min(axis=0), points.max(axis=0)) if len(points) else (np.zeros(2), np.zeros(2))
     return {

@@ -180,7 +180,9 @@ class Result(drawing.Pictured):
         if labels:
             labeled = zip(self.contours, contour_labels(self.contours), strict=True)
             for contour, label in [one for one in labeled if one[1]][:_MOST_NAMES]:
-                drawing.show_name(ax, contour.name or str(label), centroid(contour))
+                row, col = centroid(contour)
+                name = contour.name or str(label)
+                ax.text(col, row, name, color="#ffffff", ha="center", va="center", size=8, bbox=drawing.BOX, zorder=7)
         if scale_bar:
             drawing.show_scale_bar(ax, self.shape, self.spacing, self.unit)
         return ax

@@ -208,7 +208,7 @@ _SAMPLES = 24
 def with_kept(result: Result, marks: Sequence[Mark]) -> Result:
     """The result with each kept contour that is not in it, or only in parts, as it was when it was kept.
 
-    A contour is found again when one passes at its anchor and runs along most of it. Otherwise the kept one is added,
+    A contour is found again when another one runs along most of it. Otherwise the kept one is added,
     last, and takes the place of the contours that run along it for most of their length.
 
     Parameters
@@ -226,17 +226,20 @@ def with_kept(result: Result, marks: Sequence[Mark]) -> Result:
     kept = [mark for mark in marks if mark.verdict == "kept" and mark.outline.points]
     if not kept:
         return result
-    missing = _missing(result.contours, kept)
-    if not missing:
+    lost = []
+    for mark in kept:
+        outline = mark.outline.contour(mark.name, mark.color)
+        if not any(_runs_along(outline, contour) for contour in result.contours):
+            lost.append(outline)
+    if not lost:
         return result
-    added = [mark.outline.contour(mark.name, mark.color) for mark in missing]
-    rest = [contour for contour in result.contours if not any(_runs_along(contour, one) for one in added)]
+    rest = [contour for contour in result.contours if not any(_runs_along(contour, one) for one in lost)]
     taken = {contour.number for contour in rest}
-    for index, contour in enumerate(added):
+    for index, contour in enumerate(lost):
         if contour.number in taken:  # a number of another session
-            added[index] = replace(contour, number=0)
+            lost[index] = replace(contour, number=0)
         taken.add(contour.number)
-    return replace(result, contours=(*rest, *added))
+    return replace(result, contours=(*rest, *lost))
 
 
 def outline_of(contour: Contour) -> Outline:
@@ -245,22 +248,8 @@ def outline_of(contour: Contour) -> Outline:
     return Outline(points, contour.closed, contour.strength, contour.number)
 
 
-def _missing(contours: Sequence[Contour], kept: Sequence[Mark]) -> list[Mark]:
-    """The marks whose contour has not been found again as a whole."""
-    if not contours:
-        return list(kept)
-    owner = attached(contours, [mark.anchor for mark in kept])
-    places = [polyline.middles(mark.outline.contour().path, _SAMPLES) for mark in kept]
-    place, contour, _ = neighborhood(contours).pairs(np.concatenate(places), _SAME)
-    found = []
-    for index, mark in enumerate(kept):
-        along = (contour == owner[index]) & (place // _SAMPLES == index) if owner[index] is not None else np.zeros(1)
-        if along.sum() < _MOST * _SAMPLES:
-            found.append(mark)
-    return found
-
-
 def _runs_along(contour: Contour, other: Contour) -> bool:
+    """Whether a contour runs along another one for most of its length."""
     low, high = other.box
     if (contour.box[0] > high + _SAME).any() or (contour.box[1] < low - _SAME).any():
         return False

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy
@@ -110,9 +111,15 @@ class Surface:
         ValueError
             When `ax` are no axes in space.
         """
-        ax = drawing.axes_for(ax, space=True)
-        drawing.show_triangles(ax, self._physical, self.faces, self.unit)
-        return ax
+        space: Any = drawing.axes_for(ax, space=True)
+        plane, row, col = self._physical.T
+        look = {"color": "#7fb8dc", "linewidth": 0.0, "antialiased": False, "shade": True}
+        space.plot_trisurf(col, row, plane, triangles=self.faces, **look)
+        space.set_box_aspect(np.maximum(np.ptp(self._physical[:, ::-1], axis=0), 1e-9))
+        name = self.unit or "voxels"
+        space.set(xlabel=f"column [{name}]", ylabel=f"row [{name}]", zlabel=f"plane [{name}]")
+        space.invert_yaxis()
+        return space
 
     @cached_property
     def normals(self) -> Array:

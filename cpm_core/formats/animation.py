@@ -44,9 +44,8 @@ def write_animation(
     path: AnyPath,
     frames_per_second: float = 25.0,
     progress: Callable[[int], object] | None = None,
-    cancelled: Callable[[], bool] | None = None,
     comment: str = "",
-) -> bool:
+) -> None:
     """Write frames as an animation that repeats for ever, or as a video, by suffix.
 
     Parameters
@@ -58,16 +57,9 @@ def write_animation(
     frames_per_second : float
         Speed.
     progress : callable, optional
-        Called with the number of frames taken.
-    cancelled : callable, optional
-        Called with each frame; True stops the writing.
+        Called with the number of frames taken; when it raises, nothing is written.
     comment : str
         Text in ASCII that the file carries.
-
-    Returns
-    -------
-    bool
-        False when it was cancelled; then nothing is written.
 
     Raises
     ------
@@ -78,7 +70,6 @@ def write_animation(
     --------
     >>> frames = [np.full((32, 32, 3), 16 * k, np.uint8) for k in range(8)]
     >>> cpm.write_animation(frames, "run.gif", frames_per_second=4)
-    True
     """
     check_animation(path)
     file = Path(path)
@@ -91,8 +82,6 @@ def write_animation(
     def checked() -> Iterator[Pixels]:
         shape: tuple[int, ...] = ()
         for count, frame in enumerate(frames, start=1):
-            if cancelled is not None and cancelled():
-                raise _CancelledError
             shape = shape or (*frame.shape[:2], 3)
             if frame.dtype != np.uint8 or frame.shape != shape:
                 raise ValueError(
@@ -103,16 +92,12 @@ def write_animation(
             if progress is not None:
                 progress(count)
 
-    try:
-        taken = checked()
-        if (first := next(taken, None)) is None:
-            raise ValueError(f"{file.name} would be an animation without frames: run first.")
-        write = _write_video if file.suffix.lower() == ".mp4" else _write_by_pillow
-        with drafts_of(file) as (draft,):
-            write(first, taken, draft, file.suffix.lower(), frames_per_second, comment)
-    except _CancelledError:
-        return False
-    return True
+    taken = checked()
+    if (first := next(taken, None)) is None:
+        raise ValueError(f"{file.name} would be an animation without frames: run first.")
+    write = _write_video if file.suffix.lower() == ".mp4" else _write_by_pillow
+    with drafts_of(file) as (draft,):
+        write(first, taken, draft, file.suffix.lower(), frames_per_second, comment)
 
 
 def check_animation(path: AnyPath) -> None:
@@ -145,10 +130,6 @@ def write_picture(pixels: Pixels, path: Path, comment: str = "") -> None:
     texts.add_text("Description", comment)
     PIL.Image.fromarray(np.ascontiguousarray(pixels)).save(stream, format="PNG", pnginfo=texts)
     write_together([(path, stream.getvalue())])
-
-
-class _CancelledError(Exception):
-    """The animation was cancelled."""
 
 
 def _write_by_pillow(

@@ -7,12 +7,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.numerics.types import Array, Index
+from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import shown
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ _DOTS = ((700, 5.0), (2500, 2.5), (np.inf, 0.5))
 _LONGEST_BAR = 0.3
 """Largest length of a scale bar, as a share of the width of the image."""
 
-_BOX = {"facecolor": HALO, "edgecolor": "none", "alpha": 0.6, "pad": 1.5}
+BOX = {"facecolor": HALO, "edgecolor": "none", "alpha": 0.6, "pad": 1.5}
 """What lies behind texts, so that they can be read on any gray; with outlines they would be no texts in SVG."""
 
 _DPI, _NOTEBOOK_DPI = 200, 80
@@ -127,11 +127,6 @@ def show_particles(ax: Axes, places: Array) -> None:
     ax.scatter(col, row, s=size, c=PARTICLE, linewidths=0.0, zorder=6)
 
 
-def show_name(ax: Axes, name: str, place: Sequence[float]) -> None:
-    """A name at a place (row, col)."""
-    ax.text(place[1], place[0], name, color="#ffffff", ha="center", va="center", fontsize=8, bbox=_BOX, zorder=7)
-
-
 def show_scale_bar(ax: Axes, shape: tuple[int, ...], spacing: Sequence[float], unit: str | None) -> None:
     """A bar of round length with its length in a readable unit, in px where the size of a pixel is not known."""
     from matplotlib.patheffects import withStroke
@@ -147,18 +142,8 @@ def show_scale_bar(ax: Axes, shape: tuple[int, ...], spacing: Sequence[float], u
     middle = left + 0.5 * bar.pixels
     ax.annotate(
         bar.label, (middle, down), (0.0, 5.0), textcoords="offset points", color="#ffffff", ha="center", va="bottom",
-        fontsize=9, bbox=_BOX, zorder=8,
+        fontsize=9, bbox=BOX, zorder=8,
     )  # fmt: skip
-
-
-def show_triangles(ax: Any, places: Array, faces: Index, unit: str | None) -> None:
-    """Triangles, shape (F, 3), between places (plane, row, col) in units of length, shape (N, 3)."""
-    plane, row, col = places.T
-    ax.plot_trisurf(col, row, plane, triangles=faces, color="#7fb8dc", linewidth=0.0, antialiased=False, shade=True)
-    ax.set_box_aspect(np.maximum(np.ptp(places[:, ::-1], axis=0), 1e-9))
-    name = unit or "voxels"
-    ax.set(xlabel=f"column [{name}]", ylabel=f"row [{name}]", zlabel=f"plane [{name}]")
-    ax.invert_yaxis()
 
 
 def new_figure(shape: tuple[int, ...] | None, spacing: Sequence[float] = (1.0, 1.0)) -> tuple[Figure, Axes]:

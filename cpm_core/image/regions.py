@@ -75,7 +75,7 @@ class Regions:
                 f"these regions are for an image, but this is a volume of {sized(shape, '')}: use VolumeRegions."
             )
         for number, polygon in enumerate(self.interest, start=1):
-            if not _pixels(polygon, shape).any():
+            if not pixels_in(polygon, shape).any():
                 raise ValueError(
                     f"region of interest {number} holds no pixel of the image ({sized(shape, 'pixels')}): "
                     "draw it inside the image, around an object."
@@ -105,7 +105,7 @@ class Regions:
         """Which pixels of an image of this shape have their center in a region of interest."""
         if not self.interest:
             return np.ones(shape, np.bool_)
-        return np.any([_pixels(polygon, shape) for polygon in self.interest], axis=0)
+        return np.any([pixels_in(polygon, shape) for polygon in self.interest], axis=0)
 
     def rims(self) -> Array:
         """Boundary of the union of the regions of interest as segments, shape (S, 4) [px]."""
@@ -144,7 +144,7 @@ def _lines(noun: str, lines: Iterable[Iterable[Sequence[float]]], least: int) ->
 
 
 @lru_cache(maxsize=_KEPT)
-def _pixels(polygon: Line, shape: tuple[int, ...]) -> Mask:
+def pixels_in(polygon: Line, shape: tuple[int, ...]) -> Mask:
     """Which pixels of an image of this shape have their center in a polygon."""
     places = np.indices(shape).reshape(2, -1).T.astype(float)
     return polyline.inside(polygon, places).reshape(shape)
@@ -206,11 +206,10 @@ def build_barrier_map(regions: Regions, shape: tuple[int, ...]) -> BarrierMap:
     segments = np.concatenate([regions.rims(), regions.lines()])
     if not len(segments):
         return NO_BARRIERS
-    begin, along = segments[:, :2], segments[:, 2:] - segments[:, :2]
-    count = 1 + (np.linalg.norm(along, axis=1) / _SAMPLING).astype(int)
-    number = np.repeat(np.arange(len(count)), count + 1)
-    share = (np.arange(len(number)) - np.repeat(np.cumsum(count + 1) - count - 1, count + 1)) / count[number]
-    pixels = np.rint(begin[number] + share[:, None] * along[number]).astype(int)
+    import shapely  # noqa: PLC0415 - needed for regions and barriers only
+
+    sides = shapely.segmentize(shapely.linestrings(segments.reshape(-1, 2, 2)), _SAMPLING)
+    pixels = np.rint(shapely.get_coordinates(sides)).astype(int)
     pixels = pixels[((pixels >= -1) & (pixels <= shape)).all(axis=1)]
     free = np.ones(shape, np.bool_)
     free[tuple(np.clip(pixels, 0, np.array(shape) - 1).T)] = False

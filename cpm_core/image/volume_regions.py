@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.image.pyramid import to_image
-from cpm_core.image.regions import Line, Regions
+from cpm_core.image.regions import Line, Regions, pixels_in
 from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import Parts, parts_of
 from cpm_core.numerics.jit import compiled
@@ -229,7 +229,7 @@ class Extrusion:
         """Mark its voxels in a volume."""
         slices = np.moveaxis(filled, self.axis, 0)
         begin, end = np.clip([np.ceil(self.first), np.floor(self.last) + 1], 0, len(slices)).astype(int)
-        slices[begin:end] |= _drawn(self.line, self.closed, slices.shape[1:])
+        slices[begin:end] |= (pixels_in if self.closed else _pixels_on)(self.line, slices.shape[1:])
 
     def __repr__(self) -> str:
         slices = f"slices {self.first:g} to {self.last:g} across axis {self.axis}"
@@ -237,20 +237,12 @@ class Extrusion:
 
 
 @lru_cache(maxsize=_KEPT)
-def _drawn(line: Line, closed: bool, shape: tuple[int, ...]) -> Mask:
-    """The pixels of a slice that a line encloses, or passes through."""
+def _pixels_on(line: Line, shape: tuple[int, ...]) -> Mask:
+    """The pixels of a slice that a line passes through."""
+    pixels = np.rint(polyline.resampled(polyline.corners_of(line), _FINE)).astype(np.int64)
+    pixels = pixels[((pixels >= 0) & (pixels < shape)).all(axis=1)]
     filled = np.zeros(shape, np.bool_)
-    if closed:
-        corners = polyline.corners_of(line)
-        low = np.clip(np.ceil(corners.min(axis=0)), 0, shape).astype(int)
-        high = np.clip(np.floor(corners.max(axis=0)) + 1, low, shape).astype(int)
-        part = filled[low[0] : high[0], low[1] : high[1]]
-        centers = np.indices(part.shape).reshape(2, -1).T + low
-        part[:] = polyline.inside(line, centers.astype(float)).reshape(part.shape)
-    else:
-        pixels = np.rint(polyline.resampled(polyline.corners_of(line), _FINE)).astype(np.int64)
-        pixels = pixels[((pixels >= 0) & (pixels < shape)).all(axis=1)]
-        filled[tuple(pixels.T)] = True
+    filled[tuple(pixels.T)] = True
     return filled
 
 

@@ -55,12 +55,12 @@ class Steps(NamedTuple):
 def trace(mask: Mask) -> Steps:
     """Follow the outlines of a mask, with its pixels on the right hand; pixels that share only a corner are apart."""
     wide = np.pad(mask, 1)
-    return Steps(*_traced(mask, sum(int(np.count_nonzero(np.diff(wide, axis=axis))) for axis in range(2))))
+    return Steps(*_traced(wide, sum(int(np.count_nonzero(np.diff(wide, axis=axis))) for axis in range(2))))
 
 
 @compiled
 def _traced(mask: Mask, total: int) -> tuple[Index, Index, Index, Index]:
-    """Fields of the steps around a mask, of so many links."""
+    """Fields of the steps around a mask with a margin of one pixel, of so many links; places are those without it."""
     rows, cols = mask.shape
     seen = np.zeros((4, rows, cols), np.bool_)
     row, col, way = np.empty(total, np.int64), np.empty(total, np.int64), np.empty(total, np.int64)
@@ -71,23 +71,20 @@ def _traced(mask: Mask, total: int) -> tuple[Index, Index, Index, Index]:
             if not mask[r, c]:
                 continue
             for d in range(4):
-                y, x = r + _ROW[d], c + _COL[d]
-                if seen[d, r, c] or (0 <= y < rows and 0 <= x < cols and mask[y, x]):
+                if seen[d, r, c] or mask[r + _ROW[d], c + _COL[d]]:
                     continue
                 i, j, k = r, c, d
                 while not seen[k, i, j]:
                     seen[k, i, j] = True
-                    row[at], col[at], way[at] = i, j, k
+                    row[at], col[at], way[at] = i - 1, j - 1, k
                     at += 1
                     turn = (k + 1) % 4
-                    y, x = i + _ROW[turn], j + _COL[turn]
-                    if not (0 <= y < rows and 0 <= x < cols and mask[y, x]):
+                    if not mask[i + _ROW[turn], j + _COL[turn]]:
                         k = turn
                         continue
-                    i, j = y, x
-                    y, x = i + _ROW[k], j + _COL[k]
-                    if 0 <= y < rows and 0 <= x < cols and mask[y, x]:
-                        i, j, k = y, x, (k + 3) % 4
+                    i, j = i + _ROW[turn], j + _COL[turn]
+                    if mask[i + _ROW[k], j + _COL[k]]:
+                        i, j, k = i + _ROW[k], j + _COL[k], (k + 3) % 4
                 lines += 1
                 begin[lines] = at
     return row, col, way, begin[: lines + 1]

@@ -8,7 +8,5 @@ from cpm_core.pages.objects import ObjectFollower as ObjectFollower
 from cpm_core.pages.objects import follow_objects as follow_objects
 from cpm_core.pages.objects import pages_of as pages_of
 from cpm_core.pages.page import StackResult as StackResult
-from cpm_core.pages.page import StartingLine as StartingLine
 from cpm_core.pages.page import Track as Track
-from cpm_core.pages.page import starts_after as starts_after
 from cpm_core.pages.page import without_image as without_image

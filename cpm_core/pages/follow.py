@@ -14,11 +14,12 @@ from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image, as_plane
 from cpm_core.image.pyramid import most_scales
 from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.pages.page import Page, StartingLine, seeds_along, starts_after, without_image
+from cpm_core.pages.page import Page, without_image
 from cpm_core.pages.tracks import Tracker
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
 from cpm_core.segmentation.evolve import segment
+from cpm_core.shapes import Start, seeds_of, starts_along
 
 Seeds = ArrayLike | Callable[[Image], ArrayLike]
 """Positions of particles, or what gives them for an image."""
@@ -83,7 +84,7 @@ def follow(
                 image = as_plane(pages[number - 1])
                 start = seeds(image) if callable(seeds) else seeds
                 if follower.starts and not fresh:
-                    start = seeds_along(follower.starts)
+                    start = seeds_of(follower.starts)
                 chosen = fitting(parameters or Parameters(), image)
                 found = segment(image, start, chosen, max_steps=max_steps, regions=regions, charges=charges)
             except (ValueError, MemoryError) as error:
@@ -109,9 +110,9 @@ class Follower:
         self._tracker = Tracker(self._last, tracks)
 
     @property
-    def starts(self) -> tuple[StartingLine, ...]:
+    def starts(self) -> tuple[Start, ...]:
         """Where the next page starts: along the contours of the last page that has any."""
-        return starts_after(self._last)
+        return starts_along(self._last)
 
     def take(self, number: int, found: Result) -> Page:
         """The next page, with what was found on it; the numbers of its contours are their tracks."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Literal
@@ -13,9 +13,6 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.rasterize import paint
 from cpm_core.contours.result import Result
-from cpm_core.model.starts import loop, stroke
-from cpm_core.numerics.polyline import thinned
-from cpm_core.numerics.types import Array, Position
 from cpm_core.pages.tracks import TrackEvent
 from cpm_core.parameters.quotation import counted, described
 
@@ -128,18 +125,6 @@ class Track:
     end: TrackEvent | None
 
 
-@dataclass(frozen=True)
-class StartingLine:
-    """A line that particles of the next page start on: the corners of a contour, (row, col) in px."""
-
-    corners: tuple[Position, ...]
-    closed: bool
-
-    def seeds(self) -> Array:
-        """Positions of the particles, shape (N, 2)."""
-        return loop(self.corners) if self.closed else stroke(self.corners)
-
-
 def without_image(result: Result) -> Result:
     """A result that takes little memory: contours as files hold them, with their contrast and gray values."""
     contours = tuple(
@@ -174,19 +159,3 @@ def _grays(result: Result) -> list[float | None]:
     sums = np.bincount(painted, result.image.values.ravel(), most)
     counts = np.bincount(painted, minlength=most)
     return [round(sums[label] / counts[label], _OF_MEASURES) if label and counts[label] else None for label in labels]
-
-
-def starts_after(contours: Sequence[Contour]) -> tuple[StartingLine, ...]:
-    """Where the next page starts: along the contours of this one, with the corners that matter."""
-    lines = []
-    for contour in contours:
-        corners = tuple((row, col) for row, col in np.round(contour.path, _DECIMALS).tolist())
-        few = thinned(corners)
-        closed = contour.closed and len(set(few)) > 2
-        lines.append(StartingLine(few[:-1] if closed else few, closed))
-    return tuple(lines)
-
-
-def seeds_along(starts: Sequence[StartingLine]) -> Array:
-    """Positions of the particles along lines, shape (N, 2)."""
-    return np.concatenate([np.empty((0, 2)), *(line.seeds() for line in starts)])

@@ -11,8 +11,6 @@ from cpm_core.reconstruction.by_hand.operations import cut as cut
 from cpm_core.reconstruction.by_hand.operations import deletion as deletion
 from cpm_core.reconstruction.by_hand.operations import pull as pull
 from cpm_core.reconstruction.by_hand.operations import wire_from as wire_from
-from cpm_core.reconstruction.curve.closing import can_be_closed as can_be_closed
-from cpm_core.reconstruction.curve.closing import close_contours as close_contours
 from cpm_core.reconstruction.curve.crust import reconstruct_curve
 from cpm_core.reconstruction.curve.pipeline import find_contours
 from cpm_core.reconstruction.surface.from_points import reconstruct_surface

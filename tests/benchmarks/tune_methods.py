@@ -19,7 +19,7 @@ import skimage
 from cpm_core.contours.agreement import agreement
 from cpm_core.contours.contour import Contour
 from cpm_core.image.image import Image
-from cpm_core.objects.methods import CONTOUR_METHODS, Start, run_method, runnable
+from cpm_core.objects.methods import CONTOUR_METHODS, Start, run_method
 from cpm_core.objects.methods.method import boundary
 from cpm_core.shapes import Circle
 from tests.benchmarks.claims.claims import OURS, OURS_SETTINGS
@@ -101,7 +101,7 @@ def photographs():
     values += np.random.default_rng(1).normal(0.0, 15.0, horse.shape)
     depth = scipy.ndimage.distance_transform_edt(horse > 0.5)
     middle = tuple(map(float, np.unravel_index(depth.argmax(), depth.shape)))
-    truth, _ = boundary(horse, 0.5)
+    truth = boundary(horse, 0.5)
     yield Trial("", "horse", Image(values), truth, Start((Circle(middle, 0.7 * float(depth.max())).outline[:-1],)))
     coins = skimage.data.coins().astype(float)
     for (row, col), radius, around in COINS:
@@ -153,4 +153,4 @@ def main(names):
 
 
 if __name__ == "__main__":
-    main(sys.argv[1:] or [name for name in SEARCHED if name in runnable()])
+    main(sys.argv[1:] or [name for name in SEARCHED if name in CONTOUR_METHODS])

@@ -7,14 +7,16 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+import scipy
 
 from app.model.document.document import Document
 from app.model.document.objects import name_class
 from app.model.text.language import tr
 from cpm_core import Centerlines, Contour, Image, Surface, VolumePartition
-from cpm_core.contours import Label, PackedSurface, alone
+from cpm_core.contours import Label, PackedSurface, alone, inside_of
 from cpm_core.formats import ContourFile
-from cpm_core.objects.segmented import SegmentedObject, line_of
+from cpm_core.numerics import Place
+from cpm_core.objects.segmented import Click, SegmentedObject, line_of
 from cpm_core.shapes import Points, Polygon, Stroke, start_on_surface, starts_along, starts_in
 
 MOST = 1000
@@ -113,7 +115,7 @@ def _grouped(contours: Sequence[Contour]) -> list[list[Contour]]:
 
 
 def bodies_of(surface: Surface, volume: Image) -> tuple[SegmentedObject, ...]:
-    """An object for each number that a closed surface has, or for each body inside it.
+    """An object for each number that a closed surface has, or for each body inside it, with a click in its middle.
 
     Those with numbers have their names and colors too.
     """
@@ -130,7 +132,7 @@ def bodies_of(surface: Surface, volume: Image) -> tuple[SegmentedObject, ...]:
     return tuple(
         SegmentedObject(
             label.number,
-            (),
+            (Click((_innermost(body, volume.shape),)),),
             name=label.name,
             color=label.color,
             confidence=1.0,
@@ -138,6 +140,19 @@ def bodies_of(surface: Surface, volume: Image) -> tuple[SegmentedObject, ...]:
         )
         for label, body in zip(labels, bodies, strict=True)
     )
+
+
+def _innermost(body: Surface, shape: tuple[int, ...]) -> Place:
+    """The voxel inside a body that is farthest from its boundary; a vertex when no voxel lies inside."""
+    vertices = body.vertices[np.unique(body.faces)]
+    first = np.clip(np.floor(vertices.min(axis=0)), 0, shape).astype(np.int64)
+    size = np.clip(np.ceil(vertices.max(axis=0)) + 1, first, shape).astype(np.int64) - first
+    inside = inside_of(replace(body, vertices=body.vertices - first), tuple(size.tolist()))
+    if not inside.any():
+        return tuple(vertices[0].tolist())
+    depth = scipy.ndimage.distance_transform_edt(np.pad(inside, 1), sampling=body.spacing)[1:-1, 1:-1, 1:-1]
+    deepest = np.unravel_index(int(np.argmax(depth)), inside.shape)
+    return tuple((deepest + first).astype(float).tolist())
 
 
 def add_objects(document: Document, made: Sequence[SegmentedObject], classes: Sequence[str] = ()) -> Document:

@@ -120,15 +120,9 @@ class Control:
         return 0 if self.whole else max(2, -math.floor(math.log10(self.step)))
 
     @property
-    def rich_symbol(self) -> str:
-        """Its symbol as rich text."""
-        return rich(self.symbol)
-
-    def label(self, wording: str) -> str:
-        """Label of the slider, as rich text: its name and symbol, or its symbol and name."""
-        if wording == "name":
-            return f"{self.title} &nbsp;<span style='font-weight: normal'>{self.rich_symbol}</span>"
-        return f"{self.rich_symbol} &nbsp;{self.title}"
+    def label(self) -> str:
+        """Label of the slider, its name and symbol as rich text."""
+        return f"{self.title} &nbsp;<span style='font-weight: normal'>{rich(self.symbol)}</span>"
 
     @property
     def facts(self) -> str:

@@ -13,7 +13,6 @@ from typing import Any, Generic, TypeVar
 from app.model.display.lengths import UNITS
 from app.model.text import language
 from app.model.text.language import tr
-from app.model.text.wording import FIRST_WORDING
 
 V = TypeVar("V")
 
@@ -126,10 +125,6 @@ UNIT = Choice(
     note=tr("In tables, the Run panel, the status bar and the scale bar. Without a known pixel size, "
             "lengths are in px."),
 )  # fmt: skip
-WORDING = Choice(
-    name="parameters/wording", label=tr("Labels"), default=FIRST_WORDING,
-    ways={"name": tr("Parameter names first"), "symbol": tr("Parameter symbols first")},
-)  # fmt: skip
 
 CONTOUR_WIDTH = Number(
     name="canvas/contour_width", label=tr("Contour width"), default=2.0, low=0.5, high=5.0,
@@ -182,7 +177,7 @@ TIMELINE_MEMORY = Number(
 )  # fmt: skip
 
 BY_PAGE: Mapping[str, tuple[Preference[Any], ...]] = {
-    "general": (LANGUAGE, THEME, UNIT, WORDING),
+    "general": (LANGUAGE, THEME, UNIT),
     "appearance": (CONTOUR_WIDTH, SHAPE_WIDTH, POINT_SIZE, *INKS.values()),
     "files": (AUTOSAVE, SAVE_IN_FOLDER),
     "run": (KEEP_PARAMETERS, OFFER_SETTINGS, TIMELINE_MEMORY),

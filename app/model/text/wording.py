@@ -1,15 +1,8 @@
-"""Labels of the parameters, by name or by symbol first, and their formulas.
-
-The name itself is in the table of the core.
-"""
+"""Formulas and symbols of the parameters, whose names are in the table of the core."""
 
 from __future__ import annotations
 
 from app.model.text.language import tr
-
-FIRST_WORDING = "name"
-"""What comes first in labels of parameters, ``"name"`` or ``"symbol"``."""
-
 
 _FORCES = "<i>F</i> = <i>w</i>₁<i>F</i><sub>c</sub> + <i>w</i>₂<i>F</i><sub>l</sub> − <i>β</i> <i>v</i>"
 

@@ -24,8 +24,8 @@ from cpm_core.contours import apply, middle, with_kept
 from cpm_core.formats import Pages, Reading, decode, encode, page_from_plain, page_to_plain
 from cpm_core.formats.sessions.recorded_run import Recorder, with_run
 from cpm_core.objects.segmented import SegmentedObjects
-from cpm_core.pages import Follower, StackResult, StartingLine, fitting, pages_of, trouble_of, without_image
-from cpm_core.shapes import Polygon, SeedCache, Start, Stroke, check_axes, starts_of
+from cpm_core.pages import Follower, StackResult, fitting, pages_of, trouble_of, without_image
+from cpm_core.shapes import SeedCache, Start, check_axes
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,11 +122,6 @@ def started_by(document: Document, starts: tuple[Start, ...]) -> Document:
     """A document with these starts in place of its own; limits and charges stay."""
     others = (shape for shape in document.shapes if not isinstance(shape, Start))
     return replace(document, shapes=(*starts, *others))
-
-
-def starts_along(lines: tuple[StartingLine, ...]) -> tuple[Start, ...]:
-    """Starts along the contours of the page before, as shapes that can be seen and changed."""
-    return starts_of([(Polygon if line.closed else Stroke)(line.corners) for line in lines])
 
 
 def bare(document: Document) -> Document:
@@ -316,7 +311,7 @@ class PageDone:
 def run_pages(
     source: StackSource,
     numbers: Sequence[int],
-    document_of: Callable[[int, tuple[StartingLine, ...]], tuple[Document, tuple[Start, ...]]],
+    document_of: Callable[[int, tuple[Start, ...]], tuple[Document, tuple[Start, ...]]],
     before: Sequence[Page],
     core: Core,
     task: Task,

@@ -35,7 +35,6 @@ from app.session.features.kept_pages import (
     pages_to_plain,
     run_pages,
     started_by,
-    starts_along,
 )
 from app.session.session import Session
 from app.session.signals import EXPORTING, OPENING, RUNNING
@@ -46,8 +45,8 @@ from app.session.undo_history import Change
 from cpm_core import Page, Result
 from cpm_core.contours import apply, centroid
 from cpm_core.formats import ImageFile, export_stack, plain_shapes
-from cpm_core.pages import StackResult, StartingLine, starts_after
-from cpm_core.shapes import Start
+from cpm_core.pages import StackResult
+from cpm_core.shapes import Start, starts_along
 
 _QUIET, _WHILE_RUNNING = 200, 1500
 """Time from a change until the tracks are found again, at rest and while pages are run [ms]."""
@@ -240,7 +239,7 @@ class StackPages(QObject):
         document, given = bare(here.document), here.given or here.document.starts
         before = self._found.get(number - 1)
         if self.following and before is not None and before.contours:
-            given = starts_along(starts_after(before.contours))
+            given = starts_along(before.contours)
             document = started_by(document, given)
         return KeptPage(document, known=document, given=given)
 
@@ -280,13 +279,13 @@ class StackPages(QObject):
         before = () if followed is None else tuple(page for page in followed.pages if page.number < first)
         source, numbers = self.source, range(first, self.count + 1)
 
-        def document_of(number: int, lines: tuple[StartingLine, ...]) -> tuple[Document, tuple[Start, ...]]:
+        def document_of(number: int, starts: tuple[Start, ...]) -> tuple[Document, tuple[Start, ...]]:
             """Those whose start the user has drawn keep their document; others take over that which is open."""
             page = kept.get(number)
             own = bare(document) if page is None else replace(page.document, parameters=document.parameters)
             if page is not None and page.own_start:
                 return own, ()
-            given = starts_along(lines if following else ()) or document.starts
+            given = (starts if following else ()) or document.starts
             return started_by(own, given), given
 
         def work(task: Task) -> None:

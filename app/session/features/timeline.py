@@ -33,9 +33,6 @@ class TimelineNavigation(QObject):
         self._here = (0, 0)
         self._target: tuple[int, int] | None = None
         self._snapshot: Snapshot | None = None
-        self._play = QTimer(self)
-        self._play.setInterval(_PLAY_EVERY)
-        self._play.timeout.connect(self._play_on)
         self._stay = QTimer(self, singleShot=True, interval=_STAYING)
         self._stay.timeout.connect(self._reconstruct)
         session.scene_changed.connect(self._follow)
@@ -47,11 +44,6 @@ class TimelineNavigation(QObject):
             lambda kept: None if kept.generation != session.generation or session.status.started
             else self._use_outline(kept.timeline),
         )  # fmt: skip
-
-    @property
-    def playing(self) -> bool:
-        """Whether recorded steps are replayed."""
-        return self._play.isActive()
 
     @property
     def branches(self) -> tuple[Branch, ...]:
@@ -85,8 +77,18 @@ class TimelineNavigation(QObject):
 
     def go(self, branch: int, step: int) -> None:
         """Go to a step of a branch, or to its nearest one."""
-        self._play.stop()
-        self._go(branch, step)
+        if self.branch(branch) is None:
+            return
+        if not self._session.status.started:  # until now the regions were of no use to the worker
+            self._session.post(run_call(None, Run.limit, self._session.document.regions))
+        step = min(max(step, 0), self.last(branch))
+        if (branch, step) == self.place and self._session.status.phase != "running":
+            return
+        target = self._target = (branch, step)
+        session = self._session
+        session.hold(seek(session.generation, branch, step, lambda: self._target in (None, target)))
+        self._stay.start()
+        self.changed.emit()
 
     def by(self, steps: int) -> None:
         """Go forward by a number of recorded steps, or backward when it is negative."""
@@ -101,17 +103,6 @@ class TimelineNavigation(QObject):
         """Go to the last step of the branch."""
         branch, _ = self._place_or_end()
         self.go(branch, self.last(branch))
-
-    def toggle_play(self) -> None:
-        """Replay the recorded steps from here on, from the first one at the end; or pause."""
-        if self.playing:
-            self._play.stop()
-        elif self.branches:
-            branch, step = self._place_or_end()
-            if step >= self.last(branch):
-                self._go(branch, 0)
-            self._play.start()
-        self.changed.emit()
 
     # Branches
 
@@ -150,28 +141,6 @@ class TimelineNavigation(QObject):
 
     # Following
 
-    def _go(self, branch: int, step: int) -> None:
-        if self.branch(branch) is None:
-            return
-        if not self._session.status.started:  # until now the regions were of no use to the worker
-            self._session.post(run_call(None, Run.limit, self._session.document.regions))
-        step = min(max(step, 0), self.last(branch))
-        if (branch, step) == self.place and self._session.status.phase != "running":
-            return
-        target = self._target = (branch, step)
-        session = self._session
-        session.hold(seek(session.generation, branch, step, lambda: self._target in (None, target)))
-        self._stay.start()
-        self.changed.emit()
-
-    def _play_on(self) -> None:
-        branch, step = self.place
-        if step >= self.last(branch) or self._session.status.phase == "running":
-            self._play.stop()
-            self.changed.emit()
-        elif self._target is None:  # one step after the other, as fast as they are recovered
-            self._go(branch, step + 1)
-
     def _follow(self) -> None:
         snapshot = self._session.scene.snapshot
         if snapshot is self._snapshot:
@@ -181,34 +150,25 @@ class TimelineNavigation(QObject):
             self._use_outline(self.outline)
             return
         self._here = (snapshot.timeline.branch, snapshot.state.step)
-        self._take_outline(snapshot.timeline)
+        self.outline = snapshot.timeline
         if self._here == self._target:
             self._target = None
         self.changed.emit()
 
     def _use_outline(self, outline: Outline) -> None:
         """Show runs while the run is on none of them."""
-        self._play.stop()
         self._here, self._target = (0, 0), None
-        self._take_outline(outline)
+        self.outline = outline
         self.changed.emit()
 
     def _follow_phase(self) -> None:
-        if self._session.status.phase == "running" and (self._target is not None or self.playing):
+        if self._session.status.phase == "running" and self._target is not None:
             self._target = None
-            self._play.stop()
             self.changed.emit()
 
     def _reconstruct(self) -> None:
         if self._session.status.started and self._session.status.phase != "running":
             self._session.post(run_call(None, Run.stay))
-
-    def _take_outline(self, outline: Outline) -> None:
-        fallen = outline.fallen[len(self.outline.fallen) :]
-        self.outline = outline
-        if fallen:
-            message = tr("{runs} had to be removed from the timeline to make room; renamed runs are kept longer.")
-            self._session.say(message.format(runs=", ".join(fallen)))
 
     def _place_or_end(self) -> tuple[int, int]:
         """The place, or the end of the last branch while the run is on none."""
@@ -217,9 +177,6 @@ class TimelineNavigation(QObject):
         newest = self.branches[-1].identity
         return newest, self.last(newest) + 1
 
-
-_PLAY_EVERY = 50
-"""Time between two steps of a replay [ms]."""
 
 _STAYING = 250
 """Time at a step after which its contours are reconstructed at once [ms]."""

@@ -50,8 +50,6 @@ class Outline:
         The current branch, 0 before there is one.
     parameters : Parameters or None
         Parameters of the current step; None for the first.
-    fallen : tuple of str
-        Names of the runs that were removed to make room.
     edition : int
         Changes whenever something is recorded, renamed or removed.
     steered : bool
@@ -63,7 +61,6 @@ class Outline:
     branches: tuple[Branch, ...] = ()
     branch: int = 0
     parameters: Parameters | None = None
-    fallen: tuple[str, ...] = ()
     edition: int = 0
     steered: bool = False
     began: int = 0
@@ -122,7 +119,6 @@ class Timeline:
         self._step = 0
         self._numbered, self._named = 0, [0, 0]
         self._branches: tuple[Branch, ...] | None = None
-        self._fallen: tuple[str, ...] = ()
         self._begun: dict[int, tuple[Document, int]] = {}
 
         @lru_cache(_METHODS)
@@ -150,16 +146,10 @@ class Timeline:
             self._branches,
             self._line.identity,
             next((action.parameters for action in actions if isinstance(action, Stepped)), None),
-            self._fallen,
             self.edition,
             len(self._lines) > 1 or any(line.steered for line in self._lines.values()),
             self._begun[self.run][1] if self.run else 0,
         )
-
-    @property
-    def runs(self) -> tuple[int, ...]:
-        """Numbers of the runs, the oldest first."""
-        return tuple(self._begun)
 
     @property
     def here(self) -> BranchStep | None:
@@ -217,7 +207,7 @@ class Timeline:
             self._begun[run] = document, generation
             self.go(self._root(run).identity, 0)
         else:
-            for known in self.runs:
+            for known in tuple(self._begun):
                 lines = [line for line in self._lines.values() if line.run == known]
                 if len(lines) == 1 and not lines[0].renamed and [at.before for at in lines[0].path] == [None]:
                     self._remove_run(known)
@@ -314,7 +304,8 @@ class Timeline:
             other = max(rest, key=line.common)
             self.go(other.identity, min(self._step, max(line.common(other) - 1, 0)))
         elif self._line is line:
-            before = self._root(self.runs[self.runs.index(line.run) - 1])
+            runs = tuple(self._begun)
+            before = self._root(runs[runs.index(line.run) - 1])
             self.go(before.identity, before.last)
         self._kept.keep_only(line.run, {moment for other in rest for moment in other.path})
         if not rest:
@@ -325,7 +316,7 @@ class Timeline:
     def clear(self) -> None:
         """Remove everything."""
         self.leave()
-        self._numbered, self._named, self._fallen = 0, [0, 0], ()
+        self._numbered, self._named = 0, [0, 0]
         self._lines, self._begun = {}, {}
         self.method.cache_clear()
         self._kept.clear()
@@ -465,11 +456,10 @@ class Timeline:
         """Remove the oldest runs, those that have been named last, until the others have room; never the newest one."""
         self._kept.make_room()
         while self._kept.used > self._kept.budget or len(self._begun) > MOST_RUNS:
-            roots = [self._root(run) for run in self.runs[:-1]]
+            roots = [self._root(run) for run in tuple(self._begun)[:-1]]
             oldest = min((one for one in roots if one.run != self.run), key=lambda one: one.renamed, default=None)
             if oldest is None:
                 return
-            self._fallen = (*self._fallen, oldest.name)
             self._remove_run(oldest.run)
 
 

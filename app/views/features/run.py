@@ -8,7 +8,7 @@ from PySide6.QtCore import Qt, QTimer
 from PySide6.QtGui import QKeyEvent
 
 from app.model.document.modes import needs_start
-from app.model.preferences.table import TIMELINE_MEMORY, UNIT, WORDING
+from app.model.preferences.table import TIMELINE_MEMORY, UNIT
 from app.model.state.resolve import resolve
 from app.model.state.situation import Situation, can_step, has_image, has_particles, is_running, is_started
 from app.model.text.language import tr, written
@@ -44,7 +44,6 @@ class RunControlFeature(Feature):
         parameters = ParametersPanel(session, self.presets)
         self.panel = RunPanel(parameters)
         self.panels = (Panel("run", "Run", self.panel, "F5"),)
-        window.preferences.follow(WORDING, lambda: parameters.use_wording(window.preferences.value(WORDING)))
         self.panel.unfold(window.preferences.get(_UNFOLDED, []))
         self.panel.folded.connect(self._keep_unfolded)
         self._keep_unfolded()
@@ -112,7 +111,7 @@ class TimelineFeature(Feature):
         Keys(self.canvas, go_to_end)
         self.session.document_changed.connect(lambda _: self.panel.show_parameters())
         window.shortcuts.changed.connect(lambda: self.panel.use_actions(window.actions_by_name))
-        self._shown = False, False
+        self._shown = False
         to.changed.connect(self._follow)
         window.preferences.follow(TIMELINE_MEMORY, self.use_memory)
 
@@ -135,9 +134,6 @@ class TimelineFeature(Feature):
             ActionSpec("timeline_last", _MENU, "&Last step",
                        "Go to the last step of the branch; End on the canvas does the same.", to.to_last, "Ctrl+End",
                        "last", when=recorded),
-            ActionSpec("timeline_play", _MENU, "&Play the recorded steps", "Play or pause the recorded steps.",
-                       to.toggle_play, "Shift+Space", "play", when=recorded,
-                       pictured=lambda _: "pause" if to.playing else "play"),
             ActionSpec("timeline_parameters", _MENU, "Use the pa&rameters of this step",
                        "Use the parameters with which the shown step was computed.", to.use_its_parameters, gap=True,
                        when=lambda situation: has_particles(situation) and to.other_parameters is not None),
@@ -148,8 +144,8 @@ class TimelineFeature(Feature):
         )  # fmt: skip
 
     def _follow(self) -> None:
-        """Enable and picture the moves."""
-        shown = self.navigation.playing, bool(self.navigation.branches)
+        """Enable the moves."""
+        shown = bool(self.navigation.branches)
         if shown != self._shown:
             self._shown = shown
             self.window.refresh()

@@ -34,7 +34,7 @@ from app.model.parameters.controls import (
     value_of,
 )
 from app.model.text.language import tr, written
-from app.model.text.wording import FIRST_WORDING, FORMULAS
+from app.model.text.wording import FORMULAS
 from app.session.scene import NO_CONTOURS, ReviewedContours
 from app.session.session import Session
 from app.views.theme.icons import icon
@@ -91,7 +91,7 @@ class ParameterRow(QWidget):
     def __init__(self, control: Control) -> None:
         super().__init__()
         self.control = self._general = control
-        self._label, self.effect = QLabel(), dim_label()
+        self._label, self.effect = QLabel(control.label), dim_label()
         limits = control.low, control.high, control.step
         self.number = DecimalField(*limits, control.decimals, words=control.words)
         self.slider = MarkedSlider(control.slider_low, control.slider_high, control.step)
@@ -99,7 +99,6 @@ class ParameterRow(QWidget):
         self._restore = QToolButton()
         self._label.setBuddy(self.number)
         self._label.installEventFilter(self)
-        self.use_wording(FIRST_WORDING)
         self.number.setAlignment(Qt.AlignmentFlag.AlignRight)
         self.number.setButtonSymbols(DecimalField.ButtonSymbols.NoButtons)
         self.number.setFixedWidth(_WIDTH)
@@ -166,10 +165,6 @@ class ParameterRow(QWidget):
         """Show what the present value changes, below the slider."""
         self.effect.setText(words)
         self.effect.setVisible(bool(words))
-
-    def use_wording(self, wording: str) -> None:
-        """Label it by name or by symbol first."""
-        self._label.setText(self.control.label(wording))
 
     def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
         """The parameter. See `MenuOwner`."""
@@ -260,11 +255,6 @@ class ParametersPanel(QWidget):
         self._show_effects()
         for name, choice in self.choices.items():
             choice.box.show_value(str(value_of(document.parameters, name)))
-
-    def use_wording(self, wording: str) -> None:
-        """Label everything by name or by symbol first."""
-        for row in self.rows.values():
-            row.use_wording(wording)
 
     def _lay_out(self) -> Section:
         more = QWidget()

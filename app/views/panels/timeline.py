@@ -280,7 +280,7 @@ class TimelinePanel(QWidget):
         self._status = status
         self.view = TimelineView(navigation)
         self.setFocusProxy(self.view)
-        self.buttons = {name: _button(name) for name in ("first", "back", "play", "forward", "last")}
+        self.buttons = {name: _button(name) for name in ("first", "back", "forward", "last")}
         self.step = QSpinBox()
         self.step.setKeyboardTracking(False)
         self.step.setAccessibleName(tr("Step"))

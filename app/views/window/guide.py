@@ -21,6 +21,7 @@ from app.model.parameters.controls import controls
 from app.model.text.assets import asset, guide_page
 from app.model.text.keys import key_of
 from app.model.text.language import from_core, tr
+from app.model.text.wording import rich
 from app.views.widgets.actions import native
 from app.views.widgets.containers import Contents, arrange
 from app.views.window.shortcuts import Shortcuts
@@ -35,7 +36,7 @@ _SIZE = QSize(780, 640)
 _PICTURE = 300
 """Width of a picture [px]."""
 
-_LABELS = {control.name: f"“{control.title}” ({control.rich_symbol})" for control in controls()}
+_LABELS = {control.name: f"“{control.title}” ({rich(control.symbol)})" for control in controls()}
 """Labels of parameters by their names."""
 
 

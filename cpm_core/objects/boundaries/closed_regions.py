@@ -118,9 +118,7 @@ class ClosedRegions:
             if region is None:
                 unsure.append(index)
             elif region.share(pixels) > _MOST:
-                mask = np.zeros(self._values.shape, np.bool_)
-                mask[region.box] = region.mask
-                yield mask
+                yield self._whole(region)
         for index in sorted(unsure, key=lambda index: -self._contours[index].strength):
             mask = np.zeros(self._values.shape, np.bool_)
             rows, cols = self._contours[index].points.T
@@ -147,9 +145,7 @@ class ClosedRegions:
                 continue
             found.append(region)
             if not around or around[0].rises == region.rises:
-                mask = np.zeros(self._values.shape, np.bool_)
-                mask[region.box] = region.mask
-                yield mask
+                yield self._whole(region)
 
     def changed(self, mask: Mask, pixel: Index, adds: bool, kept: Index) -> Mask | None:
         """An object, shape (H, W), after a place that contradicts it; None unless it is certain what that means.
@@ -188,6 +184,12 @@ class ClosedRegions:
                 changed[region.box][part] = adds
                 return changed if changed.any() else None
         return None
+
+    def _whole(self, region: ClosedRegion) -> Mask:
+        """The pixels of a region, shape (H, W)."""
+        mask = np.zeros(self._values.shape, np.bool_)
+        mask[region.box] = region.mask
+        return mask
 
     def _pieces(self, places: Array) -> Iterator[Index]:
         """The pixels of each connected piece of a start, each of shape (N, 2)."""

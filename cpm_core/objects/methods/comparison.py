@@ -258,17 +258,15 @@ def result_of(facts: Facts, contours: Sequence[Contour], image: Image, start: St
     made = Provenance(
         facts.method, asdict(settings), None, shapes, sha256=image.sha256, of_file=bool(image.file_sha256)
     )
+    place = image.shape, image.spacing, image.unit, image.source
     return Result(
-        particles=np.empty((0, 2)),
-        contours=tuple(numbered),
-        surface=None,
-        steps=facts.steps,
-        converged=facts.converged,
-        stop_reason=facts.stop_reason,
-        shape=image.shape,
-        spacing=image.spacing,
-        unit=image.unit,
-        source=image.source,
+        np.empty((0, 2)),
+        tuple(numbered),
+        None,
+        facts.steps,
+        facts.converged,
+        facts.stop_reason,
+        *place,
         image=image,
         provenance=made,
     )

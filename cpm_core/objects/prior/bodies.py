@@ -20,10 +20,9 @@ import skimage
 
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Mask, Single
-from cpm_core.objects.prior.cubes import Cube, Grays, resampled
 from cpm_core.objects.prior.network import Network, trained
 from cpm_core.objects.prior.prior import maps_of
-from cpm_core.objects.prior.windows import LEAST_DEVIATION, SIDE
+from cpm_core.objects.prior.windows import LEAST_DEVIATION, SIDE, Cube, Grays, resampled
 
 _GROWS, _LEAST, _MOST = 1.6, 40.0, 1.1
 """Ratio of the sides of one cube to those of the next smaller one; least side around a click [smallest sides of a
@@ -249,7 +248,11 @@ class BodyPrior:
     def _closer(self, cube: Cube, found: list[Single], place: Array) -> tuple[Cube, list[Single]]:
         """A cube around what is seen in the slices of another one, and what is seen there."""
         wider = _around(cube, found, place)
-        before = [_in_slice(wider, cube, axis, found[axis]) for axis in range(3)]
+        lines = cube.steps(np.stack(wider.lines, axis=1))
+        before = []
+        for axis, seen in enumerate(found):
+            places = np.meshgrid(*lines[:, _OTHERS[axis]].T, indexing="ij")
+            before.append(np.asarray(scipy.ndimage.map_coordinates(seen, places, order=1), np.float32))
         return wider, self._ask(self._through(wider, place, before)).seen
 
     def _through(self, cube: Cube, place: Array, before: list[Single] | None) -> list[Callable[[], Single]]:
@@ -441,13 +444,6 @@ def _around(cube: Cube, slices: Sequence[Single], place: Array) -> Cube:
     return Cube(0.5 * (low + high), max(_AROUND * float((high - low).max()), _CLOSEST))
 
 
-def _in_slice(cube: Cube, other: Cube, axis: int, seen: Single) -> Single:
-    """What was seen in a slice of another cube across an axis, in that of a cube; zeros beyond."""
-    lines = [(cube.lines[k] - other.middle[k]) / other.scale + SIDE / 2 for k in _OTHERS[axis]]
-    places = np.meshgrid(*lines, indexing="ij")
-    return np.asarray(scipy.ndimage.map_coordinates(seen, places, order=1), np.float32)
-
-
 def _between(known: dict[int, Single], axis: int, beyond: float) -> tuple[Single, Single]:
     """Slices across an axis, interpolated between those that are known, and how much each counts from 0 to 1.
 
@@ -529,12 +525,6 @@ def _blocks(values: Single, side: int) -> Single:
     return values.reshape(count, side, count, side, count, side).mean(axis=(1, 3, 5))
 
 
-def _finer(values: Single, times: int) -> Single:
-    """So many times as many steps along each axis, interpolated."""
-    line = (np.arange(len(values) * times) + 0.5) / times - 0.5
-    return resampled(values, [line] * 3, (1.0, 1.0, 1.0))
-
-
 def _likelihood(grays: Single, inside: Single) -> Single:
     """How much likelier gray levels are inside than outside, as factors of their powers 0, 1 and 2, by normal laws."""
     rule: Single = np.zeros((3, *[len(grays) // 2] * 3), np.float32)
@@ -555,5 +545,6 @@ def _likelihood(grays: Single, inside: Single) -> Single:
 
 def _weighed(grays: Single, rule: Single, times: int) -> Single:
     """Logits of gray levels by a rule that is so many times coarser."""
-    level, slope, bend = (_finer(part, times) for part in rule)
+    line = (np.arange(len(grays)) + 0.5) / times - 0.5
+    level, slope, bend = (resampled(part, [line] * 3, (1.0, 1.0, 1.0)) for part in rule)
     return np.clip(level + grays * (slope + grays * bend), -_LEVELS, _LEVELS)

@@ -15,7 +15,7 @@ from cpm_core.field.interpolation import interpolate
 from cpm_core.numerics.grids import parts_of, zero_surface
 from cpm_core.numerics.types import Array, Index, Single
 from cpm_core.objects.prior.bodies import FAR, Body
-from cpm_core.objects.prior.cubes import Cube
+from cpm_core.objects.prior.windows import Cube
 
 _REACH, _STEP = 2.0, 0.5
 """How far from the surface an edge is looked for, and the distance between samples [steps, at least voxels]."""

@@ -59,7 +59,7 @@ def test_a_skeleton_is_found_shown_followed_and_exported(window, hand, tmp_path,
     hand.wait(lambda: session.scene.skeleton is not None and session.idle)
     first = session.scene.skeleton
     assert (session.status.phase, session.status.method, session.status.step) == ("finished", "skeleton", 3)
-    assert "Skeleton of" in window.canvas_area.messages.text
+    assert window.session.resolved.numbers[0][:2] == ("Branches", str(len(first.contours)))
     # The medial axis of a disc of radius 18 is its center.
     middle, radius = first.contours[0].points, first.radii[0]
     assert np.hypot(*(middle - 32.0).T).max() < 2.0

@@ -193,18 +193,6 @@ def test_of_many_requested_steps_only_the_last_is_computed(rested, hand, monkeyp
     assert gone == [step]
 
 
-def test_recorded_steps_are_played_to_the_end(rested, hand, record, fresh) -> None:
-    scrub(rested, hand, 1, fresh[-1].step - 6)
-    begun = navigation(rested).place[1]
-    wait_for_step(rested, hand, begun)
-    seen = record("snapshot")
-    hand.qtbot.mouseClick(rested.panels["timeline"].buttons["play"], LEFT)
-    assert navigation(rested).playing
-    wait_for_step(rested, hand, fresh[-1].step)
-    hand.wait(lambda: not navigation(rested).playing)
-    assert [snapshot.state.step for snapshot in seen] == list(range(begun + 1, fresh[-1].step + 1))
-
-
 def test_branches_are_named_and_deleted(rested, hand, fresh, monkeypatch) -> None:
     scrub(rested, hand, 1, 40)
     hand.wait(lambda: rested.session.status.phase == "paused" and rested.session.idle)

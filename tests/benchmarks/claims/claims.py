@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from cpm_core.contours.agreement import agreement
-from cpm_core.objects.methods import CONTOUR_METHODS, run_method, runnable
+from cpm_core.objects.methods import CONTOUR_METHODS, run_method
 from cpm_core.parameters import PRESETS
 from tests.benchmarks.claims.trials import CONCAVITIES, LEAKS, NOISE, STARTS, TOPOLOGY, Trial, trials
 
@@ -68,7 +68,7 @@ class Verdict:
 
 def taking_part() -> tuple[str, ...]:
     """Names of the methods that can run and that the claims are about."""
-    return tuple(name for name in runnable() if name not in NO_PART)
+    return tuple(name for name in CONTOUR_METHODS if name not in NO_PART)
 
 
 def scores(

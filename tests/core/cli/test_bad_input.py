@@ -53,7 +53,6 @@ BAD = [
     ("run disk.png --session space.cpm", "shape 1 (sphere) is for volumes"),
     (f"run stack.tif {CIRCLE} --pages 0", "--pages names page 0, but stack.tif has 2 pages"),
     (f"run stack.tif {CIRCLE} --pages 1,2,1", "lists a page twice"),
-    (f"run stack.tif {CIRCLE} --pages all --close", "--close is for one image"),
     (f"run stack.tif {CIRCLE} --pages all --export a.svg", "names no format for all pages of a stack"),
     (f"run ball.npy {SPHERE} {CIRCLE}", "--circle is for images"),
     (f"run ball.npy {SPHERE} --export a.svg", "a.svg is for contours"),

@@ -44,17 +44,15 @@ def cut(tmp_path):
     return tmp_path / "cut.png", inside
 
 
-def test_open_contours_that_a_mask_leaves_out_are_told_and_can_be_closed(cut, command, told, tmp_path):
+def test_open_contours_that_a_mask_leaves_out_are_told(cut, command, told, tmp_path):
     image, inside = cut
     run, mask = ("run", image, "--circle", "14,50,10", "--export"), tmp_path / "m.tif"
     status, _, err = command(*run, mask)
     assert status == 2  # no contour is closed
-    assert "No contour of cut.png is closed" in err and "Add --close" in err
-    for close in (("--close",), ("--close", "straight")):
-        facts = told(*run, mask, *close)
-        assert (facts["closed"], facts["left_out"], facts["bridges"]) == (1, {str(mask): 0}, 1)
-        found = tifffile.imread(mask) > 0
-        assert 2 * (found & inside).sum() / (found.sum() + inside.sum()) > 0.97
+    assert "No contour of cut.png is closed" in err and "--object ROW,COL" in err
+    told(*run, mask, "--object", "14,50")
+    found = tifffile.imread(mask) > 0
+    assert 2 * (found & inside).sum() / (found.sum() + inside.sum()) > 0.97
 
 
 def test_a_mask_that_would_be_empty_does_not_lose_the_other_files(cut, command, tmp_path):
@@ -64,7 +62,7 @@ def test_a_mask_that_would_be_empty_does_not_lose_the_other_files(cut, command, 
     status, out, err = command(*run)
     assert status == 1
     assert err.startswith(f"cpm: {mask} was not written: No contour of cut.png ")
-    assert err.endswith("Add --close to close those whose ends are near each other.\n")
+    assert err.endswith("Name an object by --object ROW,COL, whose boundary is closed.\n")
     assert err.count("\n") == 1
     assert drawing.exists() and table.exists() and not mask.exists()
     assert "m.svg" in out and "m.png" not in out

@@ -1,13 +1,15 @@
 """Following of objects from page to page: the laws of tracks, by disks whose places are known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import cpm_core as cpm
 from cpm_core.contours.contour import Contour
-from cpm_core.pages.page import StackResult, seeds_along, starts_after
+from cpm_core.pages import Follower, StackResult
 from cpm_core.pages.tracks import Tracker
-from cpm_core.shapes import Polygon, Stroke
+from cpm_core.shapes import Polygon
 
 from .drawn import MOVING, SHAPE, SPLITTING
 
@@ -62,14 +64,13 @@ def test_pages_are_followed_in_the_order_that_is_asked_for():
     assert tracks_of(backwards) == [[1], [1], [1]]
 
 
-def test_the_next_page_starts_as_from_shapes_along_the_contours():
-    """What the window draws on the next page gives the very particles of a run from the command line."""
-    angle = np.linspace(0.0, 6.0, 80)
-    line = np.stack([30.0 + 9.1 * np.sin(angle), 40.0 + 13.3 * np.cos(angle)], axis=1)
-    starts = starts_after([Contour(line, True), Contour(line[:30], False), Contour(line[:1], True)])
-    shapes = [(Polygon if start.closed else Stroke)(start.corners) for start in starts]
-    np.testing.assert_array_equal(seeds_along(starts), np.concatenate([shape.seeds() for shape in shapes]))
-    assert [start.closed for start in starts] == [True, False, False]
+def test_the_next_page_starts_from_shapes_along_the_contours_of_the_last_one_that_has_any():
+    follower = Follower()
+    first = follower.take(1, cpm.segment(MOVING[0], cpm.circle((32, 22), 5.0)))
+    follower.take(2, replace(first.result, contours=()))
+    (start,) = follower.starts
+    assert isinstance(start, Polygon)
+    assert Contour(np.array(start.points), True).area == pytest.approx(first.contours[0].area, rel=0.05)
 
 
 def box(top, left, height, width, closed=True):

@@ -59,15 +59,15 @@ def test_a_contour_in_another_is_a_hole_by_default():
 def test_the_border_of_the_image_is_no_boundary_of_an_object_that_it_cuts():
     row, col = np.indices(SHAPE)
     truth = truth_of_mask(np.hypot(row - 60, col + 5) < 40)
-    whole = boundary(truth.labels > 0, 0.5)[0]
+    whole = boundary(truth.labels > 0, 0.5)
     seen = compare(whole, truth)
     assert (seen.dice, seen.f) == (1.0, 1.0)
     assert max(seen.hausdorff, seen.mean_boundary_distance) < 1.0
     quarter = np.hypot(row, col) < 40
-    rounded = boundary(quarter & (row + col > 1), 0.5)[0]  # methods that smooth a region lose its corner
+    rounded = boundary(quarter & (row + col > 1), 0.5)  # methods that smooth a region lose its corner
     assert compare(rounded, truth_of_mask(quarter)).hausdorff < 1.0
     from_contours = truth_of_contours(whole, SHAPE)
     open_line = max((line for line in truth.contours), key=lambda line: line.length)
     assert compare([open_line], from_contours).recall == 1.0
-    elsewhere = boundary((truth.labels > 0) | (col > 120), 0.5)[0]
+    elsewhere = boundary((truth.labels > 0) | (col > 120), 0.5)
     assert compare(elsewhere, truth).precision < 0.5, "where no object of the truth reaches it, it is wrong"

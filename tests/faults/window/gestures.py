@@ -188,8 +188,7 @@ class Hand:
 
     def travel(self) -> Gesture:
         """Go through the steps of the run."""
-        self.press_named(self.choice.choice(["timeline_back", "timeline_forward", "timeline_first", "timeline_last",
-                                             "timeline_play"]))  # fmt: skip
+        self.press_named(self.choice.choice(["timeline_back", "timeline_forward", "timeline_first", "timeline_last"]))
         yield self.choice.choice([0.0, 0.05])
 
     def act(self) -> Gesture:

@@ -38,11 +38,11 @@ def found(volume, hand):
     return volume
 
 
-def test_the_center_line_of_a_rod_is_found_and_told(found) -> None:
+def test_the_center_line_of_a_rod_is_found_and_counted(found) -> None:
     (line,) = found.session.scene.skeleton.contours
     assert np.allclose(line.points[:, :2], AT, atol=1.0)
     assert len(found.session.status.contours) == 1
-    assert "; branches: 1, length: " in found.canvas_area.messages.text
+    assert ("Branches", "1") in [number[:2] for number in found.session.resolved.numbers]
     assert found.session.status.found.length == pytest.approx(26.0, abs=6.0)
 
 
