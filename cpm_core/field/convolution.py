@@ -64,10 +64,7 @@ def convolved_field(
             for axis, n in enumerate(f.shape[:-1]):
                 back = scipy.fft.ifft(back, axis=axis, overwrite_x=True, workers=cores())
                 back = back[(slice(None),) * axis + (slice(n),)]
-            if at_once < spectrum.shape[-1]:
-                fields[component][some] = back
-            else:
-                fields[component] = back
+            fields[component][some] = back
     del kernels
     out = np.empty((f.ndim, *f.shape), f.dtype)
     for component in range(f.ndim):

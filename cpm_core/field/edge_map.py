@@ -5,8 +5,7 @@ Every pixel carries a fixed charge ``-f`` with ``f = |grad(G_sigma * I)|`` (sect
 
 from __future__ import annotations
 
-import math
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import scipy
@@ -14,10 +13,8 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from cpm_core.image.denoising import Cleaned, clean, noise_level
 from cpm_core.numerics.grids import Window, around, gaussian_reach, in_bands, relative, smoothed_rows
-from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.parallel import share
 from cpm_core.numerics.real_numbers import checked_number, grid_of_numbers, real_numbers
-from cpm_core.numerics.types import Array, Index
+from cpm_core.numerics.types import Array
 
 _DEVIATIONS = 4.0
 _RAYLEIGH_QUARTILE = 0.7585276164
@@ -36,15 +33,8 @@ _STRONG_PERCENTILE = 99.0
 _CLEAR = 0.25
 """Fraction of the strong edges under which the background is weak enough."""
 
-_HALF = 16
-"""Bits of a half of a number in single precision."""
-
 NO_SMOOTHING = 0.01
 """Standard deviation up to which a Gaussian has no weight next to its pixel in double precision [px]."""
-
-_WORTH_A_THREAD = 2**15
-"""Pixels from which a thread pays: 64 lines of 512."""
-
 
 _LEAST_SIDE = 2
 """Pixels along each axis without which there is no difference between two of them."""
@@ -70,8 +60,7 @@ def gradient(values: ArrayLike, smoothing: float, precision: DTypeLike = np.floa
         in_bands(work, len(image))
         return out
     if smoothing > NO_SMOOTHING:
-        for axis in range(image.ndim):
-            image = smoothed_along(image, smoothing, axis)
+        image = scipy.ndimage.gaussian_filter(image, smoothing, mode="nearest")
     return _differences(image, out)
 
 
@@ -89,25 +78,6 @@ def _differences(values: Array, out: Array) -> Array:
         np.subtract(line[1:2], line[:1], out=slope[:1])
         np.subtract(line[-1:], line[-2:-1], out=slope[-1:])
     out *= out.dtype.type(0.5)
-    return out
-
-
-def smoothed_along(
-    values: NDArray[np.floating], sigma: float, axis: int, precision: DTypeLike = np.float64
-) -> NDArray[Any]:
-    r"""Values, shape (\*shape), after a Gaussian along one axis; the lines are shared among the cores.
-
-    `sigma` is the standard deviation [px], `precision` the type of the result.
-    """
-    other = 1 if axis == 0 else 0
-    out = np.empty(values.shape, precision)
-
-    def work(first: int, end: int) -> None:
-        part = (slice(None),) * other + (slice(first, end),)
-        scipy.ndimage.gaussian_filter1d(values[part], sigma, axis, output=out[part], mode="nearest")
-
-    lines = values.shape[other]
-    share(work, lines, _WORTH_A_THREAD * lines // values.size + 1)
     return out
 
 
@@ -156,35 +126,7 @@ def background_strength(strength: Array) -> float:
     map, shape (\*shape), gives its width. The result is four standard deviations of a component, which one in three
     thousand pixels exceeds by chance.
     """
-    large = strength.dtype == np.float32
-    quartile = _lower_quartile(strength) if large else np.percentile(strength, 25.0)
-    return float(_DEVIATIONS * quartile / _RAYLEIGH_QUARTILE)
-
-
-def _lower_quartile(values: Array) -> np.floating[Any]:
-    """The same as of `np.percentile`, of numbers in single precision from 0 on, without a copy of them.
-
-    Their bits have the order of the numbers: those around the quartile are found by their upper half, then by the
-    lower one.
-    """
-    bits = np.ascontiguousarray(values).view(np.uint32).ravel()
-    upper, rank, found = np.cumsum(_counts(bits, 0, _HALF)), 0.25 * (bits.size - 1), []
-    for k in (math.floor(rank), math.ceil(rank)):
-        first = int(np.searchsorted(upper, k, side="right"))
-        lower = np.cumsum(_counts(bits, first, 0)) + (upper[first - 1] if first else 0)
-        found.append((first << _HALF) + int(np.searchsorted(lower, k, side="right")))
-    both = np.array(found, np.uint32).view(np.float32)
-    return np.percentile(both, 100.0 * (rank % 1.0))
-
-
-@compiled
-def _counts(bits: NDArray[np.uint32], first: int, shift: int) -> Index:
-    """How often each upper half occurs, for a shift, or each lower half behind an upper one."""
-    counts = np.zeros(1 << _HALF, np.int64)
-    for k in range(len(bits)):
-        if shift or bits[k] >> _HALF == first:
-            counts[(bits[k] >> shift) & 0xFFFF] += 1
-    return counts
+    return float(_DEVIATIONS * np.percentile(strength, 25.0) / _RAYLEIGH_QUARTILE)
 
 
 def prepared(values: Array) -> Cleaned:

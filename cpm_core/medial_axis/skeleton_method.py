@@ -310,29 +310,25 @@ class SkeletonMethod(ImageFields):
 
     def _inside(self, parameters: Parameters) -> Mask:
         """The voxels of a volume that have center lines."""
+        image, dark = self.image, parameters.polarity < 0.0
+        low, high = image.gray_range
         if self._within:
-            inside = np.zeros(self.image.shape, np.bool_)
+            inside = np.zeros(image.shape, np.bool_)
             for one in self._within:
                 if isinstance(one, PackedSurface | PackedVoxels):
                     one.voxels.fill(inside)
                 elif isinstance(one, np.ndarray):
                     inside |= one
+        elif ((image.values == low) | (image.values == high)).all():  # a mask
+            inside = image.values == (low if dark else high)
         else:
-            inside = self._inside_edges(parameters, parameters.polarity < 0.0)
-        within = self.regions.voxels(self.image.shape) if isinstance(self.regions, VolumeRegions) else None
+            field = cast("VolumeField", self.scale_field(parameters))
+            smoothed = -field.smoothed if dark else field.smoothed  # inside is what is lighter
+            places = field.ridges.place / field.pitch
+            surface = find_surface(smoothed, field.edges, places, image.spacing, image.unit, smoothing=field.smoothing)
+            inside = inside_of(surface, image.shape)
+        within = self.regions.voxels(image.shape) if isinstance(self.regions, VolumeRegions) else None
         return inside if within is None else inside & within
-
-    def _inside_edges(self, parameters: Parameters, dark: bool) -> Mask:
-        """The voxels that are lighter than the edges of a volume, or darker; one of two gray levels is a mask."""
-        image = self.image
-        low, high = image.gray_range
-        if ((image.values == low) | (image.values == high)).all():
-            return image.values == (low if dark else high)
-        field = cast("VolumeField", self.scale_field(parameters))
-        smoothed = -field.smoothed if dark else field.smoothed  # inside is what is lighter
-        places = field.ridges.place / field.pitch
-        surface = find_surface(smoothed, field.edges, places, image.spacing, image.unit, smoothing=field.smoothing)
-        return inside_of(surface, image.shape)
 
     def __repr__(self) -> str:
         return described("SkeletonMethod", self.image.source, sized(self.image.shape, ""))

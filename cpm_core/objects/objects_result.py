@@ -53,7 +53,11 @@ def objects_result(
     >>> cpm.objects_result([chosen], image, ["left"]).contours[0].name
     'left'
     """
-    titles = _titles(names, len(selections))
+    if isinstance(names, str) or not isinstance(names, Sequence) or not all(isinstance(name, str) for name in names):
+        raise ValueError(f"names is {shown(names)} but must be a list of names, one for each object, or left out.")
+    if names and len(names) != len(selections):
+        raise ValueError(f"there are {len(names)} names for {len(selections)} objects: give one for each.")
+    titles = names or [f"object {number}" for number in range(1, len(selections) + 1)]
     contours = [
         replace(contour, group=number, name=title)
         for number, (selection, title) in enumerate(zip(selections, titles, strict=True), start=1)
@@ -74,15 +78,6 @@ def objects_result(
         "objects", {"channel": taken}, shapes=clicks, sha256=image.sha256, of_file=bool(image.file_sha256)
     )
     return replace(boundaries_result(contours, bridges, *place), image=image, channel=taken, provenance=made)
-
-
-def _titles(names: Sequence[str], count: int) -> Sequence[str]:
-    """The names of objects: those that are given, or numbers."""
-    if isinstance(names, str) or not isinstance(names, Sequence) or not all(isinstance(name, str) for name in names):
-        raise ValueError(f"names is {shown(names)} but must be a list of names, one for each object, or left out.")
-    if names and len(names) != count:
-        raise ValueError(f"there are {len(names)} names for {count} objects: give one for each.")
-    return names or [f"object {number}" for number in range(1, count + 1)]
 
 
 def boundaries_result(

@@ -327,7 +327,7 @@ class VolumeSelection:
         """Which of places, shape (N, 3) [voxels], lie in it; one outside the volume counts as the nearest one in it."""
         first, part = self._voxels
         voxels = np.rint(np.clip(places, 0, np.array(self.partition.shape) - 1)).astype(np.int64) - first
-        there = ((voxels >= 0) & (voxels < part.shape)).all(axis=1)
+        there: Mask = np.all((voxels >= 0) & (voxels < np.array(part.shape)), axis=1)
         there[there] = part[tuple(voxels[there].T)]
         return there
 

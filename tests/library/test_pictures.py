@@ -54,11 +54,10 @@ def test_all_that_has_a_shape_has_a_picture(result, ball):
 def test_result_is_plotted_on_the_axes_that_are_given(result):
     ax = Figure().add_subplot()
     assert result.plot(ax, particles=True, labels=True) is ax
-    curves = [each for each in ax.collections if isinstance(each, LineCollection)]
-    drawn = [each for each in curves if to_hex(each.get_color()[0]) in (CLOSED, OPEN)]
-    lines = [line for each in drawn for line in each.get_segments()]
-    assert len(lines) == len(result.contours)
-    assert np.allclose(lines[0][:, ::-1], result.contours[0].path)
+    _, lines = (some for some in ax.collections if isinstance(some, LineCollection))  # the halos, then the lines
+    assert {to_hex(color) for color in lines.get_colors()} <= {CLOSED, OPEN}
+    assert len(lines.get_paths()) == len(result.contours)
+    assert np.allclose(lines.get_paths()[0].vertices[:, ::-1], result.contours[0].path)
     texts = {text.get_text() for text in ax.texts}
     assert texts == {"1", "2", "5 µm"}
     assert ax.get_ylim() == (63.5, -0.5)

@@ -84,9 +84,9 @@ def sensible_values(control: Control, parameters: Parameters, contrast: float) -
     present = value_of(parameters, control.name)
     middle = min(max(float(present), low), high) if isinstance(present, int | float) else 0.5 * (low + high)
     apart = max(1, round(_SPREAD * (high - low) / (_COUNT - 1) / step)) * step
-    around = (middle, *(round((middle + index * apart) / step) * step for index in range(-_COUNT, _COUNT + 1) if index))
-    within = {round(value, 9) for value in around if low <= value <= high}
-    return tuple(sorted(sorted(within, key=lambda value: abs(value - middle))[:_COUNT]))
+    around = (middle, *(round((middle + index * apart) / step) * step for index in (-1, 1, -2, 2)))
+    within = dict.fromkeys(round(value, 9) for value in around if low <= value <= high)
+    return tuple(sorted([*within][:_COUNT]))
 
 
 def read_values(control: Control, text: str) -> tuple[float, ...]:

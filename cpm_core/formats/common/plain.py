@@ -142,10 +142,6 @@ def text(value: object, where: str) -> str:
     return _checked(value, str, "text", where)
 
 
-def _truth(value: object, where: str) -> bool:
-    return _checked(value, bool, "true or false", where)
-
-
 def _checked(value: object, kind: type[T], what: str, where: str) -> T:
     if not isinstance(value, kind):
         raise ValueError(f"{where} is {shown(value)} but must be {what}.")
@@ -208,7 +204,7 @@ _READ: dict[Any, Callable[[object, str], Any]] = {
     float: number,
     int: _whole,
     str: text,
-    bool: _truth,
+    bool: lambda plain, where: _checked(plain, bool, "true or false", where),
     Voxels: _voxels,
     PackedVoxels: lambda plain, where: PackedVoxels.of(_voxels(plain, where)),
 }

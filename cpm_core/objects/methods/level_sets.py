@@ -223,7 +223,6 @@ GEODESIC = ContourMethod(
     "Caselles, Kimmel and Sapiro (1997), doi:10.1023/A:1007979827043",
     GeodesicSettings,
     geodesic,
-    MOST_STEPS,
 )
 
 
@@ -267,5 +266,4 @@ GEOMETRIC_GVF = ContourMethod(
     "Xu, Yezzi and Prince (2000), doi:10.1109/ACSSC.2000.911003",
     GeometricGvfSettings,
     geometric_gvf,
-    MOST_STEPS,
 )

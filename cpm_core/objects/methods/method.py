@@ -287,16 +287,14 @@ class ContourMethod(Generic[S]):
     evolve : callable
         ``evolve(image, start, settings)`` gives the states of a run, the first being the start itself, until one has a
         `stop_reason`. A later state never changes an earlier one.
-    most_steps : int
-        Steps after which a run that is not at rest is ended.
     preset : settings, optional
         Its settings unless others are given; those of the class by default.
 
     Examples
     --------
     >>> method = cpm.CONTOUR_METHODS["chan_vese"]
-    >>> method.title, method.defaults.__class__.__name__, method.most_steps, method.of_particles
-    ('Chan-Vese', 'ChanVeseSettings', 500, False)
+    >>> method.title, method.defaults.__class__.__name__, method.of_particles
+    ('Chan-Vese', 'ChanVeseSettings', False)
     """
 
     name: str
@@ -305,7 +303,6 @@ class ContourMethod(Generic[S]):
     reference: str
     settings: type[S]
     evolve: Callable[[Image, Start, S], Iterator[ContourState]]
-    most_steps: int
     preset: S | None = None
 
     @property

@@ -55,7 +55,6 @@ PARTICLES = ContourMethod(
     "Jalba, Wilkinson and Roerdink (2004)",
     Parameters,
     _states,
-    MOST_STEPS,
 )
 
 PROPOSED_OBJECT = ContourMethod(
@@ -66,6 +65,5 @@ PROPOSED_OBJECT = ContourMethod(
     "Objects of this program, on the particles of Jalba, Wilkinson and Roerdink (2004)",
     Parameters,
     _evolve_to_object,
-    MOST_STEPS,
     preset=PRESETS["shape"],
 )

@@ -75,7 +75,6 @@ CHAN_VESE = ContourMethod(
     "Chan and Vese (2001), doi:10.1109/83.902291; scikit-image's chan_vese",
     ChanVeseSettings,
     chan_vese,
-    _CHAN_VESE_STEPS,
 )
 
 
@@ -182,7 +181,6 @@ MORPHOLOGICAL_GAC = ContourMethod(
     _REFERENCE + "morphological_geodesic_active_contour",
     MorphologicalGacSettings,
     morph_gac,
-    _MORPHOLOGICAL_STEPS,
 )
 
 MORPHOLOGICAL_CHAN_VESE = ContourMethod(
@@ -192,7 +190,6 @@ MORPHOLOGICAL_CHAN_VESE = ContourMethod(
     _REFERENCE + "morphological_chan_vese",
     MorphologicalChanVeseSettings,
     morph_chan_vese,
-    _MORPHOLOGICAL_STEPS,
 )
 
 
@@ -262,5 +259,4 @@ RANDOM_WALKER = ContourMethod(
     "Grady (2006), doi:10.1109/TPAMI.2006.233; scikit-image's random_walker",
     RandomWalkerSettings,
     random_walk,
-    1,
 )

@@ -240,7 +240,6 @@ SNAKE = ContourMethod(
     "Kass, Witkin and Terzopoulos (1988), doi:10.1007/BF00133570; the forces of scikit-image's active_contour",
     SnakeSettings,
     snake,
-    _STEPS,
 )
 
 
@@ -293,5 +292,4 @@ GVF_SNAKE = ContourMethod(
     "Xu and Prince (1998), doi:10.1109/83.661186",
     GvfSnakeSettings,
     gvf_snake,
-    _STEPS,
 )

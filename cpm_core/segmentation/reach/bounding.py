@@ -22,10 +22,10 @@ import skimage
 
 from cpm_core.field.edge_map import background_strength, gradient, magnitude
 from cpm_core.field.scale_field import WEAKEST_EDGE
-from cpm_core.numerics.grids import parts_joined
+from cpm_core.numerics.grids import Labels, parts_joined
 from cpm_core.numerics.types import Array, Mask
 from cpm_core.segmentation.reach.drawn_area import LEAST_PLACES, drawn_area, hollow_part, is_everywhere, radius_of
-from cpm_core.segmentation.reach.surrounded import Labels, flooded, surrounded
+from cpm_core.segmentation.reach.surrounded import flooded, surrounded
 
 _SIGMA_OF_RADIUS, _LEAST_SIGMA, _MOST_SIGMA = 0.1, 1.0, 4.0
 """Smoothing of the edge map in radii of the start, and its limits [px]: details much smaller than what has been drawn

@@ -13,11 +13,9 @@ from collections.abc import Callable
 import numpy as np
 import scipy
 import skimage
-from numpy.typing import NDArray
 
+from cpm_core.numerics.grids import Labels, box_of
 from cpm_core.numerics.types import Array, Index, Mask
-
-Labels = NDArray[np.int32]
 
 _BAND = 0.3
 """Width of the band along the drawn line that is taken for the surroundings at first, in radii."""
@@ -61,10 +59,9 @@ def surrounded(values: Array, strength: Array, area: Mask) -> Mask:
         The thing; empty when nothing differs.
     """
     found = np.zeros(area.shape, bool)
-    rows, cols = (np.flatnonzero(area.any(axis=axis)) for axis in (1, 0))
-    if not len(rows):
+    if not area.any():
         return found
-    box = slice(rows[0], rows[-1] + 1), slice(cols[0], cols[-1] + 1)
+    box = box_of(area)
     depth = scipy.ndimage.distance_transform_edt(np.pad(area[box], 1))[1:-1, 1:-1]
     radius = float(depth.max())
     sigma = float(np.clip(_DENOISING * radius, _LEAST_DENOISING, _MOST_DENOISING))

@@ -134,8 +134,7 @@ def test_the_parts_in_which_an_image_is_worked_on_fit_together(monkeypatch):
 
     monkeypatch.setattr(scale_field_module, "_PART", image.size)
 
-    for name in ("cpm_core.numerics.grids", "cpm_core.field.edge_map"):
-        monkeypatch.setattr(sys.modules[name], "share", alone)
+    monkeypatch.setattr(sys.modules["cpm_core.numerics.grids"], "share", alone)
     np.testing.assert_array_equal(UsedFields(image, 1).at(0, START).packed, pieces.packed)
 
 
