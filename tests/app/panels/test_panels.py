@@ -105,11 +105,7 @@ def test_the_plot_draws_all_values_that_a_run_can_have(qtbot) -> None:
     for epsilon in ([np.nan], [np.nan, np.nan, 0.0], [0.1, np.nan, 1e-12, 1e9], np.geomspace(1, 1e-7, 5000)):
         values = np.asarray(epsilon, dtype=float)
         steps = np.arange(1.0, len(values) + 1)
-<<<<<<< HEAD
-        plot.chart.show_metrics(RunMetrics(steps, values, steps, steps, values, values, steps // 7, steps))
-=======
         plot.show_metrics(RunMetrics(steps, values, steps, steps, values, values, steps // 7, steps))
->>>>>>> main
         drawn = plot.grab().toImage()
     assert drawn != empty
 
