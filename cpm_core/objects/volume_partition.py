@@ -57,6 +57,8 @@ class VolumePartition:
     ([1], True)
     >>> bodies.shape, int(bodies.labels.max()), bodies.solid.tolist(), bodies.select([(15, 15, 15)]).remark
     ((31, 31, 31), 1, [1], '')
+    >>> len(bodies.candidates([(15, 15, 15)]))
+    1
     """
 
     image: Image
