@@ -166,7 +166,10 @@ class Actions(dict[str, QAction]):
             return
         self._limited = volume
         for name, (in_volume, _) in OTHERWISE_IN_VOLUMES.items():
-            self[name].setText(in_volume if volume else self.specs[name].text)
+            action, text = self[name], in_volume if volume else self.specs[name].text
+            on_button = _plain(text) if action.iconText() == _plain(action.text()) else action.iconText()
+            action.setText(text)
+            action.setIconText(on_button)
             if name in ICONS_IN_VOLUMES:
                 self._icons[name] = ICONS_IN_VOLUMES[name] if volume else self.specs[name].icon
                 self._tint(name)
