@@ -338,7 +338,7 @@ def _surface(found: Result, drawn: Drawn) -> Result:
     if not drawn["object"]:
         return found
     chosen = partition(found).select(drawn["object"], drawn["not"])
-    if not len(chosen.surface.faces):
+    if chosen.body is not None or not chosen.found:
         raise ValueError("There is no object at this position: name one that the surface encloses.")
     return replace(found, surface=chosen.surface)
 

@@ -83,6 +83,8 @@ class Image(drawing.Pictured):
     ((40, 60), 2, [0.0, 70.7], '2cd5ef8e')
     >>> cpm.Image(np.eye(8, dtype=np.uint8)).stored.dtype.name
     'uint8'
+    >>> image.is_ct, cpm.Image(np.eye(8), hounsfield=True).is_ct
+    (False, True)
     >>> image.sized((2.0, 2.0), "mm")
     <Image drawn, 40 x 60 px, 2 mm a pixel>
     >>> cpm.example("ball").cut(axis=0, index=15)

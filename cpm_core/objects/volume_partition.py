@@ -57,6 +57,8 @@ class VolumePartition:
     ([1], True)
     >>> bodies.shape, int(bodies.labels.max()), bodies.solid.tolist(), bodies.select([(15, 15, 15)]).remark
     ((31, 31, 31), 1, [1], '')
+    >>> len(bodies.candidates([(15, 15, 15)]))
+    1
     """
 
     image: Image
@@ -325,7 +327,7 @@ class VolumeSelection:
         """Which of places, shape (N, 3) [voxels], lie in it; one outside the volume counts as the nearest one in it."""
         first, part = self._voxels
         voxels = np.rint(np.clip(places, 0, np.array(self.partition.shape) - 1)).astype(np.int64) - first
-        there = ((voxels >= 0) & (voxels < part.shape)).all(axis=1)
+        there: Mask = np.all((voxels >= 0) & (voxels < np.array(part.shape)), axis=1)
         there[there] = part[tuple(voxels[there].T)]
         return there
 

@@ -10,6 +10,7 @@ import numpy as np
 import PIL.Image
 import pytest
 from matplotlib import pyplot
+from matplotlib.collections import LineCollection
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
@@ -53,9 +54,10 @@ def test_all_that_has_a_shape_has_a_picture(result, ball):
 def test_result_is_plotted_on_the_axes_that_are_given(result):
     ax = Figure().add_subplot()
     assert result.plot(ax, particles=True, labels=True) is ax
-    lines = [line for line in ax.lines if to_hex(line.get_color()) in (CLOSED, OPEN)]
-    assert len(lines) == len(result.contours)
-    assert np.allclose(lines[0].get_xydata()[:, ::-1], result.contours[0].path)
+    _, lines = (some for some in ax.collections if isinstance(some, LineCollection))  # the halos, then the lines
+    assert {to_hex(color) for color in lines.get_colors()} <= {CLOSED, OPEN}
+    assert len(lines.get_paths()) == len(result.contours)
+    assert np.allclose(lines.get_paths()[0].vertices[:, ::-1], result.contours[0].path)
     texts = {text.get_text() for text in ax.texts}
     assert texts == {"1", "2", "5 µm"}
     assert ax.get_ylim() == (63.5, -0.5)

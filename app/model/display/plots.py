@@ -94,18 +94,12 @@ class Series:
 
 @dataclass(frozen=True)
 class Plot:
-    """Curves on one axis; `line` is a value at which a line is drawn, `first` whether it is shown by default.
+    """Curves on one axis, what they mean, and a value at which a line is drawn; values of `points` are marked."""
 
-    Values of `points` are marked.
-    """
-
-    name: str
-    title: str
     tip: str
     series: tuple[Series, ...]
     kind: Literal["logarithmic", "from zero", "free"] = "from zero"
     line: float | None = None
-    first: bool = False
     points: bool = False
 
 
@@ -115,31 +109,21 @@ _PURPLE, _PINK = ("#7c4fd6", "#b48cff"), ("#b5307f", "#ff7ac6")
 
 PLOTS = (
     Plot(
-        "epsilon",
-        tr("ε"),
         tr("How much the particles still move (ε of eq. (23)); below the dashed line the run may come to rest."),
         (Series(tr("ε"), lambda metrics: metrics.epsilon, _ORANGE),),
         "logarithmic",
         EPSILON,
-        True,
     ),
     Plot(
-        "kinetic",
-        tr("Kinetic"),
         tr("Kinetic energy of all particles."),
         (Series(tr("kinetic energy"), lambda metrics: metrics.kinetic, _GREEN),),
         "logarithmic",
     ),
     Plot(
-        "count",
-        tr("Particles"),
         tr("Number of particles."),
         (Series(tr("particles"), lambda metrics: metrics.count, _BLUE),),
-        first=True,
     ),
     Plot(
-        "changes",
-        tr("Changes"),
         tr("Particles inserted and deleted in each step."),
         (
             Series(tr("inserted"), lambda metrics: metrics.born, _BLUE),
@@ -168,6 +152,6 @@ def plots_of_pages(tracks: Sequence[int], area: str) -> tuple[Plot, ...]:
 
     gray = tr("Mean gray")
     return (
-        Plot("area", area, "", tuple(series(area, "areas", track) for track in tracks), points=True),
-        Plot("gray", gray, "", tuple(series(gray, "grays", track) for track in tracks), "free", points=True),
+        Plot("", tuple(series(area, "areas", track) for track in tracks), points=True),
+        Plot("", tuple(series(gray, "grays", track) for track in tracks), "free", points=True),
     )

@@ -49,9 +49,10 @@ _catalog: gettext.NullTranslations = gettext.translation(_DOMAIN, folder("langua
 _marks: dict[int, str] = {}
 
 
-def tr(said: str) -> str:
-    """The sentence in the language of the window, unchanged where there is no translation."""
-    return _catalog.gettext(said)
+def tr(said: str, /, **values: object) -> str:
+    """The sentence in the language of the window, with values in place of what is in braces, if any are given."""
+    sentence = _catalog.gettext(said)
+    return sentence.format(**values) if values else sentence
 
 
 def from_core(said: str) -> str:

@@ -20,7 +20,7 @@ from app.views.canvas.legend import Strip
 from app.views.canvas.pointed import Pointed, part_around, selected_places
 from app.views.canvas.tools import TOOLS
 from app.views.canvas.tools.select import SelectTool
-from app.views.widgets.containers import OfferBar, arrange
+from app.views.widgets.containers import ENTER, OfferBar, arrange
 from cpm_core.numerics import Place
 from cpm_core.shapes import Circle, Sphere
 
@@ -33,8 +33,7 @@ _ARROWS = {
     Qt.Key.Key_Right: (0.0, 1.0),
 }
 _SIZES = {Qt.Key.Key_BracketLeft: -1.0, Qt.Key.Key_BracketRight: 1.0}
-_ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
-_DRAFT_KEYS = (*_ENTER, Qt.Key.Key_Backspace)
+_DRAFT_KEYS = (*ENTER, Qt.Key.Key_Backspace)
 _PAN = 40.0
 _MIDDLE_FRACTION = 0.2
 
@@ -187,7 +186,7 @@ class CanvasArea(QWidget):
         key, held, index = Qt.Key(event.key()), event.modifiers(), self._session.selected
         tool, keyed, objects = self.canvas.hold.tool, self.crosshair.at is not None, self._workspace.object_list
         given, self._given = self._given, False
-        accepts = key in _ENTER and not keyed and (objects.open_rows or objects.selected)
+        accepts = key in ENTER and not keyed and (objects.open_rows or objects.selected)
         if given and accepts:
             self._session.say(tr("The value is set. Enter accepts the proposal."))
             return True
@@ -197,7 +196,7 @@ class CanvasArea(QWidget):
         elif accepts:
             if objects.open_rows:  # objects are accepted already
                 objects.accept()
-        elif key in _ENTER:
+        elif key in ENTER:
             self.canvas.hold.set_modifiers(held)
             (self.crosshair.enter if keyed else self.crosshair.show)()
         elif key in _ARROWS:
@@ -211,7 +210,7 @@ class CanvasArea(QWidget):
             else:
                 slices = self._session.scene.slices
                 by = by if slices is None else slices.current.along(by)
-                name = tr("move {shape}").format(shape=from_core(self._session.document.shapes[index].title))
+                name = tr("move {shape}", shape=from_core(self._session.document.shapes[index].title))
                 self._session.edit(name, lambda document: edits.move_shape(document, index, by), f"nudge {index}")
         elif key in _SIZES and (index is not None or tool.sized):
             self.enlarge(_SIZES[key])

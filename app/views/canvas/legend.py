@@ -47,7 +47,6 @@ class Legend(QWidget):
         self.button = QToolButton()
         self.button.setObjectName("fold")
         self.button.setText(tr("Legend"))
-        self.button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.button.setToolTip(tr("Show or hide what the lines and dots mean."))
         self.button.clicked.connect(lambda: self.fold(not self.folded))
         arrange(QHBoxLayout(self), self._label, self.button, margins=(6, 0, 6, 0))

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from PySide6.QtCore import QPoint, Qt, QTimer, Signal
-from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QToolButton, QVBoxLayout
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QVBoxLayout
 
 from app.model.state.messages import Message, Messages
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
-from app.views.widgets.containers import ElidedLabel, arrange
+from app.views.widgets.containers import ElidedLabel, arrange, flat_button
 
 SHOWN = 6000
 """Time after which good news disappears [ms]."""
@@ -28,16 +28,9 @@ class MessageLine(QFrame):
         super().__init__()
         self._messages = Messages()
         self._label = ElidedLabel()
-        self.details = QToolButton(autoRaise=True)
-        self.details.setText(tr("Details"))
-        self.details.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        self.details.setToolTip(tr("Read the whole message."))
-        self.details.clicked.connect(self._show_details)
+        self.details = flat_button(tr("Details"), tr("Read the whole message."), self._show_details)
         self._label.fits_changed.connect(lambda: self.details.setVisible(not self._label.fits))
-        self._button = QToolButton(autoRaise=True)
-        self._button.setAccessibleName(tr("Dismiss message"))
-        self._button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        self._button.clicked.connect(self.dismiss)
+        self._button = flat_button("", tr("Dismiss message"), self.dismiss)
         parts = self._label, self.details, self._button
         arrange(QHBoxLayout(self), *parts, margins=(10, 0, 2, 0), spacing=4, wide=self._label)
         self._timer = QTimer(self, singleShot=True, interval=SHOWN)

@@ -39,19 +39,12 @@ class Pointed:
             return "object"
         shapes = self._session.document.shapes
         found = hit_in(self._session.scene, at, reach, here)
-        shape = found.index if found is not None else None
         near = found is not None and (found.part == "handle" or shapes[found.index].distance(at) <= reach)
         key = None if near else self._list.at(at, reach, areas=False)
-        snapshot = self._session.scene.snapshot
-        particles = False
-        if not near and (key is None or key[0] != "contour") and snapshot is not None and len(snapshot.position):
-            particles = bool((np.linalg.norm(snapshot.position - np.array(at), axis=1) <= reach).any())
-        if near or not (key is not None or particles):
-            self._session.select(shape)
-            return self.chosen if shape is not None else "image"
+        if key is None:
+            self._session.select(None if found is None else found.index)
+            return "image" if found is None else self.chosen
         self._session.select(None)
-        if particles or key is None:
-            return "particles"
         if key not in self._list.selected:
             self._list.select((key,))
         return "object"

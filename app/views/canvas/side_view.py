@@ -73,7 +73,7 @@ class SideView(ImageView):
         """Draw the slice of a scene across an axis."""
         if self.sections.axis != axis:
             self.sections = Sections(axis, self.sections.later)
-            self.setAccessibleName(tr("Slice across the axis: {axis}").format(axis=AXES[axis]))
+            self.setAccessibleName(tr("Slice across the axis: {axis}", axis=AXES[axis]))
         self.draw(scene)
         self.cross.show(self.drawn.slices)
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from PySide6.QtCore import Qt, Signal
+from PySide6.QtCore import Signal
 from PySide6.QtWidgets import QButtonGroup, QHBoxLayout, QToolButton
 
 from app.model.display.lengths import size_text
 from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.model.volume.slices import AXES, Slices, planes_of
-from app.views.widgets.containers import arrange
+from app.views.widgets.containers import arrange, flat_button
 from app.views.widgets.fields import PlaceBar
 from cpm_core import Image
 
@@ -31,21 +31,17 @@ class SliceBar(PlaceBar):
 
     def __init__(self) -> None:
         super().__init__(tr("Slice"), tr("Number of the slice"), _JUMP)
-        self.axes, self.voxel = [QToolButton() for _ in AXES], QToolButton()
+        self.axes = [QToolButton() for _ in AXES]
         group = QButtonGroup(self)
         for axis, button in enumerate(self.axes):
             button.setToolTip(_TIPS[axis])
-            button.setAccessibleName(tr("Slices across the axis: {axis}").format(axis=AXES[axis]))
+            button.setAccessibleName(tr("Slices across the axis: {axis}", axis=AXES[axis]))
             button.setCheckable(True)
-            button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
             group.addButton(button, axis)
         group.idClicked.connect(self.turned)
+        tip = tr("Voxel size: plane × row × column. Click to change it.")
+        self.voxel = flat_button("", tip, self.size_wanted.emit)
         self.voxel.setObjectName("dim")
-        self.voxel.setAutoRaise(True)
-        self.voxel.setAccessibleName(tr("Voxel size"))
-        self.voxel.setToolTip(tr("Voxel size: plane × row × column. Click to change it."))
-        self.voxel.setFocusPolicy(Qt.FocusPolicy.TabFocus)
-        self.voxel.clicked.connect(self.size_wanted)
         parts = *self.axes, self.slider, self.number, self.of, self.voxel
         row = arrange(QHBoxLayout(self), *parts, margins=(10, 3, 10, 3), spacing=4, wide=self.slider)
         row.insertSpacing(len(self.axes), 8)

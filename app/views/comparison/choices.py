@@ -117,8 +117,7 @@ class MethodChoice(QWidget):
         self.list.setFixedHeight(self.list.sizeHintForRow(0) * self.list.count() + 6)
         self.around.setToolTip(tr("Balloons and pressures then drive contours inwards."))
         self.about.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
-        self._area = QScrollArea()
-        self._area.setWidgetResizable(True)
+        self._area = QScrollArea(widgetResizable=True)
         layout = QVBoxLayout(self)
         note = wrapped(
             tr("They start from circles, ellipses and polygons; only particles respond to other shapes."), dim=True
@@ -172,19 +171,15 @@ class MethodChoice(QWidget):
         self._shown = name, settings
         self.about.setText(f"{from_core(method.about)}\n{method.reference}")
         body, self.fields = QWidget(), {}
-        form = QFormLayout(body)
-        form.setRowWrapPolicy(QFormLayout.RowWrapPolicy.WrapAllRows)
+        form = QFormLayout(body, rowWrapPolicy=QFormLayout.RowWrapPolicy.WrapAllRows)
         if method.of_particles:
             form.addRow(wrapped(tr("These are the parameters of the window: change them there and run again.")))
         else:
             for field_name, info in settings.table().items():
-                field = self.fields[field_name] = DecimalField()
-                field.setDecimals(max(0, -math.floor(math.log10(info.step))))
-                field.setRange(info.low, info.high)
-                field.setSingleStep(info.step)
-                field.setSuffix(f" {info.unit}" if info.unit else "")
+                decimals = max(0, -math.floor(math.log10(info.step)))
+                unit = f" {info.unit}" if info.unit else ""
+                field = self.fields[field_name] = DecimalField(info.low, info.high, info.step, decimals, unit)
                 field.setValue(getattr(settings, field_name))
-                field.setKeyboardTracking(False)
                 field.setToolTip(f"{from_core(info.meaning)} {from_core(info.more)}")
                 field.setAccessibleName(from_core(info.title))
                 field.valueChanged.connect(partial(self._set, field_name))

@@ -204,11 +204,7 @@ class ComparePanel(QWidget):
 
     def _act(self, text: str, do: Callable[[], object], tip: str) -> QAction:
         """An action of the chosen result, which the menu of the table has, too."""
-        act = QAction(text, self)
-        act.setToolTip(tip)
-        act.triggered.connect(lambda _=False: do())
-        self.table.addAction(act)
-        return act
+        return add_choice(self.table, text, do, tip)
 
     def _button(self, name: str) -> QToolButton:
         button = wide_button("")
@@ -299,10 +295,11 @@ class ComparePanel(QWidget):
         if agreed is None:
             return tr("Nothing found yet.") if subject.found is None else tr("Comparing…")
         if not different:
-            return tr("{name} agrees with the reference within the tolerance.").format(name=subject.title)
+            return tr("{name} agrees with the reference within the tolerance.", name=subject.title)
         missing, farthest = sum(each.kind == "missing" for each in different), different[0].farthest
         unit = (getattr(agreed, "unit", None) or tr("voxels")) if compared.in_volume else "px"
-        return tr("{name}: {missing} missing and {wrong} wrong segments; the largest distance is {farthest}.").format(
+        return tr(
+            "{name}: {missing} missing and {wrong} wrong segments; the largest distance is {farthest}.",
             name=subject.title,
             missing=missing,
             wrong=len(different) - missing,

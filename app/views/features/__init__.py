@@ -15,7 +15,7 @@ from app.views.features.run import (
     TasksFeature,
     TimelineFeature,
 )
-from app.views.features.view import KeyboardFeature, LayersFeature, LevelsFeature
+from app.views.features.view import KeyboardFeature, LayersFeature
 from app.views.features.volumes import PagesFeature, SlicesFeature, SpaceFeature
 from app.views.window.window import Feature
 
@@ -40,7 +40,6 @@ FEATURES: tuple[type[Feature], ...] = (
     PixelSizeFeature,
     ObjectsFeature,
     LayersFeature,
-    LevelsFeature,
     CompareFeature,
     SlicesFeature,
     PagesFeature,

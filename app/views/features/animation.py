@@ -17,7 +17,7 @@ from app.session.signals import FILMING
 from app.session.tasks.tasks import Task
 from app.views.canvas.items.item import image_rectangle
 from app.views.export.frames import AnimationPlan, FrameRecorder, FrameRenderer
-from app.views.window.window import Feature, MainWindow
+from app.views.window.window import Feature
 from cpm_core import METHODS, write_animation
 from cpm_core.formats import check_animation, facts_on, plain_shapes, text_of
 from cpm_core.numerics import Pixels
@@ -41,7 +41,7 @@ def comment_on(session: Session) -> str:
 
 def begin_writing(session: Session, path: Path, work: Callable[[Task], Report]) -> Task:
     """Write a file on another thread."""
-    doing, done = tr("Writing {name}…").format(name=path.name), tr("writing {name}").format(name=path.name)
+    doing, done = tr("Writing {name}…", name=path.name), tr("writing {name}", name=path.name)
     return session.tasks.start(doing, work, done)
 
 
@@ -62,8 +62,8 @@ def begin_animation(
 class AnimationFeature(Feature):
     """Exports animations."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
         self._filming: list[FrameRecorder] = []
 
     def close(self) -> bool:
@@ -74,7 +74,7 @@ class AnimationFeature(Feature):
 
     def write(self, branch: int, plan: AnimationPlan, path: Path) -> Task | None:
         """Write an animation; None if it cannot be written, which is reported."""
-        session, canvas = self.window.session, self.window.canvas_area.canvas
+        session, canvas = self.session, self.canvas
         session.attempt(FILMING)
         try:
             check_animation(path)
@@ -90,7 +90,7 @@ class AnimationFeature(Feature):
 
     def part(self) -> QRectF:
         """Part of the image that frames show: the visible one."""
-        canvas = self.window.canvas_area.canvas
+        canvas = self.canvas
         whole = image_rectangle(canvas.shape or (1, 1))
         part = canvas.view.viewRect().intersected(whole)
         return whole if part.isEmpty() else part

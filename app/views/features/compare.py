@@ -14,7 +14,7 @@ from app.views.features.animation import begin_writing
 from app.views.widgets.actions import ActionSpec
 from app.views.window.dialogs import ALL_FILES, Files
 from app.views.window.docks import Panel
-from app.views.window.window import Feature, MainWindow
+from app.views.window.window import Feature
 from cpm_core.formats import CONTOURS_READABLE, READABLE, SURFACES_READABLE, TABLE, write_together
 from cpm_core.formats.common.printable import cell
 from cpm_core.formats.contours.contour_csv import table
@@ -26,8 +26,9 @@ _SPAN = 48.0
 class CompareFeature(Feature):
     """One way to compare: runs, methods, values of parameters, kept results and a ground truth."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        window = self.window
         self._compared = compared = window.workspace.comparison
 
         def export() -> None:
@@ -40,23 +41,23 @@ class CompareFeature(Feature):
                     write_together([(path, table(rows))])
                     return Exported(path)
 
-                begin_writing(window.session, path, work)
+                begin_writing(self.session, path, work)
 
-        self.panel = ComparePanel(window.session, compared, window.workspace.navigation, self._load, export, self._jump)
+        self.panel = ComparePanel(self.session, compared, window.workspace.navigation, self._load, export, self._jump)
         self.panels = (Panel("compare", "Compare", self.panel, "F12", shown=False),)
         self.panel.table.zoom_wanted.connect(self.panel.jump_to_next)
-        self.wipe = Wipe(window.canvas_area.canvas)
+        self.wipe = Wipe(self.canvas)
         self.wipe.ended.connect(lambda: compared.choose(NOW))
         compared.chosen_changed.connect(self._show_divider)
         compared.changed.connect(window.refresh)
-        window.session.scene_changed.connect(self._draw)
+        self.session.scene_changed.connect(self._draw)
         self.actions = (
             ActionSpec("compare", "Run", "Com&pare…",
                        "Compare what is shown with other runs, methods, values of parameters or a ground truth.",
                        lambda: window.docks.enter("compare"), "Ctrl+D", gap=True, when=has_image),
             ActionSpec("next_difference", ">" + tr("Compare"), "Show next &difference",
                        "Show the differences from the reference one after the other, the largest first.",
-                       self.panel.jump_to_next, "Shift+W", when=lambda _: bool(window.session.scene.differences)),
+                       self.panel.jump_to_next, "Shift+W", when=lambda _: bool(self.session.scene.differences)),
         )  # fmt: skip
 
     def _show_divider(self) -> None:
@@ -95,4 +96,4 @@ class CompareFeature(Feature):
         row, col = (0.5 * (low + high)).tolist()
         if slices.now is not None:
             row, col = slices.now.current.within(difference.place)
-        self.window.canvas_area.canvas.look_at((row, col), span)
+        self.canvas.look_at((row, col), span)

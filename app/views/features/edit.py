@@ -13,16 +13,16 @@ from app.model.text.language import from_core, tr
 from app.views.canvas.canvas_area import FIRST_TOOL
 from app.views.canvas.tools import TOOLS
 from app.views.widgets.actions import ActionSpec
-from app.views.window.window import Feature, MainWindow
+from app.views.window.window import Feature
 from cpm_core.shapes import Everywhere, Kind
 
 
 class DrawFeature(Feature):
     """Tools for the initialization, regions, barriers and charges; starts that need no drawing; drawing by keys."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
-        area = window.canvas_area
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        area = self.window.canvas_area
         tools = [
             ActionSpec(tool.name, "Tools", tool.text, tool.tip, partial(area.use_tool, tool.name), tool.shortcut,
                        icon=tool.name, group="tool", checked=tool.name == FIRST_TOOL,
@@ -48,12 +48,12 @@ class DrawFeature(Feature):
 
     def _start(self, kind: Kind, text: str, keys: str, tip: str, short: str = "") -> ActionSpec:
         """An action that adds a start that needs no drawing, or removes it."""
-        start, session = Everywhere(kind), self.window.session
+        start, session = Everywhere(kind), self.session
 
         def toggle() -> None:
             name = from_core(start.title)
             if start in session.document.shapes:
-                name = tr("remove {start}").format(start=name)
+                name = tr("remove {start}", start=name)
             session.edit(name, lambda document: edits.toggle_everywhere(document, kind))
             # The action must show the state of the document even if it has not changed.
             self.window.refresh()
@@ -68,16 +68,16 @@ _KEYS = {"shape": "Ctrl+F1", "automatic": "Ctrl+F2", "skeleton": "Ctrl+F3"}
 class ModesFeature(Feature):
     """The choice of the mode."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
         self.actions = [self._choice(mode) for mode in MODES]
 
     def _choice(self, mode: Mode) -> ActionSpec:
-        info, session = MODES[mode], self.window.session
+        info, session = MODES[mode], self.session
 
         def use() -> None:
             if session.document.mode != mode:
-                name = tr("mode “{mode}”").format(mode=info.title.replace("&", ""))
+                name = tr("mode “{mode}”", mode=info.title.replace("&", ""))
                 session.edit(name, lambda document: use_mode(document, mode))
             # The action must show the state of the document even if it has not changed.
             self.window.refresh()
@@ -90,8 +90,9 @@ class ModesFeature(Feature):
 class UndoSelectionFeature(Feature):
     """Undo, selection and deletion by menus and keys."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        window = self.window
         session, area = window.session, window.canvas_area
 
         def sized(situation: Situation) -> bool:

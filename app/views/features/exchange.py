@@ -32,7 +32,7 @@ from app.views.features.animation import AnimationFeature
 from app.views.features.volumes import SpaceFeature
 from app.views.widgets.actions import ActionSpec
 from app.views.window.dialogs import ALL_FILES, Button, Files, Question
-from app.views.window.window import Feature, MainWindow
+from app.views.window.window import Feature
 from cpm_core.formats import CONTOURS_READABLE, FOR_CENTERLINES, READABLE, SURFACES_READABLE
 from cpm_core.shapes import Points
 
@@ -40,12 +40,12 @@ from cpm_core.shapes import Points
 class ExportFeature(Feature):
     """Export of what has been found, and of pictures and animations, to files."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
         self.dialog: ExportDialog | None = None
         self._last: tuple[ExportOrder, AnimationPlan] | None = None
         self._written: set[Path] = set()
-        window.session.listen(Opened, self._forget)
+        self.session.listen(Opened, self._forget)
         self.actions = (
             ActionSpec("export", "File", "&Export…", "Export objects, contours, surfaces, pictures and animations.",
                        self.export, "Ctrl+E Ctrl+Shift+K Ctrl+Shift+A", short=tr("Export"), icon="export", gap=True,
@@ -74,15 +74,15 @@ class ExportFeature(Feature):
         window, workspace = self.window, self.window.workspace
         navigation, space, pages = workspace.navigation, window.feature(SpaceFeature), workspace.pages.result
         there = Exportable(
-            window.session.scene.objects.chosen,
+            self.session.scene.objects.chosen,
             frozenset(item.measures.number for item in workspace.review.chosen),
             0 if pages is None else len(pages.results),
-            navigation.last(navigation.place[0]) if has_particles(window.session.situation) else 0,
+            navigation.last(navigation.place[0]) if has_particles(self.session.situation) else 0,
             space.panel.contents is not None,
             window.feature(AnimationFeature).part,
             self._written,
         )
-        dialog = ExportDialog(window, window.session, window.preferences, window.files, there)
+        dialog = ExportDialog(window, self.session, window.preferences, window.files, there)
         dialog.ordered.connect(self._write)
         return dialog
 
@@ -104,7 +104,7 @@ class ExportFeature(Feature):
         if paths:
             workspace.pages.export(*paths)
         if found:
-            self.window.session.export(replace(order, files=tuple(found)))
+            self.session.export(replace(order, files=tuple(found)))
 
     def _end(self) -> None:
         self.dialog = None
@@ -132,8 +132,8 @@ _KINDS = ("image/svg+xml", "application/geo+json", "text/csv")
 class ClipboardFeature(Feature):
     """Copies for other programs: what has been found, in several formats at once, and the view."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
         self.actions = (
             ActionSpec("copy", "Edit", "&Copy", "Copy the selection, or everything, as a drawing and as a table.",
                        self.copy, "Ctrl+C", gap=True,
@@ -145,7 +145,7 @@ class ClipboardFeature(Feature):
 
     def copy(self) -> None:
         """Copy what is chosen, else all objects, else all contours; programs take the format that suits them."""
-        session = self.window.session
+        session = self.session
         chosen = session.scene.objects.chosen
         contours = frozenset(item.measures.number for item in self.window.workspace.review.chosen)
         what: What = "objects" if chosen or (has_objects(session.document) and not contours) else "contours"
@@ -155,8 +155,8 @@ class ClipboardFeature(Feature):
 
     def copy_view(self) -> None:
         """Copy what the canvas shows."""
-        QApplication.clipboard().setImage(self.window.canvas_area.canvas.grab().toImage())
-        self.window.session.say(tr("The view was copied."), topic=EXPORTING)
+        QApplication.clipboard().setImage(self.canvas.grab().toImage())
+        self.session.say(tr("The view was copied."), topic=EXPORTING)
 
     def _put(self, contents: tuple[bytes, ...]) -> None:
         data = QMimeData()
@@ -164,7 +164,7 @@ class ClipboardFeature(Feature):
             data.setData(kind, content)
         data.setText(contents[-1].decode())  # most programs take text only: the table
         QApplication.clipboard().setMimeData(data)
-        self.window.session.say(tr("Copied as a drawing and a table."), topic=EXPORTING)
+        self.session.say(tr("Copied as a drawing and a table."), topic=EXPORTING)
 
 
 IN_VOLUMES = frozenset((*SURFACES_READABLE, *FOR_CENTERLINES))
@@ -179,8 +179,8 @@ _TITLES = {"contours": tr("Use contours"), "surface": tr("Use surface"), "center
 class ImportFeature(Feature):
     """Contours, surfaces and pictures of other programs."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
         self.actions = (
             ActionSpec("import_contours", "File", "&Import contours…",
                        "Import contours from another program as a start, as objects or as ground truth.", self._choose,
@@ -191,7 +191,7 @@ class ImportFeature(Feature):
 
     def take(self, path: Path) -> None:
         """Read contours, and ask what they are for."""
-        session = self.window.session
+        session = self.session
         if session.document.image is None:
             message = tr("Open an image first; then {name} can be drawn.")
         elif session.scene.slices is None and path.suffix.lower() in IN_VOLUMES:
@@ -204,7 +204,7 @@ class ImportFeature(Feature):
 
     def paste(self) -> None:
         """Open the picture or the files on the clipboard, or read the contours on it."""
-        data, session = QApplication.clipboard().mimeData(), self.window.session
+        data, session = QApplication.clipboard().mimeData(), self.session
         session.attempt(OPENING)
         kind = next(filter(data.hasFormat, _KINDS), "")
         text = data.text() if data.hasText() and not data.hasImage() else ""
@@ -226,7 +226,7 @@ class ImportFeature(Feature):
             session.say(trouble, True, OPENING)
 
     def _choose(self) -> None:
-        in_volume = self.window.session.scene.slices is not None
+        in_volume = self.session.scene.slices is not None
         kinds = (_FILES_IN_VOLUMES if in_volume else Files(tr("Contours"), tuple(CONTOURS_READABLE)), ALL_FILES)
         title = tr("Import surface") if in_volume else tr("Import contours")
         chosen = self.window.files.ask_for_file("truth", title, kinds)
@@ -235,9 +235,9 @@ class ImportFeature(Feature):
 
     def _use(self, path: Path | None, found: Found) -> None:
         """Draw points, and ask what contours are for; without a path they come from the clipboard."""
-        session = self.window.session
+        session = self.session
         if isinstance(found, Points):
-            name = tr("draw {name}").format(name="" if path is None else path.name)
+            name = tr("draw {name}", name="" if path is None else path.name)
             session.edit(name, lambda document: edits.add_shape(document, found))
             return
         whole = found.kind == "center lines" or not found.count
@@ -246,10 +246,10 @@ class ImportFeature(Feature):
         text = question.format(name=found.name)
         answer = Question(self.window, _TITLES[found.kind], text, _explained(found), buttons).ask()
         if answer == "start":
-            name = tr("start from {name}").format(name=found.name)
+            name = tr("start from {name}", name=found.name)
             session.edit(name, lambda document: edits.set_shapes(document, (*document.shapes, *found.starts)))
         elif answer == "objects":
-            name = tr("add objects from {name}").format(name=found.name)
+            name = tr("add objects from {name}", name=found.name)
             session.edit(name, lambda document: imported.add_objects(document, found.objects, found.classes))
         elif answer == "truth" and path is not None:
             self.window.docks.reveal("compare")
@@ -278,8 +278,8 @@ def _buttons(found: Imported, of_file: bool) -> Sequence[Button]:
 class BatchFeature(Feature):
     """Applies the session to the images of a folder, one folder at a time."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
         self._task: Task | None = None
         self.actions = (
             ActionSpec("apply_to_folder", "File", "Apply this session to a &folder…",
@@ -292,13 +292,13 @@ class BatchFeature(Feature):
     def _apply(self) -> None:
         folder = self.window.files.ask_for_folder(tr("Folder of the images"))
         if folder:
-            self._task = apply_to_folder(self.window.session, Path(folder), self._report)
+            self._task = apply_to_folder(self.session, Path(folder), self._report)
             self.window.refresh()
 
     def _report(self, done: BatchDone) -> None:
-        text = tr("{done} of {count} images finished.").format(done=done.images - done.failed, count=done.images)
-        more = tr("{failed} could not be used.").format(failed=done.failed)
-        table = tr("The table is in {path}.").format(path=done.table)
+        text = tr("{done} of {count} images finished.", done=done.images - done.failed, count=done.images)
+        more = tr("{failed} could not be used.", failed=done.failed)
+        table = tr("The table is in {path}.", path=done.table)
         words = " ".join((text, more, table) if done.failed else (text, table))
-        self.window.session.say(words, done.failed > 0, TOPIC)
+        self.session.say(words, done.failed > 0, TOPIC)
         self.window.refresh()

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from PySide6.QtCore import QDateTime, QLocale, Qt, QTimer, QUrl
 from PySide6.QtGui import QImage
-from PySide6.QtWidgets import QHBoxLayout, QLabel, QToolButton, QWidget
+from PySide6.QtWidgets import QHBoxLayout, QToolButton, QWidget
 
 from app.model.document.document import Document
 from app.model.document.samples import sample_at, samples
@@ -24,10 +24,10 @@ from app.views.features.exchange import ImportFeature
 from app.views.files.recent_files import RecentFiles
 from app.views.files.start_screen import Entry, StartScreen
 from app.views.widgets.actions import Actions, ActionSpec, Submenu
-from app.views.widgets.containers import arrange
+from app.views.widgets.containers import arrange, dim_label
 from app.views.window import dialogs
 from app.views.window.dialogs import ALL_FILES, SESSIONS, Button, Files, Question
-from app.views.window.window import Feature, MainWindow
+from app.views.window.window import Feature
 from cpm_core.formats import CONTOURS_READABLE, FOR_CENTERLINES, READABLE, SUFFIX, SURFACES_READABLE, Reading
 
 CONTOURS = frozenset((*CONTOURS_READABLE, *SURFACES_READABLE, *FOR_CENTERLINES)) - frozenset(READABLE)
@@ -41,19 +41,20 @@ _SEGMENTS = (".seg.nrrd", ".seg.dcm")
 class OpenSaveFeature(Feature):
     """Opening of images, sessions, points and presets, and the session file."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        window = self.window
         self.document_file = window.document_file
         self.recent = RecentFiles(window.preferences, window.open_image)
         self._left: tuple[Document, int] | None = None
         """Document and number of the image that the user has agreed to close."""
-        session = window.session
+        session = self.session
         session.may_replace = self._may_replace
         window.files_wanted.connect(self.take)
         window.dropped.connect(self.take_dropped)
         self.document_file.changed.connect(self._name_window)
         self.document_file.restored.connect(window.workspace.slices.use_view_state)
-        self.document_file.restored.connect(window.canvas_area.canvas.use_view_state)  # in the slice chosen before
+        self.document_file.restored.connect(self.canvas.use_view_state)  # in the slice chosen before
         session.document_changed.connect(lambda _: self._name_window())
         session.listen(Opened, self._take_opened)
         session.listen(Written, lambda written: self._remember(written.path))
@@ -81,31 +82,32 @@ class OpenSaveFeature(Feature):
         self.window.canvas_area.messages.keep_only(*OF_THE_PROGRAM)
         documents = []
         for path in paths:
-            segments = path.name.lower().endswith(_SEGMENTS) and self.window.session.scene.slices is not None
+            segments = path.name.lower().endswith(_SEGMENTS) and self.session.scene.slices is not None
             if path.suffix.lower() in CONTOURS or segments:
                 self.window.feature(ImportFeature).take(path)
             else:
                 documents.append(path)
         if documents and self._may_open():
             as_volume, reading = self.recent.part_of(documents[0])
-            self.window.session.open(documents[0], resumes=resumes, as_volume=as_volume, reading=reading)
+            self.session.open(documents[0], resumes=resumes, as_volume=as_volume, reading=reading)
             if len(documents) > 1:
                 message = tr("Only one image can be open at a time: of {count} files, {name} is opened.")
-                self.window.session.say(message.format(count=len(documents), name=documents[0].name), topic=OPENING)
+                self.session.say(message.format(count=len(documents), name=documents[0].name), topic=OPENING)
 
     def take_part(self, path: Path, as_volume: bool, reading: Reading) -> None:
         """Open a part of a file, as a volume or as an image."""
         self.window.canvas_area.messages.keep_only(*OF_THE_PROGRAM)
         if self._may_open():
-            self.window.session.open(path, as_volume=as_volume, reading=reading)
+            self.session.open(path, as_volume=as_volume, reading=reading)
 
     def take_dropped(self, urls: Sequence[QUrl]) -> None:
         """Open files that were dropped on the window."""
         elsewhere = [url for url in urls if not url.isLocalFile()]
         self.take([Path(url.toLocalFile()) for url in urls if url.isLocalFile()])
         if elsewhere:
-            message = tr("{place} is not a file on this computer. Save it first, then open it.")
-            self.window.session.say(message.format(place=elsewhere[0].toDisplayString()), True, OPENING)
+            place = elsewhere[0].toDisplayString()
+            message = tr("{place} is not a file on this computer. Save it first, then open it.", place=place)
+            self.session.say(message, True, OPENING)
 
     def ask_for_file(self) -> None:
         """Ask for a file and open it."""
@@ -143,11 +145,11 @@ class OpenSaveFeature(Feature):
     @property
     def _work(self) -> tuple[Document, int]:
         """What would be lost."""
-        return self.window.session.document, self.window.session.generation
+        return self.session.document, self.session.generation
 
     def _may_open(self) -> bool:
         """Whether another image may be opened; not asked again while one is being opened and nothing has changed."""
-        if not (self.window.session.opening and self._left == self._work):
+        if not (self.session.opening and self._left == self._work):
             if not self.close():
                 return False
             self._left = self._work
@@ -166,10 +168,9 @@ class OpenSaveFeature(Feature):
 
     def _ask_again(self, opened: Opened) -> None:
         if self.close():
-            self.window.session.use(opened)
+            self.session.use(opened)
         else:
-            kept = tr("{name} was not opened, and your work stays open.")
-            self.window.session.say(kept.format(name=opened.path.name))
+            self.session.say(tr("{name} was not opened, and your work stays open.", name=opened.path.name))
 
     def _ask_where(self) -> Path | None:
         path, name = self.document_file.path, self.document_file.name
@@ -190,7 +191,7 @@ class OpenSaveFeature(Feature):
         self.window.files.remember("open", path)
 
     def _name_window(self) -> None:
-        image = self.window.session.document.image
+        image = self.session.document.image
         name = self.document_file.path.name if self.document_file.path else image.name if image else ""
         title = f"{name}[*] – CPM" if name else "CPM"
         if self.window.windowTitle() != title:
@@ -201,8 +202,9 @@ class OpenSaveFeature(Feature):
 class StartFeature(Feature):
     """Shows the start screen, and keeps a picture of each image and session that has been open."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        window = self.window
         self.pictures = Pictures(folder_of_pictures())
         self.screen = StartScreen(window.canvas_area)
         self._recent = window.feature(OpenSaveFeature).recent
@@ -210,7 +212,7 @@ class StartFeature(Feature):
         self.screen.asked.connect(window.feature(OpenSaveFeature).ask_for_file)
         self.screen.chosen.connect(window.open_image)
         self.screen.left.connect(self.leave)
-        session = window.session
+        session = self.session
         session.image_changed.connect(self.leave)
         session.listen(ImageReady, lambda _: self._keep_picture())
         session.listen(Written, lambda _: self._keep_picture())
@@ -236,13 +238,13 @@ class StartFeature(Feature):
             changed = QDateTime.fromSecsSinceEpoch(int(path.stat().st_mtime)).date()
             below = f"{path.parent.name} · {QLocale().toString(changed, QLocale.FormatType.ShortFormat)}"
             recent.append(Entry(path, self.pictures.get(path), path.name, below, str(path)))
-        self.screen.show_entries(recent, shown, self.window.session.document.image is not None, trouble)
+        self.screen.show_entries(recent, shown, self.session.document.image is not None, trouble)
 
     def leave(self) -> None:
         """Show the image, if there is one."""
-        if self.screen.isVisible() and self.window.session.document.image is not None:
+        if self.screen.isVisible() and self.session.document.image is not None:
             self.screen.hide()
-            self.window.canvas_area.canvas.setFocus()
+            self.canvas.setFocus()
 
     def toggle(self) -> None:
         """Show the start screen, or the image again."""
@@ -253,15 +255,15 @@ class StartFeature(Feature):
 
     def welcome(self) -> None:
         """Offer the newest work when the program begins with a sample."""
-        session = self.window.session
+        session = self.session
 
         def offer(opened: Opened) -> None:
             session.stop_listening(Opened, offer)
             newest = next(iter(self._paths), None)
             if newest is not None and opened.saved is None:
                 self.window.offers.offer(
-                    tr("Continue with {name}?").format(name=newest.name),
-                    (tr("Open {name}").format(name=newest.name), partial(self.window.open_image, newest, True)),
+                    tr("Continue with {name}?", name=newest.name),
+                    (tr("Open {name}", name=newest.name), partial(self.window.open_image, newest, True)),
                     (tr("Recent work"), self.show),
                 )
 
@@ -274,16 +276,16 @@ class StartFeature(Feature):
 
     def _stay(self, refused: NotOpened) -> None:
         """Show what could be opened, unless there is work: an untouched sample would be taken for the file."""
-        image = self.window.session.document.image
+        image = self.session.document.image
         if image is None or (sample_at(Path(image.path)) and not self.window.document_file.unsaved):
             self.show(refused.sentence)
 
     def _keep_picture(self) -> None:
         """Keep what the canvas shows as the picture of the image, and of its session if there is one."""
-        image = self.window.session.document.image
+        image = self.session.document.image
         if image is None:
             return
-        picture = self.window.canvas_area.canvas.grab().toImage()
+        picture = self.canvas.grab().toImage()
         for path in (Path(image.path), self.window.document_file.path):
             if path is not None and sample_at(path) is None:
                 self.pictures.put(path, picture)
@@ -294,8 +296,7 @@ class FolderBar(QWidget):
 
     def __init__(self) -> None:
         super().__init__()
-        self.back, self.forward, self._place = QToolButton(), QToolButton(), QLabel()
-        self._place.setObjectName("dim")
+        self.back, self.forward, self._place = QToolButton(), QToolButton(), dim_label()
         for button in (self.back, self.forward):
             button.setObjectName("quiet")
             button.setAutoRaise(True)
@@ -310,23 +311,24 @@ class FolderBar(QWidget):
 
     def show_place(self, index: int, count: int, folder: str) -> None:
         """Show that an image is one of the images of a folder; the first one has index 0."""
-        self._place.setText(tr("{number} of {count}").format(number=index + 1, count=count))
-        self._place.setToolTip(tr("Images in {folder}").format(folder=folder))
+        self._place.setText(tr("{number} of {count}", number=index + 1, count=count))
+        self._place.setToolTip(tr("Images in {folder}", folder=folder))
         self.setVisible(count > 1)
 
 
 class FolderFeature(Feature):
     """Opens the previous and the next image of a folder, each with the session next to it."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        window = self.window
         self.bar = FolderBar()
         window.shortcuts.changed.connect(lambda: self.bar.use_actions(window.actions_by_name))
         window.statusBar().addPermanentWidget(self.bar)
         self._images: tuple[Path, ...] = ()
         self._here = self._ahead = 0
-        window.session.listen(Opened, self._take)
-        window.session.listen(NotOpened, self._stay)
+        self.session.listen(Opened, self._take)
+        self.session.listen(NotOpened, self._stay)
         self.actions = (
             ActionSpec("previous_image", "File", "Pre&vious image in the folder",
                        "Open the previous image in the folder, with its session.", partial(self.go, -1),
@@ -338,7 +340,7 @@ class FolderFeature(Feature):
 
     def go(self, by: int) -> None:
         """Open the next image (1) or the previous one (-1) that is still there."""
-        begin = self._ahead if self.window.session.opening else self._here
+        begin = self._ahead if self.session.opening else self._here
         ahead = range(begin + by, len(self._images) if by > 0 else -1, by)
         place = next((place for place in ahead if self._images[place].is_file()), None)
         if place is not None and self._saved():
@@ -347,7 +349,7 @@ class FolderFeature(Feature):
 
     def _saved(self) -> bool:
         """Save without a question, where the user wants that and nothing is overwritten; False when it fails."""
-        file, image = self.window.document_file, self.window.session.document.image
+        file, image = self.window.document_file, self.session.document.image
         if image is None or not file.unsaved or not self.window.preferences.value(SAVE_IN_FOLDER):
             return True
         beside = Path(image.path).with_suffix(SUFFIX)
@@ -373,21 +375,21 @@ _PATH = 300
 class RecoveryFeature(Feature):
     """Recovery of unsaved work after the program has ended unexpectedly."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
         self._folder = folder_of_journals()
-        self.journal = Journal(window.document_file, self._folder, window.preferences)
-        self.journal.put.connect(lambda trouble: window.session.trouble(trouble, JOURNAL))
+        self.journal = Journal(self.window.document_file, self._folder, self.window.preferences)
+        self.journal.put.connect(lambda trouble: self.session.trouble(trouble, JOURNAL))
         self.box: Question | None = None
         self._waiting: list[Leftover] = []
         self._restoring: Leftover | None = None
-        window.session.listen(Opened, self._use_opened)
+        self.session.listen(Opened, self._use_opened)
 
     def offer(self) -> None:
         """Offer to restore the unsaved work of earlier windows, and say what of it cannot be read."""
         self._waiting, troubles = left_behind(self._folder)
         if troubles:
-            self.window.session.say(" ".join(troubles), True, RECOVERY)
+            self.session.say(" ".join(troubles), True, RECOVERY)
         self._ask()
 
     def close(self) -> bool:
@@ -411,7 +413,7 @@ class RecoveryFeature(Feature):
             Button("discard", tr("&Discard this work"), "discard"),
             Button("later", tr("Ask me &later"), "cancel"),
         )
-        text = tr("CPM ended unexpectedly. Restore “{name}”?").format(name=shortened(leftover.name, _PATH))
+        text = tr("CPM ended unexpectedly. Restore “{name}”?", name=shortened(leftover.name, _PATH))
         details = "\n".join(_details(leftover))
         self.box = box = Question(self.window, tr("Restore unsaved work"), text, details, buttons)
         box.buttonClicked.connect(lambda _: self._act_on(box.given()))
@@ -422,7 +424,7 @@ class RecoveryFeature(Feature):
             if self._restoring is not None:  # its image was not found, and it waits for another time
                 self._restoring.keep()
             self._restoring = self._waiting.pop(0)
-            self.window.session.begin(self._restoring.wanted)
+            self.session.begin(self._restoring.wanted)
         elif answer == "discard":
             self._waiting.pop(0).discard()
             self._ask()
@@ -444,8 +446,8 @@ def _details(leftover: Leftover) -> Sequence[str]:
     image, objects, shapes = leftover.file.image, len(leftover.file.objects.items), len(leftover.file.shapes)
     session = shortened(str(leftover.path), _PATH) if leftover.path else tr("never saved")
     return (
-        tr("Last changed: {when}").format(when=when),
-        tr("Image: {path}").format(path=shortened(image.path, _PATH) if image else "–"),
-        tr("Session file: {path}").format(path=session),
-        tr("Objects: {objects}, shapes: {shapes}").format(objects=objects, shapes=shapes),
+        tr("Last changed: {when}", when=when),
+        tr("Image: {path}", path=shortened(image.path, _PATH) if image else "–"),
+        tr("Session file: {path}", path=session),
+        tr("Objects: {objects}, shapes: {shapes}", objects=objects, shapes=shapes),
     )

@@ -16,7 +16,7 @@ from app.views.theme.icons import program_icon
 from app.views.widgets.actions import ActionSpec
 from app.views.window.guide import KEYS, Guide
 from app.views.window.preferences import PreferencesDialog
-from app.views.window.window import Feature, MainWindow, OneDialog
+from app.views.window.window import Feature
 from cpm_core import __version__
 
 SEEN = "guide/seen"
@@ -26,9 +26,10 @@ SEEN = "guide/seen"
 class HelpFeature(Feature):
     """Help on the program."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
-        self._guide = OneDialog(lambda: Guide(window, window.shortcuts, self._open_sample))
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        self.guide: Guide | None = None
+        """The guide, while it is open."""
         self.actions = (
             ActionSpec(KEYS, "Help", "&Keys", "Show all keys.", self._show_keys, "?"),
             ActionSpec("guide", "Help", "&Guide", "First steps, examples step by step, and the use of the canvas.",
@@ -38,17 +39,12 @@ class HelpFeature(Feature):
                        self._show_about, gap=True),
         )  # fmt: skip
 
-    @property
-    def guide(self) -> Guide | None:
-        """The guide, if it is open."""
-        return self._guide.shown
-
     def welcome(self) -> None:
         """Offer the guide when the first image is open, at the first start of the program."""
         if self.window.preferences.get(SEEN, False):
             return
         self.window.preferences.put(SEEN, True)
-        session = self.window.session
+        session = self.session
 
         def offer(_: Opened) -> None:
             session.stop_listening(Opened, offer)
@@ -59,13 +55,23 @@ class HelpFeature(Feature):
 
     def show_guide(self, page: str = "") -> None:
         """Open the guide, at a named page if given, or bring it to the front."""
-        guide = self._guide.open()
-        if guide is not None and page:
-            guide.turn_to(page)
+        if self.guide is None:
+            self.guide = Guide(self.window, self.window.shortcuts, self._open_sample)
+            self.guide.finished.connect(self._forget_guide)
+        self.guide.show()
+        self.guide.raise_()
+        self.guide.activateWindow()
+        if page:
+            self.guide.turn_to(page)
 
     def close(self) -> bool:
         """Close the guide."""
-        return self._guide.close()
+        if self.guide is not None:
+            self.guide.close()
+        return True
+
+    def _forget_guide(self) -> None:
+        self.guide = None
 
     def _show_keys(self) -> None:
         if self.guide is not None and self.guide.page == KEYS:
@@ -77,13 +83,15 @@ class HelpFeature(Feature):
         """Show versions, license and paper; a button copies them."""
         rows = "".join(f"<tr><td>{name} </td><td>{version}</td></tr>" for name, version in versions()[1:])
         text = "".join(f"<p>{html.escape(text)}</p>" for text in (PURPOSE, PAPER, LICENSE))
-        box = QMessageBox(self.window)
+        box = QMessageBox(
+            self.window,
+            iconPixmap=program_icon().pixmap(64, 64),
+            text=" ".join(versions()[0]),
+            informativeText=f"{text}<table>{rows}</table>",
+            textInteractionFlags=Qt.TextInteractionFlag.TextBrowserInteraction,
+        )
         box.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
         box.setWindowTitle(tr("About CPM"))
-        box.setIconPixmap(program_icon().pixmap(64, 64))
-        box.setText(" ".join(versions()[0]))
-        box.setInformativeText(f"{text}<table>{rows}</table>")
-        box.setTextInteractionFlags(Qt.TextInteractionFlag.TextBrowserInteraction)
         copy = box.addButton(tr("&Copy this text"), QMessageBox.ButtonRole.ActionRole)
         copy.setToolTip(tr("Copy it to the clipboard, for example for a bug report."))
         copy.clicked.disconnect()  # it does not close the box
@@ -102,8 +110,8 @@ class HelpFeature(Feature):
 class PreferencesFeature(Feature):
     """Opens the dialog of the preferences."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
         self.actions = (
             ActionSpec("preferences", "Edit", "&Preferences…", "Change the settings of the program.", self.show,
                        "Ctrl+,", gap=True),

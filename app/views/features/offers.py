@@ -22,7 +22,7 @@ from app.views.features.files import OpenSaveFeature
 from app.views.files.part_dialog import PartDialog
 from app.views.files.pixel_size_dialog import PixelSizeDialog
 from app.views.widgets.actions import ActionSpec
-from app.views.window.window import Feature, MainWindow
+from app.views.window.window import Feature
 from cpm_core import PRESETS
 from cpm_core.formats import Reading
 from cpm_core.image import Kind, guessed_kind
@@ -32,10 +32,10 @@ from cpm_core.segmentation import LargeImageSettings, large_image_settings
 class BeginningFeature(Feature):
     """The parameters that an image begins with, and what is offered for it: earlier work, and settings that suit it."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
-        window.session.listen(Opened, self._look)
-        window.preferences.follow(KEEP_PARAMETERS, self._use)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        self.session.listen(Opened, self._look)
+        self.window.preferences.follow(KEEP_PARAMETERS, self._use)
 
     def _look(self, opened: Opened) -> None:
         """Find out what suits the image, which is shown meanwhile."""
@@ -47,15 +47,15 @@ class BeginningFeature(Feature):
             context.report(Finished(partial(self._offer, opened, kind, settings)))
 
         if opened.saved is None:
-            self.window.session.post(Command(work, tr("looking at the image"), "kind"))
+            self.session.post(Command(work, tr("looking at the image"), "kind"))
 
     def _offer(self, opened: Opened, kind: Kind | None, settings: LargeImageSettings | None) -> None:
-        session, offers, beside = self.window.session, self.window.offers, opened.beside
+        session, offers, beside = self.session, self.window.offers, opened.beside
         if session.image is not opened.image or session.status.started:
             return
         of_sample = sample_like(opened.path) is not None
         if beside is not None and not of_sample:
-            earlier = tr("{name} contains earlier work on this image. Continue it?").format(name=beside.name)
+            earlier = tr("{name} contains earlier work on this image. Continue it?", name=beside.name)
             offers.offer(earlier, (tr("Open session"), partial(self.window.open_image, beside)))
         elif (
             kind is not None
@@ -73,13 +73,15 @@ class BeginningFeature(Feature):
         if settings is not None and _with_settings(document, settings) != document:
             sentence = tr(
                 "This image is large: {scales} scales and smoothing {smoothing} find its objects more "
-                "reliably. Use them?"
-            ).format(scales=settings.scales, smoothing=written(f"{settings.smoothing:g}"))
+                "reliably. Use them?",
+                scales=settings.scales,
+                smoothing=written(f"{settings.smoothing:g}"),
+            )
             enlarge = partial(_with_settings, settings=settings)
             offers.offer(sentence, (tr("Use them"), partial(session.edit, tr("settings for a large image"), enlarge)))
 
     def _use(self) -> None:
-        self.window.session.keeps_parameters = self.window.preferences.value(KEEP_PARAMETERS)
+        self.session.keeps_parameters = self.window.preferences.value(KEEP_PARAMETERS)
 
 
 def _with_settings(document: Document, settings: LargeImageSettings) -> Document:
@@ -92,12 +94,12 @@ def _with_settings(document: Document, settings: LargeImageSettings) -> Document
 class StackFeature(Feature):
     """Says what else a file holds when a part of it is opened, and opens another part."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
         self.dialog: PartDialog | None = None
         self._opened: Opened | None = None
-        self._looking = LatestOnlyWorker(window.session, "cpm-parts", tr("inspecting the file"))
-        window.session.listen(Opened, self._offer)
+        self._looking = LatestOnlyWorker(self.session, "cpm-parts", tr("inspecting the file"))
+        self.session.listen(Opened, self._offer)
         self.actions = (
             ActionSpec("parts", "File", "&Parts of the file…",
                        "Open all pages as a volume or one as an image, another channel, time or series.", self.ask,
@@ -148,8 +150,10 @@ class StackFeature(Feature):
         offer, volume = self.window.offers.offer, opened.image.ndim == 3
         answers = [(tr("Choose…"), self.ask)]
         if parts.series_around is not None:
-            sentence = tr("{name} seems to be one slice of a series in the folder {folder}.").format(
-                name=opened.path.name, folder=parts.series_around.name
+            sentence = tr(
+                "{name} seems to be one slice of a series in the folder {folder}.",
+                name=opened.path.name,
+                folder=parts.series_around.name,
             )
             offer(sentence, (tr("Open the series"), partial(self._open, None, opened.reading)))
         elif parts.doubts and (volume or not parts.fit_a_volume):
@@ -160,8 +164,11 @@ class StackFeature(Feature):
         elif parts.several_volumes or (parts.several and not volume):
             if parts.fit_a_volume and not volume:
                 answers.insert(0, (tr("Open as volume"), partial(self._open, True, replace(opened.reading, page=None))))
-            sentence = tr("{name} contains {parts}. Open now: {open}.").format(
-                name=opened.path.name, parts=parts.counted, open=parts.taken(opened.reading, volume)
+            sentence = tr(
+                "{name} contains {parts}. Open now: {open}.",
+                name=opened.path.name,
+                parts=parts.counted,
+                open=parts.taken(opened.reading, volume),
             )
             offer(sentence, *answers)
 
@@ -180,11 +187,11 @@ class StackFeature(Feature):
 class PixelSizeFeature(Feature):
     """Asks for the size, offers to where a volume has none, and makes it an edit that can be undone."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
         self.dialog: PixelSizeDialog | None = None
         self._told: tuple[tuple[float, ...], str | None] | None = None
-        window.session.listen(Opened, self._offer)
+        self.session.listen(Opened, self._offer)
         self.actions = (
             ActionSpec("pixel_size", "Edit", "P&ixel size…",
                        "Set the distance between rows, columns and planes, and its unit.", self.ask,
@@ -198,12 +205,13 @@ class PixelSizeFeature(Feature):
         parts, ndim = opened.parts, opened.image.ndim
         self._told = None if parts is None else (parts.spacing[-ndim:], parts.unit)
         if ndim == 3 and opened.image.unit is None and opened.saved is None:
-            sentence = tr("{name} contains no voxel size: its voxels are assumed to be cubes. Set the size?")
-            self.window.offers.offer(sentence.format(name=opened.path.name), (tr("Set the size…"), self.ask))
+            name = opened.path.name
+            sentence = tr("{name} contains no voxel size: its voxels are assumed to be cubes. Set the size?", name=name)
+            self.window.offers.offer(sentence, (tr("Set the size…"), self.ask))
 
     def ask(self) -> None:
         """Ask for the size."""
-        image = self.window.session.document.image
+        image = self.session.document.image
         if image is None:
             return
         stated = "" if self._told is None or self._told[1] is None else size_text(*self._told)
@@ -216,7 +224,7 @@ class PixelSizeFeature(Feature):
 
     def _use(self, spacing: tuple[float, ...], unit: str | None, by_hand: bool = True) -> None:
         name = tr("voxel size") if len(spacing) == 3 else tr("pixel size")
-        self.window.session.edit(
+        self.session.edit(
             name if by_hand else tr("size in the file"),
             lambda document: edits.set_pixel_size(document, spacing, unit, by_hand=by_hand),
         )

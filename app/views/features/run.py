@@ -24,31 +24,29 @@ from app.views.widgets.actions import ActionSpec
 from app.views.window.bars import TaskBar
 from app.views.window.docks import Panel
 from app.views.window.keyboard import Keys
-from app.views.window.window import Feature, MainWindow
+from app.views.window.window import Feature
 
 _UPDATE_EVERY = 250
 """Time between two updates of the panel during the run [ms]."""
 
-_PLOTS, _UNFOLDED = "run/plots", "run/unfolded"
-"""Preferences: which plots are shown, and which sections are unfolded."""
+_UNFOLDED = "run/unfolded"
+"""Preference: which sections are unfolded."""
 
 
 class RunControlFeature(Feature):
     """Control and state of the run."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        window = self.window
         session, speed = window.session, window.speed
         self.presets = Presets(window, PresetStore(parent=window))
         parameters = ParametersPanel(session, self.presets)
         self.panel = RunPanel(parameters)
         self.panels = (Panel("run", "Run", self.panel, "F5"),)
-        chosen = window.preferences.get(_PLOTS, list(self.panel.plot.shown))
-        self.panel.plot.show_plots(chosen)
         self.panel.unfold(window.preferences.get(_UNFOLDED, []))
-        self.panel.plot.chosen.connect(self._choose_plots)
-        self.panel.folded.connect(self._choose_plots)
-        self._choose_plots()
+        self.panel.folded.connect(self._keep_unfolded)
+        self._keep_unfolded()
         self._timer = QTimer(self.panel, interval=_UPDATE_EVERY)
         self._timer.timeout.connect(self._show_values)
         session.status_changed.connect(self._show)
@@ -70,19 +68,18 @@ class RunControlFeature(Feature):
         self._timer.stop()
         return True
 
-    def _choose_plots(self) -> None:
-        self.window.preferences.put(_PLOTS, list(self.panel.plot.shown))
+    def _keep_unfolded(self) -> None:
         self.window.preferences.put(_UNFOLDED, self.panel.unfolded)
 
     def _show(self) -> None:
-        running = is_running(self.window.session.situation)
+        running = is_running(self.session.situation)
         if running != self._timer.isActive():
             (self._timer.start if running else self._timer.stop)()
         if not running:
             self._show_values()
 
     def _show_values(self) -> None:
-        session = self.window.session
+        session = self.session
         resolved, snapshot = session.resolved, session.scene.snapshot
         frames = written(f"{session.frames_per_second:.0f}") if is_running(session.situation) else "–"
         self.panel.status.show_resolved(resolved, frames)
@@ -96,12 +93,13 @@ _MENU = ">" + tr("Timeline")
 class TimelineFeature(Feature):
     """Navigation through the recorded run and its branches."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        window = self.window
         self.navigation = to = window.workspace.navigation
-        self.panel = TimelinePanel(to, lambda: window.session.status)
+        self.panel = TimelinePanel(to, lambda: self.session.status)
         self.panels = (Panel("timeline", "Timeline", self.panel, "F9", below=True),)
-        window.session.status_changed.connect(lambda: self.panel.setVisible(window.session.status.started))
+        self.session.status_changed.connect(lambda: self.panel.setVisible(self.session.status.started))
 
         def go_to_end(event: QKeyEvent) -> bool:
             """Home and End on the canvas; in sliders and fields they keep their meaning."""
@@ -110,8 +108,8 @@ class TimelineFeature(Feature):
                 ends[Qt.Key(event.key())]()
             return event.key() in ends
 
-        Keys(window.canvas_area.canvas, go_to_end)
-        window.session.document_changed.connect(lambda _: self.panel.show_parameters())
+        Keys(self.canvas, go_to_end)
+        self.session.document_changed.connect(lambda _: self.panel.show_parameters())
         window.shortcuts.changed.connect(lambda: self.panel.use_actions(window.actions_by_name))
         self._shown = False
         to.changed.connect(self._follow)
@@ -155,17 +153,17 @@ class TimelineFeature(Feature):
     def use_memory(self) -> None:
         """Give the timeline the memory that the preferences allow."""
         megabytes = int(self.window.preferences.value(TIMELINE_MEMORY))
-        self.window.session.post(run_call(None, Run.set_timeline_budget, megabytes * MEGABYTE))
+        self.session.post(run_call(None, Run.set_timeline_budget, megabytes * MEGABYTE))
 
 
 class TasksFeature(Feature):
     """Tasks in the status bar."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
-        tasks = window.session.tasks
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        tasks = self.session.tasks
         self.bar = TaskBar(tasks)
-        window.statusBar().addPermanentWidget(self.bar)
+        self.window.statusBar().addPermanentWidget(self.bar)
         self.actions = (
             ActionSpec("cancel_task", "Run", "Cancel background &task", "Cancel the task shown in the status bar.",
                        self.bar.cancel, "Ctrl+.", gap=True,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from functools import partial
-from itertools import starmap
 
 from PySide6.QtWidgets import QApplication
 
@@ -12,12 +11,12 @@ from app.model.state.situation import has_image
 from app.model.text.language import tr, written
 from app.session.storage.preferences import Preferences
 from app.views.canvas.canvas import ZOOM
-from app.views.canvas.layers.image_layer import AUTOMATIC, CT_WINDOWS, WHOLE, WidthAndLevel, Window, named, window_at
+from app.views.canvas.layers.image_layer import AUTOMATIC, WHOLE, named
 from app.views.canvas.layers.layer import Layer
 from app.views.panels.layer_list import LayersPanel
 from app.views.widgets.actions import LAYER, ActionSpec
 from app.views.window.docks import Panel
-from app.views.window.window import Feature, MainWindow
+from app.views.window.window import Feature
 
 _LAYERS, _AREAS = ">" + tr("Layers"), ">" + tr("Panels")
 """Groups in the list of keys."""
@@ -32,9 +31,10 @@ _LEGEND = "legend/folded"
 class LayersFeature(Feature):
     """Zoom, layers and their settings."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
-        area, canvas, workspace = window.canvas_area, window.canvas_area.canvas, window.workspace
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        window = self.window
+        area, canvas, workspace = window.canvas_area, self.canvas, window.workspace
         layers, legend = canvas.layers, area.strip.legend
         panel = LayersPanel(layers)
         self.panels = (Panel("layers", "Layers", panel, "F8"),)
@@ -42,18 +42,17 @@ class LayersFeature(Feature):
         for layer in layers:
             layer.use_view_state(_kept(window.preferences, layer))
             layer.changed.connect(window.refresh)
+        area.level_drag.moved.connect(self._say_range)
+        area.level_drag.ended.connect(window.refresh)
         legend.fold(bool(window.preferences.get(_LEGEND, False)))
         legend.folded_changed.connect(lambda folded: window.preferences.put(_LEGEND, folded))
         legend.folded_changed.connect(window.refresh)
-        keys = window.shortcuts.keys
-        window.shortcuts.changed.connect(
-            lambda: panel.show_keys({layer.name: keys(f"{LAYER}{layer.name}") for layer in layers})
-        )
+        window.shortcuts.changed.connect(lambda: panel.use_actions(window.actions_by_name))
         workspace.review.selection_changed.connect(window.refresh)
         workspace.object_list.selection_changed.connect(window.refresh)
 
         def toggle(layer: Layer) -> ActionSpec:
-            tip = tr("Show or hide: {layer}").format(layer=layer.tip)
+            tip = tr("Show or hide: {layer}", layer=layer.tip)
             return ActionSpec(f"{LAYER}{layer.name}", _LAYERS, layer.title, tip,
                               lambda: layer.set_shown(not layer.shown), layer.shortcut,
                               holds=lambda _: layer.shown)  # fmt: skip
@@ -72,77 +71,49 @@ class LayersFeature(Feature):
             ActionSpec("legend", "View", "Le&gend", "Show or hide what the lines and dots mean.",
                        lambda: legend.fold(not legend.folded), "Alt+L", gap=True, holds=lambda _: not legend.folded),
             *map(toggle, layers),
+            ActionSpec("levels_full", _LAYERS, "&All gray values",
+                       "Show all gray values, from the smallest (black) to the largest (white).",
+                       partial(self._choose_range, WHOLE), "Alt+Shift+W", when=has_image,
+                       holds=lambda _: layers.image.word("range") == WHOLE),
+            ActionSpec("levels_auto", _LAYERS, "A&utomatic range",
+                       "Show all gray values except 0.1 % at either end. Drag with Ctrl and the right "
+                       "button to change the range.",
+                       partial(self._choose_range, AUTOMATIC), "Alt+W", when=has_image,
+                       holds=lambda _: layers.image.word("range") == AUTOMATIC),
         )  # fmt: skip
 
     def close(self) -> bool:
         """Keep the settings of layers for the next start; their visibility is not kept."""
-        for layer in self.window.canvas_area.canvas.layers:
+        for layer in self.canvas.layers:
             chosen = {name: value for name, value in layer.chosen.items() if value != "hand"}
             if layer.options:
                 self.window.preferences.put(_KEY.format(layer=layer.name), json.dumps(chosen))
         return True
 
+    def _choose_range(self, value: str) -> None:
+        self.canvas.layers.image.choose("range", value)
+        self.window.refresh()
+
+    def _say_range(self) -> None:
+        low, high = self.canvas.layers.image.window
+        text = tr("Black {low}, white {high}", low=written(f"{low:.4g}"), high=written(f"{high:.4g}"))
+        self.window.canvas_area.strip.say_next(f"{text}: {named((low, high))}")
+
 
 def _kept(preferences: Preferences, layer: Layer) -> dict[str, object]:
     """The stored settings of a layer; empty if they cannot be read."""
     try:
-        kept = json.loads(preferences.get(_KEY.format(layer=layer.name), "{}"))
-    except json.JSONDecodeError:
+        return dict(json.loads(preferences.get(_KEY.format(layer=layer.name), "{}")))
+    except (TypeError, ValueError):
         return {}
-    return {name: kept[name] for name in layer.chosen if name in kept} if isinstance(kept, dict) else {}
-
-
-class LevelsFeature(Feature):
-    """Acts on the layer of the image, which slices and the view in space follow."""
-
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
-        self._layer = layer = window.canvas_area.canvas.layers.image
-        drag = window.canvas_area.level_drag
-        drag.moved.connect(self._say)
-        drag.ended.connect(window.refresh)
-        self.actions = (
-            ActionSpec("levels_full", _LAYERS, "&All gray values",
-                       "Show all gray values, from the smallest (black) to the largest (white).",
-                       partial(self._choose, WHOLE), "Alt+Shift+W", when=has_image,
-                       holds=lambda _: layer.word("range") == WHOLE),
-            ActionSpec("levels_auto", _LAYERS, "A&utomatic range",
-                       "Show all gray values except 0.1 % at either end. Drag with Ctrl and the right "
-                       "button to change the range.",
-                       partial(self._choose, AUTOMATIC), "Alt+W", when=has_image,
-                       holds=lambda _: layer.word("range") == AUTOMATIC),
-            *starmap(self._usual, CT_WINDOWS.items()),
-        )  # fmt: skip
-
-    def _usual(self, name: str, width_and_level: WidthAndLevel) -> ActionSpec:
-        """The action for one of the usual windows of CT."""
-        layer, window = self._layer, window_at(width_and_level)
-        text = tr("CT window: {name}").format(name=name)
-        tip = tr("Show the gray values {window} Hounsfield units.").format(window=named(window))
-        key = "ct_window_{:g}_{:g}".format(*width_and_level)
-        return ActionSpec(key, _LAYERS, text, tip, partial(self._use, window),
-                          when=lambda _: layer.scene.whole is not None and layer.scene.whole.is_ct,
-                          holds=lambda _: layer.window == window)  # fmt: skip
-
-    def _use(self, window: Window) -> None:
-        self._layer.choose_window(*window)
-        self.window.refresh()
-
-    def _choose(self, value: str) -> None:
-        self._layer.choose("range", value)
-        self.window.refresh()
-
-    def _say(self) -> None:
-        low, high = self._layer.window
-        text = tr("Black {low}, white {high}").format(low=written(f"{low:.4g}"), high=written(f"{high:.4g}"))
-        self.window.canvas_area.strip.say_next(f"{text}: {named(self._layer.window)}")
 
 
 class KeyboardFeature(Feature):
     """Gives the keyboard to the sliders, and to one area of the window after the other."""
 
-    def __init__(self, window: MainWindow) -> None:
-        super().__init__(window)
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        window = self.window
         self.actions = (
             ActionSpec("go_to_sliders", _AREAS, "&Go to the sliders",
                        "Move the keyboard focus to the sliders; Enter or Esc returns it to the image.",

@@ -76,7 +76,7 @@ class PartDialog(QDialog):
         self._colored = colored
         buttons = AcceptButtons(self, tr("Open"))
         self.open_button = buttons.accept_button
-        lay_out_form(self, tr("Which part of {name} do you want to open?").format(name=name), self._form, buttons)
+        lay_out_form(self, tr("Which part of {name} do you want to open?", name=name), self._form, buttons)
         self.show_parts(parts)
         self.page.setValue(reading.page or parts.usual)
         self.channel.setValue(reading.channel or 1)
@@ -91,7 +91,7 @@ class PartDialog(QDialog):
         self._page_label.setText(_PAGE[parts.word])
         for field, count in ((self.page, parts.pages), (self.channel, parts.channels), (self.time, parts.times)):
             field.setRange(1, count)
-            field.setSuffix(tr(" of {count}").format(count=count))
+            field.setSuffix(tr(" of {count}", count=count))
             self._form.setRowVisible(field, count > 1)
         self._form.setRowVisible(self.series, len(parts.series) > 1)
         self.kind.clear()
@@ -99,7 +99,7 @@ class PartDialog(QDialog):
             self.kind.addItem(tr("All as one volume"), True)
         self.kind.addItem(tr("One as an image"), False)
         if parts.series_around is not None:
-            self.kind.addItem(tr("The whole series in {folder}").format(folder=parts.series_around.name), None)
+            self.kind.addItem(tr("The whole series in {folder}", folder=parts.series_around.name), None)
         self.kind.setCurrentIndex(0 if self._as_volume else self.kind.findData(False))
         self._form.setRowVisible(self.kind, self.kind.count() > 1)
         self.open_button.setEnabled(True)

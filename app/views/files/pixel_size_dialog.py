@@ -61,16 +61,12 @@ class PixelSizeDialog(QDialog):
         self.accepted.connect(
             lambda: self.chosen.emit(tuple(field.value() for field in self.sides), self.unit.currentText())
         )
-        text = (
-            tr("Size in the file: {size}.").format(size=stated) if stated else tr("The file does not contain the size.")
-        )
+        text = tr("Size in the file: {size}.", size=stated) if stated else tr("The file does not contain the size.")
         lay_out_form(self, text, form, buttons)
 
 
 def _field(size: float) -> QDoubleSpinBox:
-    field = DecimalField()
-    field.setDecimals(6)
-    field.setRange(_LEAST, _MOST)
+    field = DecimalField(_LEAST, _MOST, decimals=6)
     field.setStepType(QDoubleSpinBox.StepType.AdaptiveDecimalStepType)
     field.setValue(size)
     return field

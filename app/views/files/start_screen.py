@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QListWidgetItem, QPushButton,
 
 from app.model.text.language import tr
 from app.views.theme.theme import Theme
-from app.views.widgets.containers import PictureGrid, Scrolled, arrange, keep_escape, wrapped
+from app.views.widgets.containers import PictureGrid, Scrolled, arrange, dim_label, keep_escape, wrapped
 
 _PICTURE, _CELL = QSize(192, 120), QSize(212, 172)
 _MARGIN = 32
@@ -52,8 +52,7 @@ class StartScreen(QWidget):
         self.recent.setAccessibleName(tr("Recent work"))
         self.samples.setAccessibleName(tr("Samples"))
         self.trouble = wrapped()
-        self._nothing = QLabel(tr("Files that you open or save appear here."))
-        self._nothing.setObjectName("dim")
+        self._nothing = dim_label(tr("Files that you open or save appear here."))
         self._lay_out()
         for grid in (self.recent, self.samples):
             grid.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)

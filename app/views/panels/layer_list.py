@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from functools import partial
 
 from PySide6.QtCore import QPoint, QSize, Qt, QTimer
-from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QVBoxLayout, QWidget
 
 from app.model.text.language import tr
@@ -15,7 +13,7 @@ from app.views.canvas.layers.layer import Layer
 from app.views.canvas.layers.layer_form import LayerForm
 from app.views.theme.icons import swatch
 from app.views.theme.theme import Theme
-from app.views.widgets.actions import LAYER, native
+from app.views.widgets.actions import LAYER, Actions, add_choice
 from app.views.widgets.containers import Fold, Scrolled, arrange
 from app.views.widgets.fields import MarkedSlider
 
@@ -46,10 +44,10 @@ class LayersPanel(Scrolled):
         for row in self.rows.values():
             row.show_color()
 
-    def show_keys(self, keys: Mapping[str, Sequence[str]]) -> None:
-        """Name the keys of layers, by their names, in the tooltips."""
-        for name, row in self.rows.items():
-            row.show_key(next(iter(keys.get(name, ())), ""))
+    def use_actions(self, actions: Actions) -> None:
+        """Give the rows the tooltips of the actions that show or hide layers, with their keys."""
+        for name, box in self.boxes.items():
+            box.setToolTip(actions[f"{LAYER}{name}"].toolTip())
 
 
 class LayerRow(QWidget):
@@ -63,23 +61,20 @@ class LayerRow(QWidget):
         self.box.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.box.toggled.connect(layer.set_shown)
         self.show_color()
-        self.show_key(layer.shortcut)
         self.fold = Fold()
         self.fold.setFixedWidth(_FOLD)
-        self.fold.setAccessibleName(tr("Settings: {layer}").format(layer=layer.title))
+        self.fold.setAccessibleName(tr("Settings: {layer}", layer=layer.title))
         self.fold.setToolTip(tr("Settings of this layer."))
         self.fold.toggled.connect(self._unfold)
         self.opacity = MarkedSlider(_LOWEST_OPACITY, 1.0, _OPACITY_STEP)
-        self.opacity.setAccessibleName(tr("Opacity: {layer}").format(layer=layer.title))
+        self.opacity.setAccessibleName(tr("Opacity: {layer}", layer=layer.title))
         self.opacity.setToolTip(tr("Opacity; double-click to restore."))
         self.opacity.moved_to.connect(layer.set_opacity)
         self.opacity.restored.connect(partial(layer.set_opacity, 1.0))
         self.settings: QWidget | None = None
         head = arrange(QHBoxLayout(), self.fold, self.box, spacing=2, wide=self.box)
         self._column = arrange(QVBoxLayout(self), head, spacing=2)
-        opaque = QAction(tr("Restore the &opacity"), self)
-        opaque.triggered.connect(lambda: layer.set_opacity(1.0))
-        self.addAction(opaque)
+        add_choice(self, tr("Restore the &opacity"), partial(layer.set_opacity, 1.0))
         layer.changed.connect(self._show)
         self._show()
 
@@ -91,10 +86,6 @@ class LayerRow(QWidget):
         """Show the colors in use."""
         if self.layer.colors:
             self.box.setIcon(swatch(*self.layer.colors))
-
-    def show_key(self, key: str) -> None:
-        """Name the key in the tooltip."""
-        self.box.setToolTip(f"{self.layer.tip} ({native(key)})" if key else self.layer.tip)
 
     def _show(self) -> None:
         self.box.setChecked(self.layer.shown)

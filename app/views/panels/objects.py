@@ -344,10 +344,8 @@ class ObjectPanel(QWidget):
         self.buttons: dict[str, QToolButton] = {}
         self._grid = QGridLayout()
         self._grid.setSpacing(4)
-        self.brush = DecimalField()
-        self.brush.setRange(*BRUSH)
+        self.brush = DecimalField(*BRUSH, suffix=" px")
         self.brush.setPrefix(tr("Brush") + " ")
-        self.brush.setSuffix(" px")
         self.brush.setToolTip(tr("Radius of the brush; the keys [ and ] change it."))
         self.brush.setVisible(False)
         self.brush.valueChanged.connect(object_list.set_brush)

@@ -24,8 +24,8 @@ from app.model.text.keys import with_keys
 from app.model.text.language import tr
 from app.session.features.stack_pages import StackPages
 from app.views.panels.run import Chart
-from app.views.panels.tables import ENTER, Column, Index, Table, TableModel
-from app.views.widgets.containers import arrange, wrapped
+from app.views.panels.tables import Column, Index, Table, TableModel
+from app.views.widgets.containers import ENTER, arrange, wrapped
 from app.views.widgets.fields import PlaceBar
 from cpm_core.contours import Measures
 

@@ -6,11 +6,9 @@ from collections.abc import Callable
 from functools import partial
 
 from PySide6.QtCore import QEvent, QObject, QPoint, Qt, Signal
-from PySide6.QtGui import QAction
 from PySide6.QtWidgets import (
     QApplication,
     QCheckBox,
-    QComboBox,
     QGridLayout,
     QHBoxLayout,
     QLabel,
@@ -41,8 +39,9 @@ from app.session.scene import NO_CONTOURS, ReviewedContours
 from app.session.session import Session
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
-from app.views.widgets.containers import Section, arrange
-from app.views.widgets.fields import DecimalField, MarkedSlider, WheelWithFocus
+from app.views.widgets.actions import add_choice
+from app.views.widgets.containers import Section, arrange, dim_label
+from app.views.widgets.fields import ChoiceBox, DecimalField, MarkedSlider
 from cpm_core import Parameters
 
 _SAME = 1e-9
@@ -63,32 +62,22 @@ def tip(control: Control) -> str:
     return "".join(f"<p style='margin: 3px 0'>{line}</p>" for line in lines)
 
 
-class _Box(WheelWithFocus, QComboBox):
-    """A combo box in the scrolled column."""
-
-
 class ChoiceRow(QWidget):
     """Shows one choice and reports what the user takes to `change`, by the name of the parameter."""
 
     def __init__(self, control: ChoiceControl, change: Callable[[str, str], None]) -> None:
         super().__init__()
         self.control = control
-        self.box = _Box()
-        for index, (value, title, about) in enumerate(control.choices):
-            self.box.addItem(title, value)
+        self.box = ChoiceBox({value: title for value, title, _ in control.choices})
+        for index, (_, _, about) in enumerate(control.choices):
             self.box.setItemData(index, about, Qt.ItemDataRole.ToolTipRole)
-        self.box.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
         self.box.setAccessibleName(control.title)
         self.box.setAccessibleDescription(" ".join(control.lines))
-        self.box.activated.connect(lambda: change(control.name, self.box.currentData()))
+        self.box.chosen.connect(partial(change, control.name))
         label = QLabel(control.title)
         label.setBuddy(self.box)
         self.setToolTip("".join(f"<p>{line}</p>" for line in control.lines))
         arrange(QHBoxLayout(self), label, self.box, margins=(0, 2, 0, 2), wide=label)
-
-    def show_value(self, value: str) -> None:
-        """Show the value of a document."""
-        self.box.setCurrentIndex(self.box.findData(value))
 
 
 class ParameterRow(QWidget):
@@ -102,18 +91,14 @@ class ParameterRow(QWidget):
     def __init__(self, control: Control) -> None:
         super().__init__()
         self.control = self._general = control
-        self._label, self.effect = QLabel(control.label), QLabel()
-        self.number = DecimalField(control.words)
+        self._label, self.effect = QLabel(control.label), dim_label()
+        limits = control.low, control.high, control.step
+        self.number = DecimalField(*limits, control.decimals, words=control.words)
         self.slider = MarkedSlider(control.slider_low, control.slider_high, control.step)
         self._automatic = QCheckBox(tr("auto")) if control.automatic else None
         self._restore = QToolButton()
         self._label.setBuddy(self.number)
         self._label.installEventFilter(self)
-        self.effect.setObjectName("dim")
-        self.number.setRange(control.low, control.high)
-        self.number.setSingleStep(control.step)
-        self.number.setDecimals(control.decimals)
-        self.number.setKeyboardTracking(False)
         self.number.setAlignment(Qt.AlignmentFlag.AlignRight)
         self.number.setButtonSymbols(DecimalField.ButtonSymbols.NoButtons)
         self.number.setFixedWidth(_WIDTH)
@@ -129,7 +114,7 @@ class ParameterRow(QWidget):
                 field.show_value(control.by_hand)
         self._restore.setObjectName("restore")
         self._restore.setFocusPolicy(Qt.FocusPolicy.NoFocus)
-        self._restore.setAccessibleName(tr("{parameter}: restore the default").format(parameter=control.title))
+        self._restore.setAccessibleName(tr("{parameter}: restore the default", parameter=control.title))
         self._restore.clicked.connect(self._reset)
         if self._automatic is not None:
             self._automatic.setFocusPolicy(Qt.FocusPolicy.TabFocus)
@@ -137,6 +122,13 @@ class ParameterRow(QWidget):
             self._automatic.clicked.connect(lambda on: self._finish("auto" if on else self.number.value()))
         self._lay_out()
         self.adapt(control)
+        add_choice(self, tr("&Restore the default"), self._reset)
+        add_choice(self, tr("&Copy the value"), lambda: QApplication.clipboard().setText(f"{self.number.exact:.10g}"))
+        add_choice(
+            self,
+            tr("&Explain"),
+            lambda: QWhatsThis.showText(self.mapToGlobal(QPoint(0, 0)), tip(self.control), self),
+        )
 
     def show_value(self, value: float | str) -> None:
         """Show a value or ``"auto"``."""
@@ -176,8 +168,6 @@ class ParameterRow(QWidget):
 
     def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
         """The parameter. See `MenuOwner`."""
-        if not self.actions():
-            self._add_actions()
         return "parameter", point if point is not None else self.slider.geometry().center()
 
     def use_theme(self, theme: Theme) -> None:
@@ -207,17 +197,6 @@ class ParameterRow(QWidget):
         grid.addWidget(self.effect, 2, 0, 1, 4)
         grid.setColumnStretch(0, 1)
         self.effect.hide()
-
-    def _add_actions(self) -> None:
-        """Make the actions of its menu, when that is opened first."""
-        for text, do in (
-            (tr("&Restore the default"), self._reset),
-            (tr("&Copy the value"), lambda: QApplication.clipboard().setText(f"{self.number.exact:.10g}")),
-            (tr("&Explain"), lambda: QWhatsThis.showText(self.mapToGlobal(QPoint(0, 0)), tip(self.control), self)),
-        ):
-            action = QAction(text, self)
-            action.triggered.connect(lambda _=False, do=do: do())
-            self.addAction(action)
 
     def _report(self, value: float) -> None:
         self.changed.emit(self.control.name, int(value) if self.control.whole else value)
@@ -275,7 +254,7 @@ class ParametersPanel(QWidget):
             row.show_value(value_of(document.parameters, name))
         self._show_effects()
         for name, choice in self.choices.items():
-            choice.show_value(str(value_of(document.parameters, name)))
+            choice.box.show_value(str(value_of(document.parameters, name)))
 
     def _lay_out(self) -> Section:
         more = QWidget()
@@ -294,7 +273,7 @@ class ParametersPanel(QWidget):
     def change(self, name: str, value: float | str) -> None:
         """Set a parameter of the document."""
         title = (self.rows.get(name) or self.choices[name]).control.title
-        change = tr("change of {parameter}").format(parameter=title.lower())
+        change = tr("change of {parameter}", parameter=title.lower())
         before = self._session.document
         self._session.edit(change, lambda document: edits.set_parameter(document, name, value), f"parameter {name}")
         # A rejected value must not stay visible; an accepted one is shown through the signal.

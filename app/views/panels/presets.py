@@ -37,8 +37,7 @@ class Presets(QToolButton):
         self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
         self.setAccessibleName(tr("Preset"))
         self.setToolTip(tr("Parameters that suit a kind of image, and your own presets."))
-        self.popup = QMenu(self)
-        self.popup.setToolTipsVisible(True)
+        self.popup = QMenu(self, toolTipsVisible=True)
         self.clicked.connect(self.open)
         self.save = self._make(tr("&Save as…"), self._save, tr("Save the current parameters under a name."))
         self.delete = self._make(tr("&Delete…"), self._delete, tr("Delete the preset in use, if it is your own."))
@@ -61,7 +60,7 @@ class Presets(QToolButton):
 
     def use(self, preset: Preset) -> None:
         """Set the parameters of a preset."""
-        name = tr("preset “{name}”").format(name=preset.name)
+        name = tr("preset “{name}”", name=preset.name)
         self._session.edit(name, lambda document: edits.use_preset(document, preset.parameters))
 
     def fill(self, menu: QMenu) -> None:
@@ -73,9 +72,7 @@ class Presets(QToolButton):
         menu.addActions([self.save, self.delete])
 
     def _make(self, text: str, do: Callable[[], None], tip: str) -> QAction:
-        action = QAction(text, self)
-        action.setToolTip(tip)
-        action.setStatusTip(tip)
+        action = QAction(text, self, toolTip=tip, statusTip=tip)
 
         def attempt() -> None:
             self._session.attempt(_TOPIC)
@@ -108,15 +105,13 @@ class Presets(QToolButton):
         session, suggested = self._session, self.current.name if self.current is not None and self.current.own else ""
         name = ask_for_text(self._window, tr("Name of the preset"), tr("Name:"), tr("Use this name"), suggested)
         if name:
-            about = (
-                tr("Created for {image}.").format(image=session.document.image.name) if session.document.image else ""
-            )
+            about = tr("Created for {image}.", image=session.document.image.name) if session.document.image else ""
             kept = self.store.save(Preset(name, session.document.parameters, about))
-            session.say(tr("The parameters were saved as “{name}”.").format(name=kept.name))
+            session.say(tr("The parameters were saved as “{name}”.", name=kept.name))
 
     def _delete(self) -> None:
         assert self.current is not None
-        text = tr("Delete the preset “{name}”?").format(name=self.current.name)
+        text = tr("Delete the preset “{name}”?", name=self.current.name)
         buttons = Button("keep", tr("&Keep"), "cancel"), Button("delete", tr("&Delete"), "discard")
         question = Question(self._window, tr("Delete preset"), text, tr("This cannot be undone."), buttons)
         if question.ask() == "delete":

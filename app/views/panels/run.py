@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -11,14 +10,14 @@ import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import QEvent, QPoint, Qt, QTimer, Signal
 from PySide6.QtGui import QColor, QPalette, QShowEvent
-from PySide6.QtWidgets import QGridLayout, QLabel, QToolButton, QVBoxLayout, QWidget
+from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout, QWidget
 
-from app.model.display.plots import PLOTS, Metrics, Plot, RunMetrics
+from app.model.display.plots import PLOTS, Metrics, Plot, RunMetrics, Series
 from app.model.state.resolve import LEADING, Resolved
 from app.model.state.surface_figures import SURFACE
 from app.model.text.language import tr
 from app.views.panels.parameters import ParametersPanel
-from app.views.widgets.containers import ElidedLabel, Scrolled, Section, arrange
+from app.views.widgets.containers import ElidedLabel, Scrolled, Section, arrange, dim_label
 
 _WIDE = (tr("Contours"), tr("Bridged"), tr("Skeleton of"), SURFACE)
 """Numbers that need a row of their own."""
@@ -63,9 +62,7 @@ class Numbers(QWidget):
         self._values = {}
         place = 0
         for name, _, explanation in numbers:
-            label, value = QLabel(name), ElidedLabel()
-            label.setObjectName("dim")
-            label.setToolTip(explanation)
+            label, value = dim_label(name, explanation), ElidedLabel()
             value.setToolTip(explanation)
             value.setAccessibleName(name)
             wide = name in _WIDE
@@ -77,16 +74,6 @@ class Numbers(QWidget):
             self._values[name] = value
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class _Drawn:
-    """A plot with its curves, and the steps at which a finer scale began."""
-
-    plot: Plot
-    item: pg.PlotItem
-    curves: tuple[pg.PlotDataItem, ...]
-    scales: pg.VTickGroup
-
-
 class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no types
     """Plots metrics over steps or pages."""
 
@@ -94,7 +81,10 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
     """A place along the steps has been clicked."""
 
     def __init__(self, plots: Sequence[Plot], name: str) -> None:
-        self._drawn: tuple[_Drawn, ...] = ()
+        self._items: list[pg.PlotItem] = []
+        self._curves: list[tuple[Plot, Series, pg.PlotDataItem]] = []
+        self._marks: list[pg.VTickGroup] = []
+        """The plots, their curves, and the lines at the marks of the metrics."""
         self._plots = plots
         super().__init__()
         self._metrics: Metrics | None = None
@@ -107,37 +97,38 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
     def show_metrics(self, metrics: Metrics | None) -> None:
         """Show metrics, or none."""
         self._metrics = metrics = metrics if metrics is not None and len(metrics.step) else None
-        if metrics is not None and self._plots and not self._drawn:
+        if metrics is not None and self._plots and not self._items:
             self._draw()
             return
-        for drawn in self._drawn:
-            for series, curve in zip(drawn.plot.series, drawn.curves, strict=True):
-                if metrics is None:
-                    curve.clear()
-                else:
-                    values = np.asarray(series.of(metrics), float)
-                    known = np.isfinite(values) if drawn.plot.points else slice(None)
-                    curve.setData(metrics.step[known], values[known])
-            drawn.scales.setXVals([] if metrics is None else list(metrics.marks))
+        for plot, series, curve in self._curves:
+            if metrics is None:
+                curve.clear()
+            else:
+                values = np.asarray(series.of(metrics), float)
+                known = np.isfinite(values) if plot.points else slice(None)
+                curve.setData(metrics.step[known], values[known])
+        for marks in self._marks:
+            marks.setXVals([] if metrics is None else list(metrics.marks))
 
     def show_plots(self, plots: Sequence[Plot]) -> None:
         """Show these plots, once they are unfolded for the first time."""
         self._plots = plots
-        if self._drawn or self.isVisible():
+        if self._items or self.isVisible():
             self._draw()
 
     def showEvent(self, event: QShowEvent) -> None:
         """Draw the plots."""
         super().showEvent(event)
-        if not self._drawn:
+        if not self._items:
             self._draw()
 
     def _draw(self) -> None:
-        plots = self._plots
         self.clear()
-        self._drawn = ()
-        for plot in plots:
-            item = self.addPlot(row=len(self._drawn), col=0)
+        self._items, self._curves, self._marks = [], [], []
+        pale = self._color(QPalette.ColorRole.PlaceholderText)
+        for row, plot in enumerate(self._plots):
+            item = self.addPlot(row=row, col=0)
+            item.setToolTip(plot.tip)
             item.setMouseEnabled(False, False)
             item.setMenuEnabled(False)
             item.hideButtons()
@@ -145,92 +136,49 @@ class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no 
             item.setDownsampling(auto=True, mode="subsample")
             for side in ("left", "bottom"):
                 item.getAxis(side).setPen(self._color(QPalette.ColorRole.Mid))
-                item.getAxis(side).setTextPen(self._color(QPalette.ColorRole.PlaceholderText))
+                item.getAxis(side).setTextPen(pale)
             item.getAxis("left").setWidth(self.fontMetrics().horizontalAdvance("0000000"))
-            item.getAxis("bottom").setStyle(showValues=plot is plots[-1])
-            pale = self._color(QPalette.ColorRole.PlaceholderText)
+            item.getAxis("bottom").setStyle(showValues=plot is self._plots[-1])
             if plot.kind == "from zero":
                 item.getViewBox().setLimits(yMin=0.0)
             if plot.line is not None:
                 item.addLine(y=float(np.log10(plot.line)), pen=pg.mkPen(pale, style=Qt.PenStyle.DashLine))
-            if self._drawn:
-                item.setXLink(self._drawn[0].item)
-            scales = pg.VTickGroup(yrange=(0.0, 1.0), pen=pg.mkPen(pale, style=Qt.PenStyle.DotLine))
-            item.addItem(scales, ignoreBounds=True)
-            pens = [pg.mkPen(self._series_color(series.colors), width=1.4) for series in plot.series]
-            curves = tuple(item.plot(pen=pen, connect="finite", symbol="o" if plot.points else None) for pen in pens)
-            for curve, pen in zip(curves, pens, strict=True):
-                curve.setSymbolBrush(pen.color())
+            self._items.append(item)
+            if row:
+                item.setXLink(self._items[0])
+            marks = pg.VTickGroup(yrange=(0.0, 1.0), pen=pg.mkPen(pale, style=Qt.PenStyle.DotLine))
+            item.addItem(marks, ignoreBounds=True)
+            self._marks.append(marks)
+            titles = []
+            for series in plot.series:
+                # the darker of two colors on a light background, the brighter on a dark one
+                color = series.colors[self._color(QPalette.ColorRole.Base).lightness() < 128]
+                curve = item.plot(pen=pg.mkPen(color, width=1.4), connect="finite", symbol="o" if plot.points else None)
+                curve.setSymbolBrush(color)
                 curve.setSymbolPen(None)
                 curve.setSymbolSize(4)
-            self._drawn += (_Drawn(plot, item, curves, scales),)
-            titles = (
-                f"<span style='color: {self._series_color(series.colors)}'>{series.title}</span>"
-                for series in plot.series
-            )
+                self._curves.append((plot, series, curve))
+                titles.append(f"<span style='color: {color}'>{series.title}</span>")
             item.setTitle(" &nbsp; ".join(titles), size="8pt")
-        self.setMinimumHeight(_LOWEST_PLOT * max(len(plots), 1))
+        self.setMinimumHeight(_LOWEST_PLOT * max(len(self._plots), 1))
         self.setBackground(self._color(QPalette.ColorRole.Base))
         self.show_metrics(self._metrics)
 
     def _click(self, event: Any) -> None:
-        if self._drawn:
-            place = self._drawn[0].item.getViewBox().mapSceneToView(event.scenePos()).x()
+        if self._items:
+            place = self._items[0].getViewBox().mapSceneToView(event.scenePos()).x()
             # later, as what follows may draw the plots anew, whose scene still handles the event
             QTimer.singleShot(0, self, partial(self.clicked.emit, place))
 
     def changeEvent(self, event: QEvent) -> None:
         """Draw in the colors of another theme."""
         super().changeEvent(event)
-        if event.type() == QEvent.Type.PaletteChange and self._drawn:
+        if event.type() == QEvent.Type.PaletteChange and self._items:
             # Later, since Qt is going through the items of the scene when it reports another palette.
             QTimer.singleShot(0, self, self._draw)
 
     def _color(self, role: QPalette.ColorRole) -> QColor:
         return QColor(self.palette().color(role))
-
-    def _series_color(self, colors: tuple[str, str]) -> str:
-        """The darker of two colors on a light background, the brighter on a dark one."""
-        return colors[self._color(QPalette.ColorRole.Base).lightness() < 128]
-
-
-class PlotPanel(QWidget):
-    """A button for each plot above the chart."""
-
-    chosen = Signal()
-    """The set of visible plots has changed."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.chart = Chart([plot for plot in PLOTS if plot.first], tr("Plot of the run over its steps"))
-        self.buttons: dict[str, QToolButton] = {}
-        grid = QGridLayout()
-        grid.setSpacing(2)
-        for index, plot in enumerate(PLOTS):
-            self.buttons[plot.name] = button = QToolButton()
-            button.setObjectName("chip")
-            button.setText(plot.title)
-            button.setCheckable(True)
-            button.setChecked(plot.first)
-            button.setToolTip(plot.tip)
-            button.setAccessibleName(tr("Plot: {title}").format(title=plot.title))
-            button.toggled.connect(self._choose)
-            grid.addWidget(button, *divmod(index, 3))
-        arrange(QVBoxLayout(self), grid, self.chart, spacing=4, wide=self.chart)
-
-    @property
-    def shown(self) -> tuple[str, ...]:
-        """Names of the plots shown."""
-        return tuple(name for name, button in self.buttons.items() if button.isChecked())
-
-    def show_plots(self, names: list[str]) -> None:
-        """Show only the plots with these names."""
-        for name, button in self.buttons.items():
-            button.setChecked(name in names)
-
-    def _choose(self) -> None:
-        self.chart.show_plots([plot for plot in PLOTS if plot.name in self.shown])
-        self.chosen.emit()
 
 
 class StatusPanel(QWidget):
@@ -268,7 +216,11 @@ class RunPanel(Scrolled):
     """A section has been folded or unfolded."""
 
     def __init__(self, parameters: ParametersPanel) -> None:
-        self.status, self.parameters, self.plot = StatusPanel(), parameters, PlotPanel()
+        self.status, self.parameters, self.plot = (
+            StatusPanel(),
+            parameters,
+            Chart(PLOTS, tr("Plot of the run over its steps")),
+        )
         further = QWidget()
         arrange(QVBoxLayout(further), self.status.others, self.plot, spacing=4, wide=self.plot)
         self.plots = Section(tr("Numbers and plots"), further)
@@ -295,7 +247,7 @@ class RunPanel(Scrolled):
         """Show a run, or none; nothing is drawn while the plots are folded."""
         self._metrics = metrics
         if self.plots.fold.isChecked():
-            self.plot.chart.show_metrics(metrics)
+            self.plot.show_metrics(metrics)
 
     def _fold(self, section: Section, unfolded: bool) -> None:
         """Scroll an unfolded section into view, after the layout has placed it."""

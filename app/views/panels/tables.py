@@ -39,7 +39,7 @@ from app.model.display.lengths import PixelSize
 from app.model.text.keys import with_keys
 from app.model.text.language import tr, written
 from app.views.widgets.actions import add_choice
-from app.views.widgets.containers import takes_key
+from app.views.widgets.containers import ENTER, takes_key
 
 Row = TypeVar("Row")
 Index = QModelIndex | QPersistentModelIndex
@@ -48,7 +48,6 @@ Role = Qt.ItemDataRole
 NONE = "–"
 """Text of a cell without a value."""
 
-ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
 _ALONG = (Qt.Key.Key_Up, Qt.Key.Key_Down)
 
@@ -238,9 +237,8 @@ class Table(QTableView):
         super().__init__(showGrid=False, wordWrap=False)
         self.rows = rows
         rows.setParent(self)
-        self._sorted = QSortFilterProxyModel(self)
+        self._sorted = QSortFilterProxyModel(self, sortRole=Role.UserRole)
         self._sorted.setSourceModel(rows)
-        self._sorted.setSortRole(Role.UserRole)
         self.setModel(self._sorted)
         self.setAccessibleName(name)
         self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
@@ -307,8 +305,7 @@ class Table(QTableView):
 
     def _open_menu(self, point: QPoint) -> None:
         """Open the menu of the header, which chooses the columns shown."""
-        menu = QMenu(self)
-        menu.setToolTipsVisible(True)
+        menu = QMenu(self, toolTipsVisible=True)
         for index, column in enumerate(self.rows.columns):
             title, hidden = str(self.model().headerData(index, Qt.Orientation.Horizontal)), self.isColumnHidden(index)
             shown = add_choice(menu, title, partial(self._ask, index, hidden), with_keys(column.tip), not hidden)

@@ -6,7 +6,6 @@ from collections.abc import Callable
 
 from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, QSignalBlocker, QSize, Qt, QTimer
 from PySide6.QtGui import (
-    QAction,
     QColor,
     QHelpEvent,
     QKeyEvent,
@@ -19,7 +18,6 @@ from PySide6.QtGui import (
 from PySide6.QtWidgets import (
     QFrame,
     QHBoxLayout,
-    QLabel,
     QScrollArea,
     QSizePolicy,
     QSpinBox,
@@ -35,8 +33,8 @@ from app.session.features.timeline import TimelineNavigation
 from app.session.timeline.stored_runs import Branch
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
-from app.views.widgets.actions import Actions
-from app.views.widgets.containers import arrange, takes_key
+from app.views.widgets.actions import Actions, add_choice
+from app.views.widgets.containers import arrange, dim_label, takes_key
 from app.views.window.dialogs import ask_for_text
 
 _ROW, _FOOT, _HEAD, _SIDE = 20, 15, 5, 10
@@ -98,9 +96,10 @@ class TimelineView(QWidget):
         branch, step = self._navigation.place
         known = self._navigation.branch(branch)
         if known is not None:
-            words = tr("{branch}, step {step} of {last}")
             last = self._navigation.last(branch)
-            self.setAccessibleDescription(words.format(branch=known.name, step=step, last=last))
+            self.setAccessibleDescription(
+                tr("{branch}, step {step} of {last}", branch=known.name, step=step, last=last)
+            )
         self.update()
 
     def point(self, branch: int, step: int) -> QPointF:
@@ -209,7 +208,7 @@ class TimelineView(QWidget):
             branch = self._navigation.branch(self._branch_at(event.pos().y()) or 0)
             if branch is not None and event.pos().x() >= self._axis()[0]:
                 step = min(max(self._step_at(event.pos().x()), 0), self._navigation.last(branch.identity))
-                words = tr("{branch}, step {step}").format(branch=branch.name, step=step)
+                words = tr("{branch}, step {step}", branch=branch.name, step=step)
                 QToolTip.showText(event.globalPos(), words, self)
             return True
         return super().event(event)
@@ -287,20 +286,16 @@ class TimelinePanel(QWidget):
         self.step.setAccessibleName(tr("Step"))
         self.step.setToolTip(tr("Shown step; type a number to go there."))
         self.step.valueChanged.connect(lambda step: navigation.go(navigation.place[0], step))
-        self._of = QLabel()
-        self._of.setObjectName("dim")
+        self._of = dim_label()
         self.parameters = _button("parameters")
         self.parameters.setToolTip(tr("This step was computed with different parameters. Set them again to repeat it."))
         self.parameters.clicked.connect(navigation.use_its_parameters)
-        self.rename = QAction(tr("Re&name the branch…"), self)
-        self.rename.triggered.connect(self._rename)
-        self.view.addAction(self.rename)
+        self.rename = add_choice(self.view, tr("Re&name the branch…"), self._rename)
         self.branch = _button("branch")
         self.branch.setToolTip(tr("Rename or delete the branch."))
         self.branch.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
-        scroll = self._scroll = QScrollArea()
+        scroll = self._scroll = QScrollArea(widgetResizable=True)
         scroll.setWidget(self.view)
-        scroll.setWidgetResizable(True)
         scroll.setFrameShape(QFrame.Shape.NoFrame)
         scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
         scroll.setFocusPolicy(Qt.FocusPolicy.NoFocus)
@@ -354,7 +349,7 @@ class TimelinePanel(QWidget):
             self.step.setRange(0, max(last, step))
             self.step.setValue(step)
         self.step.setEnabled(there)
-        self._of.setText(tr("of {last}").format(last=last) if there else "")
+        self._of.setText(tr("of {last}", last=last) if there else "")
         self.branch.setEnabled(count > 0)
         self.rename.setEnabled(there)
         self.show_parameters()
@@ -373,7 +368,6 @@ class TimelinePanel(QWidget):
 
 
 def _button(name: str) -> QToolButton:
-    button = QToolButton()
+    button = QToolButton(autoRaise=True)
     button.setObjectName(f"timeline_{name}")
-    button.setAutoRaise(True)
     return button

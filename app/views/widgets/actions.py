@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
 from typing import Protocol, runtime_checkable
@@ -127,88 +127,64 @@ PRIMARY = "run"
 """The action whose button has the accent color."""
 
 
-class Actions:
+class Actions(dict[str, QAction]):
     """One Qt action for each specification; their keys work in the window `parent`."""
 
     def __init__(self, parent: QWidget, specs: Iterable[ActionSpec]) -> None:
+        super().__init__()
         self._theme: Theme | None = None
         self._limited = False
         self._groups: dict[str, QActionGroup] = {}
-        self._actions: dict[str, QAction] = {}
-        self._specs: dict[str, ActionSpec] = {}
+        self.specs: dict[str, ActionSpec] = {}
+        """All of them by their names, in the order of the features."""
         self._icons: dict[str, str] = {}
         for spec in specs:
-            assert spec.name not in self._specs, spec.name
-            self._specs[spec.name] = spec
-            self._actions[spec.name] = self._make(spec, parent)
-        self._changing = [spec for spec in self._specs.values() if spec.worded or spec.holds or spec.pictured]
-        self._conditional = [(self._actions[name], spec.when) for name, spec in self._specs.items()]
-        self._kinds = [
-            (self._actions[name], spec.there, name in NOT_IN_VOLUMES)
-            for name, spec in self._specs.items()
-            if spec.there is not always or name in NOT_IN_VOLUMES
-        ]
-
-    def __getitem__(self, name: str) -> QAction:
-        return self._actions[name]
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._actions
-
-    def get(self, name: str) -> QAction | None:
-        """An action by its name, if there is one."""
-        return self._actions.get(name)
-
-    @property
-    def specs(self) -> Iterator[ActionSpec]:
-        """All of them, in the order of the features."""
-        return iter(self._specs.values())
+            assert spec.name not in self.specs, spec.name
+            self.specs[spec.name] = spec
+            self[spec.name] = self._make(spec, parent)
 
     def show(self, situation: Situation) -> None:
         """Update state, text and icon of all actions."""
         volume = has_volume(situation)
-        for action, there, flat in self._kinds:
-            action.setVisible(there(situation) and not (flat and volume))
-        for action, allows in self._conditional:
-            action.setEnabled(allows(situation))
         self._show_limits(volume)
-        for spec in self._changing:
-            action = self._actions[spec.name]
+        for name, spec in self.specs.items():
+            action = self[name]
+            action.setVisible(spec.there(situation) and not (volume and name in NOT_IN_VOLUMES))
+            action.setEnabled(spec.when(situation))
             if spec.holds is not None:
                 action.setChecked(spec.holds(situation))
             if spec.worded is not None and _plain(action.text()) != _plain(text := spec.worded(situation)):
                 action.setText(text)
-                self._tell(spec.name)
-            if spec.pictured is not None and self._icons[spec.name] != (wanted := spec.pictured(situation)):
-                self._icons[spec.name] = wanted
-                self._tint(spec.name)
+                self._tell(name)
+            if spec.pictured is not None and self._icons[name] != (wanted := spec.pictured(situation)):
+                self._icons[name] = wanted
+                self._tint(name)
 
     def _show_limits(self, volume: bool) -> None:
         """Name what does something else in volumes; it returns with the next image."""
-        if not (volume or self._limited):
+        if volume == self._limited:
             return
-        changed, self._limited = volume != self._limited, volume
-        for name, (in_volume, _) in OTHERWISE_IN_VOLUMES.items() if changed else ():
-            action, text = self._actions[name], in_volume if volume else self._specs[name].text
+        self._limited = volume
+        for name, (in_volume, _) in OTHERWISE_IN_VOLUMES.items():
+            action, text = self[name], in_volume if volume else self.specs[name].text
             on_button = _plain(text) if action.iconText() == _plain(action.text()) else action.iconText()
             action.setText(text)
             action.setIconText(on_button)
             if name in ICONS_IN_VOLUMES:
-                self._icons[name] = ICONS_IN_VOLUMES[name] if volume else self._specs[name].icon
+                self._icons[name] = ICONS_IN_VOLUMES[name] if volume else self.specs[name].icon
                 self._tint(name)
-        for name in OTHERWISE_IN_VOLUMES if changed else ():
             self._tell(name)
 
     def show_keys(self) -> None:
         """Say the keys as they are now in all tips, which may name those of other actions."""
-        for name in self._specs:
+        for name in self.specs:
             self._tell(name)
 
     def use_theme(self, theme: Theme, turns: Turns) -> None:
         """Tint the icons in later turns, except those that a new window shows first."""
         begins, self._theme = self._theme is None, theme
         for name in self._icons:
-            if begins and any(isinstance(it, QToolBar | QToolButton) for it in self._actions[name].associatedObjects()):
+            if begins and any(isinstance(it, QToolBar | QToolButton) for it in self[name].associatedObjects()):
                 self._tint(name)
             else:
                 turns.ask(partial(self._tint, name))
@@ -232,7 +208,7 @@ class Actions:
 
     def _tell(self, name: str) -> None:
         """Set the tips of an action, in a volume those that hold there."""
-        action, tip = self._actions[name], self._specs[name].tip
+        action, tip = self[name], self.specs[name].tip
         if self._limited:
             tip = OTHERWISE_IN_VOLUMES.get(name, ("", tip))[1]
         said, key = with_keys(tip), action.shortcut().toString(QKeySequence.SequenceFormat.NativeText)
@@ -242,7 +218,7 @@ class Actions:
     def _tint(self, name: str) -> None:
         if self._theme is not None:
             color = self._theme.accent_text if name == PRIMARY else self._theme.text
-            self._actions[name].setIcon(icon(self._icons[name], color, faded=self._theme.line))
+            self[name].setIcon(icon(self._icons[name], color, faded=self._theme.line))
 
 
 def _plain(text: str) -> str:
@@ -250,8 +226,13 @@ def _plain(text: str) -> str:
     return re.sub(r"\(&\w\)", "", text).replace("&", "")
 
 
-def add_choice(menu: QMenu, text: str, do: Callable[[], object], tip: str = "", checked: bool | None = None) -> QAction:
-    """Add something to a menu that is filled whenever it opens; with room for a check mark unless `checked` is None."""
+def add_choice(
+    menu: QWidget, text: str, do: Callable[[], object], tip: str = "", checked: bool | None = None
+) -> QAction:
+    """Add something to a menu that is filled whenever it opens, or to what comes first in the menu of a widget.
+
+    There is room for a check mark unless `checked` is None.
+    """
     action = menu.addAction(text)
     action.setToolTip(tip)
     action.setStatusTip(tip)

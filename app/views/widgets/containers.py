@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container
+from collections.abc import Callable, Container, Sequence
 from typing import TypeVar
 
 from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
@@ -62,6 +62,38 @@ def wrapped(text: str = "", dim: bool = False) -> QLabel:
     label = QLabel(text, wordWrap=True)
     label.setObjectName("dim" if dim else "")
     return label
+
+
+def dim_label(text: str = "", tip: str = "") -> QLabel:
+    """A label in a pale color."""
+    label = QLabel(text)
+    label.setObjectName("dim")
+    label.setToolTip(tip)
+    return label
+
+
+def flat_button(text: str, tip: str, do: Callable[[], object]) -> QToolButton:
+    """A button without a frame; one without a text is called by its tip."""
+    button = QToolButton(autoRaise=True)
+    button.setText(text)
+    button.setToolTip(tip)
+    button.setAccessibleName(text or tip)
+    button.clicked.connect(lambda _=False: do())
+    return button
+
+
+class Contents(QListWidget):
+    """The titles of the pages of a dialog; `name` says of what."""
+
+    def __init__(self, name: str, titles: Sequence[str]) -> None:
+        super().__init__()
+        self.setObjectName("contents")
+        self.setAccessibleName(name)
+        self.addItems(titles)
+        self.setFixedWidth(self.sizeHintForColumn(0) + 40)
+
+
+ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 
 
 class AcceptButtons(QDialogButtonBox):
@@ -216,11 +248,8 @@ class OfferBar(QFrame):
         self._label = QLabel(textFormat=Qt.TextFormat.PlainText, wordWrap=True)
         self._label.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Preferred)
         self.buttons: list[QPushButton] = []
-        self.cross = QToolButton(autoRaise=True)
+        self.cross = flat_button("", tr("No, thank you"), self.end)
         self.cross.setObjectName("quiet")
-        self.cross.setToolTip(tr("No, thank you"))
-        self.cross.setAccessibleName(tr("No, thank you"))
-        self.cross.clicked.connect(self.end)
         row = QHBoxLayout(self)
         self._row = arrange(row, self._label, self.cross, margins=(12, 4, 6, 4), spacing=8, wide=self._label)
         self._offers: list[tuple[str, tuple[tuple[str, Callable[[], object]], ...]]] = []
@@ -273,7 +302,7 @@ class OfferBar(QFrame):
         return button
 
 
-_CHOOSING = (Qt.Key.Key_Return, Qt.Key.Key_Enter, Qt.Key.Key_Space)
+_CHOOSING = (*ENTER, Qt.Key.Key_Space)
 _PLAIN = Qt.KeyboardModifier.NoModifier
 
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from PySide6.QtCore import QPointF, QSignalBlocker, Qt, Signal
 from PySide6.QtGui import QMouseEvent, QPainter, QPaintEvent, QPalette, QPolygonF, QValidator, QWheelEvent
 from PySide6.QtWidgets import (
+    QComboBox,
     QDoubleSpinBox,
     QFrame,
     QHBoxLayout,
@@ -24,7 +25,7 @@ from PySide6.QtWidgets import (
 from app.model.state.resolve import FIRST_PACE, PACES, pace_text
 from app.model.text.language import tr
 from app.session.session import Session
-from app.views.widgets.containers import arrange
+from app.views.widgets.containers import arrange, dim_label
 
 _POINT = "."
 _LARGE = 100.0
@@ -52,10 +53,24 @@ class DecimalField(WheelWithFocus, QDoubleSpinBox):
     range. `words` stand in place of some values.
     """
 
-    def __init__(self, words: Sequence[tuple[float, str]] = ()) -> None:
+    def __init__(
+        self,
+        low: float = 0.0,
+        high: float = 100.0,
+        step: float = 1.0,
+        decimals: int = 2,
+        suffix: str = "",
+        words: Sequence[tuple[float, str]] = (),
+    ) -> None:
         super().__init__()
         self._words = dict(words)
         self._exact = 0.0
+        self.setDecimals(decimals)
+        self.setRange(low, high)
+        self.setSingleStep(step)
+        self.setSuffix(suffix)
+        # Each digit of a number that is typed would be a value of its own, and "1" of "16" may be out of limits.
+        self.setKeyboardTracking(False)
 
     @property
     def exact(self) -> float:
@@ -118,6 +133,24 @@ class DecimalField(WheelWithFocus, QDoubleSpinBox):
             return converted
         state = super().validate(text, len(text))[0]
         return text if state == QValidator.State.Acceptable else converted
+
+
+class ChoiceBox(WheelWithFocus, QComboBox):
+    """Alternatives, of which `ways` are the names and the titles."""
+
+    chosen = Signal(str)
+    """The user has chosen one, by its name."""
+
+    def __init__(self, ways: Mapping[str, str]) -> None:
+        super().__init__()
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        for name, title in ways.items():
+            self.addItem(title, name)
+        self.activated.connect(lambda index: self.chosen.emit(self.itemData(index)))
+
+    def show_value(self, name: str) -> None:
+        """Show one without emitting a signal; a name that is none of them shows nothing."""
+        self.setCurrentIndex(self.findData(name))
 
 
 _MARK = 3.5
@@ -209,13 +242,12 @@ class PlaceBar(QFrame):
     def __init__(self, title: str, name: str, jump: int) -> None:
         super().__init__()
         self.setObjectName("slices")
-        self.slider, self.number, self.of = QSlider(Qt.Orientation.Horizontal), QSpinBox(), QLabel()
+        self.slider, self.number, self.of = QSlider(Qt.Orientation.Horizontal), QSpinBox(), dim_label()
         self.slider.setAccessibleName(title)
         self.slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.slider.setPageStep(jump)
         self.number.setAccessibleName(name)
         self.number.setKeyboardTracking(False)
-        self.of.setObjectName("dim")
         self.slider.valueChanged.connect(self.moved)
         self.number.valueChanged.connect(self.moved)
         self.hide()
@@ -226,7 +258,7 @@ class PlaceBar(QFrame):
             with QSignalBlocker(field):
                 field.setRange(first, last)
                 field.setValue(place)
-        self.of.setText(tr("of {last}").format(last=last))
+        self.of.setText(tr("of {last}", last=last))
 
 
 class SpeedControl(QWidget):

@@ -29,7 +29,7 @@ from app.views.canvas.tools.tool import AUTO, GROUPS
 from app.views.theme.icons import icon
 from app.views.theme.theme import Theme
 from app.views.widgets.actions import PRIMARY, Actions
-from app.views.widgets.containers import Scrolled, arrange
+from app.views.widgets.containers import Scrolled, arrange, dim_label, flat_button
 from cpm_core.shapes import KINDS
 
 _BEFORE, _RUN, _AFTER = ("open", "save", "", "undo", "redo"), ("run", "step", "reset"), ("", "fit", "export")
@@ -97,7 +97,6 @@ def _modes(actions: Actions) -> QWidget:
         name = f"mode_{mode}"
         button = QToolButton(toolButtonStyle=Qt.ToolButtonStyle.ToolButtonTextOnly)
         button.setDefaultAction(actions[name])
-        button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         button.setProperty("segment", place)
         button.setObjectName(name)
         row.addWidget(button)
@@ -138,10 +137,8 @@ class ToolButton(QToolButton):
         self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
         self.setPopupMode(QToolButton.ToolButtonPopupMode.MenuButtonPopup)
         self.setFixedWidth(_WIDE)
-        self.setFocusPolicy(Qt.FocusPolicy.TabFocus)
         self.setAutoRaise(True)
-        menu = QMenu(self)
-        menu.setToolTipsVisible(True)
+        menu = QMenu(self, toolTipsVisible=True)
         menu.addActions(actions)
         self.setMenu(menu)
         actions[0].setIconText(group)
@@ -177,15 +174,11 @@ class TaskBar(QWidget):
         self._tasks = tasks
         self._task: Task | None = None
         self._name = QLabel()
-        self._left = QLabel()
-        self._left.setObjectName("dim")
+        self._left = dim_label()
         self._bar = QProgressBar(textVisible=False)
         self._bar.setFixedWidth(_WIDTH)
         self._bar.setMaximumHeight(self.fontMetrics().height())
-        self._button = QToolButton(autoRaise=True)
-        self._button.setText(tr("Cancel"))
-        self._button.setAccessibleName(tr("Cancel"))
-        self._button.clicked.connect(self.cancel)
+        self._button = flat_button(tr("Cancel"), "", self.cancel)
         parts = self._name, self._bar, self._left, self._button
         arrange(QHBoxLayout(self), *parts, margins=(6, 0, 6, 0), spacing=8)
         self._later = QTimer(self, singleShot=True)
@@ -219,12 +212,12 @@ class TaskBar(QWidget):
                 self._later.start(int(1000 * SHOWN_AFTER))
             return
         task, others = self._task, len(current) - 1
-        more = tr("{name} (and {others} more)").format(name=task.name, others=others)
+        more = tr("{name} (and {others} more)", name=task.name, others=others)
         self._name.setText(more if others else task.name)
         self._left.setText(remaining_text(task.seconds_left))
         self._left.setVisible(bool(self._left.text()))
         self._button.setVisible(task.cancellable)
-        self._button.setToolTip(tr("Cancel: {name}").format(name=task.name))
+        self._button.setToolTip(tr("Cancel: {name}", name=task.name))
         self.setToolTip("\n".join(each.name for each in current))
         self._bar.setMaximum(0 if task.fraction is None else _FULL)
         if task.fraction is not None:

@@ -76,11 +76,11 @@ def ask_about_unsaved(parent: QWidget, name: str, lost: Sequence[str]) -> Answer
         Button("discard", tr("&Discard changes"), "discard"),
         Button("cancel", tr("&Keep editing"), "cancel"),
     )
-    text = tr("Save the work on “{name}”?").format(name=name)
+    text = tr("Save the work on “{name}”?", name=name)
     parts = "".join(lost)
     more = tr("{parts} is not saved.") if parts.startswith("1 ") else tr("{parts} are not saved.")
     if len(lost) > 1:
-        parts = tr("{parts} and {last}").format(parts=", ".join(lost[:-1]), last=lost[-1])
+        parts = tr("{parts} and {last}", parts=", ".join(lost[:-1]), last=lost[-1])
         more = tr("{parts} are not saved.")
     more = more.format(parts=f"{parts[:1].upper()}{parts[1:]}")
     return cast("Answer", Question(parent, tr("Unsaved work"), text, more, buttons).ask())
@@ -90,10 +90,7 @@ def ask_to_replace(parent: QWidget, name: str) -> bool:
     """Whether the file of this name may be replaced."""
     buttons = Button("keep", tr("&Keep it"), "cancel"), Button("replace", tr("&Replace"), "discard")
     more = tr("A file with this name exists; its contents would be lost.")
-    return (
-        Question(parent, tr("Replace file"), tr("Replace “{name}”?").format(name=name), more, buttons).ask()
-        == "replace"
-    )
+    return Question(parent, tr("Replace file"), tr("Replace “{name}”?", name=name), more, buttons).ask() == "replace"
 
 
 def ask_for_text(parent: QWidget, title: str, label: str, button: str, text: str) -> str | None:

@@ -67,9 +67,8 @@ class Docks(QObject):
         self.tabs.setMinimumWidth(_LEAST)
         self.tabs.tabBar().setExpanding(False)
         self.tabs.tabBar().setDrawBase(False)
-        self.column = QDockWidget(tr("Panels"), window)
+        self.column = QDockWidget(tr("Panels"), window, features=QDockWidget.DockWidgetFeature.DockWidgetClosable)
         self.column.setObjectName("column")
-        self.column.setFeatures(QDockWidget.DockWidgetFeature.DockWidgetClosable)
         self.column.setTitleBarWidget(QWidget(self.column))
         self.column.setWidget(self.tabs)
         self.actions = [self._make_action(panel) for panel in self._panels.values()]
@@ -144,10 +143,13 @@ class Docks(QObject):
     def _make_action(self, panel: Panel) -> QAction:
         """Gives the keyboard to a panel, or back to the canvas where the panel has it."""
         title = from_core(panel.title)
-        action = QAction(title, self._window)
+        action = QAction(
+            title,
+            self._window,
+            statusTip=tr("Open the panel {title} and move the keyboard focus to it.", title=title),
+            shortcut=QKeySequence(panel.shortcut),
+        )
         action.setObjectName(f"panel_{panel.name}")
-        action.setStatusTip(tr("Open the panel {title} and move the keyboard focus to it.").format(title=title))
-        action.setShortcut(QKeySequence(panel.shortcut))
         action.triggered.connect(partial(self._toggle, panel))
         self._window.addAction(action)
         return action

@@ -12,7 +12,6 @@ from PySide6.QtWidgets import (
     QDialog,
     QDialogButtonBox,
     QHBoxLayout,
-    QListWidget,
     QTextBrowser,
     QVBoxLayout,
     QWidget,
@@ -24,7 +23,7 @@ from app.model.text.keys import key_of
 from app.model.text.language import from_core, tr
 from app.model.text.wording import rich
 from app.views.widgets.actions import native
-from app.views.widgets.containers import arrange
+from app.views.widgets.containers import Contents, arrange
 from app.views.window.shortcuts import Shortcuts
 
 KEYS = "keys"
@@ -55,11 +54,7 @@ class Guide(QDialog):
         self._open_sample = open_sample
         for key in shortcuts.keys(KEYS):
             QShortcut(QKeySequence(key), self, self.close)
-        self.contents = QListWidget(self)
-        self.contents.setObjectName("contents")
-        self.contents.setAccessibleName(tr("Pages"))
-        self.contents.addItems([from_core(guide_page(name)[0].text) for name in PAGES])
-        self.contents.setFixedWidth(self.contents.sizeHintForColumn(0) + 28)
+        self.contents = Contents(tr("Pages"), [from_core(guide_page(name)[0].text) for name in PAGES])
         self.text = QTextBrowser(openLinks=False)
         self.text.document().setDocumentMargin(14)
         self.text.anchorClicked.connect(self._follow)

@@ -26,7 +26,7 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 
-from app.views.widgets.containers import has_own_escape
+from app.views.widgets.containers import ENTER, has_own_escape
 from app.views.widgets.fields import DecimalField, MarkedSlider
 
 _FIELDS = (QAbstractSpinBox, QLineEdit, QTextEdit, QPlainTextEdit, QAbstractButton, QComboBox, QSlider)
@@ -77,9 +77,6 @@ def put_back(widget: QWidget, value: Any) -> None:
     widget.metaObject().userProperty().write(widget, value)
     if changed and isinstance(widget, QComboBox):
         widget.activated.emit(widget.currentIndex())
-
-
-_ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 
 
 class Keyboard(QObject):
@@ -153,12 +150,12 @@ class Keyboard(QObject):
                 put_back(widget, self._before)
             self.give_back()
             return True
-        if event.key() in _ENTER and isinstance(widget, QAbstractButton):
+        if event.key() in ENTER and isinstance(widget, QAbstractButton):
             widget.click()
             return True
         if own or isinstance(widget, QAbstractItemView):
             return False
-        if event.key() in _ENTER:
+        if event.key() in ENTER:
             widget.removeEventFilter(self)
             QCoreApplication.sendEvent(widget, event)
             if event.isAccepted() or isinstance(widget, _FIELDS):

@@ -80,10 +80,9 @@ class Menus:
 _RUN = ("run", "step", "reset")
 
 THINGS: Mapping[str, tuple[str, ...]] = {
-    "image": (*_RUN, "", "undo", "redo", "", "fit", "copy_view", "export"),
+    "image": (*_RUN, "", "undo", "redo", "", "fit", "copy_view", "export", "", "layer_particles", "layer_forces"),
     "shape": ("enlarge", "shrink", "delete", "", *_RUN),
     "charge": ("enlarge", "shrink", "delete", "", "layer_potential", "layer_field"),
-    "particles": (*_RUN, "", "layer_particles", "layer_forces"),
     "object": ("accept", "reject", "name_object", "object_class", "object_color", "", "merge_objects", "close_contours",
                "objects_alike", "change_object", "", "freeze_object", "hide_object", "use_as", "skeleton", "",
                "delete_object"),
@@ -137,8 +136,7 @@ class ContextMenus(QObject):
         return True
 
     def _show(self, thing: str, owner: QWidget, place: QPoint) -> None:
-        menu = QMenu(self._parent)
-        menu.setToolTipsVisible(True)
+        menu = QMenu(self._parent, toolTipsVisible=True)
         own = owner.actions() if thing else self._general
         menu.addActions(list(own))
         menu.addSeparator()

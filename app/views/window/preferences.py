@@ -11,7 +11,6 @@ from PySide6.QtGui import QKeySequence
 from PySide6.QtWidgets import (
     QCheckBox,
     QColorDialog,
-    QComboBox,
     QDialog,
     QDialogButtonBox,
     QFormLayout,
@@ -21,7 +20,6 @@ from PySide6.QtWidgets import (
     QKeySequenceEdit,
     QLabel,
     QLineEdit,
-    QListWidget,
     QPushButton,
     QScrollArea,
     QSizePolicy,
@@ -38,8 +36,8 @@ from app.model.text.language import tr
 from app.session.storage.preferences import Preferences
 from app.views.theme.icons import swatch
 from app.views.widgets.actions import native
-from app.views.widgets.containers import arrange, wrapped
-from app.views.widgets.fields import DecimalField
+from app.views.widgets.containers import Contents, arrange, wrapped
+from app.views.widgets.fields import ChoiceBox, DecimalField
 from app.views.window.shortcuts import Shortcuts
 
 _WIDTH, _HEIGHT, _MARGIN = 720, 540, 80
@@ -64,17 +62,15 @@ class PreferencesDialog(QDialog):
         super().__init__(parent)
         self.setWindowTitle(tr("Preferences"))
         self._keys, self._pages = shortcuts, QStackedWidget()
-        self._made: dict[str, QWidget] = {}
         self.rows: dict[str, QWidget] = {}
         self._preferences = preferences
         self._show: dict[str, Callable[[], object]] = {}
-        self.contents = QListWidget(self)
-        self.contents.setObjectName("contents")
-        self.contents.setAccessibleName(tr("Pages of the preferences"))
-        self.contents.addItems(list(PAGES.values()))
-        self.contents.setFixedWidth(self.contents.sizeHintForColumn(0) + 40)
+        self.contents = Contents(tr("Pages of the preferences"), [*PAGES.values()])
         preferences.changed.connect(self._follow)
-        self.contents.currentRowChanged.connect(lambda row: self._pages.setCurrentWidget(self.page([*PAGES][row])))
+        self._made = {name: self._make_page(name) for name in BY_PAGE} | {"shortcuts": ShortcutsPage(shortcuts)}
+        for name in PAGES:
+            self._pages.addWidget(self._made[name])
+        self.contents.currentRowChanged.connect(self._pages.setCurrentIndex)
         self.contents.setCurrentRow(0)
         buttons = QDialogButtonBox()
         reset = buttons.addButton(tr("Reset this page"), QDialogButtonBox.ButtonRole.ResetRole)
@@ -93,10 +89,7 @@ class PreferencesDialog(QDialog):
         self.resize(min(_WIDTH, room.width() - _MARGIN), min(_HEIGHT, room.height() - _MARGIN))
 
     def page(self, name: str) -> QWidget:
-        """A page by its name, which is made when it is wanted first."""
-        if name not in self._made:
-            self._made[name] = ShortcutsPage(self._keys) if name == "shortcuts" else self._make_page(name)
-            self._pages.addWidget(self._made[name])
+        """A page by its name."""
         return self._made[name]
 
     def turn_to(self, page: str) -> None:
@@ -113,17 +106,18 @@ class PreferencesDialog(QDialog):
 
     def _make_page(self, name: str) -> QScrollArea:
         """A page, with a row for each of its preferences."""
-        page, content = QScrollArea(), QWidget()
+        page, content = QScrollArea(widgetResizable=True), QWidget()
         content.setObjectName("scrolled")
-        rows = QFormLayout(content)
-        rows.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.ExpandingFieldsGrow)
-        rows.setLabelAlignment(Qt.AlignmentFlag.AlignLeft)
-        rows.setHorizontalSpacing(16)
-        rows.setVerticalSpacing(8)
+        rows = QFormLayout(
+            content,
+            fieldGrowthPolicy=QFormLayout.FieldGrowthPolicy.ExpandingFieldsGrow,
+            labelAlignment=Qt.AlignmentFlag.AlignLeft,
+            horizontalSpacing=16,
+            verticalSpacing=8,
+        )
         page.setWidget(content)
-        page.setWidgetResizable(True)
         page.setFrameShape(QFrame.Shape.NoFrame)
-        for preference in BY_PAGE.get(name, ()):
+        for preference in BY_PAGE[name]:
             self._add_row(rows, preference)
         return page
 
@@ -156,24 +150,16 @@ def field_for(preference: Preference[Any], preferences: Preferences) -> tuple[QW
             check.toggled.connect(store)
             return check, check.setChecked
         case Number():
-            number = DecimalField()
-            number.setDecimals(preference.decimals)
-            number.setRange(preference.low, preference.high)
-            number.setSingleStep(preference.step)
-            number.setSuffix(preference.suffix)
-            # Each digit of a number that is typed would be stored on its own, and "1" of "16" is out of limits.
-            number.setKeyboardTracking(False)
+            limits = preference.low, preference.high, preference.step
+            number = DecimalField(*limits, preference.decimals, preference.suffix)
             number.setValue(value)
             number.valueChanged.connect(store)
             return number, number.setValue
         case Choice():
-            combo = QComboBox()
-            combo.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-            for name, title in preference.ways.items():
-                combo.addItem(title, name)
-            combo.setCurrentIndex(combo.findData(value))
-            combo.activated.connect(lambda index: store(combo.itemData(index)))
-            return combo, lambda shown: combo.setCurrentIndex(combo.findData(shown))
+            choice = ChoiceBox(preference.ways)
+            choice.show_value(value)
+            choice.chosen.connect(store)
+            return choice, choice.show_value
         case Color():
             button = QPushButton(autoDefault=False)
             button.setMinimumWidth(_COLOR_WIDTH)
@@ -215,8 +201,7 @@ class ShortcutsPage(QWidget):
         self._items: dict[str, QTreeWidgetItem] = {}
         self._fill()
         self.list.currentItemChanged.connect(lambda *_: self._show_current())
-        self.keys = QKeySequenceEdit()
-        self.keys.setMaximumSequenceLength(1)
+        self.keys = QKeySequenceEdit(maximumSequenceLength=1)
         self.keys.setAccessibleName(tr("Press the new key"))
         self.keys.keySequenceChanged.connect(lambda _: self._take())
         self.message = wrapped(dim=True)
@@ -288,7 +273,7 @@ class ShortcutsPage(QWidget):
         if refused:
             self._say(refused)
         elif other is not None:
-            self._say(tr("{key} belongs to “{action}”.").format(key=native(key), action=other.title), key)
+            self._say(tr("{key} belongs to “{action}”.", key=native(key), action=other.title), key)
         else:
             self._choose(key)
 

@@ -5,14 +5,14 @@ A new feature is a module in `app.views.features` and an entry in its list.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import Generic, TypeVar, cast
+from typing import TypeVar, cast
 
 from PySide6.QtCore import QByteArray, QSize, Qt, Signal
 from PySide6.QtGui import QCloseEvent, QDragEnterEvent, QDropEvent, QGuiApplication
-from PySide6.QtWidgets import QDialog, QMainWindow, QWidget
+from PySide6.QtWidgets import QMainWindow, QWidget
 
 from app.model.display.lengths import prefer_unit
 from app.model.preferences.table import CONTOUR_WIDTH, INKS, POINT_SIZE, SHAPE_WIDTH, THEME, UNIT
@@ -55,6 +55,8 @@ class Feature:
     ----------
     window : MainWindow
         The window.
+    session, canvas : Session, Canvas
+        Those of the window.
     actions : sequence of ActionSpec or Submenu
         Its actions, in the order of the menus.
     panels : sequence of Panel
@@ -66,6 +68,11 @@ class Feature:
 
     def __init__(self, window: MainWindow) -> None:
         self.window = window
+        self.session, self.canvas = window.session, window.canvas_area.canvas
+        self.set_up()
+
+    def set_up(self) -> None:
+        """Make its actions and panels, and follow what they depend on."""
 
     def close(self) -> bool:
         """End its work before the window closes; False keeps the window open."""
@@ -220,7 +227,7 @@ class MainWindow(QMainWindow):
         return menus
 
     def _add_shortcuts(self) -> None:
-        for spec in self.actions_by_name.specs:
+        for spec in self.actions_by_name.specs.values():
             menu, _, group = spec.menu.partition(">")
             group = MENUS[menu].replace("&", "") if menu else group
             self.shortcuts.add(self.actions_by_name[spec.name], spec.name, spec.title, group)
@@ -266,35 +273,3 @@ class MainWindow(QMainWindow):
                 colors={name: value(color) for name, color in INKS.items() if value(color) != color.default},
             )
         )
-
-
-D = TypeVar("D", bound=QDialog)
-
-
-class OneDialog(Generic[D]):
-    """A dialog that may stay open next to the window; `make` returns none where there is nothing to open it on."""
-
-    def __init__(self, make: Callable[[], D | None]) -> None:
-        self._make = make
-        self.shown: D | None = None
-
-    def open(self) -> D | None:
-        """Open the dialog, or bring it to the front."""
-        if self.shown is None:
-            self.shown = self._make()
-            if self.shown is None:
-                return None
-            self.shown.finished.connect(self._forget)
-        self.shown.show()
-        self.shown.raise_()
-        self.shown.activateWindow()
-        return self.shown
-
-    def close(self) -> bool:
-        """Close the dialog, which ends what it runs itself."""
-        if self.shown is not None:
-            self.shown.close()
-        return True
-
-    def _forget(self, _: int) -> None:
-        self.shown = None

@@ -258,7 +258,7 @@ class BodyPrior:
     def _through(self, cube: Cube, place: Array, before: list[Single] | None) -> list[Callable[[], Single]]:
         """What makes the maps of the slices of a cube through a place that lies inside."""
         step = cube.steps(place[None])
-        makers = []
+        makers: list[Callable[[], Single]] = []
         for axis in range(3):
             grays = partial(self._grays.through, cube, {axis: float(place[axis])})
             former = np.zeros((SIDE, SIDE), np.float32) if before is None else before[axis]
@@ -379,14 +379,14 @@ class BodyPrior:
 
 def _maps_through(grays: Callable[[], Single], axis: int, inside: Array, before: Single) -> Single:
     """Maps of a slice whose gray levels have yet to be found, and which places inside lie in."""
-    there = np.take(grays(), 0, axis)
+    there: Single = np.moveaxis(grays(), axis, 0)[0]
     on = _holding(inside)
     return _maps(there, float(np.median(there[on])), on, np.zeros_like(on), before)
 
 
 def _maps_within(within: _Within, asked: _Slice) -> Single:
     """Maps of a slice of a cube, which the places near it lie in."""
-    there = within.grays.take(asked.step, asked.axis)
+    there: Single = np.moveaxis(within.grays, asked.axis, 0)[asked.step]
     inside, outside = (
         _holding(steps[np.abs(steps[:, asked.axis] - asked.step) <= 1.0][:, _OTHERS[asked.axis]])
         if changed is None
@@ -428,7 +428,7 @@ def _agreement(slices: Sequence[Single]) -> float:
             slices[across].take(SIDE // 2, _OTHERS[across].index(rest)) > _LIKELY
             for across, rest in ((one, other), (other, one))
         )
-        found.append(np.count_nonzero(first & second) / max(np.count_nonzero(first | second), 1))
+        found.append(np.count_nonzero(first & second) / max(int(np.count_nonzero(first | second)), 1))
     return float(np.mean(found))
 
 
@@ -496,11 +496,15 @@ def _parted(within: _Within, body: Body) -> Mask | None:
 
 def _behind_neck(within: _Within, body: Body, step: Array) -> Mask | None:
     """What lies behind a neck of a body, seen from the places inside, with a step; None where no neck parts them."""
-    before = body.logits > 0.0
-    depth = scipy.ndimage.distance_transform_edt(before)
-    last = len(before) - 1
-    inner = tuple(np.clip(np.rint(within.inside), 0, last).astype(np.int64).T)
-    outer = tuple(np.clip(np.rint(step), 0, last).astype(np.int64))
+    whole = body.logits > 0.0
+    if not whole.any():
+        return None
+    box = scipy.ndimage.find_objects(whole.astype(np.int8))[0]
+    before, changed = whole[box], np.zeros_like(whole)
+    depth = scipy.ndimage.distance_transform_edt(np.pad(before, 1))[1:-1, 1:-1, 1:-1]
+    first, last = np.array([side.start for side in box]), np.array(before.shape) - 1
+    inner = tuple(np.clip(np.rint(within.inside) - first, 0, last).astype(np.int64).T)
+    outer = tuple(np.clip(np.rint(step) - first, 0, last).astype(np.int64))
     for radius in range(1, _WIDEST_NECK + 1):
         parts, _ = scipy.ndimage.label(depth > radius)
         held = np.setdiff1d(parts[inner], 0)
@@ -511,7 +515,8 @@ def _behind_neck(within: _Within, body: Body, step: Array) -> Mask | None:
         kept = scipy.ndimage.distance_transform_edt(~np.isin(parts, held)) <= radius + 1.0
         rest, _ = scipy.ndimage.label(before & ~kept, np.ones((3, 3, 3)))
         if rest[outer]:
-            return np.asarray(rest == rest[outer])
+            changed[box] = rest == rest[outer]
+            return changed
     return None
 
 

@@ -109,9 +109,9 @@ def _to_edges(surface: Surface, values: Array, size: Array, scale: float) -> Arr
     joined = joined + joined.T + scipy.sparse.eye_array(count)
     joined.data[:] = 1.0
     mean = scipy.sparse.diags_array(1.0 / joined.sum(axis=1)) @ joined
-    smooth = raw
+    smooth: Array = raw
     for _ in range(_ROUNDS):
-        smooth = mean @ smooth
+        smooth = np.asarray(mean @ smooth)
     slope = scipy.ndimage.gaussian_filter1d(smooth, _SHARP, axis=1, order=1, mode="nearest")
     rise = smooth[:, -2:].mean(axis=1) - smooth[:, :2].mean(axis=1)
     steep = np.maximum(slope * np.sign(rise)[:, None], 0.0) * np.exp(-0.5 * np.square(away / away[-1]))

@@ -128,7 +128,7 @@ def ct(window, hand, tmp_path):
     return hand.canvas.layers["image"], row.settings
 
 
-def test_ct_has_the_usual_windows_in_its_layer_and_as_actions(window, ct, hand):
+def test_ct_has_the_usual_windows_in_its_layer(window, ct, hand):
     layer, form = ct
     levels = form.levels
     assert levels.usual.isVisible()
@@ -140,10 +140,8 @@ def test_ct_has_the_usual_windows_in_its_layer_and_as_actions(window, ct, hand):
     assert layer.window == (-1350.0, 150.0)
     assert (levels.low.value(), levels.high.value(), levels.figures.text()) == (-1350.0, 150.0, "W 1500  L -600")
     assert layer.word("range") == "hand"
-    window.actions_by_name["ct_window_80_40"].trigger()
-    assert layer.window == (0.0, 80.0)
+    layer.choose_window(0.0, 80.0)
     assert levels.usual.currentText().startswith("Brain")
-    assert window.actions_by_name["ct_window_80_40"].isChecked()
     window.actions_by_name["levels_full"].trigger()
     assert levels.usual.currentIndex() == -1
 
@@ -151,5 +149,4 @@ def test_ct_has_the_usual_windows_in_its_layer_and_as_actions(window, ct, hand):
 def test_what_is_no_ct_has_no_windows_of_ct(window, deep, hand):
     _, form, _ = deep
     assert not form.levels.usual.isVisible()
-    assert not window.actions_by_name["ct_window_80_40"].isEnabled()
     assert form.levels.figures.text() == "W 6.254e+04  L 3.427e+04"

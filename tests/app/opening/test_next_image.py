@@ -97,6 +97,7 @@ def test_a_new_image_begins_with_the_parameters_of_its_mode_not_with_those_of_th
 
 def test_parameters_are_kept_for_the_next_image_by_choice(window, hand, other) -> None:
     dialog = window.feature(PreferencesFeature).show()
+    dialog.turn_to("run")
     box = dialog.rows[KEEP_PARAMETERS.label]
     assert isinstance(box, QCheckBox)
     assert not box.isChecked()

@@ -7,10 +7,10 @@ import pytest
 from PySide6.QtCore import QPoint, QRectF, Qt
 from PySide6.QtWidgets import QCheckBox, QLabel, QToolButton
 
-from app.model.display.plots import RunMetrics
+from app.model.display.plots import PLOTS, RunMetrics
 from app.model.parameters.controls import controls, value_of
 from app.views.canvas.layers.fields import ARROW_SPACING, arrow_lines, arrows
-from app.views.panels.run import PlotPanel
+from app.views.panels.run import Chart
 from cpm_core.parameters.choices import CHOICES
 
 pytestmark = pytest.mark.shared_window
@@ -98,14 +98,14 @@ def test_no_label_is_cut_off(window, hand) -> None:
 
 
 def test_the_plot_draws_all_values_that_a_run_can_have(qtbot) -> None:
-    plot = PlotPanel()
+    plot = Chart(PLOTS, "")
     qtbot.addWidget(plot)
     plot.resize(300, 150)
     empty = plot.grab().toImage()
     for epsilon in ([np.nan], [np.nan, np.nan, 0.0], [0.1, np.nan, 1e-12, 1e9], np.geomspace(1, 1e-7, 5000)):
         values = np.asarray(epsilon, dtype=float)
         steps = np.arange(1.0, len(values) + 1)
-        plot.chart.show_metrics(RunMetrics(steps, values, steps, steps, values, values, -values, steps // 7, steps))
+        plot.show_metrics(RunMetrics(steps, values, steps, steps, values, values, steps // 7, steps))
         drawn = plot.grab().toImage()
     assert drawn != empty
 

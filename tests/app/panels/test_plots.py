@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from PySide6.QtCore import Qt
 
 from app.model.display.lengths import short_text
 from app.model.display.plots import PLOTS, RunMetrics
 from app.session.timeline.moments import RunRecord
-from app.views.panels.run import PlotPanel
+from app.views.panels.run import Chart
 from cpm_core import Engine, Parameters
 from tests.app.conftest import disc
 
@@ -24,7 +23,7 @@ def trace_of(length: int) -> RunMetrics:
 
 @pytest.fixture
 def panel(qtbot):
-    made = PlotPanel()
+    made = Chart(PLOTS, "")
     qtbot.addWidget(made)
     made.resize(330, 460)
     made.show()
@@ -47,36 +46,20 @@ def test_the_metrics_are_those_of_the_recorded_states(compiled_loops):
     assert metrics.kinetic == pytest.approx([engine.energies(state, parameters).kinetic for state in states])
 
 
-def test_plots_are_chosen_by_keys_and_remembered(ready, hand, qtbot):
-    window, plot = ready, ready.panels["run"].plot
-    assert plot.shown == ("epsilon", "count")
-    window.panels["run"].plots.fold.click()
-    button = plot.buttons["kinetic"]
-    button.setFocus()
-    hand.key(Qt.Key.Key_Return)
-    assert plot.shown == ("epsilon", "kinetic", "count")
-    assert window.preferences.get("run/plots", [""]) == ["epsilon", "kinetic", "count"]
-    for step in range(1, 9):
-        window.session.step()
-        hand.wait(lambda step=step: window.session.status.step == step and window.session.idle)
-    hand.key(Qt.Key.Key_Return)
-    assert plot.shown == ("epsilon", "count")
+def test_that_the_plots_are_unfolded_is_remembered(ready):
+    ready.panels["run"].plots.fold.click()
+    assert ready.panels["run"].plot.isVisible()
+    assert ready.preferences.get("run/unfolded", [""]) == ["plots"]
 
 
 def test_each_curve_and_each_change_of_scale_is_drawn(panel):
-    pictures = []
-    for names in ([], *([plot.name] for plot in PLOTS)):
-        panel.show_plots(names)
-        panel.chart.show_metrics(trace_of(60))
-        pictures.append(panel.chart.grab().toImage())
+    metrics, constant = trace_of(60), np.ones(60)
+    panel.show_metrics(metrics)
+    pictures = [panel.grab().toImage()]
+    for changed in ("epsilon", "count", "born", "deleted", "kinetic", "scale"):
+        panel.show_metrics(RunMetrics(*[constant if name == changed else column for name, column in columns(metrics)]))
+        pictures.append(panel.grab().toImage())
     assert all(one != other for i, one in enumerate(pictures) for other in pictures[:i])
-    panel.show_plots(["count"])
-    metrics = trace_of(60)
-    with_scales = panel.chart.grab().toImage()
-    panel.chart.show_metrics(
-        RunMetrics(*[column if name != "scale" else 0 * column for name, column in columns(metrics)])
-    )
-    assert panel.chart.grab().toImage() != with_scales
 
 
 def columns(metrics: RunMetrics) -> list[tuple[str, np.ndarray]]:

@@ -256,7 +256,7 @@ def test_a_button_has_the_tool_of_its_group_that_was_used_last(window, hand, qtb
 
 
 def test_no_key_is_taken_twice(window) -> None:
-    keys = [key for entry in window.actions_by_name.specs for key in entry.shortcuts]
+    keys = [key for entry in window.actions_by_name.specs.values() for key in entry.shortcuts]
     keys += [action.shortcut().toString() for action in window.docks.actions]
     keys = [key for key in keys if key]
     assert sorted(keys) == sorted(set(keys))

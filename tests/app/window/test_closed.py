@@ -37,7 +37,7 @@ def rested(ready, hand):
 
 def opened_by(window) -> list[str]:
     """All actions that can open something now."""
-    actions = {spec.name: window.actions_by_name[spec.name] for spec in window.actions_by_name.specs}
+    actions = dict(window.actions_by_name)
     asking = [name for name, action in actions.items() if action.text().endswith("…") and action.isEnabled()]
     assert len(asking) > 5
     return list(dict.fromkeys([*OPENED, *asking]))

@@ -21,7 +21,7 @@ def texts(menu: QMenu) -> list[str]:
 
 
 def names(window, menu: QMenu) -> list[str]:
-    by_action = {window.actions_by_name[spec.name]: spec.name for spec in window.actions_by_name.specs}
+    by_action = {action: name for name, action in window.actions_by_name.items()}
     return [by_action[action] for action in menu.actions() if action in by_action]
 
 

@@ -173,6 +173,7 @@ def test_dialogs_keep_their_keys(board, hand) -> None:
     dialog = board.actions_by_name["preferences"]
     dialog.trigger()
     shown = QApplication.activeModalWidget()
+    shown.turn_to("files")
     box = shown.findChild(QCheckBox)
     checked = box.isChecked()
     box.setFocus()

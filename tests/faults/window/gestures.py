@@ -193,7 +193,7 @@ class Hand:
 
     def act(self) -> Gesture:
         """Press the key of any action that can be done."""
-        names = [spec.name for spec in self.window.actions_by_name.specs]
+        names = [*self.window.actions_by_name]
         able = [name for name in names if self.window.actions_by_name[name].isEnabled() and name not in _NOT_PRESSED]
         yield 0.0
         self.press_named(self.choice.choice(able))

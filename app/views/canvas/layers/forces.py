@@ -118,7 +118,7 @@ class ForceLayer(Layer):
             sizes = probed.sizes
             listed = [name for name in KINDS if name in _ALWAYS or sizes[name] >= _NOTHING]
             self.lines = [(*KINDS[name], written(f"{sizes[name]:.3f}")) for name in listed]
-            title = tr("Particle {number}").format(number=written(f"{probed.identity:,}"))
+            title = tr("Particle {number}", number=written(f"{probed.identity:,}"))
             rows = (
                 f"<tr><td style='color:{color}'>━ </td><td>{name} </td><td align='right'>&nbsp;{size}</td></tr>"
                 for name, color, size in self.lines

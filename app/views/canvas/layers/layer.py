@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Literal, Protocol
@@ -57,8 +56,7 @@ class Amount:
 
     def taken(self, value: object) -> Value | None:
         """The value to store, None when it is not a number within the bounds."""
-        number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
-        return float(value) if number and self.low <= value <= self.high else None  # type: ignore[operator,arg-type]
+        return float(value) if isinstance(value, int | float) and self.low <= value <= self.high else None
 
 
 @dataclass(frozen=True, slots=True)

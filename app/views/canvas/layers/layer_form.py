@@ -26,7 +26,8 @@ from app.model.text.language import tr, written
 from app.views.canvas.layers.image_layer import CT_WINDOWS, ImageLayer, named, window_at
 from app.views.canvas.layers.layer import Choice, Layer, Option, Switch
 from app.views.theme import color_maps
-from app.views.widgets.fields import DecimalField, MarkedSlider
+from app.views.widgets.containers import arrange, dim_label
+from app.views.widgets.fields import ChoiceBox, DecimalField, MarkedSlider
 from cpm_core import Image
 
 
@@ -39,11 +40,9 @@ class LayerForm(QWidget):
         self.fields: dict[str, QWidget] = {}
         self._shows: dict[str, Callable[[Any], object]] = {}
         """What shows the value of an option in its field."""
-        self.rows = QFormLayout(self)
+        grows = QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow
+        self.rows = QFormLayout(self, horizontalSpacing=8, verticalSpacing=4, fieldGrowthPolicy=grows)
         self.rows.setContentsMargins(0, 0, 0, 0)
-        self.rows.setHorizontalSpacing(8)
-        self.rows.setVerticalSpacing(4)
-        self.rows.setFieldGrowthPolicy(QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow)
         self.levels: Levels | None = None
         self._image: Image | None = None
         for option in layer.options:
@@ -54,7 +53,7 @@ class LayerForm(QWidget):
             if isinstance(field, QCheckBox):
                 self.rows.addRow(field)
             else:
-                self.rows.addRow(_dim_label(option.title, option.tip), field)
+                self.rows.addRow(dim_label(option.title, option.tip), field)
         layer.changed.connect(self.show_chosen)
         self.show_chosen()
 
@@ -86,39 +85,27 @@ class LayerForm(QWidget):
             switch.toggled.connect(choose)
             return switch, switch.setChecked
         if isinstance(option, Choice):
-            box = QComboBox()
-            box.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+            box = ChoiceBox(option.ways)
             box.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
             box.setIconSize(QSize(36, 12))
-            for name, title in option.ways.items():
-                box.addItem(color_maps.icon(name) if name in color_maps.MAPS else QIcon(), title, name)
-            box.activated.connect(lambda index: choose(box.itemData(index)))
-            return box, lambda value: box.setCurrentIndex(box.findData(value))
+            for index, name in enumerate(option.ways):
+                box.setItemIcon(index, color_maps.icon(name) if name in color_maps.MAPS else QIcon())
+            box.chosen.connect(choose)
+            return box, box.show_value
         slider = MarkedSlider(option.low, option.high, option.step, option.first)
         slider.moved_to.connect(choose)
         slider.restored.connect(lambda: choose(option.first))
-        figure = QLabel()
+        figure = QLabel(alignment=Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         figure.setMinimumWidth(figure.fontMetrics().horizontalAdvance("0.000"))
-        figure.setAlignment(Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
         both = QWidget()
         both.setFocusProxy(slider)
-        row = QHBoxLayout(both)
-        row.setContentsMargins(0, 0, 0, 0)
-        row.addWidget(slider, 1)
-        row.addWidget(figure)
+        arrange(QHBoxLayout(both), slider, figure, wide=slider)
 
         def show(value: float) -> None:
             slider.show_value(value)
             figure.setText(written(f"{value:g}"))
 
         return both, show
-
-
-def _dim_label(title: str, tip: str) -> QLabel:
-    label = QLabel(title)
-    label.setObjectName("dim")
-    label.setToolTip(tip)
-    return label
 
 
 _BINS = 128
@@ -172,43 +159,42 @@ class Levels(QWidget):
         self.histogram.addItem(self._lines)
         self._lines.sigRegionChanged.connect(lambda lines: self.moved.emit(*lines.getRegion()))
         self._lines.sigRegionChangeFinished.connect(lambda lines: self._show_axis(*lines.getRegion()))
-        self.low, self.high = DecimalField(), DecimalField()
+        whole, span = bool((self._sample == np.rint(self._sample)).all()), max(ends[1] - ends[0], 1e-12)
+        decimals = 0 if whole else min(max(3 - math.floor(math.log10(span)), 0), 12)
+        step = max(1.0, round(span / 256.0)) if whole else 10.0 ** math.floor(math.log10(span / 50.0))
+        self.low, self.high = DecimalField(*ends, step, decimals), DecimalField(*ends, step, decimals)
         self.low.valueChanged.connect(lambda value: self.moved.emit(value, max(value, self.high.value())))
         self.high.valueChanged.connect(lambda value: self.moved.emit(min(value, self.low.value()), value))
-        row = QHBoxLayout()
-        row.setSpacing(6)
-        titles = ((tr("Black"), tr("Gray value shown as black.")), (tr("White"), tr("Gray value shown as white.")))
-        whole, span = bool((self._sample == np.rint(self._sample)).all()), max(ends[1] - ends[0], 1e-12)
-        for (title, tip), field in zip(titles, (self.low, self.high), strict=True):
-            field.setDecimals(0 if whole else min(max(3 - math.floor(math.log10(span)), 0), 12))
-            field.setRange(*ends)
-            field.setSingleStep(max(1.0, round(span / 256.0)) if whole else 10.0 ** math.floor(math.log10(span / 50.0)))
-            field.setKeyboardTracking(False)
+        row = arrange(QHBoxLayout(), spacing=6)
+        for title, tip, field in (
+            (tr("Black"), tr("Gray value shown as black."), self.low),
+            (tr("White"), tr("Gray value shown as white."), self.high),
+        ):
             field.setAccessibleName(title)
             field.setToolTip(tip)
-            row.addWidget(_dim_label(title, ""))
+            row.addWidget(dim_label(title))
             row.addWidget(field, 1)
-        self.figures, self.usual = QLabel(), _usual_windows(image)
-        self.figures.setObjectName("dim")
-        self.figures.setToolTip(tr("Width and level of the range: white minus black, and the middle between them."))
-        self.usual.activated.connect(lambda index: self.moved.emit(*self.usual.itemData(index)))
-        below = QHBoxLayout()
-        below.addWidget(self.figures)
-        below.addWidget(self.usual, 1)
-        column = QVBoxLayout(self)
-        column.setContentsMargins(0, 0, 0, 0)
-        column.setSpacing(4)
-        column.addWidget(self.histogram)
-        column.addLayout(row)
-        column.addLayout(below)
+        tip = tr("Width and level of the range: white minus black, and the middle between them.")
+        self.figures = dim_label(tip=tip)
+        usual = {name: f"{name}  {named(window_at(window))}" for name, window in CT_WINDOWS.items()}
+        self.usual = ChoiceBox(usual)
+        self.usual.setPlaceholderText(tr("CT window"))
+        self.usual.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
+        self.usual.setMinimumContentsLength(10)
+        self.usual.setAccessibleName(tr("CT window"))
+        self.usual.setToolTip(tr("The usual windows of CT, in Hounsfield units."))
+        self.usual.chosen.connect(lambda name: self.moved.emit(*window_at(CT_WINDOWS[name])))
+        self.usual.setVisible(image.is_ct)
+        below = arrange(QHBoxLayout(), self.figures, self.usual, wide=self.usual)
+        arrange(QVBoxLayout(self), self.histogram, row, below, spacing=4)
 
     def show_window(self, low: float, high: float) -> None:
         """Show a window without emitting a signal; the lines and their axis do not change while one is held."""
         self.low.show_value(low)
         self.high.show_value(high)
         self.figures.setText(named((low, high)))
-        usual = [*map(window_at, CT_WINDOWS.values())]
-        self.usual.setCurrentIndex(usual.index((low, high)) if (low, high) in usual else -1)
+        usual = (name for name, window in CT_WINDOWS.items() if window_at(window) == (low, high))
+        self.usual.show_value(next(usual, ""))
         if not (self._lines.moving or any(line.moving for line in self._lines.lines)):
             with QSignalBlocker(self._lines):
                 self._lines.setRegion((low, high))
@@ -223,19 +209,3 @@ class Levels(QWidget):
         counts, edges = np.histogram(self._sample, _BINS, range=(begin, end if end > begin else begin + 1.0))
         self._bars.setData(edges, np.log1p(counts))
         self.histogram.setXRange(edges[0], edges[-1], padding=0.02)
-
-
-def _usual_windows(image: Image) -> QComboBox:
-    """The usual windows of CT, which images of other kinds do not have."""
-    box = QComboBox()
-    box.setPlaceholderText(tr("CT window"))
-    box.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
-    box.setMinimumContentsLength(10)
-    box.setAccessibleName(tr("CT window"))
-    box.setToolTip(tr("The usual windows of CT, in Hounsfield units."))
-    box.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
-    for name, usual in CT_WINDOWS.items():
-        box.addItem(f"{name}  {named(window_at(usual))}", window_at(usual))
-    if not image.is_ct:
-        box.hide()
-    return box

@@ -35,11 +35,8 @@ def box_between(one: Position, other: Position, here: Slice, volume: ImageRefere
 class DraggedTool(ShapeTool):
     """Draws a shape between the place where the button goes down and the pointer."""
 
-    activity: str
-    """Name of the edit, as shown after "Undo"."""
     slip: str
     """Message when the pointer has not been moved."""
-    activity_in_volume: str
     slip_in_volume: str
     """The same in a volume."""
 
@@ -61,7 +58,7 @@ class DraggedTool(ShapeTool):
         """Extend the shape to the pointer."""
         if self._index is not None and (self._drawn or math.dist(self._start, at) >= SMALLEST_RADIUS):
             shape = self.shape(self._start, at)
-            self._put(self.activity if self.volume is None else self.activity_in_volume, shape)
+            self._put(tr("draw {shape}", shape=from_core(shape.title)), shape)
             self._session.select(self._index)
 
     def release(self) -> None:
@@ -80,9 +77,7 @@ class CircleTool(DraggedTool):
     shortcut = "C"
     group = CIRCLE
     tip = tr("Drag from the center to draw a circle.")
-    activity = tr("draw circle")
     slip = tr("Keep the button down and drag to draw a circle from its center.")
-    activity_in_volume = tr("draw sphere")
     slip_in_volume = tr("Keep the button down and drag to draw a sphere from its center.")
     by_keys = tr("Enter begins at the center, arrow keys move the rim, Enter ends.")
 
@@ -104,9 +99,7 @@ class EllipseTool(DraggedTool):
     shortcut = "L"
     group = CIRCLE
     tip = tr("Drag a box to draw an ellipse; Shift makes it round, Ctrl draws it from its center.")
-    activity = tr("draw ellipse")
     slip = tr("Keep the button down and drag to draw an ellipse.")
-    activity_in_volume = tr("draw box")
     slip_in_volume = tr("Keep the button down and drag from corner to corner to draw a box.")
     guidance = tr("Drag a box around the ellipse; Shift makes it round, Ctrl draws it from its center.")
     by_keys = tr("Enter begins at a corner of its box, arrow keys move the opposite one, Enter ends.")

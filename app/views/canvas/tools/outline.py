@@ -135,7 +135,7 @@ class OutlineTool(Tool):
             return
         path = np.concatenate([pieces[0], *(piece[1:] for piece in pieces[1:])])
         if closed and polyline.area(path) < _SMALLEST:
-            self._session.say(tr("That is too small for an outline. {advice}").format(advice=self.tip), topic=EDITING)
+            self._session.say(tr("That is too small for an outline. {advice}", advice=self.tip), topic=EDITING)
         elif closed:
             self._workspace.object_list.choose((self._editing.outline(path[:-1]),))
         else:

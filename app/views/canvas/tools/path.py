@@ -9,7 +9,7 @@ from PySide6.QtCore import Qt
 from app.model.document import edits
 from app.model.document.document import ImageReference
 from app.model.text.keys import with_keys
-from app.model.text.language import tr
+from app.model.text.language import from_core, tr
 from app.model.volume.slices import Slice
 from app.session.signals import EDITING
 from app.views.canvas.tools.drawn import box_between
@@ -51,8 +51,6 @@ class PathTool(Tool):
     by_keys = tr("Enter places a corner; Enter once more on the same place ends it.")
     made: type[Stroke | Polygon | Grid | Threshold | Region | Barrier]
     """What the path becomes in an image."""
-    title: str
-    """The same in words."""
     color = theme.DRAWING
     closed = True
     """Whether the last corner is joined to the first."""
@@ -149,11 +147,11 @@ class PathTool(Tool):
                 shape = self.solid(flat, begun, volume)
         self.cancel()
         if shape is None:
-            advice = tr("That is too small for a {shape}. {advice}").format(shape=self.title, advice=self.tip)
+            advice = tr("That is too small for a {shape}. {advice}", shape=from_core(self.made.title), advice=self.tip)
             self._session.say(advice, topic=EDITING)
             return
         self._session.edit(
-            tr("draw {shape}").format(shape=self.title), lambda document: edits.add_shape(document, shape)
+            tr("draw {shape}", shape=from_core(shape.title)), lambda document: edits.add_shape(document, shape)
         )
         self._session.select(len(self._session.document.shapes) - 1)
 
@@ -198,7 +196,6 @@ class StrokeTool(PathTool):
     group = STROKE
     tip = tr("Drag, or click corner by corner, where particles start.")
     made = Stroke
-    title = tr("stroke")
     closed = False
     spatial = True
 
@@ -212,7 +209,6 @@ class PolygonTool(PathTool):
     group = CIRCLE
     tip = tr("Click corner by corner, or drag, along a closed line to start from.")
     made = Polygon
-    title = tr("polygon")
     spatial = True
 
 
@@ -225,7 +221,6 @@ class GridTool(PathTool):
     group = AREA
     tip = tr("Drag, or click corner by corner, around an area to cover with an even grid; [ and ] change its spacing.")
     made = Grid
-    title = tr("grid")
 
     def solid(self, path: _Flat, here: Slice, volume: ImageReference) -> Shape:
         """A grid in the box around the path."""
@@ -243,7 +238,6 @@ class ThresholdTool(PathTool):
         "Drag, or click corner by corner, around an area in which to start on strong edges; [ and ] change how strong."
     )
     made = Threshold
-    title = tr("threshold")
 
     def solid(self, path: _Flat, here: Slice, volume: ImageReference) -> Shape:
         """The box around the path."""
@@ -259,7 +253,6 @@ class RegionTool(PathTool):
     group = LIMIT
     tip = tr("Drag, or click corner by corner, around the region that particles must stay in.")
     made = Region
-    title = tr("region of interest")
     color = theme.REGION
 
     def solid(self, path: _Flat, here: Slice, volume: ImageReference) -> Shape:
@@ -278,7 +271,6 @@ class BarrierTool(PathTool):
     group = LIMIT
     tip = tr("Drag, or click corner by corner, to draw a line that no particle crosses.")
     made = Barrier
-    title = tr("barrier")
     color = theme.BARRIER
     closed = False
 

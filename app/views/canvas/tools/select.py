@@ -94,12 +94,10 @@ class SelectTool(ShapeTool):
         if shape is None or at == self._anchor:
             return
         if self._part == "handle":
-            self._put(
-                tr("reshape {shape}").format(shape=from_core(shape.title)), shape.with_handle_at(self._anchor, at)
-            )
+            self._put(tr("reshape {shape}", shape=from_core(shape.title)), shape.with_handle_at(self._anchor, at))
         else:
             by = tuple(map(operator.sub, at, self._anchor))
-            self._put(tr("move {shape}").format(shape=from_core(shape.title)), shape.moved(by))
+            self._put(tr("move {shape}", shape=from_core(shape.title)), shape.moved(by))
 
     def release(self) -> None:
         """Keep what is selected; a click next to everything selects nothing."""

@@ -130,7 +130,7 @@ class SplitTool(Tool):
         elif first is None and (contact := self._editing.contact(at, self._reach)) is not None:
             self._editing.cut(contact)
         else:
-            self._session.say(tr("There is no object here. {advice}").format(advice=self.tip), topic=EDITING)
+            self._session.say(tr("There is no object here. {advice}", advice=self.tip), topic=EDITING)
 
     def _split_along(self, path: list[Position]) -> None:
         places = polyline.middles(np.array(path), _PLACES).tolist()
@@ -139,14 +139,14 @@ class SplitTool(Tool):
             most = max(crossed, key=lambda one: sum(item.number == one.number for item in crossed))
             self._use(most, partial(split_along, most, path, self._editing.edges))
         else:
-            self._session.say(tr("The line crosses no object. {advice}").format(advice=self.tip), topic=EDITING)
+            self._session.say(tr("The line crosses no object. {advice}", advice=self.tip), topic=EDITING)
 
     def _use(self, whole: SegmentedObject, halves: Callable[[], Halves]) -> None:
         """Put the halves in the place of an object, or report why there are none."""
         self._whole = None
         if whole.frozen:
             name = self._list.title(whole)
-            self._session.say(tr("{name} is frozen: unfreeze it to split it.").format(name=name), topic=EDITING)
+            self._session.say(tr("{name} is frozen: unfreeze it to split it.", name=name), topic=EDITING)
             return
         try:
             self._list.split(whole, halves())
