@@ -1,15 +1,17 @@
-"""The Coulomb force of eq. (9) between particles anywhere: pair by pair, or fast by a tree.
+"""The Coulomb force of eq. (9) between particles anywhere: pair by pair, or fast by a tree (the fast multipole method).
 
 The tree halves boxes at the middle of their longest side, each drawn tightly around its particles, so that it resolves
-clusters of any density. A box that is far from a leaf acts on its particles by its number of particles at their mean,
-and by their quadrupole moments about it; one that is not is opened. What is left are near leaves, summed particle by
-particle. Both sums are made in single precision from exact differences. Positions in the plane are those of space with
-z = 0. Each leaf is computed by one thread, in the same order on any number of them.
+clusters of any density. Boxes that are far from each other, for their size, act by Taylor series: the moments of the
+one, times the derivatives of the inverse distance between the centers, are the potential in the other as a power
+series, which its halves take over. What is left are pairs of near leaves, summed particle by particle in single
+precision from exact differences. Each box is computed by one thread, in the same order on any number of them.
 """
 
 from __future__ import annotations
 
-from functools import partial
+from functools import lru_cache, partial
+from itertools import pairwise, product
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,7 +20,6 @@ from cpm_core.numerics.jit import compiled, reordered
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.real_numbers import real_numbers
 from cpm_core.numerics.types import Array, Index, Single
-from cpm_core.numerics.vectors import Vector
 from cpm_core.parameters.quotation import shown
 
 METHODS = ("auto", "exact", "tree")
@@ -34,11 +35,24 @@ vector registers. Positions are within some units here, where no two different o
 _WORTH_A_THREAD = 100_000
 """Pairs from which a thread pays."""
 
-_FULLEST = 32
-"""Particles in a leaf, unless they are all at the same position; between two such leaves nothing acts."""
+_FULLEST = 48
+"""Particles in a leaf, unless they are all at the same position."""
 
-_OPENING = 0.28
-"""Radius of a far box over its distance from the nearest particle it acts on, at most."""
+_OPENING = 0.55
+"""Sum of the radii of two far boxes over the distance of their centers, at most."""
+
+_DEGREE = 6
+"""Degree of the Taylor series of the potential between two boxes, counted in the coordinates of both."""
+
+_SUBTREES = 40
+"""Parts of the tree that threads take over, at least."""
+
+_LANES, _ROUND, _FILL = 64, 16, 32
+"""Columns of a table of vectors, and multiples to which tables and lists of near particles are filled up, so that loops
+use vector registers to the end."""
+
+_NOWHERE = 1e16
+"""Coordinate that fills up a list; its force is next to nothing."""
 
 
 def coulomb_force(positions: ArrayLike, method: str = "auto") -> Array:
@@ -50,7 +64,7 @@ def coulomb_force(positions: ArrayLike, method: str = "auto") -> Array:
         Positions of the particles [px].
     method : {"auto", "exact", "tree"}
         How the sum is computed. "exact": pair by pair. "tree": groups of particles that are far from one another by
-        their moments; the time grows with N log N. The relative error over all particles (l2) is below 1e-3, and about
+        their moments; the time grows with N. The relative error over all particles (l2) is below 1e-3, and about
         1e-2 where nearly all forces cancel, as along an evenly spaced line. "auto": the faster of the two.
 
     Returns
@@ -83,14 +97,14 @@ def coulomb_force(positions: ArrayLike, method: str = "auto") -> Array:
         raise ValueError("positions must be finite numbers; there are others among them, or they lie too far apart.")
     # the extent of the particles is about one in this unit, exactly
     scale = float(2.0 ** np.floor(np.log2(sides.max()))) if sides.max() > 0.0 else 1.0
-    sites, force = np.zeros((3, count)), np.empty((count, 3))
-    sites[3 - axes :] = points.T / scale
+    sites = np.array(points.T, order="C") / scale
+    force = np.empty((count, axes))
     if method == "tree" or (method == "auto" and count > _WORTH_A_TREE):
         _sum_by_tree(sites, force)
     else:
         share(partial(_sum_pairs, sites, force), count, _WORTH_A_THREAD // count + 1)
     with np.errstate(over="ignore"):
-        force = force[:, 3 - axes :] / scale / scale
+        force = force / scale / scale
     if not np.isfinite(force).all():
         raise ValueError(
             f"positions lie within {scale:.2g} px, so close together that forces cannot be computed: give them in "
@@ -101,11 +115,13 @@ def coulomb_force(positions: ArrayLike, method: str = "auto") -> Array:
 
 @reordered
 def _sum_pairs(sites: Array, force: Array, first: int, last: int) -> None:
-    """Eq. (9) for some of the particles at `sites`, shape (3, N), and all the others, which may include themselves."""
+    """Eq. (9) for some of the particles at `sites`, shape (D, N), and all the others, which may include themselves."""
+    axes = len(sites)
     for i in range(first, last):
         f_z, f_y, f_x = 0.0, 0.0, 0.0
         for j in range(sites.shape[1]):
-            d_z, d_y, d_x = sites[0, i] - sites[0, j], sites[1, i] - sites[1, j], sites[2, i] - sites[2, j]
+            d_y, d_x = sites[axes - 2, i] - sites[axes - 2, j], sites[axes - 1, i] - sites[axes - 1, j]
+            d_z = sites[0, i] - sites[0, j] if axes == 3 else 0.0
             squared = d_z * d_z + d_y * d_y + d_x * d_x
             squared = squared if squared > _SAME_SPOT else 1.0
             # A root in single precision and a correction are as exact as one in double precision, and take less time.
@@ -116,148 +132,448 @@ def _sum_pairs(sites: Array, force: Array, first: int, last: int) -> None:
             f_z += cube * d_z
             f_y += cube * d_y
             f_x += cube * d_x
-        force[i, 0], force[i, 1], force[i, 2] = f_z, f_y, f_x
+        force[i, 0] = f_z
+        force[i, axes - 2], force[i, axes - 1] = f_y, f_x
 
 
-_MOMENTS = 10
-"""Numbers of a box: mean position, number of particles, and quadrupole zz, yy, xx, zy, zx, yx without its trace."""
+@reordered
+def _near_force(near: Array, copies: Single, count: int, z: float, y: float, x: float) -> tuple[float, float, float]:
+    """Eq. (9) for a particle at (z, y, x) and the copies of those of a list, in single precision."""
+    one, nothing, axes = np.float32(1.0), np.float32(0.0), len(near)
+    f_z, f_y, f_x, space = nothing, nothing, nothing, axes == 3
+    for j in range(count):
+        d_y, d_x = np.float32(y - near[axes - 2, j]), np.float32(x - near[axes - 1, j])
+        squared = d_y * d_y + d_x * d_x
+        if space:
+            d_z = np.float32(z - near[0, j])
+            squared += d_z * d_z
+            squared = squared if squared > np.float32(_SAME_SPOT) else one
+            root = one / np.sqrt(squared)
+            f_z += _push(d_z, root, copies[j] * (root * root))
+        else:
+            squared = squared if squared > np.float32(_SAME_SPOT) else one
+            root = one / np.sqrt(squared)
+        f_y += _push(d_y, root, copies[j] * (root * root))
+        f_x += _push(d_x, root, copies[j] * (root * root))
+    return float(f_z), float(f_y), float(f_x)
+
+
+@compiled
+def _push(way: np.float32, root: np.float32, strength: np.float32) -> np.float32:
+    """Component of the inverse square, of factors that stay finite: the cube of the root may not."""
+    pushed: np.float32 = way * root * strength
+    return pushed
+
+
+class _Terms(NamedTuple):
+    """Terms of a Taylor series, sorted by degree: one for each choice of powers of the coordinates.
+
+    Attributes
+    ----------
+    degree : ndarray of int64, shape (T,)
+    powers, lower : ndarray of int64, shape (T, D)
+        Power of each coordinate, and the term that has one less of it.
+    one, other, whole : ndarray of int64, shape (P,)
+        Two terms, the other one not constant, and their product, where that is a term as well. Those come first whose
+        other term is a coordinate: the last one is term 1.
+    """
+
+    degree: Index
+    powers: Index
+    lower: Index
+    one: Index
+    other: Index
+    whole: Index
+
+
+@lru_cache(maxsize=2)
+def _terms(axes: int) -> _Terms:
+    """The terms up to the degree of all series, of two or three coordinates."""
+    powers = sorted((p for p in product(range(_DEGREE + 1), repeat=axes) if sum(p) <= _DEGREE), key=sum)
+    at = {p: t for t, p in enumerate(powers)}
+    lower = [[at.get((*p[:axis], p[axis] - 1, *p[axis + 1 :]), 0) for axis in range(axes)] for p in powers]
+    every = ((at[p], at[q], at.get(tuple(np.add(p, q)))) for q in powers[1:] for p in powers)
+    products = zip(*((one, other, whole) for one, other, whole in every if whole is not None), strict=True)
+    return _Terms(*map(np.array, ([sum(p) for p in powers], powers, lower, *products)))
+
+
+class _Tree(NamedTuple):
+    """Boxes, each level after the one above.
+
+    Attributes
+    ----------
+    span : ndarray of int64, shape (B, 2)
+        First of the sorted particles in each, and the one behind the last.
+    half : ndarray of int64, shape (B,)
+        The first of its halves, which the other one follows; 0 for a leaf.
+    place : ndarray, shape (B, 4)
+        Center and radius; the center in the plane is followed by a zero.
+    spots : ndarray of int64, shape (B,)
+        Positions in it that differ; negative in a box of no more than fit into a leaf, within which nothing acts by
+        series: where particles share few positions, no near pair would outweigh the error.
+    moments, series : ndarray, shape (B, T)
+        Sum of the terms of the vectors from its particles to its center, and derivatives there of the potential of all
+        that is far from it or from a box that contains it.
+    """
+
+    span: Index
+    half: Index
+    place: Array
+    spots: Index
+    moments: Array
+    series: Array
 
 
 def _sum_by_tree(sites: Array, force: Array) -> None:
     """The sums of `_sum_pairs` for all, nearly; sorts `sites`."""
-    count, behind = len(force), 0
-    order, span, levels = np.arange(count), np.array([(0, count)]), []
+    count, terms = len(force), _terms(len(sites))
+    order, copies = np.arange(count), np.zeros(count, np.float32)
+    levels, begin, span = [], [0], np.array([(0, count)])
     while len(span):
-        boxes, radius, middle = np.zeros((len(span), _MOMENTS)), np.zeros(len(span)), np.zeros(len(span), np.int64)
-        halve = partial(_halve, sites, order, span, boxes, radius, middle)
+        place, (middle, spots) = np.zeros((len(span), 4)), np.zeros((2, len(span)), np.int64)
+        halve = partial(_halve, sites, order, copies, span, place, middle, spots)
         share(halve, len(span), _WORTH_A_THREAD * len(span) // count + 1)
-        halved, behind = middle > 0, behind + len(span)
-        levels.append((span, np.where(halved, behind + 2 * np.cumsum(halved) - 2, 0), boxes, radius))
+        begin.append(begin[-1] + len(span))
+        halved = middle > 0
+        levels.append((span, np.where(halved, begin[-1] + 2 * np.cumsum(halved) - 2, 0), place, spots))
         middle = middle[halved]
         span = np.stack([span[halved, 0], middle, middle, span[halved, 1]], axis=1).reshape(-1, 2)
-    spans, half, boxes, radius = map(np.concatenate, zip(*levels, strict=True))
-    leaves = np.flatnonzero(half == 0)
-    share(partial(_sum_leaves, sites, order, spans, half, boxes, radius, leaves, force), len(leaves), 4)
+    tree = _Tree(*map(np.concatenate, zip(*levels, strict=True)), *np.zeros((2, begin[-1], len(terms.degree))))
+    for first, last in reversed([*pairwise(begin)]):
+        share(partial(_add_moments, sites, tree, terms, first), last - first, 200)
+    large = (tree.half > 0) & (_SUBTREES * (tree.span[:, 1] - tree.span[:, 0]) > count)
+    below = np.add.outer(tree.half[large], (0, 1)).ravel()
+    roots = below[~large[below]] if len(below) else np.zeros(1, np.int64)
+    share(partial(_sum_below, sites, order, copies, tree, terms, roots, force), len(roots), 1)
 
 
 @compiled
 def _halve(
-    sites: Array, order: Index, span: Index, boxes: Array, radius: Array, middle: Index, first: int, last: int
+    sites: Array,
+    order: Index,
+    copies: Single,
+    span: Index,
+    place: Array,
+    middle: Index,
+    spots: Index,
+    first: int,
+    last: int,
 ) -> None:
-    """Write the numbers of some boxes, sort the particles of each into its halves, and where the second half begins."""
+    """Place some boxes, sort the particles of each into its halves, and write where the second half begins.
+
+    In a leaf those come first whose positions differ, each with the number of particles there.
+    """
+    axes = len(sites)
     for k in range(first, last):
-        box, (start, end) = boxes[k], span[k]
-        box[3], widest, longest, cut = end - start, 0.0, 0, 0.0
-        for axis in range(3):
-            low = high = some = sites[axis, start]
-            total = 0.0
+        start, end = span[k]
+        squared, widest, longest, cut = 0.0, -1.0, 0, 0.0
+        for axis in range(axes):
+            low, high = np.inf, -np.inf
             for n in range(start, end):
                 here = sites[axis, n]
-                low, high, total = min(low, here), max(high, here), total + (here - some)
-            box[axis] = some + total / box[3]
+                low = here if here < low else low
+                high = here if here > high else high
+            place[k, axis] = 0.5 * (low + high)
+            squared += 0.25 * (high - low) ** 2
             if high - low > widest:
-                center = low + 0.5 * (high - low)
-                widest, longest, cut = high - low, axis, center if center < high else low
-        farthest = 0.0
-        for n in range(start, end):
-            z, y, x = sites[0, n] - box[0], sites[1, n] - box[1], sites[2, n] - box[2]
-            squared = z * z + y * y + x * x
-            farthest, third = max(farthest, squared), squared / 3.0
-            box[4], box[5], box[6] = box[4] + z * z - third, box[5] + y * y - third, box[6] + x * x - third
-            box[7], box[8], box[9] = box[7] + z * y, box[8] + z * x, box[9] + y * x
-        radius[k] = np.sqrt(farthest)
-        if end - start > _FULLEST and widest**2 > _SAME_SPOT:
+                widest, longest, cut = high - low, axis, place[k, axis] if place[k, axis] < high else low
+        place[k, 3] = np.sqrt(squared)
+        if end - start > _FULLEST and squared > _SAME_SPOT:
             behind = start  # what is sorted out is written in any case: a branch would be a guess each time
             for n in range(start, end):
                 before = sites[longest, n] <= cut
-                for axis in range(3):
+                for axis in range(axes):
                     sites[axis, behind], sites[axis, n] = sites[axis, n], sites[axis, behind]
                 order[behind], order[n] = order[n], order[behind]
                 behind += before
             middle[k] = behind
+        else:
+            spots[k] = _distinct(sites, order, copies, start, end) if squared > _SAME_SPOT else 1
+            copies[start] += (end - start) * (squared <= _SAME_SPOT)
 
 
 @compiled
-def _sum_leaves(
+def _distinct(sites: Array, order: Index, copies: Single, start: int, end: int) -> int:
+    """Sort some particles so that those come first whose positions differ, count the copies, return how many differ."""
+    axes, behind = len(sites), start
+    for n in range(start, end):
+        y, x, same = sites[axes - 2, n], sites[axes - 1, n], start
+        while same < behind and not (
+            sites[axes - 1, same] == x and sites[axes - 2, same] == y and sites[0, same] == sites[0, n]
+        ):
+            same += 1
+        copies[same] += np.float32(1.0)
+        if same == behind:
+            for axis in range(axes):
+                sites[axis, behind], sites[axis, n] = sites[axis, n], sites[axis, behind]
+            order[behind], order[n] = order[n], order[behind]
+            behind += 1
+    return behind - start
+
+
+@compiled
+def _filled_up(count: int) -> int:
+    """Columns of a table for so many vectors."""
+    return int(min(_LANES, (count + _ROUND - 1) // _ROUND * _ROUND))
+
+
+@reordered
+def _fill_terms(vectors: Array, count: int, lanes: int, terms: _Terms, table: Array) -> None:
+    """Terms of `count` vectors, each divided by the factorials of its powers; zeros for the others up to `lanes`."""
+    for n in range(lanes):
+        table[0, n] = 1.0 if n < count else 0.0
+    for t in range(1, len(terms.degree)):
+        axis = 0
+        while terms.powers[t, axis] == 0:
+            axis += 1
+        factor, lower = 1.0 / terms.powers[t, axis], terms.lower[t, axis]
+        for n in range(lanes):
+            table[t, n] = factor * vectors[axis, n] * table[lower, n]
+
+
+@reordered
+def _fill_derivatives(vectors: Array, lanes: int, terms: _Terms, table: Array) -> None:
+    """Derivatives of the inverse distance, each from those of one and two degrees less; `vectors` are overwritten."""
+    axes = len(vectors) - 1
+    for n in range(lanes):
+        squared = 0.0
+        for axis in range(axes):
+            squared += vectors[axis, n] * vectors[axis, n]
+        vectors[axes, n] = 1.0 / squared
+        table[0, n] = np.sqrt(vectors[axes, n])
+    for axis in range(axes):
+        for n in range(lanes):
+            vectors[axis, n] *= vectors[axes, n]
+    for t in range(1, len(terms.degree)):
+        for n in range(lanes):
+            table[t, n] = 0.0
+        degree = terms.degree[t]
+        for axis in range(axes):
+            power, lower = terms.powers[t, axis], terms.lower[t, axis]
+            if power > 0:
+                factor = -power * (2.0 * degree - 1.0) / degree
+                for n in range(lanes):
+                    table[t, n] += factor * vectors[axis, n] * table[lower, n]
+            if power > 1:
+                factor, lower = -power * (power - 1.0) * (degree - 1.0) / degree, terms.lower[lower, axis]
+                for n in range(lanes):
+                    table[t, n] += factor * vectors[axes, n] * table[lower, n]
+
+
+@reordered
+def _add_moments(sites: Array, tree: _Tree, terms: _Terms, level: int, first: int, last: int) -> None:
+    """Moments of some boxes of the level that begins there: of the particles in a leaf, or from those of its halves."""
+    axes, size = len(sites), len(terms.degree)
+    vectors, table = np.zeros((axes, _LANES)), np.empty((size, _LANES))
+    for k in range(level + first, level + last):
+        half, (start, end) = tree.half[k], tree.span[k]
+        if half:
+            for n in range(2):
+                for axis in range(axes):
+                    vectors[axis, n] = tree.place[k, axis] - tree.place[half + n, axis]
+            _fill_terms(vectors, 2, 2, terms, table)
+            for n in range(2):
+                tree.moments[k, 0] += tree.moments[half + n, 0]
+                for t in range(1, size):
+                    tree.moments[k, t] += tree.moments[half + n, t]
+                for p in range(len(terms.whole)):
+                    tree.moments[k, terms.whole[p]] += tree.moments[half + n, terms.one[p]] * table[terms.other[p], n]
+            tree.spots[k] = tree.spots[half] + tree.spots[half + 1]
+            if tree.spots[k] <= _FULLEST:
+                tree.spots[half], tree.spots[half + 1] = -tree.spots[half], -tree.spots[half + 1]
+            continue
+        for begin in range(start, end, _LANES):
+            lanes = _filled_up(end - begin)
+            for axis in range(axes):
+                for n in range(lanes):
+                    vectors[axis, n] = tree.place[k, axis] - sites[axis, min(begin + n, end - 1)]
+            _fill_terms(vectors, end - begin, lanes, terms, table)
+            for t in range(size):
+                total = 0.0
+                for n in range(lanes):
+                    total += table[t, n]
+                tree.moments[k, t] += total
+
+
+class _Desk(NamedTuple):
+    """Room for the work on one box.
+
+    Attributes
+    ----------
+    rest, far : ndarray of int64, shape (B,)
+        Boxes to be looked at, and those found to be far.
+    near : ndarray, shape (D, N + some)
+    copies : ndarray of float32, shape (N + some,)
+        Positions in near leaves, and the number of particles at each.
+    vectors : ndarray, shape (D + 1, lanes)
+    table, moments : ndarray, shape (T, lanes)
+    """
+
+    rest: Index
+    far: Index
+    near: Array
+    copies: Single
+    vectors: Array
+    table: Array
+    moments: Array
+
+
+@compiled
+def _sum_below(
     sites: Array,
     order: Index,
-    span: Index,
-    half: Index,
-    boxes: Array,
-    radius: Array,
-    leaves: Index,
+    copies: Single,
+    tree: _Tree,
+    terms: _Terms,
+    roots: Index,
     force: Array,
     first: int,
     last: int,
 ) -> None:
-    """Force on the particles of some leaves, in the order of all."""
-    stack, near = np.empty(len(half), np.int64), np.empty((3, len(order)))
-    far, moments = np.empty((3, len(half))), np.empty((_MOMENTS - 3, len(half)), np.float32)
-    for leaf in leaves[first:last]:
-        stack[0], top, listed, distant = 0, 1, 0, 0
+    """Force on the particles in some boxes, in the order of all.
+
+    Each box gets a list of the boxes that are not far from the box above, and leaves to its halves those that are not
+    far from it either.
+    """
+    axes, boxes, size = len(sites), len(tree.half), len(terms.degree)
+    stack, lists = np.empty((boxes, 3), np.int64), np.zeros(1024, np.int64)
+    desk = _Desk(
+        np.empty(boxes, np.int64),
+        np.empty(boxes, np.int64),
+        np.empty((axes, len(order) + _FILL)),
+        np.empty(len(order) + _FILL, np.float32),
+        np.empty((axes + 1, _LANES)),
+        np.empty((size, _LANES)),
+        np.empty((size, _LANES)),
+    )
+    for root in roots[first:last]:
+        stack[0, 0], stack[0, 1], stack[0, 2], top = root, 0, 1, 1
         while top > 0:
             top -= 1
-            k = stack[top]
-            apart = np.sqrt(((boxes[k, :3] - boxes[leaf, :3]) ** 2).sum())
-            if radius[k] < _OPENING * (apart - radius[leaf]):
-                for n in range(3):
-                    far[n, distant] = boxes[k, n]
-                for n in range(3, _MOMENTS):
-                    moments[n - 3, distant] = boxes[k, n]
-                distant += 1
-            elif half[k]:
-                stack[top], stack[top + 1] = half[k], half[k] + 1
-                top += 2
-            elif (radius[k] + apart + radius[leaf]) ** 2 > _SAME_SPOT:
-                for i in range(span[k, 0], span[k, 1]):
-                    near[0, listed], near[1, listed], near[2, listed] = sites[0, i], sites[1, i], sites[2, i]
-                    listed += 1
-        for i in range(span[leaf, 0], span[leaf, 1]):
-            site = sites[0, i], sites[1, i], sites[2, i]
-            one, other = _near_force(near, listed, site), _far_force(far, moments, distant, site)
-            for axis in range(3):
-                force[order[i], axis] = one[axis] + other[axis]
+            k, begin, end = stack[top]
+            lists, kept, distant, listed = _sort_out(sites, copies, tree, desk, k, lists, begin, end)
+            for block in range(0, distant, _LANES):
+                _take_in(tree, terms, desk, k, desk.far[block : min(block + _LANES, distant)])
+            if tree.half[k]:
+                _hand_on(tree, terms, desk, k)
+                for n in range(2):
+                    stack[top, 0], stack[top, 1], stack[top, 2] = tree.half[k] + n, end, kept
+                    top += 1
+            else:
+                _sum_leaf(sites, order, tree, terms, desk, k, listed, force)
 
 
 @compiled
-def _scaled(way: np.float32, root: np.float32, strength: np.float32) -> np.float32:
-    """A product whose factors stay finite in this order: the cube of the root may not."""
-    scaled: np.float32 = way * root * strength
-    return scaled
+def _sort_out(
+    sites: Array, copies: Single, tree: _Tree, desk: _Desk, k: int, lists: Index, begin: int, end: int
+) -> tuple[Index, int, int, int]:
+    """Sort the boxes of a list: far from a box, to be left to its halves, and near a leaf.
+
+    Return the lists, to whose end is written what is left to the halves, where that ends, and the numbers of far boxes
+    and of near particles.
+    """
+    half, spots, axes = tree.half[k], tree.spots[k], len(sites)
+    z, y, x, radius = tree.place[k, 0], tree.place[k, 1], tree.place[k, 2], tree.place[k, 3]
+    left, kept, distant, listed = end - begin, end, 0, 0
+    for n in range(left):
+        desk.rest[n] = lists[begin + n]
+    while left > 0:
+        left -= 1
+        other = desk.rest[left]
+        there, larger = tree.half[other], tree.place[other, 3] > radius
+        squared = (tree.place[other, 0] - z) ** 2 + (tree.place[other, 1] - y) ** 2 + (tree.place[other, 2] - x) ** 2
+        radii = (tree.place[other, 3] + radius) ** 2
+        if radii < _OPENING**2 * squared and spots > 0 and tree.spots[other] > 0:
+            desk.far[distant] = other
+            distant += 1
+        elif there and (not half or (tree.spots[other] > _FULLEST and (larger or spots <= _FULLEST))):
+            desk.rest[left], desk.rest[left + 1] = there, there + 1
+            left += 2
+        elif half:
+            if kept == len(lists):
+                lists = np.append(lists, lists)
+            lists[kept] = other
+            kept += 1
+        else:
+            start, many = tree.span[other, 0], abs(tree.spots[other])
+            for n in range(many):
+                desk.copies[listed + n] = copies[start + n]
+            for axis in range(axes):
+                for n in range(many):
+                    desk.near[axis, listed + n] = sites[axis, start + n]
+            listed += many
+    if not half:
+        for axis in range(axes):
+            for n in range(listed, listed + _FILL):
+                desk.near[axis, n] = _NOWHERE
+                desk.copies[n] = 0.0
+    return lists, kept, distant, listed
+
+
+@compiled
+def _hand_on(tree: _Tree, terms: _Terms, desk: _Desk, k: int) -> None:
+    """Begin the series of the halves of a box with its own."""
+    half = tree.half[k]
+    for n in range(2):
+        for axis in range(len(desk.vectors) - 1):
+            desk.vectors[axis, n] = tree.place[half + n, axis] - tree.place[k, axis]
+    _fill_terms(desk.vectors, 2, 2, terms, desk.table)
+    for n in range(2):
+        for p in range(len(terms.whole)):
+            part = tree.series[k, terms.whole[p]] * desk.table[terms.one[p], n]
+            tree.series[half + n, terms.other[p]] += part
 
 
 @reordered
-def _near_force(near: Array, count: int, site: Vector) -> Vector:
-    """Eq. (9) for a particle at a site and those of a list, in single precision."""
-    one, (z, y, x) = np.float32(1.0), site
-    f_z, f_y, f_x = np.float32(0.0), np.float32(0.0), np.float32(0.0)
-    for j in range(count):
-        d_z, d_y, d_x = np.float32(z - near[0, j]), np.float32(y - near[1, j]), np.float32(x - near[2, j])
-        squared = d_z * d_z + d_y * d_y + d_x * d_x
-        root = one / np.sqrt(squared if squared > np.float32(_SAME_SPOT) else one)
-        inverse = root * root
-        f_z += _scaled(d_z, root, inverse)
-        f_y += _scaled(d_y, root, inverse)
-        f_x += _scaled(d_x, root, inverse)
-    return float(f_z), float(f_y), float(f_x)
+def _take_in(tree: _Tree, terms: _Terms, desk: _Desk, k: int, far: Index) -> None:
+    """Add the potential of far boxes to the series of a box."""
+    count, lanes = len(far), _filled_up(len(far))
+    for n in range(lanes):
+        other = far[min(n, count - 1)]
+        for axis in range(len(desk.vectors) - 1):
+            desk.vectors[axis, n] = tree.place[k, axis] - tree.place[other, axis]
+        for t in range(len(terms.degree)):
+            if terms.degree[t] == _DEGREE:
+                break  # it would add to the potential itself only, of which there is no use
+            desk.moments[t, n] = tree.moments[other, t] if n < count else 0.0
+    _fill_derivatives(desk.vectors, lanes, terms, desk.table)
+    for p in range(len(terms.whole)):
+        one, whole, total = terms.one[p], terms.whole[p], 0.0
+        for n in range(lanes):
+            total += desk.moments[one, n] * desk.table[whole, n]
+        tree.series[k, terms.other[p]] += total
 
 
-@reordered
-def _far_force(far: Array, moments: Single, count: int, site: Vector) -> Vector:
-    """Force on a particle at a site of boxes far from it: that of their number, and of their quadrupole."""
-    one, three, more, (z, y, x) = np.float32(1.0), np.float32(3.0), np.float32(7.5), site
-    f_z, f_y, f_x = np.float32(0.0), np.float32(0.0), np.float32(0.0)
-    for k in range(count):
-        d_z, d_y, d_x = np.float32(z - far[0, k]), np.float32(y - far[1, k]), np.float32(x - far[2, k])
-        squared = d_z * d_z + d_y * d_y + d_x * d_x
-        root = one / np.sqrt(squared if squared > np.float32(_SAME_SPOT) else one)
-        inverse = root * root
-        u_z, u_y, u_x = d_z * root, d_y * root, d_x * root
-        q_z = moments[1, k] * u_z + moments[4, k] * u_y + moments[5, k] * u_x
-        q_y = moments[4, k] * u_z + moments[2, k] * u_y + moments[6, k] * u_x
-        q_x = moments[5, k] * u_z + moments[6, k] * u_y + moments[3, k] * u_x
-        central = moments[0, k] + more * (inverse * (q_z * u_z + q_y * u_y + q_x * u_x))
-        f_z += inverse * (central * u_z - three * (inverse * q_z))
-        f_y += inverse * (central * u_y - three * (inverse * q_y))
-        f_x += inverse * (central * u_x - three * (inverse * q_x))
-    return float(f_z), float(f_y), float(f_x)
+@compiled
+def _sum_leaf(
+    sites: Array, order: Index, tree: _Tree, terms: _Terms, desk: _Desk, k: int, listed: int, force: Array
+) -> None:
+    """Force on the particles in a leaf: of those listed as near, and the slope of the series."""
+    axes, (start, end) = len(sites), tree.span[k]
+    for begin in range(start, end, _LANES):
+        lanes = _filled_up(end - begin)
+        for axis in range(axes):
+            for n in range(lanes):
+                desk.vectors[axis, n] = sites[axis, min(begin + n, end - 1)] - tree.place[k, axis]
+        _fill_terms(desk.vectors, lanes, lanes, terms, desk.table)
+        for axis in range(axes):
+            for n in range(lanes):
+                desk.vectors[axis, n] = 0.0
+        for p in range(len(terms.whole)):
+            if terms.other[p] > axes:
+                break
+            axis, one, slope = axes - terms.other[p], terms.one[p], tree.series[k, terms.whole[p]]
+            for n in range(lanes):
+                desk.vectors[axis, n] -= slope * desk.table[one, n]
+        for n in range(min(_LANES, end - begin)):
+            i = begin + n
+            pushes = _near_force(
+                desk.near,
+                desk.copies,
+                (listed + _FILL - 1) // _FILL * _FILL,
+                sites[0, i],
+                sites[axes - 2, i],
+                sites[axes - 1, i],
+            )
+            for axis in range(axes):
+                force[order[i], axis] = pushes[3 - axes + axis] + desk.vectors[axis, n]
