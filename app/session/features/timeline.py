@@ -150,7 +150,7 @@ class TimelineNavigation(QObject):
             self._use_outline(self.outline)
             return
         self._here = (snapshot.timeline.branch, snapshot.state.step)
-        self.outline = snapshot.timeline
+        self._take_outline(snapshot.timeline)
         if self._here == self._target:
             self._target = None
         self.changed.emit()
@@ -158,8 +158,15 @@ class TimelineNavigation(QObject):
     def _use_outline(self, outline: Outline) -> None:
         """Show runs while the run is on none of them."""
         self._here, self._target = (0, 0), None
-        self.outline = outline
+        self._take_outline(outline)
         self.changed.emit()
+
+    def _take_outline(self, outline: Outline) -> None:
+        fallen = outline.fallen[len(self.outline.fallen) :]
+        self.outline = outline
+        if fallen:
+            message = tr("{runs} had to be removed from the timeline to make room; renamed runs are kept longer.")
+            self._session.say(message.format(runs=", ".join(fallen)))
 
     def _follow_phase(self) -> None:
         if self._session.status.phase == "running" and self._target is not None:

@@ -50,6 +50,8 @@ class Outline:
         The current branch, 0 before there is one.
     parameters : Parameters or None
         Parameters of the current step; None for the first.
+    fallen : tuple of str
+        Names of the runs that were removed to make room.
     edition : int
         Changes whenever something is recorded, renamed or removed.
     steered : bool
@@ -61,6 +63,7 @@ class Outline:
     branches: tuple[Branch, ...] = ()
     branch: int = 0
     parameters: Parameters | None = None
+    fallen: tuple[str, ...] = ()
     edition: int = 0
     steered: bool = False
     began: int = 0
@@ -119,6 +122,7 @@ class Timeline:
         self._step = 0
         self._numbered, self._named = 0, [0, 0]
         self._branches: tuple[Branch, ...] | None = None
+        self._fallen: tuple[str, ...] = ()
         self._begun: dict[int, tuple[Document, int]] = {}
 
         @lru_cache(_METHODS)
@@ -146,6 +150,7 @@ class Timeline:
             self._branches,
             self._line.identity,
             next((action.parameters for action in actions if isinstance(action, Stepped)), None),
+            self._fallen,
             self.edition,
             len(self._lines) > 1 or any(line.steered for line in self._lines.values()),
             self._begun[self.run][1] if self.run else 0,
@@ -316,7 +321,7 @@ class Timeline:
     def clear(self) -> None:
         """Remove everything."""
         self.leave()
-        self._numbered, self._named = 0, [0, 0]
+        self._numbered, self._named, self._fallen = 0, [0, 0], ()
         self._lines, self._begun = {}, {}
         self.method.cache_clear()
         self._kept.clear()
@@ -460,6 +465,7 @@ class Timeline:
             oldest = min((one for one in roots if one.run != self.run), key=lambda one: one.renamed, default=None)
             if oldest is None:
                 return
+            self._fallen = (*self._fallen, oldest.name)
             self._remove_run(oldest.run)
 
 

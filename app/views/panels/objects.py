@@ -71,7 +71,7 @@ def _measure(get: Callable[[Measures], float | str | None]) -> Callable[[Row], f
 
 def _of(
     item: Callable[[SegmentedObject], float | None], measures: Callable[[Measures], float | None]
-) -> Callable[[Row], float | None]:
+) -> Callable[[Row], float | str | None]:
     """A number of an object, or of a contour."""
     return lambda row: item(row.item) if row.item is not None else _measure(measures)(row)
 

@@ -193,7 +193,8 @@ def on_strong_edges(volume: Image | ArrayLike, fraction: float = STRONG, smoothi
 def strength_of(volume: Image, smoothing: float) -> Array:
     """Edge strength of every voxel; `smoothing` as for `on_strong_edges`."""
     pitch = pitch_of(volume.spacing)
-    return Slopes.of(smoothed_volume(volume.values, [smoothing / side for side in pitch]), pitch).strengths()
+    slopes = Slopes.of(smoothed_volume(volume.values, [smoothing / side for side in pitch]), pitch)
+    return slopes.strengths().astype(float)
 
 
 def at_centers(volume: Image | ArrayLike, smoothing: float = 2.0, spacing: float = 4.0) -> Array:

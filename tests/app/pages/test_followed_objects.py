@@ -172,17 +172,17 @@ def test_a_click_in_the_table_or_in_the_plot_goes_to_the_page_and_selected_objec
     hand.key(KEY.Key_F11, Qt.KeyboardModifier.ShiftModifier)
     panel = window.feature(PagesFeature).panel
     table, chart = panel.table, panel.chart
-    hand.wait(lambda: table.model().rowCount() == 6 and bool(chart._drawn))
-    assert [len(drawn.curves) for drawn in chart._drawn] == [2, 2]
+    hand.wait(lambda: table.model().rowCount() == 6 and bool(chart._items))
+    assert len(chart._curves) == 4
     row = table.column("page").index("3") + 1
     hand.qtbot.mouseClick(table.viewport(), LEFT, pos=table.visualRect(table.model().index(row, 0)).center())
     hand.wait(lambda: window.workspace.pages.number == 3 and window.workspace.object_list.chosen == {2})
     settled(window, hand)
-    assert [len(drawn.curves) for drawn in chart._drawn] == [1, 1]
-    pages, areas = chart._drawn[0].curves[0].getData()
+    assert len(chart._curves) == 2
+    pages, areas = chart._curves[0][2].getData()
     assert pages.tolist() == [1, 2, 3]
     np.testing.assert_allclose(areas, np.pi * 49, rtol=0.12)
-    place = chart._drawn[0].item.getViewBox().mapViewToScene(QPointF(2.1, areas[1]))
+    place = chart._items[0].getViewBox().mapViewToScene(QPointF(2.1, areas[1]))
     hand.qtbot.mouseClick(chart.viewport(), LEFT, pos=chart.mapFromScene(place))
     hand.wait(lambda: window.workspace.pages.number == 2)
 

@@ -73,7 +73,6 @@ BAD = [
         '"baloon" is not a setting of geodesic: choose among balloon',
     ),
     ("compare disk.png --start line.svg", "has no closed contour"),
-    (f"compare ball.npy {SPHERE} --methods gvf", "GVF snake is for images"),
     ("export own.cpm --to a.json --page 1", "--page is for contours in a stack"),
     *(
         (line, "would overwrite a file that is read")
