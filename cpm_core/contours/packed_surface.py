@@ -21,7 +21,7 @@ from numpy.typing import DTypeLike, NDArray
 
 from cpm_core.contours.surface import Surface, inside_of
 from cpm_core.image.volume_regions import Voxels
-from cpm_core.numerics.grids import zero_surface
+from cpm_core.numerics.grids import ends, zero_surface
 from cpm_core.numerics.types import Array, Index, Mask, Place
 
 _LARGEST = 256 * 2**20
@@ -253,9 +253,7 @@ class PackedVoxels:
     @property
     def box(self) -> Array:
         """The least, and the largest, plane, row and column of them, shape (2, 3)."""
-        mask = self.part(self.first, self.shape)
-        lines = (np.flatnonzero(mask.any(axis=axes)) for axes in ((1, 2), (0, 2), (0, 1)))
-        return np.array([(line[0], line[-1]) for line in lines], float).T + self.first
+        return ends(self.part(self.first, self.shape)).astype(float) + self.first
 
     def moved(self, by: Place) -> PackedVoxels:
         """The same voxels displaced by about so much along each axis [voxels]."""

@@ -277,8 +277,9 @@ def join_corners(values: Single, raised: float) -> None:
 
 
 def ends(mask: Mask) -> Index:
-    """First and last row and column that hold a true pixel of a mask, which has one; shape (2, 2)."""
-    lines = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
+    """First and last position along each axis that hold a true pixel of a mask, which has one; shape (2, D)."""
+    others = (tuple(k for k in range(mask.ndim) if k != axis) for axis in range(mask.ndim))
+    lines = (np.flatnonzero(mask.any(axis=axes)) for axes in others)
     return np.array([[line[0], line[-1]] for line in lines]).T
 
 

@@ -9,8 +9,11 @@ answers (`prior.bodies`), and further clicks correct that.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from copy import copy
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
+from itertools import tee
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -146,7 +149,7 @@ class VolumePartition:
         first = self.select(inside, outside, previous=previous)
         found = [first]
         if len(first.inside):
-            for body in self._prior.bodies_at(self._within(first.inside[:1])[0] * self._prior.size):
+            for body in self._bodies_at(first.inside[:1]):
                 other = self._bounded(body, first.inside, first.outside, "")
                 if other.found and all(is_other(other.volume, one.volume) for one in found):
                     found.append(other)
@@ -167,7 +170,7 @@ class VolumePartition:
         elif previous is not None and previous.found:
             body = body_of(previous.mask, size)
         else:
-            body = next(self._prior.bodies_at(self._within(within)[0] * size))
+            body = next(self._bodies_at(within[:1]))
         found = self._bounded(body, within, beyond, _BOTH if same.any() else "")
         return replace(found, inside=inside, outside=outside)
 
@@ -180,6 +183,16 @@ class VolumePartition:
                     body = self._prior.corrected(body, place * size, adds, within * size, beyond * size)
         surface = body_surface(body, self.image.values, size, within, beyond, self.image.spacing, self.image.unit)
         return VolumeSelection(self, surface, inside, outside, remark, body)
+
+    def _bodies_at(self, place: Array) -> Iterator[Body]:
+        """What the prior sees around a place, shape (1, 3); what is known for the last one is not asked for again."""
+        (at,) = self._within(place) * self._prior.size
+        return copy(self._found(tuple(at.tolist())))
+
+    @cached_property
+    def _found(self) -> Callable[[tuple[float, ...]], Iterator[Body]]:
+        """Bodies around a place, which copies go through from the first one on; those of the last place are kept."""
+        return lru_cache(1)(lambda place: tee(self._prior.bodies_at(np.array(place)), 1)[0])
 
     def _within(self, places: Array) -> Array:
         """The nearest places in the volume."""

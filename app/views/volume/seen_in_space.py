@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import lru_cache
 from types import MappingProxyType
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from PySide6.QtGui import QColor
@@ -109,11 +109,16 @@ def _truth(truth: Truth | VolumeTruth | None, spacing: tuple[float, ...]) -> tup
     return (_colored(truth.surface, spacing, look().color(theme.TRUTH)),) if isinstance(truth, VolumeTruth) else ()
 
 
-@lru_cache(maxsize=32)
+_MESHES: WeakKeyDictionary[Surface, Mesh] = WeakKeyDictionary()
+"""What has been drawn of surfaces that are there."""
+
+
 def _colored(surface: Surface, spacing: tuple[float, ...], color: str) -> ColoredMesh:
-    """The same mesh as before, with its normals, while others change."""
-    shade = QColor(color)
-    return ColoredMesh(Mesh(replace(surface, spacing=spacing)), (shade.red(), shade.green(), shade.blue()))
+    """A surface in a color; its mesh is the same as before, with its normals, while others change."""
+    mesh, shade = _MESHES.get(surface), QColor(color)
+    if mesh is None or mesh.surface.spacing != spacing:
+        mesh = _MESHES[surface] = Mesh(replace(surface, spacing=spacing))
+    return ColoredMesh(mesh, (shade.red(), shade.green(), shade.blue()))
 
 
 def _wires(

@@ -1,8 +1,10 @@
-"""Names of files and contours: without what a terminal, a drawing or a spreadsheet would obey, and in what order."""
+"""Names of files, contours and labels: without what a terminal or a spreadsheet would obey, and in what order."""
 
 from __future__ import annotations
 
 import re
+
+from cpm_core.contours.contour import MOST_LETTERS, Label
 
 _UNPRINTABLE = re.compile("[\x00-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
 """Control characters, bytes of a name that are no UTF-8, and what XML does not allow."""
@@ -24,6 +26,11 @@ def in_natural_order(name: str) -> tuple[list[str | int], str]:
 def printable(text: str) -> str:
     """Text in which each character that cannot be shown is a replacement character (U+FFFD)."""
     return _UNPRINTABLE.sub("\ufffd", text)
+
+
+def label_of(number: int, name: str, color: bytes) -> Label:
+    """A label as a file has it: its name without what cannot be shown, and red, green and blue, or nothing."""
+    return Label(number, printable(name)[:MOST_LETTERS], f"#{color.hex()}" if color else "")
 
 
 def cell(text: str) -> str:

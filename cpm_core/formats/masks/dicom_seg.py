@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 import skimage
 
-from cpm_core.contours.contour import MOST_LETTERS, Label
+from cpm_core.contours.contour import Label
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.content import UnreadableError
-from cpm_core.formats.common.printable import printable
+from cpm_core.formats.common.printable import label_of
 from cpm_core.formats.common.provenance import VERSION
 from cpm_core.formats.images.decoded import Decoded
 from cpm_core.formats.images.dicom import decoded, frames_in, is_dicom
@@ -129,7 +129,7 @@ def _source(result: Result, image: Path | None) -> list[Frame]:
 def read(path: Path) -> list[tuple[Label, list[Decoded]]]:
     """The segments of a file, each with the images in which it has pixels, as masks that know where they lie.
 
-    None for files of another kind.
+    There are none in files of another kind.
     """
     import pydicom
 
@@ -143,8 +143,8 @@ def read(path: Path) -> list[tuple[Label, list[Decoded]]]:
         pixels = 2 * pixels.astype(float) >= float(dataset.MaximumFractionalValue)
     found: dict[int, tuple[Label, list[Decoded]]] = {}
     for segment in dataset.SegmentSequence:
-        name = printable(str(segment.get("SegmentLabel", "")))[:MOST_LETTERS]
-        label = Label(int(segment.SegmentNumber), name, _color(segment.get("RecommendedDisplayCIELabValue")))
+        color = _color(segment.get("RecommendedDisplayCIELabValue"))
+        label = label_of(int(segment.SegmentNumber), str(segment.get("SegmentLabel", "")), color)
         found[label.number] = label, []
     for frame, values, own in zip(frames, pixels, dataset.PerFrameFunctionalGroupsSequence, strict=True):
         if frame.origin is None or frame.along is None or frame.spacing is None:
@@ -160,9 +160,9 @@ def read(path: Path) -> list[tuple[Label, list[Decoded]]]:
     return list(found.values())
 
 
-def _color(stored: Any) -> str:
-    """The color of a segment; empty where it has none."""
+def _color(stored: Any) -> bytes:
+    """Red, green and blue of a segment; nothing where it has no color."""
     if stored is None or len(stored) != 3:
-        return ""
+        return b""
     lab = _LAB[0] + np.array(stored, float) / 65535.0 * (_LAB[1] - _LAB[0])
-    return f"#{bytes(np.rint(255.0 * np.clip(skimage.color.lab2rgb(lab), 0.0, 1.0)).astype(np.uint8)).hex()}"
+    return bytes(np.rint(255.0 * np.clip(skimage.color.lab2rgb(lab), 0.0, 1.0)).astype(np.uint8))

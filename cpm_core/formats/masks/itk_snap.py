@@ -6,30 +6,15 @@ import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from cpm_core.contours.contour import MOST_LETTERS, Label
+from cpm_core.contours.contour import Label
 from cpm_core.formats.common.content import content_of
-from cpm_core.formats.common.printable import printable
+from cpm_core.formats.common.printable import label_of
 
 SUFFIX = ".txt"
 _SUFFIXES = (SUFFIX, ".label")
 """Suffixes by which ITK-SNAP saves descriptions."""
 
-_HEAD = """\
-################################################
-# ITK-SnAP Label Description File
-# File format:
-# IDX   -R-  -G-  -B-  -A--  VIS MSH  LABEL
-# Fields:
-#    IDX:   Zero-based index
-#    -R-:   Red color component (0..255)
-#    -G-:   Green color component (0..255)
-#    -B-:   Blue color component (0..255)
-#    -A-:   Label transparency (0.00 .. 1.00)
-#    VIS:   Label visibility (0 or 1)
-#    MSH:   Label mesh visibility (0 or 1)
-#  LABEL:   Label description
-################################################
-"""
+_HEAD = "# labels for ITK-SNAP: number, red, green, blue, opacity, shown in slices, shown in space, name\n"
 _LINE = re.compile(r'\s*(\d+)\s+(\d+)\s+(\d+)\s+(\d+)\s+[\d.eE+-]+\s+[01]\s+[01]\s+"(.*)"\s*')
 _LARGEST = 2**22
 """Most bytes of a file that is read."""
@@ -52,10 +37,9 @@ def read(path: Path) -> tuple[Label, ...]:
     found = [match for line in lines if (match := _LINE.fullmatch(line))]
     if len(found) < len(lines):
         return ()
-    colors = (bytes(min(int(part), 255) for part in match.group(2, 3, 4)).hex() for match in found)
     return tuple(
-        Label(int(match[1]), printable(match[5])[:MOST_LETTERS], f"#{color}")
-        for match, color in zip(found, colors, strict=True)
+        label_of(int(match[1]), match[5], bytes(min(int(part), 255) for part in match.group(2, 3, 4)))
+        for match in found
         if int(match[1])
     )
 

@@ -13,9 +13,9 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from cpm_core.contours.contour import MOST_LETTERS, Label
+from cpm_core.contours.contour import Label
 from cpm_core.formats.common.content import content_of
-from cpm_core.formats.common.printable import printable
+from cpm_core.formats.common.printable import label_of
 from cpm_core.formats.common.provenance import Outcome, facts_of, text_of
 from cpm_core.formats.images.decoded import Decoded
 from cpm_core.formats.images.readers import open_stack
@@ -113,8 +113,8 @@ def segments_of(path: Path) -> tuple[Segment, ...]:
         # files of before 2020 have a volume for each segment
         value, layer = (int(known.get(name, usual)) for name, usual in (("LabelValue", 1), ("Layer", index)))
         parts = [round(255 * min(max(float(part), 0.0), 1.0)) for part in known.get("Color", "").split()]
-        name = printable(known.get("Name", "").replace("\\\\", "\\"))[:MOST_LETTERS]
-        found.append(Segment(Label(value, name, f"#{bytes(parts).hex()}" if len(parts) == 3 else ""), value, layer))
+        name = known.get("Name", "").replace("\\\\", "\\")
+        found.append(Segment(label_of(value, name, bytes(parts if len(parts) == 3 else ())), value, layer))
     return tuple(found)
 
 

@@ -18,11 +18,12 @@ import numpy as np
 import scipy
 import skimage
 
+from cpm_core.numerics.grids import ends
 from cpm_core.numerics.parallel import share
 from cpm_core.numerics.types import Array, Mask, Single
 from cpm_core.objects.prior.network import Network, trained
 from cpm_core.objects.prior.prior import maps_of
-from cpm_core.objects.prior.windows import LEAST_DEVIATION, SIDE, Cube, Grays, resampled
+from cpm_core.objects.prior.windows import LEAST_DEVIATION, SIDE, Cube, Grays, holding, resampled
 
 _GROWS, _LEAST, _MOST = 1.6, 40.0, 1.1
 """Ratio of the sides of one cube to those of the next smaller one; least side around a click [smallest sides of a
@@ -38,7 +39,7 @@ _OTHER_SIZE = 1.5
 """Ratio of volumes from which two bodies around a place are different ones."""
 
 _EVERY = 6
-"""Every so manieth slice is asked; between two of them logits are interpolated."""
+"""Distance between two slices that the network is asked about, between which logits are interpolated [steps]."""
 
 _SURE = 0.5
 """Overlap that the network expects of its answer, below which that is not carried on."""
@@ -118,9 +119,8 @@ def is_other(size: float, other: float) -> bool:
 
 def body_of(mask: Mask, size: Array) -> Body:
     """The body of some voxels, shape (P, R, C), whose sides are given, the smallest being 1."""
-    on = [np.flatnonzero(mask.any(axis=tuple(k for k in range(3) if k != axis)))[[0, -1]] for axis in range(3)]
-    low, high = (np.array(on)[:, end] + end - 0.5 for end in (0, 1))
-    low, high = low * size, high * size
+    first, last = ends(mask)
+    low, high = (first - 0.5) * size, (last + 0.5) * size
     cube = Cube(0.5 * (low + high), max(_AROUND * float((high - low).max()), _CLOSEST))
     lines = [line / side for line, side in zip(cube.lines, size.tolist(), strict=True)]
     logits = (2.0 * resampled(mask, lines, tuple(cube.scale / size)) - 1.0) * np.float32(FAR)
@@ -248,10 +248,10 @@ class BodyPrior:
     def _closer(self, cube: Cube, found: list[Single], place: Array) -> tuple[Cube, list[Single]]:
         """A cube around what is seen in the slices of another one, and what is seen there."""
         wider = _around(cube, found, place)
-        lines = cube.steps(np.stack(wider.lines, axis=1))
+        lines = cube.steps_along(wider.lines)
         before = []
         for axis, seen in enumerate(found):
-            places = np.meshgrid(*lines[:, _OTHERS[axis]].T, indexing="ij")
+            places = np.meshgrid(*(lines[other] for other in _OTHERS[axis]), indexing="ij")
             before.append(np.asarray(scipy.ndimage.map_coordinates(seen, places, order=1), np.float32))
         return wider, self._ask(self._through(wider, place, before)).seen
 
@@ -281,7 +281,7 @@ class BodyPrior:
         return self._ask([partial(_maps_within, within, each) for each in slices])
 
     def _carried(self, within: _Within, seen: list[Single]) -> Single:
-        """The opinion of slices, every so manieth, from those through the first place on."""
+        """The opinion of slices `_EVERY` steps apart, beginning with those through the first place."""
         start = np.clip(np.rint(within.inside[0]).astype(int), 0, SIDE - 1).tolist()
         ends = self._grays.within(within.cube)
         known = [{start[axis]: _logit(seen[axis])} for axis in range(3)]
@@ -380,7 +380,7 @@ class BodyPrior:
 def _maps_through(grays: Callable[[], Single], axis: int, inside: Array, before: Single) -> Single:
     """Maps of a slice whose gray levels have yet to be found, and which places inside lie in."""
     there: Single = np.moveaxis(grays(), axis, 0)[0]
-    on = _holding(inside)
+    on = holding(inside)
     return _maps(there, float(np.median(there[on])), on, np.zeros_like(on), before)
 
 
@@ -388,7 +388,7 @@ def _maps_within(within: _Within, asked: _Slice) -> Single:
     """Maps of a slice of a cube, which the places near it lie in."""
     there: Single = np.moveaxis(within.grays, asked.axis, 0)[asked.step]
     inside, outside = (
-        _holding(steps[np.abs(steps[:, asked.axis] - asked.step) <= 1.0][:, _OTHERS[asked.axis]])
+        holding(steps[np.abs(steps[:, asked.axis] - asked.step) <= 1.0][:, _OTHERS[asked.axis]])
         if changed is None
         else _deepest(changed)
         for steps, changed in ((within.inside, asked.more), (within.outside, asked.less))
@@ -410,14 +410,6 @@ def _maps(grays: Single, level: float, inside: Mask, outside: Mask, before: Sing
     seen[0] = (grays - mean) / deviation
     like = np.array([(level - mean) / deviation, 0.0, 0.0], np.float32)
     return maps_of(seen, like, inside, outside, np.zeros_like(grays), before)
-
-
-def _holding(steps: Array) -> Mask:
-    """Pixels of a slice that hold places, shape (N, 2) [steps]."""
-    on = np.zeros((SIDE, SIDE), np.bool_)
-    place = np.rint(steps).astype(np.int64)
-    on[tuple(place[((place >= 0) & (place < SIDE)).all(axis=1)].T)] = True
-    return on
 
 
 def _agreement(slices: Sequence[Single]) -> float:

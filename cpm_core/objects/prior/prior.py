@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from cpm_core.numerics.grids import ends
 from cpm_core.numerics.types import Array, Index, Mask, Single
 from cpm_core.objects.prior.network import Network, trained
-from cpm_core.objects.prior.windows import Views, Window
+from cpm_core.objects.prior.windows import Views, Window, holding
 
 _GROWS, _LEAST, _MOST = 1.6, 40.0, 1.1
 """Ratio of the sides of one window to those of the next smaller one; least side around a click [px]; and the largest,
@@ -242,7 +242,7 @@ class Prior:
     def _answer(self, window: Window, prompt: Prompt, former: Answer | None) -> Answer:
         """What the network makes of a window, after a former answer or that of the prompt."""
         seen = self._views.through(window)
-        inside, outside = window.holding(prompt.inside), window.holding(prompt.outside)
+        inside, outside = (holding(window.steps(each)) for each in (prompt.inside, prompt.outside))
         drawn: Single = np.zeros(seen.shape[1:], np.float32)
         if prompt.drawn is not None:
             drawn = window.of(prompt.drawn)

@@ -1,10 +1,11 @@
 """Windows: the squares of an image that the network looks at, each brought to the same number of pixels; and cubes.
 
-A cube is the part of a volume that the network looks at in slices, likewise.
+A cube is the part of a volume that the network looks at slice by slice.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -35,15 +36,15 @@ _SAMPLES = 100_000
 
 
 @dataclass(frozen=True, eq=False)
-class Window:
-    """A square of an image.
+class Patch:
+    """A square of an image, or a cube in a volume, brought to `SIDE` steps along each axis.
 
     Attributes
     ----------
-    middle : ndarray, shape (2,)
-        Its middle (row, col) [px].
+    middle : ndarray, shape (D,)
+        Its middle [px, or smallest sides of a voxel].
     side : float
-        Length of its sides [px]; it may extend beyond the image.
+        Length of its sides, in the same unit; it may extend beyond the image.
     """
 
     middle: Array
@@ -51,21 +52,34 @@ class Window:
 
     @property
     def scale(self) -> float:
-        """Pixels of the image for one of the window."""
+        """Distance between its steps."""
         return self.side / SIDE
 
     @property
-    def lines(self) -> tuple[Array, Array]:
-        """Rows and columns of the image at its pixels, each of shape (SIDE,) [px]."""
-        steps = (np.arange(SIDE) - SIDE / 2) * self.scale
-        return self.middle[0] + steps, self.middle[1] + steps
+    def lines(self) -> list[Array]:
+        """Positions of its steps along each axis, each of shape (SIDE,)."""
+        return [middle + (np.arange(SIDE) - SIDE / 2) * self.scale for middle in self.middle.tolist()]
 
-    def holding(self, pixels: Index) -> Mask:
-        """Its pixels that hold some of the image, shape (N, 2); shape (SIDE, SIDE)."""
-        on = np.zeros((SIDE, SIDE), np.bool_)
-        place = np.rint((pixels - self.middle) / self.scale + SIDE / 2).astype(np.int64)
-        on[tuple(place[((place >= 0) & (place < SIDE)).all(axis=1)].T)] = True
-        return on
+    def steps(self, places: Array | Index) -> Array:
+        """Places, shape (N, D), in steps from its first one."""
+        return (places - self.middle) / self.scale + SIDE / 2
+
+    def steps_along(self, lines: Iterable[Array | Index]) -> list[Array]:
+        """Positions along each axis in steps from its first one."""
+        return [(line - m) / self.scale + SIDE / 2 for line, m in zip(lines, self.middle, strict=True)]
+
+
+def holding(steps: Array) -> Mask:
+    """Pixels, shape (SIDE, SIDE), of a window or of a slice of a cube that hold places, shape (N, 2) [steps]."""
+    on = np.zeros((SIDE, SIDE), np.bool_)
+    place = np.rint(steps).astype(np.int64)
+    on[tuple(place[((place >= 0) & (place < SIDE)).all(axis=1)].T)] = True
+    return on
+
+
+@dataclass(frozen=True, eq=False)
+class Window(Patch):
+    """A square of an image; its steps are its pixels."""
 
     def of(self, values: Mask | Single) -> Single:
         """A map of the image, shape (H, W), in the window; zeros beyond the image."""
@@ -73,17 +87,14 @@ class Window:
 
     def of_window(self, other: Window, seen: Single) -> Single:
         """The map of another window in this one; zeros beyond."""
-        return _sampled_within(
-            seen, *((line - m) / other.scale + SIDE / 2 for line, m in zip(self.lines, other.middle, strict=True))
-        )
+        return _sampled_within(seen, *other.steps_along(self.lines))
 
     def back(self, seen: Single, shape: tuple[int, ...]) -> tuple[tuple[slice, slice], Single]:
         """Rows and columns of an image of this shape that the window holds, and its map, shape (SIDE, SIDE), there."""
         lines = [np.arange(n) for n in shape]
         lines = [line[(line >= of[0]) & (line <= of[-1])] for line, of in zip(lines, self.lines, strict=True)]
-        place = [(line - m) / self.scale + SIDE / 2 for line, m in zip(lines, self.middle, strict=True)]
         rows, cols = (slice(int(line[0]), int(line[-1]) + 1) if len(line) else slice(0, 0) for line in lines)
-        return (rows, cols), sampled(seen[..., None], *place)[..., 0]
+        return (rows, cols), sampled(seen[..., None], *self.steps_along(lines))[..., 0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,33 +186,8 @@ _FLAT = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Cube:
-    """A cube in a volume.
-
-    Attributes
-    ----------
-    middle : ndarray, shape (3,)
-        Its middle [smallest sides of a voxel].
-    side : float
-        Length of its sides, likewise; it may extend beyond the volume.
-    """
-
-    middle: Array
-    side: float
-
-    @property
-    def scale(self) -> float:
-        """Distance between its steps."""
-        return self.side / SIDE
-
-    @property
-    def lines(self) -> list[Array]:
-        """Positions of its steps along each axis, each of shape (SIDE,)."""
-        return [middle + (np.arange(SIDE) - SIDE / 2) * self.scale for middle in self.middle.tolist()]
-
-    def steps(self, places: Array) -> Array:
-        """Places, shape (N, 3), in steps from its first one."""
-        return (places - self.middle) / self.scale + SIDE / 2
+class Cube(Patch):
+    """A cube in a volume."""
 
     def places(self, steps: Array) -> Array:
         """The inverse of `steps`."""
@@ -209,7 +195,7 @@ class Cube:
 
     def of(self, other: Cube, values: Single, beyond: float) -> Single:
         """The values of another cube in this one, trilinear; and what is beyond that."""
-        lines = [(line - m) / other.scale + SIDE / 2 for line, m in zip(self.lines, other.middle, strict=True)]
+        lines = other.steps_along(self.lines)
         found = resampled(values, lines, (1.0, 1.0, 1.0))
         for axis, line in enumerate(lines):
             np.moveaxis(found, axis, 0)[(line < 0) | (line > SIDE - 1)] = beyond
