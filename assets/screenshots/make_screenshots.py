@@ -21,6 +21,7 @@ from PySide6.QtWidgets import QWidget
 
 from app.model.document import edits
 from app.model.document.samples import sample_called
+from app.session.features.object_selection import DOUBTFUL
 from app.views.application import make_application
 from app.views.features.files import OpenSaveFeature
 from app.views.features.volumes import SpaceFeature
@@ -92,7 +93,7 @@ class Stand:
     def take(self, name: str, widget: QWidget | None = None) -> None:
         """Take a picture of the window, or of a dialog."""
         self.window.canvas_area.messages.hide()
-        end = QDeadlineTimer(600)
+        end = QDeadlineTimer(2000)
         wait(end.hasExpired)
         (widget or self.window).grab().save(str(HERE / f"{name}.png"))
 
@@ -116,13 +117,16 @@ LARGE = ((167.0, 33.0), (264.0, 39.0), (284.0, 193.0), (76.0, 280.0))
 
 
 def objects(stand: Stand) -> None:
-    """All nuclei found and accepted as objects of two classes, one of them selected."""
+    """All nuclei found, accepted as objects of two classes, one of them selected; a doubtful one is rejected."""
     selection, listed = stand.window.workspace.object_selection, stand.window.workspace.object_list
     stand.open("nuclei.png")
     stand.run()
     wait(lambda: selection.idle and bool(selection.proposals))
     stand.do("objects")
     listed.accept()
+    stand.settle()
+    listed.choose({item.number for item in listed.objects.items if item.confidence < DOUBTFUL})
+    listed.reject()
     stand.settle()
     for category, name in ((1, "small"), (2, "large")):
         listed.name_class(category, name)
@@ -264,6 +268,7 @@ def main(names: list[str]) -> None:
             PICTURES[name](stand)
             window.feature(OpenSaveFeature).document_file.forget()
             window.close()
+            window.deleteLater()
 
 
 if __name__ == "__main__":
