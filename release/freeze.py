@@ -40,16 +40,16 @@ UNSEEN = ("numba._devicearray", "numba.mviewbuf")
 MEDICAL = {"nibabel": "nibabel", "pynrrd": "nrrd"}
 """Readers that are taken along where they are installed: distributions and their modules, which are loaded by name."""
 
-LATE = ("cpm_core.cli", "app.views.features", "cpm_core.formats", "imagecodecs", "pydicom.pixels")
+LATE = ("cpm_core.cli", "cpm_app.views.features", "cpm_core.formats", "imagecodecs", "pydicom.pixels")
 """Packages of which modules are loaded by name, or late."""
 
 
 def frozen(output: Path, work: Path) -> Path:
     """Freeze the program into a folder; what is made on the way stays in another, and is used again."""
     options = [
-        *("--name", "cpm", "--noconfirm", "--clean", "--onedir", "--paths", str(ROOT)),
+        *("--name", "cpm", "--noconfirm", "--clean", "--onedir", "--paths", f"{ROOT}{os.pathsep}{ROOT / 'app'}"),
         *("--distpath", str(output), "--workpath", str(work / "pyinstaller"), "--specpath", str(work)),
-        *(part for name in ASSETS for part in ("--add-data", f"{ROOT / 'assets' / name}:app/assets/{name}")),
+        *(part for name in ASSETS for part in ("--add-data", f"{ROOT / 'assets' / name}:cpm_app/assets/{name}")),
         *(part for name in NAMED if _is_there(name) for part in ("--copy-metadata", name)),
         *(part for name in LATE for part in ("--collect-submodules", name)),
         *(part for name in UNSEEN for part in ("--hidden-import", name)),
@@ -61,7 +61,7 @@ def frozen(output: Path, work: Path) -> Path:
         options += ["--icon", str(_picture(work))]
     if sys.platform == "darwin":
         options += ["--windowed", "--osx-bundle-identifier", "org.cpm_particles.cpm"]
-    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    environment = os.environ | {"PYTHONPATH": f"{ROOT}{os.pathsep}{ROOT / 'app'}"}
     start = str(Path(__file__).with_name("start.py"))
     subprocess.run([sys.executable, "-m", "PyInstaller", *options, start], check=True, cwd=work, env=environment)
     folder = output / "cpm"

@@ -5,6 +5,6 @@ import sys
 
 if __name__ == "__main__":
     multiprocessing.freeze_support()  # a process of a batch ends here
-    from app.__main__ import main
+    from cpm_app.__main__ import main
 
     sys.exit(main())

@@ -12,12 +12,12 @@ from typing import NamedTuple
 import pytest
 
 ROOT = Path(__file__).parent.parent
-LAYERS = ("cpm_core", "app.model", "app.session", "app.views", "app.__main__")
+LAYERS = ("cpm_core", "cpm_app.model", "cpm_app.session", "cpm_app.views", "cpm_app.__main__")
 """From the bottom to the top: a layer imports itself and those before it."""
 
 QT = ("PySide6", "shiboken6", "pyqtgraph", "qtpy", "PyQt5", "PyQt6")
 WIDGETS = ("PySide6.QtWidgets", "PySide6.QtOpenGLWidgets", "pyqtgraph")
-FORBIDDEN = {"cpm_core": QT, "app.model": QT, "app.session": WIDGETS}
+FORBIDDEN = {"cpm_core": QT, "cpm_app.model": QT, "cpm_app.session": WIDGETS}
 CORE_LIBRARIES = {"numpy", "scipy", "skimage", "numba", "llvmlite", "PIL", "tifffile", "roifile", "argcomplete"}
 
 LATE_LIBRARIES = {
@@ -61,13 +61,14 @@ FLOORS = (
 )
 """Rooms of the core from the ground floor up: each imports itself and those before it."""
 
-SOURCES = sorted(path for package in ("cpm_core", "app") for path in (ROOT / package).rglob("*.py"))
+SOURCES = sorted(path for package in ("cpm_core", "app/cpm_app") for path in (ROOT / package).rglob("*.py"))
 CORE = [path for path in SOURCES if path.is_relative_to(ROOT / "cpm_core")]
 
 
 def module_name(path):
     """Dotted name of a source file."""
     parts = path.relative_to(ROOT).with_suffix("").parts
+    parts = parts[1:] if parts[0] == "app" else parts
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
@@ -143,14 +144,14 @@ def test_imports_point_one_way():
 @pytest.mark.parametrize(
     ("name", "source"),
     [
-        ("cpm_core.segmentation.engine", "from app.model.document.document import Document"),
+        ("cpm_core.segmentation.engine", "from cpm_app.model.document.document import Document"),
         ("cpm_core.segmentation.engine", "def late():\n    import PySide6.QtCore"),
-        ("cpm_core.field.convolution", "from ...app import views"),
-        ("app.model.document.edits", "from ...session import session"),
-        ("app.model.document.edits", "from pyqtgraph import Point"),
-        ("app.session.worker.worker_thread", "from PySide6 import QtWidgets"),
-        ("app.session.worker.worker_thread", "import app.views.canvas.canvas"),
-        ("app.views.canvas.canvas", "from app.__main__ import main"),
+        ("cpm_core.field.convolution", "from ...cpm_app import views"),
+        ("cpm_app.model.document.edits", "from ...session import session"),
+        ("cpm_app.model.document.edits", "from pyqtgraph import Point"),
+        ("cpm_app.session.worker.worker_thread", "from PySide6 import QtWidgets"),
+        ("cpm_app.session.worker.worker_thread", "import cpm_app.views.canvas.canvas"),
+        ("cpm_app.views.canvas.canvas", "from cpm_app.__main__ import main"),
     ],
 )
 def test_the_rules_see_an_import_that_breaks_them(name, source):
@@ -164,10 +165,13 @@ def test_the_rules_see_an_import_that_breaks_them(name, source):
             "cpm_core.segmentation.engine",
             "import numpy\nfrom cpm_core.model import State\nfrom . import coulomb",
         ),
-        ("app.session.session", "from PySide6.QtCore import QObject\nfrom app.model.document.document import Document"),
         (
-            "app.views.canvas.canvas",
-            "import pyqtgraph\nfrom app.session.session import Session\nfrom ..model import edits",
+            "cpm_app.session.session",
+            "from PySide6.QtCore import QObject\nfrom cpm_app.model.document.document import Document",
+        ),
+        (
+            "cpm_app.views.canvas.canvas",
+            "import pyqtgraph\nfrom cpm_app.session.session import Session\nfrom ..model import edits",
         ),
     ],
 )
@@ -206,7 +210,7 @@ def test_parts_of_large_libraries_are_loaded_when_they_are_asked_for():
         "skimage.measure",
         "matplotlib",
     }
-    code = "import sys, cpm_core, app.model.document.document; print(*sys.modules)"
+    code = "import sys, cpm_core, cpm_app.model.document.document; print(*sys.modules)"
     command = [sys.executable, "-c", code]
     loaded = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout.split()
     assert "cpm_core.segmentation.engine" in loaded
@@ -348,4 +352,6 @@ NAMED = re.findall(r"`((?:[a-z_]+/)*[a-z_]+(?:/|\.py))`", (ROOT / "ARCHITECTURE.
 
 def test_the_page_names_what_is_there():
     names = sorted(set(NAMED) - {"plane.py", "space.py"})
-    assert [name for name in names if not any((ROOT / at / name).exists() for at in (".", "cpm_core", "app"))] == []
+    assert [
+        name for name in names if not any((ROOT / at / name).exists() for at in (".", "cpm_core", "app/cpm_app"))
+    ] == []

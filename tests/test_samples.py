@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import PIL.Image
 import pytest
+from cpm_app.model.document.document import Document
+from cpm_app.model.document.samples import sample_called
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
 import cpm_core as cpm
-from app.model.document.document import Document
-from app.model.document.samples import sample_called
 from cpm_core.shapes.image_starts import SeedCache
 
 SAMPLES = Path(__file__).parent.parent / "assets" / "samples"

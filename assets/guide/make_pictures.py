@@ -9,16 +9,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+from cpm_app.model.document import edits
+from cpm_app.model.document.samples import sample_called
+from cpm_app.views.application import make_application
+from cpm_app.views.features.files import OpenSaveFeature
+from cpm_app.views.features.volumes import SpaceFeature
+from cpm_app.views.main_window import open_window
+from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import QDeadlineTimer, QEventLoop, Qt
 from PySide6.QtGui import QImage
 
-from app.model.document import edits
-from app.model.document.samples import sample_called
-from app.views.application import make_application
-from app.views.features.files import OpenSaveFeature
-from app.views.features.volumes import SpaceFeature
-from app.views.main_window import open_window
-from app.views.window.window import MainWindow
 from cpm_core.shapes import Region
 
 HERE = Path(__file__).parent

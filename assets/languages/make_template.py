@@ -1,4 +1,4 @@
-"""Writes ``cpm.pot``: every sentence that a person reads in the window; see `app.model.text.language`.
+"""Writes ``cpm.pot``: every sentence that a person reads in the window; see `cpm_app.model.text.language`.
 
 Run ``python assets/languages/make_template.py`` to write it beside this file, or name another file.
 """
@@ -12,7 +12,8 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
-from app.model.text.assets import guide_page
+from cpm_app.model.text.assets import guide_page
+
 from cpm_core.formats import WRITABLE
 from cpm_core.formats.writers import FOR_VOLUMES
 from cpm_core.objects.methods import CONTOUR_METHODS, Settings

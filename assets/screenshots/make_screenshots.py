@@ -15,19 +15,19 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from cpm_app.model.document import edits
+from cpm_app.model.document.samples import sample_called
+from cpm_app.session.features.object_selection import DOUBTFUL
+from cpm_app.views.application import make_application
+from cpm_app.views.features.files import OpenSaveFeature
+from cpm_app.views.features.volumes import SpaceFeature
+from cpm_app.views.main_window import open_window
+from cpm_app.views.theme import theme
+from cpm_app.views.window.window import MainWindow
 from PIL import Image as Picture
 from PySide6.QtCore import QDeadlineTimer, QEventLoop, QSettings, QStandardPaths
 from PySide6.QtWidgets import QWidget
 
-from app.model.document import edits
-from app.model.document.samples import sample_called
-from app.session.features.object_selection import DOUBTFUL
-from app.views.application import make_application
-from app.views.features.files import OpenSaveFeature
-from app.views.features.volumes import SpaceFeature
-from app.views.main_window import open_window
-from app.views.theme import theme
-from app.views.window.window import MainWindow
 from cpm_core.shapes import Barrier, Charge
 
 HERE = Path(__file__).parent

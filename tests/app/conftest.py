@@ -11,16 +11,16 @@ from typing import Any, TypeVar
 
 import numpy as np
 import pytest
+from cpm_app.model.document import edits
+from cpm_app.session.features.workspace import Workspace
+from cpm_app.session.session import Session
+from cpm_app.views.features import files
+from cpm_app.views.window import dialogs
+from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import QPoint, QSettings, Qt
 from PySide6.QtWidgets import QApplication, QDialog
 from pytestqt.qtbot import QtBot
 
-from app.model.document import edits
-from app.session.features.workspace import Workspace
-from app.session.session import Session
-from app.views.features import files
-from app.views.window import dialogs
-from app.views.window.window import MainWindow
 from cpm_core.shapes import Circle
 from tests.app.window.windows import (
     KEPT,
@@ -116,7 +116,7 @@ def qapp_cls() -> type[QApplication]:
 
 @pytest.fixture(scope="package", autouse=True)
 def garbage_is_collected_by_hand() -> Iterator[None]:
-    """Objects of a window must not be destroyed on a thread of a later test; see `app.views.window.python_hooks`."""
+    """Objects of a window must not be destroyed on another thread; see `cpm_app.views.window.python_hooks`."""
     gc.disable()
     yield
     gc.enable()

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from cpm_app.views.export.dialog import ExportDialog
+from cpm_app.views.features.exchange import ExportFeature
+from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import Qt
 from pytestqt.qtbot import QtBot
-
-from app.views.export.dialog import ExportDialog
-from app.views.features.exchange import ExportFeature
-from app.views.window.window import MainWindow
 
 PATIENCE = 20_000
 

@@ -8,24 +8,24 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
+from cpm_app.model.document import edits
+from cpm_app.model.text.wording import FORMULAS
+from cpm_app.session.exchange.messages import Core
+from cpm_app.session.features.workspace import Workspace
+from cpm_app.views.canvas import canvas_area
+from cpm_app.views.canvas import layers as canvas_layers
+from cpm_app.views.features import edit
+from cpm_app.views.items.curves import Curves
+from cpm_app.views.layers.layer import Layer
+from cpm_app.views.main_window import make_window
+from cpm_app.views.tools import TOOLS
+from cpm_app.views.tools.drawn import DraggedTool
+from cpm_app.views.tools.tool import CIRCLE
+from cpm_app.views.window import bars
+from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import Qt
 from skimage.measure import find_contours
 
-from app.model.document import edits
-from app.model.text.wording import FORMULAS
-from app.session.exchange.messages import Core
-from app.session.features.workspace import Workspace
-from app.views.canvas import canvas_area
-from app.views.canvas import layers as canvas_layers
-from app.views.canvas.items.curves import Curves
-from app.views.canvas.layers.layer import Layer
-from app.views.canvas.tools import TOOLS
-from app.views.canvas.tools.drawn import DraggedTool
-from app.views.canvas.tools.tool import CIRCLE
-from app.views.features import edit
-from app.views.main_window import make_window
-from app.views.window import bars
-from app.views.window.window import MainWindow
 from cpm_core.cli import main
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.result import Result

@@ -19,15 +19,16 @@ from PySide6.QtWidgets import QDialog
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from app.model.document import edits
-from app.model.document.modes import use_mode
-from app.model.preferences.table import THEME
-from app.session.features.workspace import Workspace
-from app.views.application import make_application
-from app.views.features.files import OpenSaveFeature
-from app.views.main_window import make_window
-from app.views.widgets.turns import Turns
-from app.views.window.window import MainWindow
+from cpm_app.model.document import edits
+from cpm_app.model.document.modes import use_mode
+from cpm_app.model.preferences.table import THEME
+from cpm_app.session.features.workspace import Workspace
+from cpm_app.views.application import make_application
+from cpm_app.views.features.files import OpenSaveFeature
+from cpm_app.views.main_window import make_window
+from cpm_app.views.widgets.turns import Turns
+from cpm_app.views.window.window import MainWindow
+
 from cpm_core.shapes import Circle, Sphere
 
 REST, PATIENCE = 0.2, 20.0

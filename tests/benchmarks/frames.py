@@ -23,13 +23,14 @@ from PySide6.QtCore import QCoreApplication, QEvent, QObject, QTimer
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
-from app.model.document import edits
-from app.model.state.resolve import FIRST_PACE, PACES
-from app.session.exchange.messages import Snapshot
-from app.session.features.workspace import Workspace
-from app.views.application import make_application
-from app.views.features.files import OpenSaveFeature
-from app.views.main_window import make_window
+from cpm_app.model.document import edits
+from cpm_app.model.state.resolve import FIRST_PACE, PACES
+from cpm_app.session.exchange.messages import Snapshot
+from cpm_app.session.features.workspace import Workspace
+from cpm_app.views.application import make_application
+from cpm_app.views.features.files import OpenSaveFeature
+from cpm_app.views.main_window import make_window
+
 from cpm_core import Parameters
 from cpm_core.shapes import Points
 

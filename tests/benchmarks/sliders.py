@@ -9,11 +9,11 @@ the unchanged run within 2 px: 1 means that the slider changes no contour.
 import sys
 
 import numpy as np
+from cpm_app.model.display.effects import MOTION
+from cpm_app.model.parameters.controls import controls, with_value
 from scipy.spatial import cKDTree
 from skimage import data
 
-from app.model.display.effects import MOTION
-from app.model.parameters.controls import controls, with_value
 from cpm_core import PRESETS, Engine, circle, load_image
 from cpm_core.contours.contour import sampled
 from cpm_core.model.starts import uniform_grid

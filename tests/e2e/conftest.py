@@ -6,13 +6,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from cpm_app.views.application import make_application
+from cpm_app.views.main_window import open_window
+from cpm_app.views.window import dialogs
+from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import QPoint, QSettings
 from PySide6.QtGui import QCursor
-
-from app.views.application import make_application
-from app.views.main_window import open_window
-from app.views.window import dialogs
-from app.views.window.window import MainWindow
 
 PATIENCE = 60_000
 """Longest wait for anything [ms]."""

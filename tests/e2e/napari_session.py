@@ -6,15 +6,15 @@ import os
 import sys
 from pathlib import Path
 
+import cpm_app.napari
 import napari
 import numpy as np
+from cpm_app.napari.widget import _find, find_contours
 from napari.layers import Image, Layer, Shapes
 from npe2 import PluginManager, PluginManifest
 from qtpy.QtCore import QElapsedTimer, QEventLoop
 from qtpy.QtWidgets import QApplication
 
-import app.napari
-from app.napari.widget import _find, find_contours
 from cpm_core import load_contours
 from cpm_core.formats import export
 from tests.core.formats.drawn import RESULT
@@ -61,7 +61,7 @@ def run(values, corners, kind, scale, **settings):
     return viewer.layers[-1]
 
 
-manifest = PluginManifest.from_file(Path(app.napari.__file__).with_name("napari.yaml"))
+manifest = PluginManifest.from_file(Path(cpm_app.napari.__file__).with_name("napari.yaml"))
 manifest.validate_imports()
 manager = PluginManager.instance()
 if manifest.name not in manager._manifests:  # where the package is not installed, but imported from its folder
@@ -99,6 +99,6 @@ surface = run(ball, square, "polygon", (1.0, 1.0, 1.0), max_steps=150)
 assert type(surface).__name__ == "Surface"
 assert surface.save(str(FOLDER / "ball.stl"), plugin=manifest.name)
 
-ours = sorted(name for name in sys.modules if name.startswith("app."))
+ours = sorted(name for name in sys.modules if name.startswith("cpm_app."))
 viewer.close()
 sys.stdout.write(json.dumps({"ours": ours, "files": sorted(path.name for path in FOLDER.iterdir())}) + "\n")

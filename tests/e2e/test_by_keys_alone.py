@@ -6,12 +6,12 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
+from cpm_app.views.features.files import StartFeature
+from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import Qt, QTimer
 from PySide6.QtTest import QTest
 from PySide6.QtWidgets import QApplication, QFileDialog, QWidget
 
-from app.views.features.files import StartFeature
-from app.views.window.window import MainWindow
 from cpm_core.shapes import Circle
 from tests.e2e.conftest import PATIENCE
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cpm_app.model.document.samples import samples
+from cpm_app.views.application import make_application
+from cpm_app.views.features.files import StartFeature
+from cpm_app.views.main_window import open_window
 from PIL import Image as Picture
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor
 
-from app.model.document.samples import samples
-from app.views.application import make_application
-from app.views.features.files import StartFeature
-from app.views.main_window import open_window
 from tests.app.exporting import export
 from tests.e2e.conftest import PATIENCE
 

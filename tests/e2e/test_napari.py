@@ -42,12 +42,12 @@ def test_napari_reads_writes_and_runs_by_the_plugin_without_the_window(platform,
     done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False, timeout=280)
     assert done.returncode == 0, done.stderr[-3000:]
     told = json.loads(done.stdout.splitlines()[-1])
-    assert [name for name in told["ours"] if not name.startswith("app.napari")] == []
+    assert [name for name in told["ours"] if not name.startswith("cpm_app.napari")] == []
     assert "ball.stl" in told["files"]
 
 
 def test_the_plugin_is_found_by_its_entry_point_and_is_short():
     text = (ROOT / "pyproject.toml").read_text("utf-8")
-    assert '[project.entry-points."napari.manifest"]\ncpm-particles = "app.napari:napari.yaml"' in text
-    plugin = [path for path in (ROOT / "app" / "napari").iterdir() if path.is_file()]
+    assert '[project.entry-points."napari.manifest"]\ncpm-particles = "cpm_app.napari:napari.yaml"' in text
+    plugin = [path for path in (ROOT / "app" / "cpm_app" / "napari").iterdir() if path.is_file()]
     assert sum(len(path.read_text("utf-8").splitlines()) for path in plugin) < 300

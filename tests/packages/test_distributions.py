@@ -78,23 +78,23 @@ def test_the_wheel_of_the_archive_is_that_of_the_checkout(source, wheel, tmp_pat
 def test_the_wheel_holds_nothing_that_only_developers_need(wheel) -> None:
     with zipfile.ZipFile(wheel) as archive:
         names = archive.namelist()
-    assert {name.partition("/")[0].partition("-")[0] for name in names} == {"app", "cpm_core", "cpm_particles"}
+    assert {name.partition("/")[0].partition("-")[0] for name in names} == {"cpm_app", "cpm_core", "cpm_particles"}
     assert [name for name in names if "test" in name.split("/")[0] or name.endswith((".po", ".pyc"))] == []
 
 
 def test_the_command_line_of_the_wheel_reads_its_samples(installed, tmp_path) -> None:
-    sample = installed / "app" / "assets" / "samples" / "vessels.tif"
-    assert "vessels.tif" in printed(installed, tmp_path, "-m", "app", "info", sample)
-    where = printed(installed, tmp_path, "-c", "import app, cpm_core; print(app.__file__, cpm_core.__file__)")
+    sample = installed / "cpm_app" / "assets" / "samples" / "vessels.tif"
+    assert "vessels.tif" in printed(installed, tmp_path, "-m", "cpm_app", "info", sample)
+    where = printed(installed, tmp_path, "-c", "import cpm_app, cpm_core; print(cpm_app.__file__, cpm_core.__file__)")
     assert where.count(str(installed)) == 2
 
 
 WINDOW = """
-from app.model.document.samples import samples
-from app.model.text.language import languages
-from app.session.features.workspace import Workspace
-from app.views.application import make_application
-from app.views.main_window import make_window
+from cpm_app.model.document.samples import samples
+from cpm_app.model.text.language import languages
+from cpm_app.session.features.workspace import Workspace
+from cpm_app.views.application import make_application
+from cpm_app.views.main_window import make_window
 application = make_application()
 window = make_window(Workspace())
 window.show()

@@ -34,12 +34,12 @@ def test_all_of_the_core_is_imported_and_runs(tmp_path) -> None:
     done = run(
         """
 import importlib, pkgutil
-import cpm_core, app.model
-for package in (cpm_core, app.model):
+import cpm_core, cpm_app.model
+for package in (cpm_core, cpm_app.model):
     for module in pkgutil.walk_packages(package.__path__, package.__name__ + "."):
         if not module.name.endswith("__main__"):
             importlib.import_module(module.name)
-from app.__main__ import main
+from cpm_app.__main__ import main
 assert main(["run", sys.argv[1], "--circle", "100,73,38", "--export", sys.argv[2], "--json"]) == 0
 assert QT.isdisjoint(name.partition(".")[0] for name in sys.modules)
 """,
@@ -53,7 +53,7 @@ assert QT.isdisjoint(name.partition(".")[0] for name in sys.modules)
 
 @pytest.mark.parametrize("arguments", [(), (ROOT / "assets" / "samples" / "u_shape.png",)], ids=["alone", "an image"])
 def test_a_window_without_qt_says_what_to_install(arguments) -> None:
-    done = run("from app.__main__ import main\nsys.exit(main(sys.argv[1:]))", *arguments)
+    done = run("from cpm_app.__main__ import main\nsys.exit(main(sys.argv[1:]))", *arguments)
     assert done.returncode == 2
     assert done.stdout == ""
     assert done.stderr == (

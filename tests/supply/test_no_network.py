@@ -34,9 +34,9 @@ import os, socket, sys
 from pathlib import Path
 from PySide6.QtCore import QCoreApplication, QSettings, QThread
 from cpm_core import cli
-from app.model.export import ExportFile, ExportOrder
-from app.views.application import make_application
-from app.views.main_window import open_window
+from cpm_app.model.export import ExportFile, ExportOrder
+from cpm_app.views.application import make_application
+from cpm_app.views.main_window import open_window
 
 common = ["--session", "start.cpm", "--max-steps", "2"]
 assert cli.main(["run", "0.npy", *common, "--export", "a.svg", "a.json"]) == 0

@@ -5,14 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pyqtgraph as pg
 import pytest
+from cpm_app.views.canvas.image_view import ImageView
+from cpm_app.views.items import curves as drawing
+from cpm_app.views.items.curves import Curves, Fills, boxes
+from cpm_app.views.widgets.turns import Turns
 from hypothesis import given
 from hypothesis import strategies as st
 from PySide6.QtCore import Qt
-
-from app.views.canvas.image_view import ImageView
-from app.views.canvas.items import curves as drawing
-from app.views.canvas.items.curves import Curves, Fills, boxes
-from app.views.widgets.turns import Turns
 
 pytestmark = pytest.mark.shared_window
 

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import pytest
+from cpm_app.model.document.contours import judge
+from cpm_app.session.features.comparison import NOW
+from cpm_app.views.features.compare import CompareFeature
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QApplication
-
-from app.model.document.contours import judge
-from app.session.features.comparison import NOW
-from app.views.features.compare import CompareFeature
 
 pytestmark = pytest.mark.shared_window
 

@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from cpm_app.model.display.display_image import DisplayImage
+from cpm_app.model.display.lengths import bar
+from cpm_app.views.layers.annotations import LONGEST
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.model.display.display_image import DisplayImage
-from app.model.display.lengths import bar
-from app.views.canvas.layers.annotations import LONGEST
 from cpm_core.image.image import Image
 
 pytestmark = pytest.mark.shared_window

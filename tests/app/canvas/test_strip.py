@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from cpm_app.session.scene import Item, ReviewedContours
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFrame, QLabel
 
-from app.session.scene import Item, ReviewedContours
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import measure
 from cpm_core.contours.review import Mark, ReviewedContour

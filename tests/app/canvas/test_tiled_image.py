@@ -5,13 +5,12 @@ from __future__ import annotations
 import numpy as np
 import PIL.Image
 import pytest
+from cpm_app.model.display.display_image import DisplayImage
+from cpm_app.views.items.tiled_image import TiledImage, part_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from PySide6.QtCore import QRectF
 from PySide6.QtGui import QColor
-
-from app.model.display.display_image import DisplayImage
-from app.views.canvas.items.tiled_image import TiledImage, part_of
 
 pytestmark = pytest.mark.shared_window
 

@@ -9,14 +9,14 @@ from pathlib import Path
 import numpy as np
 import PIL.Image
 import pytest
+from cpm_app.session.tasks.tasks import Task
+from cpm_app.views.export.frames import AnimationPlan, every
+from cpm_app.views.features.animation import AnimationFeature
+from cpm_app.views.features.run import TasksFeature, TimelineFeature
+from cpm_app.views.theme import theme
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor
 
-from app.session.tasks.tasks import Task
-from app.views.export.frames import AnimationPlan, every
-from app.views.features.animation import AnimationFeature
-from app.views.features.run import TasksFeature, TimelineFeature
-from app.views.theme import theme
 from tests.app.exporting import asked, check, order
 
 pytestmark = pytest.mark.shared_window

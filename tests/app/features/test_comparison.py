@@ -9,17 +9,17 @@ from dataclasses import replace
 import numpy as np
 import PIL.Image
 import pytest
+from cpm_app.model.document.modes import acting_in
+from cpm_app.model.document.objects import objects_result
+from cpm_app.model.parameters.controls import controls
+from cpm_app.session.features.comparison import NOW, Row
+from cpm_app.views.comparison.panel import ComparePanel
+from cpm_app.views.features.compare import CompareFeature
+from cpm_app.views.features.files import OpenSaveFeature
+from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtWidgets import QFileDialog, QPushButton
 
-from app.model.document.modes import acting_in
-from app.model.document.objects import objects_result
-from app.model.parameters.controls import controls
-from app.session.features.comparison import NOW, Row
-from app.views.comparison.panel import ComparePanel
-from app.views.features.compare import CompareFeature
-from app.views.features.files import OpenSaveFeature
-from app.views.window.window import MainWindow
 from cpm_core import PRESETS, Engine, segment
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.model.starts import circle

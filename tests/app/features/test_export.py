@@ -12,16 +12,16 @@ import numpy as np
 import PIL.Image
 import pytest
 import tifffile
+from cpm_app.model.document import edits
+from cpm_app.model.export import file_name, formats
+from cpm_app.views.export import dialog as export_dialog
+from cpm_app.views.export.dialog import ExportDialog
+from cpm_app.views.features.exchange import ExportFeature
+from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
 import cpm_core
-from app.model.document import edits
-from app.model.export import file_name, formats
-from app.views.export import dialog as export_dialog
-from app.views.export.dialog import ExportDialog
-from app.views.features.exchange import ExportFeature
-from app.views.window.window import MainWindow
 from cpm_core.formats import WRITABLE
 from cpm_core.objects.segmented.segmented_object import SegmentedObject
 from cpm_core.parameters import Parameters

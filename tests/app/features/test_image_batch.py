@@ -6,12 +6,12 @@ import multiprocessing
 import shlex
 
 import pytest
+from cpm_app.session.features.image_batch import WRITTEN
+from cpm_app.views.window.window import MainWindow
 from PIL import Image as Picture
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
-from app.session.features.image_batch import WRITTEN
-from app.views.window.window import MainWindow
 from cpm_core import cli
 from tests.app.conftest import Hand, disc
 

@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from cpm_app.model.document import edits
+from cpm_app.model.document.document import ImageReference
+from cpm_app.model.document.modes import use_mode
+from cpm_app.model.document.saving import restored, to_file
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QToolButton
 
-from app.model.document import edits
-from app.model.document.document import ImageReference
-from app.model.document.modes import use_mode
-from app.model.document.saving import restored, to_file
 from cpm_core.formats import FOR_SKELETONS, encoded
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, SegmentedObjects
 from cpm_core.parameters import PRESETS

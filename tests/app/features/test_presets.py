@@ -5,16 +5,16 @@ from __future__ import annotations
 import json
 
 import pytest
+from cpm_app.model.parameters.presets import Preset, built_in, checked_name, read, written
+from cpm_app.session.storage.presets import PresetStore
+from cpm_app.views.features.run import RunControlFeature
+from cpm_app.views.panels import presets as dialogs
+from cpm_app.views.panels.presets import Presets
+from cpm_app.views.window.dialogs import Question
 from hypothesis import given
 from hypothesis import strategies as st
 from PySide6.QtCore import Qt
 
-from app.model.parameters.presets import Preset, built_in, checked_name, read, written
-from app.session.storage.presets import PresetStore
-from app.views.features.run import RunControlFeature
-from app.views.panels import presets as dialogs
-from app.views.panels.presets import Presets
-from app.views.window.dialogs import Question
 from cpm_core.parameters import PARAMETERS, PLANE_PRESETS, PRESETS, Parameters
 
 pytestmark = pytest.mark.shared_window

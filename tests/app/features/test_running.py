@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from cpm_app.model.display.display_image import display_of_edge_map
+from cpm_app.model.display.effects import MOTION
+from cpm_app.model.document import edits
+from cpm_app.views.widgets.containers import ElidedLabel
 from PySide6.QtCore import Qt
 
-from app.model.display.display_image import display_of_edge_map
-from app.model.display.effects import MOTION
-from app.model.document import edits
-from app.views.widgets.containers import ElidedLabel
 from cpm_core import PRESETS, Engine
 from cpm_core.model.starts import circle
 from cpm_core.shapes import Circle

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cpm_app.model.document import edits
+from cpm_app.session.worker.commands import run_call
+from cpm_app.session.worker.run import Run
+from cpm_app.views.features.run import TimelineFeature
 from PySide6.QtCore import Qt
 
-from app.model.document import edits
-from app.session.worker.commands import run_call
-from app.session.worker.run import Run
-from app.views.features.run import TimelineFeature
 from cpm_core.field.placed_charges import RADIUS, PlacedCharge
 from cpm_core.shapes import Barrier, Charge, Circle, Points
 

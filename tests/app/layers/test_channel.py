@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import PIL.Image
 import pytest
+from cpm_app.views.features.files import OpenSaveFeature
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor
-
-from app.views.features.files import OpenSaveFeature
 
 pytestmark = pytest.mark.shared_window
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cpm_app.model.display.display_image import display_of_potential
 
-from app.model.display.display_image import display_of_potential
 from cpm_core.segmentation.engine import Engine
 
 pytestmark = pytest.mark.shared_window

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from app.session.worker.requests import NAMES
-from app.views.canvas.layers.forces import KINDS
+from cpm_app.session.worker.requests import NAMES
+from cpm_app.views.layers.forces import KINDS
 
 
 @pytest.fixture

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import pytest
+from cpm_app.session.features.workspace import Workspace
+from cpm_app.views.layers.layer import Amount, Choice, Switch
+from cpm_app.views.main_window import make_window
 from PySide6.QtCore import Qt
-
-from app.session.features.workspace import Workspace
-from app.views.canvas.layers.layer import Amount, Choice, Switch
-from app.views.main_window import make_window
 
 
 def another(option: Amount | Choice | Switch, value: object) -> object:

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cpm_app.model.display.display_image import IntensityWindow, apply_window, percentile_window
+from cpm_app.views.layers import image_layer
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from PySide6.QtCore import QEvent, QPointF, Qt
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QApplication
-
-from app.model.display.display_image import IntensityWindow, apply_window, percentile_window
-from app.views.canvas.layers import image_layer
 
 IMAGES = arrays(np.float64, (5, 9), elements=st.floats(-1e4, 1e5, allow_subnormal=False, width=32))
 

@@ -6,11 +6,10 @@ import math
 
 import numpy as np
 import pytest
+from cpm_app.views.items.discs import Discs
+from cpm_app.views.theme import theme
 from PySide6.QtGui import QColor, QImage, QPainter
 from PySide6.QtWidgets import QStyleOptionGraphicsItem
-
-from app.views.canvas.items.discs import Discs
-from app.views.theme import theme
 
 pytestmark = pytest.mark.shared_window
 

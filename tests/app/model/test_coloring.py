@@ -7,14 +7,14 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from cpm_app.model.display.coloring import QUANTITIES, SHADES, age, colored, speed
+from cpm_app.model.display.lengths import round_up
+from cpm_app.session.timeline.moments import RunRecord
+from cpm_app.views.theme import color_maps
 from hypothesis import given
 from hypothesis import strategies as st
 from PySide6.QtCore import Qt
 
-from app.model.display.coloring import QUANTITIES, SHADES, age, colored, speed
-from app.model.display.lengths import round_up
-from app.session.timeline.moments import RunRecord
-from app.views.theme import color_maps
 from cpm_core import Engine, Parameters
 from cpm_core.model.coverage import no_coverage
 from cpm_core.model.state import Particles, State

@@ -1,8 +1,7 @@
 """Pictures of the library and the gallery have the colors of the window's canvas."""
 
 import pytest
-
-from app.views.theme import theme
+from cpm_app.views.theme import theme
 
 
 def luminance(color):

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cpm_app.model.display.display_image import IntensityWindow, apply_window, display_of_edge_map
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-
-from app.model.display.display_image import IntensityWindow, apply_window, display_of_edge_map
 
 
 def whole_range(values):

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cpm_app.model.document import edits
+from cpm_app.model.document.document import Document
+from cpm_app.model.parameters.controls import controls, slider_range, value_of
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.model.document import edits
-from app.model.document.document import Document
-from app.model.parameters.controls import controls, slider_range, value_of
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import KINDS, Barrier, Circle, Everywhere, Points, Region, Shape, Stroke
 

@@ -6,8 +6,8 @@ import subprocess
 import sys
 
 import pytest
+from cpm_app import __main__ as entry
 
-from app import __main__ as entry
 from cpm_core import cli
 
 
@@ -21,7 +21,7 @@ def test_a_subcommand_or_an_option_goes_to_the_command_line(arguments, monkeypat
 
 def test_the_command_line_runs_without_importing_qt() -> None:
     code = (
-        "import sys; from app.__main__ import main; status = main(['info', 'nowhere.png']);"
+        "import sys; from cpm_app.__main__ import main; status = main(['info', 'nowhere.png']);"
         "assert not [name for name in sys.modules if name.startswith(('PySide6', 'pyqtgraph'))]; sys.exit(status)"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
+from cpm_app.model.document.edits import Hit, hit
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.model.document.edits import Hit, hit
 from cpm_core.shapes import Circle, Everywhere, Region
 
 CIRCLE = Circle((50.0, 60.0), 20.0)

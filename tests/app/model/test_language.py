@@ -15,11 +15,10 @@ import sys
 from pathlib import Path
 
 import pytest
-
-from app import __main__ as start
-from app.__main__ import CANNOT_OPEN, main
-from app.model.text import language
-from app.session.storage.preferences import Preferences
+from cpm_app import __main__ as start
+from cpm_app.__main__ import CANNOT_OPEN, main
+from cpm_app.model.text import language
+from cpm_app.session.storage.preferences import Preferences
 
 ROOT = Path(__file__).parents[3]
 SOURCES = sorted((ROOT / "app").rglob("*.py"))
@@ -203,7 +202,7 @@ def test_the_sentences_of_the_core_in_the_catalogs_are_those_of_its_source() -> 
 IN_BRACKETS = """
 import gettext, re, sys
 sys.path.insert(0, sys.argv[1])
-import app.model.text.language as language
+import cpm_app.model.text.language as language
 from make_template import sentences
 known = set(sentences())
 
@@ -214,9 +213,9 @@ class Brackets(gettext.NullTranslations):
 language._catalog = Brackets()
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QAbstractSpinBox, QComboBox, QMenu, QTabBar, QWidget
-from app.session.features.workspace import Workspace
-from app.views.application import make_application
-from app.views.main_window import make_window
+from cpm_app.session.features.workspace import Workspace
+from cpm_app.views.application import make_application
+from cpm_app.views.main_window import make_window
 
 application = make_application()
 window = make_window(Workspace())

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from app.model.document import contours
-from app.model.document.contours import Target
-from app.model.document.document import Document
+from cpm_app.model.document import contours
+from cpm_app.model.document.contours import Target
+from cpm_app.model.document.document import Document
+
 from cpm_core.contours.review import Mark
 
 HERE, THERE = (10.0, 12.0), (40.0, 41.0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.model.state.messages import Message, Messages
+from cpm_app.model.state.messages import Message, Messages
 
 LOST = Message("It could not be written.", error=True, topic="exporting")
 SAVED = Message("Saved.", topic="saving")

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
+from cpm_app.model.text.keys import distinct, letter_of
 from hypothesis import given
 from hypothesis import strategies as st
-
-from app.model.text.keys import distinct, letter_of
 
 LETTERS = st.text(alphabet="aAbBéß終 &()", max_size=12)
 TEXTS = st.lists(LETTERS, max_size=12)

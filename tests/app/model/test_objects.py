@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cpm_app.model.document import objects
+from cpm_app.model.document.document import Document, ImageReference
+from cpm_app.model.document.saving import changed_parts
 
-from app.model.document import objects
-from app.model.document.document import Document, ImageReference
-from app.model.document.saving import changed_parts
 from cpm_core.contours.contour import Contour
 from cpm_core.formats import encoded
 from cpm_core.formats.masks.labels import labels_of

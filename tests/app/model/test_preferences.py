@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import pytest
+from cpm_app.model.display import lengths
+from cpm_app.model.display.lengths import PixelSize, shown_in
+from cpm_app.model.preferences import shortcuts
+from cpm_app.model.preferences.shortcuts import Keyed
+from cpm_app.model.preferences.table import CONTOUR_WIDTH, PREFERENCES, THEME, Choice, Number
+from cpm_app.session.storage.preferences import Preferences
 from hypothesis import given
 from hypothesis import strategies as st
 from PySide6.QtCore import QSettings
-
-from app.model.display import lengths
-from app.model.display.lengths import PixelSize, shown_in
-from app.model.preferences import shortcuts
-from app.model.preferences.shortcuts import Keyed
-from app.model.preferences.table import CONTOUR_WIDTH, PREFERENCES, THEME, Choice, Number
-from app.session.storage.preferences import Preferences
 
 STORED = st.one_of(
     st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=8),

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import pytest
+from cpm_app.model.document import edits
+from cpm_app.model.document.document import Document, ImageReference
+from cpm_app.model.state.resolve import resolve
+from cpm_app.model.state.situation import RunStatus, Situation, can_step, has_image, is_started
 
-from app.model.document import edits
-from app.model.document.document import Document, ImageReference
-from app.model.state.resolve import resolve
-from app.model.state.situation import RunStatus, Situation, can_step, has_image, is_started
 from cpm_core.shapes import Barrier, Charge, Circle
 
 IMAGE = ImageReference("disc.png", "disc.png", (64, 64), 180.0)

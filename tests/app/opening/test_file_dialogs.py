@@ -6,17 +6,16 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from cpm_app.model.document.document import Document, ImageReference
+from cpm_app.model.document.samples import samples
+from cpm_app.session.storage.folders import first_folder, remember_folder
+from cpm_app.session.storage.preferences import Preferences
+from cpm_app.views.features.compare import CompareFeature
+from cpm_app.views.features.files import OpenSaveFeature
+from cpm_app.views.window import dialogs
+from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
-
-from app.model.document.document import Document, ImageReference
-from app.model.document.samples import samples
-from app.session.storage.folders import first_folder, remember_folder
-from app.session.storage.preferences import Preferences
-from app.views.features.compare import CompareFeature
-from app.views.features.files import OpenSaveFeature
-from app.views.window import dialogs
-from app.views.window.window import MainWindow
 
 pytestmark = pytest.mark.shared_window
 

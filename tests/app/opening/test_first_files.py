@@ -10,8 +10,8 @@ import nrrd
 import numpy as np
 import pytest
 import tifffile
+from cpm_app.views.window.window import MainWindow
 
-from app.views.window.window import MainWindow
 from tests.app.conftest import Hand
 from tests.core.formats.images.made import write_series
 

@@ -6,15 +6,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cpm_app.model.document import edits
+from cpm_app.model.preferences.table import SAVE_IN_FOLDER
+from cpm_app.session.tasks.opening import images_beside, session_beside
+from cpm_app.views.features.files import FolderFeature, OpenSaveFeature
+from cpm_app.views.window.window import MainWindow
 from hypothesis import given
 from hypothesis import strategies as st
 from PySide6.QtCore import Qt
 
-from app.model.document import edits
-from app.model.preferences.table import SAVE_IN_FOLDER
-from app.session.tasks.opening import images_beside, session_beside
-from app.views.features.files import FolderFeature, OpenSaveFeature
-from app.views.window.window import MainWindow
 from cpm_core.formats import in_natural_order
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
 from cpm_core.shapes import Circle

@@ -9,17 +9,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cpm_app.model.document import edits
+from cpm_app.model.document.modes import fresh_parameters
+from cpm_app.model.preferences.table import KEEP_PARAMETERS
+from cpm_app.session.exchange.messages import Core
+from cpm_app.views.features.files import OpenSaveFeature
+from cpm_app.views.features.help import PreferencesFeature
+from cpm_app.views.window import dialogs
+from cpm_app.views.window.dialogs import Answer
+from cpm_app.views.window.window import MainWindow
 from PySide6.QtWidgets import QCheckBox, QWidget
 
-from app.model.document import edits
-from app.model.document.modes import fresh_parameters
-from app.model.preferences.table import KEEP_PARAMETERS
-from app.session.exchange.messages import Core
-from app.views.features.files import OpenSaveFeature
-from app.views.features.help import PreferencesFeature
-from app.views.window import dialogs
-from app.views.window.dialogs import Answer
-from app.views.window.window import MainWindow
 from cpm_core import PRESETS, load_image
 from cpm_core.shapes import Circle
 

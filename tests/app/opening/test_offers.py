@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cpm_app.model.document.modes import ADVICE
+from cpm_app.views.widgets.containers import OfferBar
+from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import Qt
 from scipy.ndimage import gaussian_filter
 
-from app.model.document.modes import ADVICE
-from app.views.widgets.containers import OfferBar
-from app.views.window.window import MainWindow
 from cpm_core import PRESETS
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_session
 from cpm_core.shapes import Circle, Everywhere

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cpm_app.views.features.offers import StackFeature
 from PySide6.QtCore import Qt
 
-from app.views.features.offers import StackFeature
 from cpm_core import load_volume
 from tests.app.volumes.conftest import open_file
 from tests.core.formats.images.made import VALUES, write_series, write_slice

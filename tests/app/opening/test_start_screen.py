@@ -8,21 +8,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cpm_app.model.document import edits
+from cpm_app.model.document.samples import samples
+from cpm_app.session.features.workspace import Workspace
+from cpm_app.session.storage.pictures import SIZE
+from cpm_app.views.application import make_application
+from cpm_app.views.features.files import OpenSaveFeature, StartFeature
+from cpm_app.views.files.start_screen import StartScreen
+from cpm_app.views.main_window import make_window
+from cpm_app.views.window import dialogs
+from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import QMimeData, QPointF, Qt, QUrl
 from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QFileDialog
 from pytestqt.qtbot import QtBot
 
-from app.model.document import edits
-from app.model.document.samples import samples
-from app.session.features.workspace import Workspace
-from app.session.storage.pictures import SIZE
-from app.views.application import make_application
-from app.views.features.files import OpenSaveFeature, StartFeature
-from app.views.files.start_screen import StartScreen
-from app.views.main_window import make_window
-from app.views.window import dialogs
-from app.views.window.window import MainWindow
 from cpm_core.shapes import Circle
 
 pytestmark = pytest.mark.usefixtures("pictures_taken")

@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 import tifffile
+from cpm_app.model.document import edits, objects
+from cpm_app.views.features.files import OpenSaveFeature
+from cpm_app.views.features.volumes import PagesFeature
 from PySide6.QtCore import QPointF, Qt
 
-from app.model.document import edits, objects
-from app.views.features.files import OpenSaveFeature
-from app.views.features.volumes import PagesFeature
 from cpm_core.shapes import Everywhere
 from tests.app.exporting import export
 

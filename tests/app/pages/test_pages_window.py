@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import tifffile
+from cpm_app.model.document import edits
+from cpm_app.views.features.files import OpenSaveFeature
+from cpm_app.views.features.volumes import PagesFeature
+from cpm_app.views.window import dialogs
 from PySide6.QtCore import QCoreApplication, Qt
 
-from app.model.document import edits
-from app.views.features.files import OpenSaveFeature
-from app.views.features.volumes import PagesFeature
-from app.views.window import dialogs
 from cpm_core import Parameters
 from cpm_core.shapes import Circle, Everywhere, Polygon, Region
 from tests.app.conftest import disc

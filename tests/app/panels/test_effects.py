@@ -9,14 +9,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cpm_app.model.display.effects import MOTION, contours_left, figures
+from cpm_app.model.document import edits
+from cpm_app.model.parameters.controls import MAIN, controls, with_value
+from cpm_app.views.window.window import MainWindow
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from PySide6.QtCore import QPoint, Qt
 
-from app.model.display.effects import MOTION, contours_left, figures
-from app.model.document import edits
-from app.model.parameters.controls import MAIN, controls, with_value
-from app.views.window.window import MainWindow
 from cpm_core import PRESETS, Engine, circle
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import measure

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import pytest
+from cpm_app.model.parameters.controls import controls
+from cpm_app.model.text.wording import FORMULAS, rich
+from cpm_app.views.features.help import PreferencesFeature
 
-from app.model.parameters.controls import controls
-from app.model.text.wording import FORMULAS, rich
-from app.views.features.help import PreferencesFeature
 from cpm_core.parameters import PARAMETERS
 
 pytestmark = pytest.mark.shared_window

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import pytest
+from cpm_app.model.document import edits
+from cpm_app.model.document.document import Document
+from cpm_app.session.session import Session
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule
 
-from app.model.document import edits
-from app.model.document.document import Document
-from app.session.session import Session
 from cpm_core.shapes import Circle
 
 pytestmark = pytest.mark.shared_window

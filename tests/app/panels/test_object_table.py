@@ -8,13 +8,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from cpm_app.model.document.edits import set_pixel_size
+from cpm_app.session.exchange.contour_tracking import ContourTracker
+from cpm_app.session.scene import Proposal, ReviewedContours
+from cpm_app.views.features.objects import ObjectsFeature
 from PySide6.QtCore import QCoreApplication, QPoint, QRect, Qt
 from PySide6.QtWidgets import QLineEdit, QMenu
 
-from app.model.document.edits import set_pixel_size
-from app.session.exchange.contour_tracking import ContourTracker
-from app.session.scene import Proposal, ReviewedContours
-from app.views.features.objects import ObjectsFeature
 from cpm_core.contours.contour import Contour
 from cpm_core.objects import boundaries_result
 from cpm_core.objects.segmented.segmented_object import Click, SegmentedObject, SegmentedObjects

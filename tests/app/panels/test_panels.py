@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cpm_app.model.display.plots import PLOTS, RunMetrics
+from cpm_app.model.parameters.controls import controls, value_of
+from cpm_app.views.layers.fields import ARROW_SPACING, arrow_lines, arrows
+from cpm_app.views.panels.run import Chart
 from PySide6.QtCore import QPoint, QRectF, Qt
 from PySide6.QtWidgets import QCheckBox, QLabel, QToolButton
 
-from app.model.display.plots import PLOTS, RunMetrics
-from app.model.parameters.controls import controls, value_of
-from app.views.canvas.layers.fields import ARROW_SPACING, arrow_lines, arrows
-from app.views.panels.run import Chart
 from cpm_core.parameters.choices import CHOICES
 
 pytestmark = pytest.mark.shared_window

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cpm_app.model.display.lengths import short_text
+from cpm_app.model.display.plots import PLOTS, RunMetrics
+from cpm_app.session.timeline.moments import RunRecord
+from cpm_app.views.panels.run import Chart
 
-from app.model.display.lengths import short_text
-from app.model.display.plots import PLOTS, RunMetrics
-from app.session.timeline.moments import RunRecord
-from app.views.panels.run import Chart
 from cpm_core import Engine, Parameters
 from tests.app.conftest import disc
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cpm_app.model.document import edits
+from cpm_app.session.timeline.timeline import MOST_RUNS
+from cpm_app.views.features.compare import CompareFeature
+from cpm_app.views.features.run import TimelineFeature
 from PySide6.QtCore import Qt
 
-from app.model.document import edits
-from app.session.timeline.timeline import MOST_RUNS
-from app.views.features.compare import CompareFeature
-from app.views.features.run import TimelineFeature
 from cpm_core.shapes import Circle
 
 pytestmark = pytest.mark.shared_window

@@ -6,17 +6,17 @@ import threading
 
 import numpy as np
 import pytest
+from cpm_app.model.preferences.table import TIMELINE_MEMORY
+from cpm_app.session.timeline.timeline import MEGABYTE
+from cpm_app.session.worker.commands import Command
+from cpm_app.session.worker.run import Run
+from cpm_app.views.features.compare import CompareFeature
+from cpm_app.views.features.run import TimelineFeature
+from cpm_app.views.panels import timeline
+from cpm_app.views.widgets.containers import ElidedLabel
+from cpm_app.views.window.preferences import PreferencesDialog
 from PySide6.QtCore import Qt
 
-from app.model.preferences.table import TIMELINE_MEMORY
-from app.session.timeline.timeline import MEGABYTE
-from app.session.worker.commands import Command
-from app.session.worker.run import Run
-from app.views.features.compare import CompareFeature
-from app.views.features.run import TimelineFeature
-from app.views.panels import timeline
-from app.views.widgets.containers import ElidedLabel
-from app.views.window.preferences import PreferencesDialog
 from cpm_core import PRESETS, Engine
 from cpm_core.model.starts import circle
 from cpm_core.model.state import State

@@ -8,16 +8,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cpm_app.model.display.differences import differences
+from cpm_app.model.document.contours import judge
+from cpm_app.model.document.imported import add_objects, objects_of
+from cpm_app.session.features.background import LatestOnlyWorker
+from cpm_app.session.features.comparison import NOW, Row
+from cpm_app.views.features.compare import CompareFeature
+from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
-from app.model.display.differences import differences
-from app.model.document.contours import judge
-from app.model.document.imported import add_objects, objects_of
-from app.session.features.background import LatestOnlyWorker
-from app.session.features.comparison import NOW, Row
-from app.views.features.compare import CompareFeature
-from app.views.window.window import MainWindow
 from cpm_core.contours.agreement import compare
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.ground_truth import truth_of_contours

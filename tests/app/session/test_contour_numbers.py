@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
+from cpm_app.session.exchange.contour_tracking import ContourTracker
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.session.exchange.contour_tracking import ContourTracker
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.review import Mark, anchor, outline_of
 from tests.core.contours.test_review import line, result_of, ring

@@ -7,8 +7,7 @@ import threading
 from typing import ClassVar
 
 import pytest
-
-from app.views.window.python_hooks import GarbageCollector
+from cpm_app.views.window.python_hooks import GarbageCollector
 
 
 class Knot:

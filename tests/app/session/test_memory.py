@@ -10,9 +10,9 @@ import gc
 import weakref
 
 import numpy as np
+from cpm_app.model.document.document import Document
+from cpm_app.session.timeline.timeline import Timeline
 
-from app.model.document.document import Document
-from app.session.timeline.timeline import Timeline
 from cpm_core import Engine, Parameters
 from cpm_core.image.regions import Regions
 from cpm_core.model.starts import circle

@@ -18,15 +18,15 @@ from types import FrameType
 
 import numpy as np
 import pytest
+from cpm_app.model.document import edits
+from cpm_app.session.features.workspace import Workspace
+from cpm_app.views.application import make_application
+from cpm_app.views.layers.layer import Layer
+from cpm_app.views.main_window import make_window
+from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import Qt, QTimer
 
 import cpm_core
-from app.model.document import edits
-from app.session.features.workspace import Workspace
-from app.views.application import make_application
-from app.views.canvas.layers.layer import Layer
-from app.views.main_window import make_window
-from app.views.window.window import MainWindow
 from cpm_core import Parameters, uniform_grid
 from cpm_core.shapes import Points
 

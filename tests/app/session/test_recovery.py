@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from cpm_app.model.document import edits
+from cpm_app.session.storage.recovery import KEY, folder_of_journals, left_behind
+from cpm_app.views.features.files import OpenSaveFeature, RecoveryFeature
 from PySide6.QtWidgets import QMessageBox
 
-from app.model.document import edits
-from app.session.storage.recovery import KEY, folder_of_journals, left_behind
-from app.views.features.files import OpenSaveFeature, RecoveryFeature
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
 from cpm_core.shapes import Circle
 

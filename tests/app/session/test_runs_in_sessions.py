@@ -7,13 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cpm_app.model.document import edits
+from cpm_app.model.document.contours import add_hand_edits
+from cpm_app.session.storage.session_file import DocumentFile
+from cpm_app.views.features.files import OpenSaveFeature
+from cpm_app.views.features.run import TimelineFeature
 from PySide6.QtCore import Qt
 
-from app.model.document import edits
-from app.model.document.contours import add_hand_edits
-from app.session.storage.session_file import DocumentFile
-from app.views.features.files import OpenSaveFeature
-from app.views.features.run import TimelineFeature
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.shapes import Circle

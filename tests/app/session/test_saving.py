@@ -12,14 +12,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cpm_app.model.document import edits
+from cpm_app.session.storage import session_file
+from cpm_app.views.features.files import OpenSaveFeature
+from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import QMimeData, QPoint, Qt, QTimer, QUrl
 from PySide6.QtGui import QDropEvent
 from PySide6.QtWidgets import QApplication, QFileDialog, QMenu, QMessageBox
 
-from app.model.document import edits
-from app.session.storage import session_file
-from app.views.features.files import OpenSaveFeature
-from app.views.window.window import MainWindow
 from cpm_core.contours.review import Mark
 from cpm_core.formats.sessions.session_file import SessionFile, load_session
 from cpm_core.shapes import Circle, Region

@@ -7,13 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from cpm_app.session.scene import Scene
+from cpm_app.views.canvas.image_view import ImageView
+from cpm_app.views.items.curves import Curves
+from cpm_app.views.items.discs import Discs
+from cpm_app.views.layers.layer import NoRequests
 from PySide6.QtCore import QCoreApplication, QEvent, Qt
-
-from app.session.scene import Scene
-from app.views.canvas.image_view import ImageView
-from app.views.canvas.items.curves import Curves
-from app.views.canvas.items.discs import Discs
-from app.views.canvas.layers.layer import NoRequests
 
 pytestmark = pytest.mark.shared_window
 

@@ -1,8 +1,8 @@
 """What is known of earlier clicks is not worked out again."""
 
 import pytest
+from cpm_app.session.features.selector import Offer, Selector
 
-from app.session.features.selector import Offer, Selector
 from cpm_core import Partition, example, partition
 from cpm_core.objects.segmented import Click
 

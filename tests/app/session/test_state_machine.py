@@ -10,6 +10,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cpm_app.model.document import edits
+from cpm_app.model.document.document import Document
+from cpm_app.session.features.timeline import TimelineNavigation
+from cpm_app.session.session import Session
+from cpm_app.session.storage.preferences import Preferences
+from cpm_app.session.storage.recovery import Journal, left_behind
+from cpm_app.session.storage.session_file import DocumentFile
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import (
@@ -22,13 +29,6 @@ from hypothesis.stateful import (
 )
 from PySide6.QtCore import QCoreApplication
 
-from app.model.document import edits
-from app.model.document.document import Document
-from app.session.features.timeline import TimelineNavigation
-from app.session.session import Session
-from app.session.storage.preferences import Preferences
-from app.session.storage.recovery import Journal, left_behind
-from app.session.storage.session_file import DocumentFile
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.parameters import Parameters
 from cpm_core.shapes import Barrier, Circle, Everywhere, Points, Shape

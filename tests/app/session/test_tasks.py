@@ -8,17 +8,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cpm_app.model.export import ExportFile, ExportOrder
+from cpm_app.session.exchange.messages import CommandFailed, Core, Report
+from cpm_app.session.features.workspace import Workspace
+from cpm_app.session.tasks.tasks import Cancelled, Task, Tasks
+from cpm_app.session.worker.commands import Command
+from cpm_app.views.application import make_application
+from cpm_app.views.features.run import TasksFeature
+from cpm_app.views.main_window import make_window
 from PySide6.QtCore import QObject, Qt
 from PySide6.QtWidgets import QToolButton
 
-from app.model.export import ExportFile, ExportOrder
-from app.session.exchange.messages import CommandFailed, Core, Report
-from app.session.features.workspace import Workspace
-from app.session.tasks.tasks import Cancelled, Task, Tasks
-from app.session.worker.commands import Command
-from app.views.application import make_application
-from app.views.features.run import TasksFeature
-from app.views.main_window import make_window
 from cpm_core import Image, load_image
 
 PATIENCE = 20_000

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from cpm_app.model.document.document import Document
+from cpm_app.session.timeline.moments import Stepped
+from cpm_app.session.timeline.timeline import MOST_RUNS, Timeline
 from hypothesis import settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
-from app.model.document.document import Document
-from app.session.timeline.moments import Stepped
-from app.session.timeline.timeline import MOST_RUNS, Timeline
 from cpm_core import Engine, Parameters
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.regions import Regions

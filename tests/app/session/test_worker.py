@@ -10,16 +10,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cpm_app.model.document import edits
+from cpm_app.model.document.document import Document
+from cpm_app.model.export import ExportFile, ExportOrder
+from cpm_app.session.exchange.mailbox import Mailbox
+from cpm_app.session.exchange.messages import Core, Opened, Reconstruction, RunFailed, SeedsFound, Snapshot, WentOn
+from cpm_app.session.tasks.tasks import Task
+from cpm_app.session.worker.commands import find_seeds, run_call, start, warm_up, write_files
+from cpm_app.session.worker.run import Run
+from cpm_app.session.worker.worker_thread import WorkerThread
 
-from app.model.document import edits
-from app.model.document.document import Document
-from app.model.export import ExportFile, ExportOrder
-from app.session.exchange.mailbox import Mailbox
-from app.session.exchange.messages import Core, Opened, Reconstruction, RunFailed, SeedsFound, Snapshot, WentOn
-from app.session.tasks.tasks import Task
-from app.session.worker.commands import find_seeds, run_call, start, warm_up, write_files
-from app.session.worker.run import Run
-from app.session.worker.worker_thread import WorkerThread
 from cpm_core import Image, Parameters, Regions, uniform_grid
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.model.state import Particles

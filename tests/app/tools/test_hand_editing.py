@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cpm_app.views.features.files import OpenSaveFeature
+from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import Qt
 
-from app.views.features.files import OpenSaveFeature
-from app.views.window.window import MainWindow
 from cpm_core.formats.sessions.session_file import load_session
 from tests.app.conftest import Hand
 

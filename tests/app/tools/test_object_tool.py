@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from cpm_app.model.document.objects import delete
+from cpm_app.session.features.object_selection import percent
+from cpm_app.session.storage.session_file import DocumentFile
+from cpm_app.views.widgets.fields import DecimalField
 from PySide6.QtCore import Qt
 
-from app.model.document.objects import delete
-from app.session.features.object_selection import percent
-from app.session.storage.session_file import DocumentFile
-from app.views.widgets.fields import DecimalField
 from cpm_core import Partition
 from cpm_core.shapes import Barrier, Circle, Polygon, Region
 

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cpm_app.model.document import edits
+from cpm_app.views.features.objects import ObjectsFeature
+from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QApplication
 
-from app.model.document import edits
-from app.views.features.objects import ObjectsFeature
-from app.views.window.window import MainWindow
 from cpm_core.contours.contour import Contour
 from cpm_core.objects.segmented.segmented_object import SegmentedObject, SegmentedObjects
 from cpm_core.shapes import Circle

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from cpm_app.model.document import objects
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QCursor
 
-from app.model.document import objects
 from cpm_core.contours import HandEdit
 from cpm_core.numerics import polyline
 from cpm_core.objects.segmented import SegmentedObject

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cpm_app.model.document import edits
 from PySide6.QtCore import Qt
 
-from app.model.document import edits
 from cpm_core import divergence_centers, gradient_threshold, uniform_grid
 from cpm_core.shapes import KINDS, Everywhere, Region
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 import pytest
+from cpm_app.model.document import edits
+from cpm_app.views.tools import TOOLS
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QCursor
 
-from app.model.document import edits
-from app.views.canvas.tools import TOOLS
 from cpm_core.shapes import Barrier, Circle, Ellipse, Grid, Polygon, Region, Stroke, Threshold
 
 pytestmark = pytest.mark.shared_window

@@ -6,15 +6,15 @@ import math
 
 import numpy as np
 import pytest
+from cpm_app.model.document import edits
+from cpm_app.model.text.keys import with_keys
+from cpm_app.views.tools import TOOLS
+from cpm_app.views.tools.tool import AUTO, CHARGE, CIRCLE, GROUPS
+from cpm_app.views.window.bars import ToolPalette
 from PySide6.QtCore import QPoint, QPointF, Qt, QTimer
 from PySide6.QtGui import QContextMenuEvent, QMouseEvent
 from PySide6.QtWidgets import QApplication
 
-from app.model.document import edits
-from app.model.text.keys import with_keys
-from app.views.canvas.tools import TOOLS
-from app.views.canvas.tools.tool import AUTO, CHARGE, CIRCLE, GROUPS
-from app.views.window.bars import ToolPalette
 from cpm_core.numerics import polyline
 from cpm_core.shapes import (
     KINDS,

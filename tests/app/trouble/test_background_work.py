@@ -6,13 +6,13 @@ import sys
 import threading
 
 import pytest
+from cpm_app.model.export import ExportFile, ExportOrder
+from cpm_app.session.exchange.contour_tracking import ContourTracker
+from cpm_app.session.features.background import LatestOnlyWorker
+from cpm_app.session.worker import prepared_methods, reconstruction
+from cpm_app.views.window.python_hooks import UnexpectedErrors
 from PySide6.QtCore import Qt
 
-from app.model.export import ExportFile, ExportOrder
-from app.session.exchange.contour_tracking import ContourTracker
-from app.session.features.background import LatestOnlyWorker
-from app.session.worker import prepared_methods, reconstruction
-from app.views.window.python_hooks import UnexpectedErrors
 from cpm_core.segmentation.engine import Engine
 
 pytestmark = pytest.mark.shared_window

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cpm_app.session.exchange.messages import Core
+from cpm_app.session.features.workspace import Workspace
 
-from app.session.exchange.messages import Core
-from app.session.features.workspace import Workspace
 from cpm_core.formats import load_image
 
 pytestmark = pytest.mark.shared_window

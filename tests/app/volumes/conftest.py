@@ -6,12 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cpm_app.views.canvas.image_view import ImageView
+from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import QEvent, QPointF, Qt
 from PySide6.QtGui import QMouseEvent
 from PySide6.QtWidgets import QApplication
 
-from app.views.canvas.image_view import ImageView
-from app.views.window.window import MainWindow
 from tests.app.conftest import Hand
 
 Button = Qt.MouseButton

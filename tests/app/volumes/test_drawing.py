@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cpm_app.views.features.files import OpenSaveFeature
+from cpm_app.views.features.volumes import SlicesFeature
+from cpm_app.views.tools.tool import CIRCLE, MEND
+from cpm_app.views.window.bars import ToolPalette
 from PySide6.QtCore import Qt
 
-from app.views.canvas.tools.tool import CIRCLE, MEND
-from app.views.features.files import OpenSaveFeature
-from app.views.features.volumes import SlicesFeature
-from app.views.window.bars import ToolPalette
 from cpm_core.shapes import Box, BoxRegion, Charge, Polygon, PrismRegion, Stroke, Wall
 from tests.app.volumes.conftest import SHAPE, drag, move, press, release
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cpm_app.views.features.volumes import SlicesFeature, SpaceFeature
+from cpm_app.views.layers.image_layer import dragged
 from hypothesis import given
 from hypothesis import strategies as st
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtTest import QTest
 
-from app.views.canvas.layers.image_layer import dragged
-from app.views.features.volumes import SlicesFeature, SpaceFeature
 from tests.app.volumes.conftest import open_file
 
 pytestmark = pytest.mark.shared_window

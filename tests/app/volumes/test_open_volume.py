@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import tifffile
+from cpm_app.views.features.offers import StackFeature
+from cpm_app.views.features.volumes import SlicesFeature
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QWheelEvent
 from PySide6.QtWidgets import QApplication
 
-from app.views.features.offers import StackFeature
-from app.views.features.volumes import SlicesFeature
 from cpm_core import PRESETS
 from tests.app.volumes.conftest import SHAPE, ball, open_file
 

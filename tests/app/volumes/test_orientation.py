@@ -6,13 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from cpm_app.model.volume.slices import Slices, directions_of, edges_of, first_seen
+from cpm_app.views.features.offers import StackFeature
+from cpm_app.views.features.volumes import SlicesFeature
 from hypothesis import given
 from hypothesis import strategies as st
 from PySide6.QtCore import Qt
 
-from app.model.volume.slices import Slices, directions_of, edges_of, first_seen
-from app.views.features.offers import StackFeature
-from app.views.features.volumes import SlicesFeature
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
 from tests.app.volumes.conftest import ball, open_file

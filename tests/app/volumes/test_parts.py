@@ -7,11 +7,11 @@ import json
 import numpy as np
 import pytest
 import tifffile
+from cpm_app.views.features.files import OpenSaveFeature
+from cpm_app.views.features.offers import StackFeature
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QLabel
 
-from app.views.features.files import OpenSaveFeature
-from app.views.features.offers import StackFeature
 from cpm_core import load_image, load_volume
 from tests.app.volumes.conftest import ball, open_file
 

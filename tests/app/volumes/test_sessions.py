@@ -6,9 +6,9 @@ import json
 
 import numpy as np
 import pytest
+from cpm_app.views.features.files import OpenSaveFeature
 from PySide6.QtCore import Qt
 
-from app.views.features.files import OpenSaveFeature
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, load_session, save_session
 from cpm_core.shapes import Circle, Sphere
 from tests.app.volumes.conftest import open_file

@@ -7,11 +7,11 @@ import csv
 import numpy as np
 import pytest
 import tifffile
+from cpm_app.model.export import formats
+from cpm_app.views.features.run import RunControlFeature
+from cpm_app.views.widgets.containers import ElidedLabel
 from PySide6.QtCore import Qt
 
-from app.model.export import formats
-from app.views.features.run import RunControlFeature
-from app.views.widgets.containers import ElidedLabel
 from cpm_core.formats import FOR_VOLUMES
 from tests.app.exporting import asked, check, order
 

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cpm_app.session.features.comparison import NOW
+from cpm_app.views.features.volumes import SpaceFeature
+from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QFileDialog
 
-from app.session.features.comparison import NOW
-from app.views.features.volumes import SpaceFeature
-from app.views.window.window import MainWindow
 from cpm_core.contours.agreement import TOLERANCE
 from tests.app.conftest import Hand
 from tests.app.volumes.conftest import SHAPE, ball

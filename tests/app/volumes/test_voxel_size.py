@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 
 import pytest
+from cpm_app.views.features.files import OpenSaveFeature
+from cpm_app.views.features.offers import PixelSizeFeature
+from cpm_app.views.features.volumes import SlicesFeature, SpaceFeature
 from PySide6.QtCore import Qt
 
-from app.views.features.files import OpenSaveFeature
-from app.views.features.offers import PixelSizeFeature
-from app.views.features.volumes import SlicesFeature, SpaceFeature
 from cpm_core import load_volume
 from tests.app.volumes.conftest import open_file
 

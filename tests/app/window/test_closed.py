@@ -6,10 +6,9 @@ import gc
 from collections import Counter
 
 import pytest
+from cpm_app.session.features.comparison import NOW
 from PySide6.QtCore import QCoreApplication, QEvent, QTimer
 from PySide6.QtWidgets import QApplication
-
-from app.session.features.comparison import NOW
 
 pytestmark = pytest.mark.shared_window
 
@@ -23,7 +22,7 @@ def existing() -> Counter[str]:
     QCoreApplication.sendPostedEvents(None, QEvent.Type.DeferredDelete)
     gc.collect()
     kinds = (type(each) for each in gc.get_objects())
-    found = Counter(kind.__qualname__ for kind in kinds if str(kind.__module__).startswith("app.views"))
+    found = Counter(kind.__qualname__ for kind in kinds if str(kind.__module__).startswith("cpm_app.views"))
     return found + Counter({"widgets": len(QApplication.allWidgets())})
 
 

@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+from cpm_app.session.storage.preferences import Preferences
+from cpm_app.views.items.item import image_rectangle
+from cpm_app.views.main_window import make_window
+from cpm_app.views.window.bars import ToolPalette
+from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtWidgets import (
     QAbstractButton,
@@ -15,12 +20,6 @@ from PySide6.QtWidgets import (
     QScrollBar,
     QWidget,
 )
-
-from app.session.storage.preferences import Preferences
-from app.views.canvas.items.item import image_rectangle
-from app.views.main_window import make_window
-from app.views.window.bars import ToolPalette
-from app.views.window.window import MainWindow
 
 ENTRIES, CONTROLS = 120, 70
 LEFT = Qt.MouseButton.LeftButton

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import pytest
+from cpm_app.model.document import edits
+from cpm_app.views.window.menus import THINGS
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtGui import QContextMenuEvent
 from PySide6.QtWidgets import QApplication, QMenu
 
-from app.model.document import edits
-from app.views.window.menus import THINGS
 from cpm_core.shapes import Charge, Circle
 
 pytestmark = pytest.mark.shared_window

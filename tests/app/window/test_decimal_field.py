@@ -6,10 +6,9 @@ import subprocess
 import sys
 
 import pytest
+from cpm_app.views.application import locale_of
+from cpm_app.views.widgets.fields import DecimalField
 from PySide6.QtCore import QDate, QLocale
-
-from app.views.application import locale_of
-from app.views.widgets.fields import DecimalField
 
 
 def field_in(qtbot, language: str, most: float = 100.0) -> DecimalField:
@@ -68,10 +67,10 @@ def test_dates_and_numbers_are_those_of_the_language_and_of_the_desktop_where_it
 
 def test_the_program_writes_numbers_in_the_language_that_is_chosen() -> None:
     code = (
-        "from app.model.text.language import use_language; use_language('de')\n"
-        "from app.views.application import make_application; application = make_application()\n"
+        "from cpm_app.model.text.language import use_language; use_language('de')\n"
+        "from cpm_app.views.application import make_application; application = make_application()\n"
         "from PySide6.QtCore import QLocale; print(QLocale().toString(1.5))\n"
-        "from app.model.display.lengths import measured; print(measured(12345.6, (1.0, 1.0), None))"
+        "from cpm_app.model.display.lengths import measured; print(measured(12345.6, (1.0, 1.0), None))"
     )
     said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
     assert said.split("\n")[:2] == ["1,5", "12.345,6 px"]

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
+from cpm_app.session.storage.preferences import Preferences
+from cpm_app.views.main_window import make_window
 from PySide6.QtCore import QPoint, Qt
 from PySide6.QtWidgets import QToolButton
-
-from app.session.storage.preferences import Preferences
-from app.views.main_window import make_window
 
 KEY = Qt.Key
 

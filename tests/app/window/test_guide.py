@@ -7,12 +7,11 @@ import re
 import numpy as np
 import PIL.Image
 import pytest
+from cpm_app.model.document.samples import sample_called
+from cpm_app.model.text.assets import asset, guide_page
+from cpm_app.views.features.help import HelpFeature
+from cpm_app.views.window.guide import KEYS, PAGES, Guide
 from PySide6.QtCore import Qt, QUrl
-
-from app.model.document.samples import sample_called
-from app.model.text.assets import asset, guide_page
-from app.views.features.help import HelpFeature
-from app.views.window.guide import KEYS, PAGES, Guide
 
 pytestmark = pytest.mark.shared_window
 

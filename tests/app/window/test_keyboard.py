@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import pytest
+from cpm_app.model.document import edits
+from cpm_app.views.tools import TOOLS
+from cpm_app.views.window.keyboard import sliders_of
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication, QCheckBox, QComboBox, QToolButton
-
-from app.model.document import edits
-from app.views.canvas.tools import TOOLS
-from app.views.window.keyboard import sliders_of
 
 pytestmark = pytest.mark.shared_window
 

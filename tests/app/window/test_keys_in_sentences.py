@@ -9,12 +9,11 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from cpm_app.model.text.keys import Named, use_names, with_keys
+from cpm_app.views.features.help import HelpFeature
+from cpm_app.views.widgets.actions import native
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QAbstractButton, QLabel, QTableView, QWidget
-
-from app.model.text.keys import Named, use_names, with_keys
-from app.views.features.help import HelpFeature
-from app.views.widgets.actions import native
 
 pytestmark = pytest.mark.shared_window
 

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import pytest
+from cpm_app.model.text.keys import letter_of
 from PySide6.QtGui import QAction
 from PySide6.QtWidgets import QMenu, QWidget
-
-from app.model.text.keys import letter_of
 
 pytestmark = pytest.mark.shared_window
 

@@ -5,12 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import pytest
-from PySide6.QtCore import Qt
-from PySide6.QtGui import QAction, QColor, QKeySequence
-from PySide6.QtWidgets import QPushButton
-
-from app.model.document import edits
-from app.model.preferences.table import (
+from cpm_app.model.document import edits
+from cpm_app.model.preferences.table import (
     AUTOSAVE,
     CONTOUR_WIDTH,
     INKS,
@@ -18,11 +14,15 @@ from app.model.preferences.table import (
     SHAPE_WIDTH,
     UNIT,
 )
-from app.session.storage.preferences import Preferences
-from app.views.features.files import RecoveryFeature
-from app.views.features.help import HelpFeature, PreferencesFeature
-from app.views.theme import theme
-from app.views.theme.theme import look
+from cpm_app.session.storage.preferences import Preferences
+from cpm_app.views.features.files import RecoveryFeature
+from cpm_app.views.features.help import HelpFeature, PreferencesFeature
+from cpm_app.views.theme import theme
+from cpm_app.views.theme.theme import look
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QAction, QColor, QKeySequence
+from PySide6.QtWidgets import QPushButton
+
 from cpm_core.shapes import Barrier
 
 KEY = Qt.Key

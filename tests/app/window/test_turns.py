@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from cpm_app.views.canvas.side_view import SideView
+from cpm_app.views.features.volumes import SlicesFeature
+from cpm_app.views.widgets.turns import Turns
 from PySide6.QtCore import QObject, QTimer
 
-from app.views.canvas.side_view import SideView
-from app.views.features.volumes import SlicesFeature
-from app.views.widgets.turns import Turns
 from tests.app.volumes.conftest import open_file, volume_file  # noqa: F401  # a fixture
 
 

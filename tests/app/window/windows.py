@@ -7,20 +7,19 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
+from cpm_app.model.document.modes import use_mode
+from cpm_app.model.preferences.table import PREFERENCES
+from cpm_app.session.features.workspace import Workspace
+from cpm_app.session.session import Session
+from cpm_app.views.application import make_application
+from cpm_app.views.canvas.canvas_area import FIRST_TOOL
+from cpm_app.views.features.files import StartFeature
+from cpm_app.views.main_window import make_window
+from cpm_app.views.tools.brush_tools import RingTool
+from cpm_app.views.window import dialogs
+from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import QCoreApplication, QEvent, Qt
 from pytestqt.qtbot import QtBot
-
-from app.model.document.modes import use_mode
-from app.model.preferences.table import PREFERENCES
-from app.session.features.workspace import Workspace
-from app.session.session import Session
-from app.views.application import make_application
-from app.views.canvas.canvas_area import FIRST_TOOL
-from app.views.canvas.tools.brush_tools import RingTool
-from app.views.features.files import StartFeature
-from app.views.main_window import make_window
-from app.views.window import dialogs
-from app.views.window.window import MainWindow
 
 SIZE = 1000, 700
 """Width and height of windows [px]."""

@@ -10,8 +10,8 @@ import jsonschema
 import numpy as np
 import PIL.Image
 import pytest
+from cpm_app import __main__ as program
 
-from app import __main__ as program
 from cpm_core import cli
 from cpm_core.cli import COMMANDS
 from cpm_core.cli.output import SCHEMA, SCHEMA_FILE
@@ -76,7 +76,7 @@ def test_a_shell_is_told_what_may_follow(tmp_path):
         "_ARGCOMPLETE_IFS": "\n", "_ARGCOMPLETE_STDOUT_FILENAME": str(tmp_path / "found"), "COMP_TYPE": "9",
         "PYTHONPATH": os.pathsep.join(filter(None, sys.path)),
     }  # fmt: skip
-    subprocess.run([sys.executable, "-m", "app"], env=os.environ | asked, check=True, timeout=60)
+    subprocess.run([sys.executable, "-m", "cpm_app"], env=os.environ | asked, check=True, timeout=60)
     assert set((tmp_path / "found").read_text("utf-8").split()) == {"grid", "gradient"}
 
 

@@ -9,11 +9,12 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from app.model.document import edits
-from app.model.export import ExportFile, ExportOrder
-from app.session.storage.recovery import Journal
-from app.views.features.files import OpenSaveFeature, RecoveryFeature
-from app.views.window.window import MainWindow
+from cpm_app.model.document import edits
+from cpm_app.model.export import ExportFile, ExportOrder
+from cpm_app.session.storage.recovery import Journal
+from cpm_app.views.features.files import OpenSaveFeature, RecoveryFeature
+from cpm_app.views.window.window import MainWindow
+
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.shapes import Circle
 

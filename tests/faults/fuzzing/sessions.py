@@ -8,9 +8,10 @@ import json
 from pathlib import Path
 from random import Random
 
-from app.model.document.document import Document, ImageReference
-from app.session.features.kept_pages import StackSource, StoredPages
-from app.session.timeline import plain_runs
+from cpm_app.model.document.document import Document, ImageReference
+from cpm_app.session.features.kept_pages import StackSource, StoredPages
+from cpm_app.session.timeline import plain_runs
+
 from cpm_core.cli import main
 from cpm_core.formats.sessions.session_file import SessionFile, decode, encode, load_session
 from cpm_core.shapes.document_shapes import axes_of

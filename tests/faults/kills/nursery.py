@@ -18,7 +18,7 @@ from ..report import asked_to_stop, stoppable
 
 os.environ.setdefault("QT_QPA_PLATFORM", "offscreen")
 
-_MODULES = ["tests.faults.kills.warm", "cpm_core.cli", "app.views.application", __name__]
+_MODULES = ["tests.faults.kills.warm", "cpm_core.cli", "cpm_app.views.application", __name__]
 """Loaded once, in the process that all others are copies of."""
 
 _OPERATIONS = frozenset({"open", "os.rename", "os.remove", "os.mkdir", "os.rmdir", "os.chmod", "os.utime", "os.fsync"})

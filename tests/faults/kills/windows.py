@@ -8,14 +8,14 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from cpm_app.model.document import edits
+from cpm_app.views.application import make_application
+from cpm_app.views.features.files import OpenSaveFeature, RecoveryFeature
+from cpm_app.views.main_window import open_window
+from cpm_app.views.window import dialogs
+from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import QCoreApplication, QSettings
 
-from app.model.document import edits
-from app.views.application import make_application
-from app.views.features.files import OpenSaveFeature, RecoveryFeature
-from app.views.main_window import open_window
-from app.views.window import dialogs
-from app.views.window.window import MainWindow
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.shapes import Circle
 

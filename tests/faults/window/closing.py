@@ -8,17 +8,17 @@ import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+from cpm_app.model.display.comparison import Axis, parameter_trials
+from cpm_app.model.document import edits
+from cpm_app.model.export import ExportFile, ExportOrder
+from cpm_app.model.parameters.controls import controls
+from cpm_app.views.export.frames import AnimationPlan
+from cpm_app.views.features.animation import AnimationFeature
+from cpm_app.views.features.files import OpenSaveFeature, RecoveryFeature
+from cpm_app.views.tools import TOOLS
+from cpm_app.views.window.window import MainWindow
 from PySide6.QtWidgets import QApplication
 
-from app.model.display.comparison import Axis, parameter_trials
-from app.model.document import edits
-from app.model.export import ExportFile, ExportOrder
-from app.model.parameters.controls import controls
-from app.views.canvas.tools import TOOLS
-from app.views.export.frames import AnimationPlan
-from app.views.features.animation import AnimationFeature
-from app.views.features.files import OpenSaveFeature, RecoveryFeature
-from app.views.window.window import MainWindow
 from cpm_core.formats import load_image
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.shapes import Circle

@@ -10,11 +10,12 @@ from contextlib import ExitStack, contextmanager
 from typing import Any
 from unittest import mock
 
-from app.session.storage import session_file
-from app.session.storage.recovery import Journal
-from app.session.tasks import opening
-from app.session.worker.reconstruction import Reconstructor
-from app.session.worker.run import Run
+from cpm_app.session.storage import session_file
+from cpm_app.session.storage.recovery import Journal
+from cpm_app.session.tasks import opening
+from cpm_app.session.worker.reconstruction import Reconstructor
+from cpm_app.session.worker.run import Run
+
 from cpm_core.segmentation.engine import Engine
 
 LENGTHS = (0.0, 0.0, 0.0, 0.0005, 0.002, 0.008)

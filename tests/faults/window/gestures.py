@@ -6,6 +6,8 @@ import random
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
+from cpm_app.views.tools import TOOLS
+from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import QMimeData, QPoint, QPointF, QRect, Qt, QUrl
 from PySide6.QtGui import QCursor, QDragEnterEvent, QDropEvent
 from PySide6.QtTest import QTest
@@ -23,9 +25,6 @@ from PySide6.QtWidgets import (
     QWidget,
 )
 from shiboken6 import isValid
-
-from app.views.canvas.tools import TOOLS
-from app.views.window.window import MainWindow
 
 Gesture = Iterator[float]
 """Sends an event between one pause and the next [s]."""

@@ -15,11 +15,10 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+from cpm_app.model.preferences.table import TIMELINE_MEMORY
+from cpm_app.session.worker.worker_thread import QUIET
 from PySide6.QtCore import QEventLoop, QObject, QTimer
 from PySide6.QtWidgets import QApplication, QWidget
-
-from app.model.preferences.table import TIMELINE_MEMORY
-from app.session.worker.worker_thread import QUIET
 
 from ..report import Budget, Report, going_on
 from .gestures import Gesture, Hand

@@ -8,8 +8,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from random import Random
 
-from app.session.exchange.messages import NotOpened, Opened
-from app.views.features.files import OpenSaveFeature
+from cpm_app.session.exchange.messages import NotOpened, Opened
+from cpm_app.views.features.files import OpenSaveFeature
+
 from cpm_core.formats.sessions.session_file import load_session
 
 from ..fuzzing.inputs.session_samples import IMAGE, SAMPLES, SESSION, write_images

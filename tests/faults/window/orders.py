@@ -10,17 +10,17 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
+from cpm_app.model.document import edits
+from cpm_app.model.document.document import Document
+from cpm_app.model.export import ExportFile, ExportOrder
+from cpm_app.session.exchange.messages import Core
+from cpm_app.session.features.workspace import Workspace
+from cpm_app.session.storage.preferences import Preferences
+from cpm_app.session.storage.recovery import Journal
+from cpm_app.session.storage.session_file import DocumentFile
 from PIL import Image as Picture
 from PySide6.QtCore import QCoreApplication, QEvent
 
-from app.model.document import edits
-from app.model.document.document import Document
-from app.model.export import ExportFile, ExportOrder
-from app.session.exchange.messages import Core
-from app.session.features.workspace import Workspace
-from app.session.storage.preferences import Preferences
-from app.session.storage.recovery import Journal
-from app.session.storage.session_file import DocumentFile
 from cpm_core.formats.images.readers import load_image
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.parameters import Parameters

@@ -12,14 +12,14 @@ from pathlib import Path
 from unittest import mock
 
 import numpy as np
+from cpm_app.views.application import make_application
+from cpm_app.views.main_window import open_window
+from cpm_app.views.window import dialogs
+from cpm_app.views.window.window import MainWindow
 from PIL import Image as Picture
 from PySide6.QtCore import QCoreApplication, QEvent, QSettings
 from PySide6.QtWidgets import QApplication
 
-from app.views.application import make_application
-from app.views.main_window import open_window
-from app.views.window import dialogs
-from app.views.window.window import MainWindow
 from cpm_core.warm_up import warm_up
 
 from ..clock import now

@@ -36,7 +36,7 @@ class Raising:
         """Put itself in front of all functions of the core, wherever they are called by name."""
         known: dict[FunctionType, Callable[..., Any]] = {}
         for name, module in list(sys.modules.items()):
-            if name.startswith(("cpm_core.", "app.session.")) and ".cli" not in name:
+            if name.startswith(("cpm_core.", "cpm_app.session.")) and ".cli" not in name:
                 for attribute, value in list(vars(module).items()):
                     if isinstance(value, FunctionType) and value.__module__.startswith("cpm_core."):
                         setattr(module, attribute, known.setdefault(value, self._before(value)))

@@ -8,10 +8,11 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from app.model.document import edits
-from app.model.export import ExportFile, ExportOrder
-from app.views.features.files import OpenSaveFeature
-from app.views.window.window import MainWindow
+from cpm_app.model.document import edits
+from cpm_app.model.export import ExportFile, ExportOrder
+from cpm_app.views.features.files import OpenSaveFeature
+from cpm_app.views.window.window import MainWindow
+
 from cpm_core.shapes import Circle
 
 from ..kills.windows import opened, until

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import tifffile
+from cpm_app.model.volume.shape_sections import RegionSection
+from cpm_app.session.storage.session_file import DocumentFile
+from cpm_app.views.features.files import OpenSaveFeature
+from cpm_app.views.features.volumes import SpaceFeature
 from PySide6.QtCore import QPoint, Qt
 
-from app.model.volume.shape_sections import RegionSection
-from app.session.storage.session_file import DocumentFile
-from app.views.features.files import OpenSaveFeature
-from app.views.features.volumes import SpaceFeature
 from cpm_core.contours.surface import Surface
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.objects.segmented.segmented_object import SegmentedObject

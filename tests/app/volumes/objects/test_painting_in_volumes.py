@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 import scipy
 import tifffile
+from cpm_app.model.document import objects
+from cpm_app.views.features.files import OpenSaveFeature
+from cpm_app.views.features.volumes import SlicesFeature, SpaceFeature
 from PySide6.QtCore import QEvent, Qt
 
-from app.model.document import objects
-from app.views.features.files import OpenSaveFeature
-from app.views.features.volumes import SlicesFeature, SpaceFeature
 from cpm_core.formats.sessions.session_file import load_session
 from cpm_core.medial_axis import SkeletonMethod
 from cpm_core.numerics import polyline

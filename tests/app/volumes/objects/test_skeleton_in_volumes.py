@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cpm_app.views.features.files import OpenSaveFeature
+from cpm_app.views.layers.skeleton import disks
+from cpm_app.views.volume.seen_in_space import SeenInSpace
 from PySide6.QtCore import Qt
 
-from app.views.canvas.layers.skeleton import disks
-from app.views.features.files import OpenSaveFeature
-from app.views.volume.seen_in_space import SeenInSpace
 from tests.app.exporting import asked, order
 
 pytestmark = pytest.mark.shared_window

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cpm_app.model.volume.slices import SampledForce, Slice
+from cpm_app.views.features.volumes import SlicesFeature
 from PySide6.QtCore import Qt
-
-from app.model.volume.slices import SampledForce, Slice
-from app.views.features.volumes import SlicesFeature
 
 pytestmark = pytest.mark.shared_window
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cpm_app.model.display import display_image
+from cpm_app.model.display.display_image import DisplayImage, IntensityWindow
+from cpm_app.session.features import slices
+from cpm_app.views.features.volumes import SlicesFeature
 from PySide6.QtCore import Qt
 
-from app.model.display import display_image
-from app.model.display.display_image import DisplayImage, IntensityWindow
-from app.session.features import slices
-from app.views.features.volumes import SlicesFeature
 from cpm_core.image.image import Image
 from tests.app.volumes.conftest import ball, open_file
 

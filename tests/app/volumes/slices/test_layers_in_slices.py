@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import pytest
+from cpm_app.model.document import edits
 from PySide6.QtCore import Qt
 
-from app.model.document import edits
 from cpm_core.shapes import Box, Sphere
 
 pytestmark = pytest.mark.shared_window

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cpm_app.model.volume.shape_sections import RegionElsewhere, sections
+from cpm_app.model.volume.slices import Slice
+from cpm_app.model.volume.surface_section import section as lines_of
 from hypothesis import given
 from hypothesis import strategies as st
 from skimage.measure import marching_cubes
 
-from app.model.volume.shape_sections import RegionElsewhere, sections
-from app.model.volume.slices import Slice
-from app.model.volume.surface_section import section as lines_of
 from cpm_core.contours.surface import Surface
 from cpm_core.shapes import (
     Barrier,

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cpm_app.views.features.volumes import SlicesFeature
 from PySide6.QtCore import QPoint, QPointF, Qt
 from PySide6.QtGui import QWheelEvent
 from PySide6.QtWidgets import QApplication
 
-from app.views.features.volumes import SlicesFeature
 from cpm_core.shapes import Sphere
 from tests.app.volumes.conftest import ball, move, press, release
 

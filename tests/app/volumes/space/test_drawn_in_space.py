@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cpm_app.model.document import edits
+from cpm_app.views.export.frames import to_array
+from cpm_app.views.features.volumes import SpaceFeature
+from cpm_app.views.theme import theme
+from cpm_app.views.theme.theme import look
 from PySide6.QtCore import QPoint, Qt
 
-from app.model.document import edits
-from app.views.export.frames import to_array
-from app.views.features.volumes import SpaceFeature
-from app.views.theme import theme
-from app.views.theme.theme import look
 from cpm_core.shapes import Box, Points, Sphere
 
 pytestmark = pytest.mark.shared_window

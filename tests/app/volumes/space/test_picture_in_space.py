@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cpm_app.model.display.display_image import IntensityWindow
+from cpm_app.model.space.camera import Camera
+from cpm_app.model.space.picture import FAR, Picture, draw_balls, draw_lines
+from cpm_app.model.space.triangles import Cut, Mesh, draw_mesh
+from cpm_app.model.space.view_in_space import Look, Particles, ShownParts, ViewInSpace
+from cpm_app.model.space.voxels import Shaded, draw_projection, draw_slice
+from cpm_app.model.volume.slices import Slice, Slices
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.model.display.display_image import IntensityWindow
-from app.model.display.space.camera import Camera
-from app.model.display.space.picture import FAR, Picture, draw_balls, draw_lines
-from app.model.display.space.triangles import Cut, Mesh, draw_mesh
-from app.model.display.space.view_in_space import Look, Particles, ShownParts, ViewInSpace
-from app.model.display.space.voxels import Shaded, draw_projection, draw_slice
-from app.model.volume.slices import Slice, Slices
 from cpm_core.contours.surface import Surface
 from cpm_core.image.image import Image
 

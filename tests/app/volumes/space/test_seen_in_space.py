@@ -7,11 +7,11 @@ from itertools import pairwise
 import numpy as np
 import PIL.Image
 import pytest
+from cpm_app.views.features.volumes import SpaceFeature
+from cpm_app.views.theme import theme
+from cpm_app.views.volume import space_marks
 from PySide6.QtCore import Qt
 
-from app.views.features.volumes import SpaceFeature
-from app.views.theme import theme
-from app.views.volume import space_marks
 from cpm_core.shapes import Sphere
 from tests.app.volumes.conftest import open_file
 
@@ -88,7 +88,7 @@ def test_the_picture_in_space_is_saved_as_it_is_seen(volume, hand, space, tmp_pa
 
 def test_a_turntable_is_one_full_turn(volume, hand, space, tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(space_marks, "FRAMES", 8)
-    monkeypatch.setattr("app.views.features.volumes.FRAMES", 8)
+    monkeypatch.setattr("cpm_app.views.features.volumes.FRAMES", 8)
     hand.wait(lambda: space.view.idle)
     path = tmp_path / "turn.gif"
     volume.feature(SpaceFeature).write(path, True)

@@ -6,17 +6,17 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
+from cpm_app.model.display.display_image import IntensityWindow
+from cpm_app.model.space.triangles import Mesh
+from cpm_app.model.space.view_in_space import Particles, ViewInSpace
+from cpm_app.model.space.voxels import Shaded
+from cpm_app.model.volume.slices import Slices
+from cpm_app.session.features.workspace import Workspace
+from cpm_app.views.volume.space_panel import SpacePanel
 from PySide6.QtCore import QCoreApplication, QEvent, QPoint, Qt
 from PySide6.QtGui import QColor, QWheelEvent
 from pytestqt.qtbot import QtBot
 
-from app.model.display.display_image import IntensityWindow
-from app.model.display.space.triangles import Mesh
-from app.model.display.space.view_in_space import Particles, ViewInSpace
-from app.model.display.space.voxels import Shaded
-from app.model.volume.slices import Slices
-from app.session.features.workspace import Workspace
-from app.views.volume.space_panel import SpacePanel
 from cpm_core.contours.surface import Surface
 from cpm_core.image.image import Image
 

@@ -1,0 +1,116 @@
+"""Entry point of ``cpm`` and ``python -m cpm_app``: the window, or the command line for a subcommand."""
+
+from __future__ import annotations
+
+import gc
+import os
+import sys
+from collections.abc import Sequence
+
+CANNOT_OPEN = 2
+INTERRUPTED = 130
+
+_COMMANDS = frozenset({"run", "info", "batch", "skeleton", "compare", "bench", "export", "completion"})
+
+_QT = frozenset({"PySide6", "shiboken6", "pyqtgraph"})
+
+_NO_QT = (
+    'The window needs Qt, which is not installed: run pip install "cpm-particles[gui]", or work without a window by '
+    "“cpm run IMAGE …”."
+)
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run CPM.
+
+    Parameters
+    ----------
+    argv : sequence of str, optional
+        Arguments after the program's name: nothing or an image for the window, else a subcommand or options.
+
+    Returns
+    -------
+    int
+        Exit status; 2 when the window cannot be opened or the arguments are invalid.
+    """
+    # Before NumPy is loaded: the products of the prior are small, and threads of OpenBLAS that wait for their parts of
+    # them take the processors from the particles.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    try:
+        first = arguments[0] if arguments else ""
+        if first in _COMMANDS or first.startswith("-") or "_ARGCOMPLETE" in os.environ:
+            from cpm_core import cli
+
+            return cli.main(arguments)
+        if arguments and not os.path.lexists(first):  # a pattern, or a word that was mistyped, which opens no window
+            from cpm_core.cli.inputs import expanded
+
+            try:
+                arguments = expanded(arguments)
+            except ValueError as error:
+                return _refuse(str(error))
+            if not os.path.lexists(arguments[0]):
+                return _refuse(f"“{first}” is no command and no file; see cpm --help.")
+        if len(arguments) > 1:
+            return _refuse(f"The window opens one image but {len(arguments)} were given; see cpm --help.")
+        return _open_window(arguments[0] if arguments else None)
+    except KeyboardInterrupt:
+        print("cpm: interrupted.", file=sys.stderr)
+        return INTERRUPTED
+
+
+def _open_window(path: str | None) -> int:
+    gc.disable()  # nothing that is imported is garbage
+    # Qt is imported only here, so that the command line works without it.
+    try:
+        from PySide6.QtCore import QLocale
+
+        from cpm_app.model.text import language
+        from cpm_app.session.storage.preferences import Preferences
+
+        # Before any module whose sentences are translated while it is imported.
+        of_the_system = QLocale.system().uiLanguages()
+        language.use_language(Preferences().get(language.KEY, language.OF_THE_DESKTOP), of_the_system)
+        reason = why_no_window()
+        if reason:
+            return _refuse(reason)
+        from cpm_app.views.application import run
+    except ImportError as error:
+        if error.name in _QT and isinstance(error, ModuleNotFoundError):
+            return _refuse(_NO_QT)
+        return _refuse(f"The window cannot be opened because a library cannot be loaded ({error}); see the README.")
+    gc.enable()
+    return run(path)
+
+
+def why_no_window() -> str:
+    """One sentence on why no window can be opened here, or empty."""
+    chosen = os.environ.get("QT_QPA_PLATFORM", "")
+    if not sys.platform.startswith("linux") or chosen.partition(":")[0] not in ("", "xcb"):
+        return ""
+    if not chosen and os.environ.get("WAYLAND_DISPLAY"):
+        return ""
+    if not os.environ.get("DISPLAY"):
+        return "There is no display to open a window on; use “cpm run IMAGE …” to work without one."
+    # The plugin of Qt is loaded here, because only the loader reports which library is missing.
+    import ctypes
+
+    from PySide6.QtCore import QLibraryInfo
+
+    plugins = QLibraryInfo.path(QLibraryInfo.LibraryPath.PluginsPath)
+    try:
+        ctypes.CDLL(f"{plugins}/platforms/libqxcb.so")
+    except OSError as error:
+        library = str(error).partition(":")[0]
+        return f"Qt cannot open a window because {library} is missing; the README names what Qt needs."
+    return ""
+
+
+def _refuse(sentence: str) -> int:
+    print(f"cpm: {sentence}", file=sys.stderr)
+    return CANNOT_OPEN
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,95 @@
+"""Coloring of particles: one number for each particle, and the range in which it is shown."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_app.model.display.lengths import round_up
+from cpm_app.model.display.plots import RunMetrics
+from cpm_app.model.text.language import tr
+from cpm_core.numerics import Array
+from cpm_core.segmentation import MethodState
+
+Marks = NDArray[np.uint8]
+
+SHADES = 32
+"""Colors of a palette; one more stands for values that are not known yet."""
+
+_IN_RANGE = 99.0
+"""Percentage of the particles inside the range: a single fast one must not make all others look alike."""
+
+
+def speed(state: MethodState, _: RunMetrics) -> Array:
+    """Speed [px of the image / unit of time]."""
+    return np.linalg.norm(state.particles.velocity, axis=1) * 2.0**state.scale
+
+
+def force(state: MethodState, _: RunMetrics) -> Array:
+    """Force without damping at the last step, in the unit of its scale: the Lorentz force is at most 1."""
+    return np.linalg.norm(state.particles.force[:, 0], axis=1)
+
+
+def age(state: MethodState, metrics: RunMetrics) -> Array:
+    """Steps since insertion, or since the start of the scale for its first particles; NaN where it is not recorded."""
+    first = np.searchsorted(metrics.numbered, state.particles.identity, side="right")
+    known = first < len(metrics.step)
+    steps = np.full(state.count, np.nan)
+    steps[known] = state.step - metrics.step[first[known]]
+    return steps
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A quantity by which particles can be colored.
+
+    Attributes
+    ----------
+    title, tip : str
+        Its name, and a sentence on it.
+    of : callable
+        Its value for every particle of a state.
+    """
+
+    title: str
+    tip: str
+    of: Callable[[MethodState, RunMetrics], Array]
+
+
+QUANTITIES = {
+    "speed": Quantity(tr("Speed"), tr("How fast each particle is [px / unit of time]."), speed),
+    "force": Quantity(tr("Force"), tr("Coulomb and Lorentz force on each particle, without damping."), force),
+    "age": Quantity(tr("Age"), tr("Steps since each particle was inserted, or since its scale began."), age),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Colored:
+    """Colors of particles.
+
+    Attributes
+    ----------
+    marks : ndarray of uint8, shape (N,)
+        Color of each particle, from 0 to `SHADES` - 1; `SHADES` where the value is not known.
+    high : float
+        Value of the last color; the first one is 0.
+    """
+
+    marks: Marks
+    high: float
+
+
+def colored(quantity: Quantity, state: MethodState, metrics: RunMetrics) -> Colored:
+    """Colors of all particles of a state; a larger quantity never has a lower color."""
+    values = quantity.of(state, metrics)
+    unknown = np.isnan(values)
+    end = float(np.nanpercentile(values, _IN_RANGE)) if not unknown.all() else 0.0
+    high = round_up(end) if end > 0.0 else 1.0
+    fraction = values / high
+    fraction[unknown] = 0.0
+    marks = np.clip(np.rint(fraction * (SHADES - 1)), 0, SHADES - 1).astype(np.uint8)
+    marks[unknown] = SHADES
+    return Colored(marks, high)

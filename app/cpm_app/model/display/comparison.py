@@ -1,0 +1,118 @@
+"""Which runs are compared: combinations of values of one or two parameters, or methods."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from cpm_app.model.display.lengths import short_text
+from cpm_app.model.parameters.controls import Control, slider_range, value_of, with_value
+from cpm_app.model.text.language import from_core, tr
+from cpm_core import CONTOUR_METHODS, Parameters
+from cpm_core.objects.methods import Compared
+
+FEWEST, MOST = 2, 6
+"""Limits of the number of values of a parameter."""
+
+FIRST_AXES = ("smoothing", "min_strength")
+"""Parameters that are proposed: they decide which edges count."""
+
+_COUNT, _SPREAD = 3, 0.5
+"""Number of values that are proposed, and the fraction of the slider's range that they span."""
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A parameter that runs differ in, with its values in ascending order."""
+
+    control: Control
+    values: tuple[float, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """A run that is compared with others.
+
+    `method` is a method with its settings, run from the outlines that are drawn; where it is empty, the run is that of
+    the document with other parameters, the `settings`, which differ from its own in `values`.
+    """
+
+    title: str
+    settings: Any
+    values: tuple[tuple[str, float], ...] = ()
+    method: str = ""
+
+
+def parameter_trials(parameters: Parameters, axes: Sequence[Axis]) -> tuple[Trial, ...]:
+    """A run for each combination of the values of one or two parameters.
+
+    ValueError when both are the same parameter, or a value is out of its range.
+    """
+    names = [axis.control.name for axis in axes]
+    if len(set(names)) < len(names):
+        raise ValueError(tr("Both parameters are the same: choose two different ones."))
+    trials = []
+    for values in itertools.product(*(axis.values for axis in axes)):
+        title = ", ".join(f"{axis.control.symbol} {short_text(value)}"
+                          for axis, value in zip(axes, values, strict=True))  # fmt: skip
+        chosen = tuple(zip(names, values, strict=True))
+        trials.append(Trial(title, with_values(parameters, chosen), chosen))
+    return tuple(trials)
+
+
+def method_trials(compared: Compared, parameters: Parameters) -> tuple[Trial, ...]:
+    """A run of each chosen method; ValueError when there is none."""
+    if not compared.methods:
+        raise ValueError(tr("Choose at least one method."))
+    return tuple(
+        Trial(from_core(method.title), parameters if method.of_particles else compared.settings_of(name), method=name)
+        for name, method in ((name, CONTOUR_METHODS[name]) for name in compared.methods)
+    )
+
+
+def sensible_values(control: Control, parameters: Parameters, contrast: float) -> tuple[float, ...]:
+    """Evenly spaced values around the current one, which is among them, over part of the slider's range.
+
+    There are three, fewer if there are not as many whole numbers; parameters in gray levels are scaled by the contrast
+    of the image.
+    """
+    low, high = slider_range(control, contrast)
+    step = 1.0 if control.whole else control.step
+    present = value_of(parameters, control.name)
+    middle = min(max(float(present), low), high) if isinstance(present, int | float) else 0.5 * (low + high)
+    apart = max(1, round(_SPREAD * (high - low) / (_COUNT - 1) / step)) * step
+    around = (middle, *(round((middle + index * apart) / step) * step for index in (-1, 1, -2, 2)))
+    within = dict.fromkeys(round(value, 9) for value in around if low <= value <= high)
+    return tuple(sorted([*within][:_COUNT]))
+
+
+def read_values(control: Control, text: str) -> tuple[float, ...]:
+    """The numbers in a text, with spaces, semicolons or commas between them.
+
+    ValueError when there are too few or too many, or one is not a number.
+    """
+    words = text.replace(";", " ").replace(",", " ").split()
+    values = set()
+    for word in words:
+        try:
+            value = float(word)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            message = tr("{title}: “{word}” is not a number; write numbers such as 0.4, 0.6, 0.8.")
+            raise ValueError(message.format(title=control.title, word=word)) from None
+        values.add(value)
+    if not FEWEST <= len(values) <= MOST:
+        message = tr("{title} has {count} different values but must have from {fewest} to {most}.")
+        raise ValueError(message.format(title=control.title, count=len(values), fewest=FEWEST, most=MOST))
+    return tuple(sorted(values))
+
+
+def with_values(parameters: Parameters, values: Sequence[tuple[str, float]]) -> Parameters:
+    """The parameters with other values of some."""
+    for name, value in values:
+        parameters = with_value(parameters, name, value)
+    return parameters

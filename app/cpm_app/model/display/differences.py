@@ -1,0 +1,123 @@
+"""Where contours and surfaces differ from a ground truth, the worst first, and what a slice shows of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from cpm_app.model.volume.slices import Slice
+from cpm_app.model.volume.surface_section import section
+from cpm_core import Comparison, Contour, Surface, SurfaceComparison, Truth, VolumeTruth
+from cpm_core.contours import distance_to
+from cpm_core.numerics import Array, Place, polyline
+
+_APART = 0.6
+"""Distance of neighboring points above which a new part begins; along a boundary it is a quarter of a pixel [px]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Difference:
+    """A part of a boundary without a counterpart.
+
+    Attributes
+    ----------
+    kind : {"missing", "wrong"}
+        A part of the true boundary without a contour, or a part of a contour without a true boundary.
+    points : ndarray, shape (K, 2)
+        The part [px]; in a volume the corners of its triangles, shape (K, 3) [voxels].
+    farthest : float
+        Its largest distance [px]; in a volume in the unit of the spacing.
+    place : tuple of float
+        Position of that distance (row, col) [px], or (plane, row, col) [voxels].
+    """
+
+    kind: Literal["missing", "wrong"]
+    points: Array
+    farthest: float
+    place: Place
+
+
+def differences(contours: Sequence[Contour], comparison: Comparison) -> tuple[Difference, ...]:
+    """The parts of contours and ground truth farther apart than the tolerance, the farthest first."""
+    found = []
+    for contour, away in zip(contours, comparison.distances, strict=True):
+        far = away > comparison.tolerance
+        around = np.pad(far, 1, "wrap" if contour.closed else "constant")  # with the near neighbors of far vertices
+        runs = polyline.stretches(around[:-2] | far | around[2:], contour.closed) if far.any() else []
+        found += [_difference("wrong", contour.points[piece], away[piece]) for piece in runs]
+    missing = comparison.missing
+    if len(missing):
+        away = distance_to(missing, contours)
+        cuts = np.flatnonzero(np.linalg.norm(np.diff(missing, axis=0), axis=1) > _APART) + 1
+        pieces = zip(np.split(missing, cuts), np.split(away, cuts), strict=True)
+        found += [_difference("missing", points, far) for points, far in pieces]
+    return tuple(sorted(found, key=lambda difference: -difference.farthest))
+
+
+def _difference(kind: Literal["missing", "wrong"], points: Array, away: Array) -> Difference:
+    worst = away.argmax()
+    row, col = points[worst].tolist()
+    return Difference(kind, points, float(away[worst]), (row, col))
+
+
+@dataclass(frozen=True, eq=False)
+class Apart:
+    """The triangles of a surface that are farther from another one than the tolerance.
+
+    Attributes
+    ----------
+    kind : {"missing", "wrong"}
+        Those of the true surface without a found one, or of the found surface without a true one.
+    surface : Surface
+        The triangles.
+    away : ndarray, shape (N,)
+        Distance of each of its vertices, in the unit of the spacing.
+    """
+
+    kind: Literal["missing", "wrong"]
+    surface: Surface
+    away: Array
+
+    @classmethod
+    def of(cls, kind: Literal["missing", "wrong"], whole: Surface, away: Array, tolerance: float) -> Apart:
+        """Those with a corner farther away than the tolerance, ready for slices."""
+        far = whole.faces[(away[whole.faces] > tolerance).any(axis=1)]
+        used, faces = np.unique(far, return_inverse=True)
+        surface = Surface(whole.vertices[used], faces.reshape(-1, 3), whole.spacing, whole.unit)
+        return cls(kind, surface, away[used])
+
+    @property
+    def parts(self) -> Iterator[Difference]:
+        """Those that hang together, each with its farthest place."""
+        order = np.argsort(self.surface.component_of_vertex, kind="stable")
+        ends = np.flatnonzero(np.diff(self.surface.component_of_vertex[order])) + 1
+        for members in np.split(order, ends) if len(order) else []:
+            worst = members[self.away[members].argmax()]
+            plane, row, col = self.surface.vertices[worst].tolist()
+            places = self.surface.vertices[members]
+            yield Difference(self.kind, places, float(self.away[worst]), (plane, row, col))
+
+
+def apart_from(surface: Surface | None, truth: VolumeTruth, found: SurfaceComparison) -> tuple[Apart, ...]:
+    """Where a surface and the true one are apart."""
+    missing = Apart.of("missing", truth.surface, found.missing, found.tolerance)
+    return (missing,) if surface is None else (missing, Apart.of("wrong", surface, found.wrong, found.tolerance))
+
+
+def truth_in(truth: Truth | VolumeTruth | None, here: Slice) -> Truth | None:
+    """What a slice shows of the ground truth: its boundaries."""
+    if not isinstance(truth, VolumeTruth):
+        return truth
+    return Truth(here.of(truth.labels), section(truth.surface, here), truth.source)
+
+
+def differences_in(apart: Iterable[Apart], here: Slice) -> tuple[Difference, ...]:
+    """What a slice shows of the parts that differ; how far they are apart is not shown there."""
+    return tuple(
+        Difference(each.kind, line.path, 0.0, (float(line.points[0, 0]), float(line.points[0, 1])))
+        for each in apart
+        for line in section(each.surface, here)
+    )

@@ -1,0 +1,61 @@
+"""What values of parameters change, as numbers next to their sliders: from the state of a run and its contours."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from cpm_app.model.display.lengths import measured
+from cpm_app.model.document.document import ImageReference
+from cpm_app.model.parameters.controls import RATIO
+from cpm_app.model.text.language import tr, written
+from cpm_core import Parameters, State
+from cpm_core.contours import Measures
+from cpm_core.segmentation import MethodState
+
+FILTERS = {
+    "min_strength": lambda row: row.strength,
+    "min_length": lambda row: row.length,
+    "min_contrast": lambda row: row.contrast,
+}
+"""Parameters under which contours are left out, and the measure that each of them is compared with."""
+
+MOTION = ("beta", RATIO, "annealing")
+"""Parameters of the motion of particles."""
+
+
+def figures(state: State, parameters: Parameters, length: float) -> Mapping[str, float]:
+    """What each parameter of `MOTION` acts on [px of the image]; `length` is that of all contours.
+
+    Damping slows particles down: their mean motion in the last step. Repulsion spreads them: the length of the contours
+    that they have found. Annealing ends insertion: the distance up to which two neighbors get a particle between them.
+    """
+    size = 2.0**state.scale
+    widest = size * (parameters.d_min + state.annealed * parameters.d_max)
+    return {"beta": size * state.displacement, RATIO: length, "annealing": widest}
+
+
+def effects(
+    state: MethodState | None, parameters: Parameters, length: float, image: ImageReference | None
+) -> Mapping[str, str]:
+    """`figures` in words, by the names of the parameters; empty ones where nothing is known."""
+    words = dict.fromkeys(MOTION, "")
+    if not isinstance(state, State) or not state.step or image is None:
+        return words
+    found = figures(state, parameters, length)
+    speed = tr("{speed} px per step").format(speed=written(f"{found['beta']:.2f}"))
+    words["beta"] = tr("at rest") if state.converged else speed
+    if length:
+        words[RATIO] = tr("{length} of contours").format(length=measured(length, image.spacing, image.unit, 0))
+    words["annealing"] = tr("fills gaps up to {length} px").format(length=written(f"{found['annealing']:.1f}"))
+    return words
+
+
+def contours_left(rows: Sequence[Measures], name: str, value: float, before: int | None) -> str:
+    """How many contours a value of a filter leaves, in words; `before` is the number before its slider was moved."""
+    values = [measured for measured in map(FILTERS[name], rows) if measured is not None]
+    if not values and before is None:
+        return ""
+    left = sum(measured >= value for measured in values)
+    if before is None:
+        return tr("1 contour") if left == 1 else tr("{count} contours").format(count=left)
+    return tr("{before} → {after} contours").format(before=before, after=left)

@@ -1,0 +1,109 @@
+"""Lengths in readable units, the scale bar, and round numbers.
+
+One rule holds wherever a length or an area that was measured is shown: `shown_in` gives the size of a pixel in the unit
+that the user prefers. What the user sets, such as parameters, is in px.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cpm_app.model.text.language import tr, written
+from cpm_core.image import KNOWN, Bar, longest_bar
+
+_PIXEL = "px"
+_OF_THE_IMAGE = "image"
+
+UNITS = {
+    _OF_THE_IMAGE: tr("In the unit of the image"),
+    _PIXEL: tr("In px"),
+    "nm": tr("In nm"),
+    "µm": tr("In µm"),
+    "mm": tr("In mm"),
+    "cm": tr("In cm"),
+}
+"""Names and titles of the units that can be preferred."""
+
+_preferred = _OF_THE_IMAGE
+
+
+def prefer_unit(name: str) -> None:
+    """Show lengths in a unit of `UNITS`."""
+    global _preferred  # noqa: PLW0603  # one for all windows, as the language is
+    _preferred = name
+
+
+@dataclass(frozen=True)
+class PixelSize:
+    """Size of a pixel in a unit, which is None for px; `factor` leads to it from the unit of the image."""
+
+    spacing: tuple[float, ...]
+    unit: str | None
+    factor: float = 1.0
+
+
+def shown_in(spacing: Sequence[float], unit: str | None) -> PixelSize:
+    """Size of a pixel in the preferred unit.
+
+    It stays in the unit of the image where that is none of length, and where pixels that are not square would make
+    lengths in px depend on the direction.
+    """
+    sizes = tuple(float(size) for size in spacing)
+    if _preferred == _PIXEL and len(set(sizes)) == 1:
+        return PixelSize((1.0,) * len(sizes), None, 1.0 / sizes[0])
+    if unit in KNOWN and _preferred in KNOWN:
+        factor = KNOWN[unit] / KNOWN[_preferred]
+        return PixelSize(tuple(size * factor for size in sizes), _preferred, factor)
+    return PixelSize(sizes, unit)
+
+
+def bar(most: float, spacing: float, unit: str | None) -> Bar:
+    """The longest scale bar of round length, in a readable unit or in the one that is preferred; see `longest_bar`."""
+    return longest_bar(most, spacing, unit, keep_unit=_preferred != _OF_THE_IMAGE)
+
+
+def size_text(spacing: Sequence[float], unit: str | None) -> str:
+    """Size of a pixel or of a voxel in the preferred unit; empty where it is not known and the same along all axes."""
+    size = shown_in(spacing, unit)
+    if size.unit is None and len(set(size.spacing)) == 1:
+        return ""
+    sides = " × ".join(written(f"{side:.4g}") for side in size.spacing)
+    return f"{sides} {size.unit}" if size.unit else sides
+
+
+def length_text(pixels: float, spacing: float, unit: str | None) -> str:
+    """A length in its unit, with four digits, or in whole pixels."""
+    return written(f"{pixels * spacing:.4g} {unit}") if unit else written(f"{pixels:.0f} {_PIXEL}")
+
+
+def measured(pixels: float, spacing: Sequence[float], unit: str | None, decimals: int = 1) -> str:
+    """A length that was measured, in the preferred unit; in px where pixels are not square or their size is unknown."""
+    size = shown_in(spacing, unit)
+    if size.unit is None or len(set(size.spacing)) > 1:
+        return written(f"{pixels:,.{decimals}f} {_PIXEL}")
+    length = pixels * size.spacing[0]
+    return written(f"{length:,.0f} {size.unit}") if length >= 1000.0 else written(f"{length:.4g} {size.unit}")
+
+
+def round_up(value: float) -> float:
+    """The smallest round number that is not below a positive value."""
+    power = 10.0 ** math.floor(math.log10(value))
+    return next((factor * power for factor in (1.0, 2.0, 5.0) if factor * power >= value), 10.0 * power)
+
+
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def scientific_text(value: float) -> str:
+    """A very small or very large number as text, such as 3.1·10⁻⁴."""
+    digits, _, exponent = f"{value:.1e}".partition("e")
+    return f"{digits}·10{str(int(exponent)).translate(_RAISED)}"
+
+
+def short_text(value: float) -> str:
+    """A number with three digits, written out, so that it can also be typed again."""
+    return str(np.format_float_positional(float(f"{value:.3g}"), trim="-"))

@@ -1,0 +1,77 @@
+"""Rows of the table of all pages of a stack: one for each contour on each page."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from cpm_app.model.text.language import from_core, tr
+from cpm_core import Page, measure
+from cpm_core.contours import Measures, centroid
+from cpm_core.pages import StackResult, Track
+
+_ENDS = {
+    "ends": tr("ends here"),
+    "leaves": tr("leaves the image"),
+    "merges": tr("merges into track {track}"),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class PageRow:
+    """A contour on a page, or a page that could not be used.
+
+    Attributes
+    ----------
+    page, track : int
+        Page and track; track 0 for a page that could not be used.
+    measures : Measures or None
+        Measures of the contour.
+    is_object : bool
+        Whether it is an object that has been accepted.
+    row, col : float
+        Its center [px].
+    gray : float or None
+        Mean gray value inside.
+    happens : str
+        What happens to the track, or why the page could not be used; empty for nothing.
+    """
+
+    page: int
+    track: int
+    measures: Measures | None
+    row: float
+    col: float
+    gray: float | None
+    happens: str
+    is_object: bool = False
+
+
+def page_rows(found: StackResult) -> tuple[PageRow, ...]:
+    """The rows of all pages, in their order."""
+    tracks = {track.number: track for track in found.tracks}
+    first = min((page.number for page in found.pages if page.contours), default=0)
+    return tuple(row for page in found.pages for row in _rows(page, tracks, first))
+
+
+def _rows(page: Page, tracks: dict[int, Track], first: int) -> list[PageRow]:
+    if page.result is None:
+        return [PageRow(page.number, 0, None, 0.0, 0.0, None, from_core(page.trouble))]
+    rows = []
+    for contour, measures in zip(page.contours, measure(page.contours, page.result.spacing), strict=True):
+        if contour.hole:
+            continue
+        happens = _happens(tracks[contour.number], page.number, first)
+        row, col = centroid(contour)
+        rows.append(PageRow(page.number, contour.number, measures, row, col, contour.gray, happens, contour.group > 0))
+    return rows
+
+
+def _happens(track: Track, page: int, first: int) -> str:
+    """What happens to a track on a page: it comes, goes, or neither."""
+    said = []
+    if page == track.pages[0] and page != first:
+        split = tr("splits off track {track}").format(track=track.origin)
+        said.append(split if track.origin else tr("begins"))
+    if page == track.pages[-1] and track.end is not None:
+        said.append(_ENDS[track.end.kind].format(track=" ".join(map(str, track.end.others))))
+    return ", ".join(said)

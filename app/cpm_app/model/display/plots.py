@@ -1,0 +1,157 @@
+"""Plots of a run over its steps, and their axes."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, Protocol
+
+import numpy as np
+
+from cpm_app.model.display.page_rows import PageRow
+from cpm_app.model.text.language import tr
+from cpm_core.model import EPSILON
+from cpm_core.numerics import Array
+
+
+@dataclass(frozen=True, eq=False)
+class RunMetrics:
+    """The run so far, for plots: arrays of equal length, one entry a step, NaN for what a method does not measure.
+
+    Attributes
+    ----------
+    step : ndarray, shape (K,)
+        Step.
+    epsilon : ndarray, shape (K,)
+        Eq. (23) [px of the scale]; NaN while it is not known.
+    count, born, deleted : ndarray, shape (K,)
+        Particles, and numbers of particles inserted and deleted in the step.
+    kinetic : ndarray, shape (K,)
+        Kinetic energy of all particles [px^2 / unit of time^2].
+    scale : ndarray, shape (K,)
+        Scale; 0 is the image itself.
+    numbered : ndarray, shape (K,)
+        Identity of the next particle.
+    """
+
+    step: Array
+    epsilon: Array
+    count: Array
+    born: Array
+    deleted: Array
+    kinetic: Array
+    scale: Array
+    numbered: Array
+
+    @property
+    def marks(self) -> Array:
+        """The steps at which a finer scale has begun."""
+        return self.step[1:][np.diff(self.scale) != 0]
+
+
+class Metrics(Protocol):
+    """What is plotted: values for each step, and the steps at which vertical lines are drawn."""
+
+    @property
+    def step(self) -> Array:
+        """The steps, or the pages."""
+
+    @property
+    def marks(self) -> Array:
+        """Where lines are drawn."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class PageMetrics:
+    """Objects over the pages of a stack: area and mean gray value by track; `marks` is the page that is open."""
+
+    step: Array
+    marks: Array
+    areas: Mapping[int, Array]
+    grays: Mapping[int, Array]
+
+    @classmethod
+    def of(cls, rows: Sequence[PageRow], count: int, here: int, factor: float) -> PageMetrics:
+        """Those of a table, on so many pages; areas in a unit of which one unit of the image has `factor`."""
+        areas: dict[int, Array] = defaultdict(lambda: np.full(count, np.nan))
+        grays: dict[int, Array] = defaultdict(lambda: np.full(count, np.nan))
+        for row in rows:
+            if row.measures is not None and row.measures.closed:
+                areas[row.track][row.page - 1] = row.measures.net_area_in_units * factor**2
+                grays[row.track][row.page - 1] = np.nan if row.gray is None else row.gray
+        return cls(np.arange(1.0, count + 1.0), np.array([float(here)]), areas, grays)
+
+
+@dataclass(frozen=True)
+class Series:
+    """One curve: its title, its values, and its colors on a light background and on a dark one."""
+
+    title: str
+    of: Callable[[Any], Array]
+    colors: tuple[str, str]
+
+
+@dataclass(frozen=True)
+class Plot:
+    """Curves on one axis, what they mean, and a value at which a line is drawn; values of `points` are marked."""
+
+    tip: str
+    series: tuple[Series, ...]
+    kind: Literal["logarithmic", "from zero", "free"] = "from zero"
+    line: float | None = None
+    points: bool = False
+
+
+# Hues after Okabe and Ito, each darkened for a light background and lightened for a dark one.
+_BLUE, _ORANGE, _GREEN = ("#0072b2", "#56b4e9"), ("#c2410c", "#ff9d1e"), ("#00785a", "#2bd4a4")
+_PURPLE, _PINK = ("#7c4fd6", "#b48cff"), ("#b5307f", "#ff7ac6")
+
+PLOTS = (
+    Plot(
+        tr("How much the particles still move (ε of eq. (23)); below the dashed line the run may come to rest."),
+        (Series(tr("ε"), lambda metrics: metrics.epsilon, _ORANGE),),
+        "logarithmic",
+        EPSILON,
+    ),
+    Plot(
+        tr("Kinetic energy of all particles."),
+        (Series(tr("kinetic energy"), lambda metrics: metrics.kinetic, _GREEN),),
+        "logarithmic",
+    ),
+    Plot(
+        tr("Number of particles."),
+        (Series(tr("particles"), lambda metrics: metrics.count, _BLUE),),
+    ),
+    Plot(
+        tr("Particles inserted and deleted in each step."),
+        (
+            Series(tr("inserted"), lambda metrics: metrics.born, _BLUE),
+            Series(tr("deleted"), lambda metrics: metrics.deleted, _PINK),
+        ),
+    ),
+)
+"""All plots, from top to bottom."""
+
+_MOST_CURVES = 10
+"""Number of objects that are plotted at most; a choice among them is made in the table."""
+
+
+def plotted(rows: Sequence[PageRow], chosen: Collection[int]) -> tuple[int, ...]:
+    """The tracks that are plotted: those that are chosen, or the first ones."""
+    return tuple(sorted(chosen or {row.track for row in rows if row.track})[:_MOST_CURVES])
+
+
+def plots_of_pages(tracks: Sequence[int], area: str) -> tuple[Plot, ...]:
+    """Area, with this title, and mean gray value of tracks over the pages of a stack."""
+    hues = (_BLUE, _ORANGE, _GREEN, _PURPLE, _PINK)
+
+    def series(title: str, name: Literal["areas", "grays"], track: int) -> Series:
+        words = f"{title} {track}" if track == tracks[0] else str(track)
+        return Series(words, lambda metrics: getattr(metrics, name)[track], hues[track % len(hues)])
+
+    gray = tr("Mean gray")
+    return (
+        Plot("", tuple(series(area, "areas", track) for track in tracks), points=True),
+        Plot("", tuple(series(gray, "grays", track) for track in tracks), "free", points=True),
+    )

@@ -1,0 +1,74 @@
+"""Contours of a document: pure edits of their review and of edits by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Iterable, Sequence
+from dataclasses import dataclass, replace
+
+from cpm_app.model.document.document import Document
+from cpm_app.model.text.language import tr
+from cpm_core import Contour
+from cpm_core.contours import HandEdit, Mark, Outline, Verdict, outline_of
+from cpm_core.numerics import Position
+
+NAMES = {
+    "cut": tr("cut contour"),
+    "deletion": tr("delete segment of contour"),
+    "redrawing": tr("redraw segment of contour"),
+    "join": tr("join contours"),
+    "extension": tr("extend contour"),
+    "line": tr("draw contour"),
+    "outline": tr("draw outline"),
+}
+"""What each kind of edit is called after "Undo"."""
+
+
+def add_hand_edits(document: Document, edits: Sequence[HandEdit]) -> Document:
+    """The document with further edits of contours by hand, made last."""
+    return replace(document, hand_edits=(*document.hand_edits, *edits))
+
+
+def drop_hand_edits(document: Document, indices: Collection[int]) -> Document:
+    """The document without some edits of contours by hand."""
+    left = tuple(edit for index, edit in enumerate(document.hand_edits) if index not in indices)
+    return replace(document, hand_edits=left)
+
+
+@dataclass(frozen=True, eq=False)
+class Target:
+    """A contour to mark: its mark so far, the place (row, col) [px] of its first mark, where it runs."""
+
+    mark: Mark | None
+    anchor: Position
+    contour: Contour | None = None
+
+
+def judge(document: Document, targets: Iterable[Target], verdict: Verdict) -> Document:
+    """The document in which contours are kept as they are now, rejected, or undecided again."""
+
+    def amend(mark: Mark, target: Target) -> Mark:
+        kept = target.contour if verdict == "kept" else None
+        return replace(mark, verdict=verdict, outline=Outline() if kept is None else outline_of(kept))
+
+    return _amended(document, targets, amend)
+
+
+def rename(document: Document, targets: Iterable[Target], name: str) -> Document:
+    """The document in which contours have a name; none when it is empty."""
+    return _amended(document, targets, lambda mark, _: replace(mark, name=name.strip()))
+
+
+def paint(document: Document, targets: Iterable[Target], color: str) -> Document:
+    """The document in which contours have a color; the default one when it is empty."""
+    return _amended(document, targets, lambda mark, _: replace(mark, color=color))
+
+
+def _amended(document: Document, targets: Iterable[Target], amend: Callable[[Mark, Target], Mark]) -> Document:
+    """The document with some marks changed, new ones last, and without empty ones."""
+    marks = list(document.marks)
+    for target in targets:
+        if target.mark is not None and target.mark in marks:
+            marks[marks.index(target.mark)] = amend(target.mark, target)
+        else:
+            marks.append(amend(Mark(target.anchor), target))
+    return replace(document, marks=tuple(mark for mark in marks if mark.verdict or mark.name or mark.color))

@@ -1,0 +1,203 @@
+"""The document: everything that the user has set; small, frozen, undoable."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Hashable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_app.model.text.language import tr
+from cpm_core import PARAMETERS, PRESETS, Image, Parameters, PlacedCharge
+from cpm_core.contours import HandEdit, Mark, PackedBody
+from cpm_core.formats import Reading
+from cpm_core.formats.images import resolution
+from cpm_core.formats.images.reading import DEFAULT
+from cpm_core.image import AnyRegions, most_scales
+from cpm_core.medial_axis import Outlined
+from cpm_core.objects.methods import Compared
+from cpm_core.objects.segmented import Line, SegmentedObjects
+from cpm_core.shapes import (
+    NO_SEEDS,
+    ImageSeeds,
+    ImageStart,
+    Interest,
+    Points,
+    Shape,
+    Start,
+    charges_of,
+    regions_of,
+    seeds_of,
+    starts_of,
+)
+
+Mode = Literal["shape", "automatic", "skeleton"]
+"""Purpose of a run; see `cpm_app.model.document.modes`."""
+
+NOTHING_TO_START_FROM = tr(
+    "There is nothing to start from: draw a circle, a stroke or points on the image first, or start everywhere."
+)
+
+NOTHING_TO_START_FROM_IN_VOLUME = tr(
+    "There is nothing to start from: draw a sphere, a box, a stroke or points in a slice of the volume first."
+)
+
+
+@dataclass(frozen=True)
+class ImageReference:
+    """The image of a document without its gray values: name, file, shape, contrast and SHA-256 of the file.
+
+    The contrast is the largest minus the smallest gray value; the hash is empty where it is not known. `spacing` is the
+    size of a pixel along rows and columns in `unit`, which is None where the image gives none. `reading` says which
+    part of the file it is.
+    """
+
+    name: str
+    path: str
+    shape: tuple[int, ...]
+    contrast: float
+    sha256: str = ""
+    spacing: tuple[float, ...] = (1.0, 1.0)
+    unit: str | None = None
+    reading: Reading = DEFAULT
+
+    @classmethod
+    def of(cls, path: Path, image: Image, reading: Reading = DEFAULT) -> ImageReference:
+        """That of an image which has been read from a file."""
+        low, high = image.gray_range
+        return cls(path.name, str(path), image.shape, high - low, image.file_sha256, image.spacing, image.unit, reading)
+
+    def sized(self, image: Image) -> Image:
+        """The image with the size of a pixel that is known here."""
+        if (image.spacing, image.unit) == (self.spacing, self.unit):
+            return image
+        factor = resolution.factor(image.unit, self.unit) if image.unit and self.unit else 1.0
+        return image.sized(self.spacing, self.unit, factor)
+
+    @property
+    def is_volume(self) -> bool:
+        """Whether it has planes, rows and columns."""
+        return len(self.shape) == 3
+
+
+@dataclass(frozen=True)
+class Document:
+    """An image, the shapes drawn on it and the parameters of the run.
+
+    Attributes
+    ----------
+    image : ImageReference or None
+        None until the first image is open.
+    shapes : tuple of Shape
+        The initialization, regions of interest, barriers and placed charges, in the order drawn.
+    parameters : Parameters
+        Parameters of the model.
+    marks : tuple of Mark
+        Review of contours.
+    mode : {"shape", "automatic", "skeleton"}
+        Purpose of the run.
+    hand_edits : tuple of HandEdit
+        Edits of the contours by hand, in the order in which they were made.
+    objects : SegmentedObjects
+        The objects that have been selected, and the selection that is being made.
+    outlined : Outlined
+        What has a skeleton, in the mode of skeletons, in place of what is found in the image.
+    comparison : Compared
+        The methods that are compared with the particles.
+    """
+
+    image: ImageReference | None = None
+    shapes: tuple[Shape, ...] = ()
+    parameters: Parameters = PRESETS["shape"]
+    marks: tuple[Mark, ...] = ()
+    mode: Mode = "shape"
+    hand_edits: tuple[HandEdit, ...] = ()
+    objects: SegmentedObjects = field(default_factory=SegmentedObjects)
+    outlined: Outlined = field(default_factory=Outlined)
+    comparison: Compared = field(default_factory=Compared)
+
+    @property
+    def starts(self) -> tuple[Start, ...]:
+        """The shapes that give particles; a run needs at least one."""
+        return starts_of(self.shapes)
+
+    @property
+    def image_starts(self) -> tuple[ImageStart, ...]:
+        """The starts whose seeds depend on the image."""
+        return tuple(shape for shape in self.shapes if isinstance(shape, ImageStart))
+
+    @property
+    def seeding_inputs(self) -> tuple[object, ...]:
+        """Everything that the seeds of `image_starts` depend on; empty if there are none."""
+        if not self.image_starts:
+            return ()
+        limits = tuple(shape for shape in self.shapes if isinstance(shape, Interest))
+        followed = any(start.follows_smoothing for start in self.image_starts)
+        barriers = self.objects.barriers
+        smoothing = self.parameters.smoothing if followed else None
+        return (self.image, self.image_starts, limits, barriers, self.parameters.channel, smoothing)
+
+    def fitting(self, parameters: Parameters) -> Parameters:
+        """The parameters with no more scales than the image has room for."""
+        most = most_scales(self.image.shape) if self.image is not None else parameters.scales
+        return replace(parameters, scales=most) if parameters.scales > most else parameters
+
+    @property
+    def regions(self) -> AnyRegions | None:
+        """Regions of interest and barriers, boundaries of frozen objects among them; None if there are none."""
+        return regions_of(self.shapes, self.objects.barriers)
+
+    @property
+    def outlines(self) -> tuple[Line, ...]:
+        """Closed lines that have a skeleton: the boundaries of objects as they are now, and closed contours."""
+        chosen = self.outlined.objects
+        lines = [line for item in self.objects.items if item.number in chosen for line in item.boundary]
+        return (*lines, *self.outlined.contours)
+
+    @property
+    def outlined_surfaces(self) -> tuple[PackedBody, ...]:
+        """Bodies of objects in a volume, as they are now, that have a skeleton."""
+        chosen = self.outlined.objects
+        return tuple(packed for item in self.objects.items if item.number in chosen for packed in item.surface)
+
+    def seeds(self, image_seeds: ImageSeeds = NO_SEEDS) -> NDArray[np.float64]:
+        """Seeds of the starts, shape (N, D) [px of the image], given those of each of `image_starts`.
+
+        ValueError when there is no start.
+        """
+        if not self.starts:
+            raise ValueError(self.nothing_to_start_from)
+        return seeds_of(self.shapes, image_seeds)
+
+    @property
+    def is_about_volume(self) -> bool:
+        """Whether its image is a volume."""
+        return self.image is not None and self.image.is_volume
+
+    @property
+    def nothing_to_start_from(self) -> str:
+        """The sentence for a run without a start."""
+        return NOTHING_TO_START_FROM_IN_VOLUME if self.is_about_volume else NOTHING_TO_START_FROM
+
+    @property
+    def charges(self) -> tuple[PlacedCharge, ...]:
+        """The placed charges, as the engine takes them."""
+        return charges_of(self.shapes)
+
+    @property
+    def sources(self) -> Counter[Hashable]:
+        """Sources of particles with their numbers: each point separately, every other start as a whole."""
+        found: Counter[Hashable] = Counter()
+        for start in self.starts:
+            found.update(start.positions if isinstance(start, Points) else (start,))
+        return found
+
+    @property
+    def late(self) -> tuple[object, ...]:
+        """Image and the parameters that act only when a run starts."""
+        acting = (getattr(self.parameters, name) for name, info in PARAMETERS.items() if info.invalidates == "run")
+        return (self.image, *acting)

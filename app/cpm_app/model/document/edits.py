@@ -1,0 +1,137 @@
+"""Edits: pure functions from a document to the next one, and which shape lies under a place."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+
+from cpm_app.model.document.document import Document
+from cpm_app.model.parameters import controls
+from cpm_core import Parameters
+from cpm_core.numerics import Array, Place, Position, polyline, voxel_sides
+from cpm_core.shapes import Everywhere, Kind, Points, Shape
+
+
+def add_shape(document: Document, shape: Shape) -> Document:
+    """The document with one more shape, drawn last."""
+    return replace(document, shapes=(*document.shapes, shape))
+
+
+def replace_shape(document: Document, index: int, shape: Shape) -> Document:
+    """The document with `shape` in place of the one at `index`."""
+    shapes = list(document.shapes)
+    shapes[index] = shape
+    return replace(document, shapes=tuple(shapes))
+
+
+def move_shape(document: Document, index: int, by: Place) -> Document:
+    """The document with one shape displaced by so much along each axis."""
+    return replace_shape(document, index, document.shapes[index].moved(by))
+
+
+def delete_shape(document: Document, index: int) -> Document:
+    """The document without the shape at `index`."""
+    return replace(document, shapes=document.shapes[:index] + document.shapes[index + 1 :])
+
+
+def toggle_everywhere(document: Document, kind: Kind) -> Document:
+    """The document with or without this start all over the image, whichever it is not now."""
+    start = Everywhere(kind)
+    if start in document.shapes:
+        return delete_shape(document, document.shapes.index(start))
+    return add_shape(document, start)
+
+
+def erase(document: Document, path: Sequence[Place], radius: float) -> Document:
+    """The document without what lies within `radius` of an eraser's path [px].
+
+    Points are erased one by one, and other shapes as a whole. In a volume the radius is in sides of the smallest voxel.
+    """
+    spacing = document.image.spacing if document.image is not None and len(path[0]) == 3 else (1.0,)
+    left = [_erased(shape, path, radius, np.array(spacing) / min(spacing)) for shape in document.shapes]
+    return replace(document, shapes=tuple(shape for shape in left if shape is not None))
+
+
+def _erased(shape: Shape, path: Sequence[Place], radius: float, sides: Array) -> Shape | None:
+    """The rest of a shape after erasing."""
+    if isinstance(shape, Points):
+        near = polyline.distances(np.array(path) * sides, shape.seeds() * sides) <= radius
+        if not near.any():
+            return shape
+        left = tuple(point for point, gone in zip(shape.positions, near.tolist(), strict=True) if not gone)
+        return Points(left) if left else None
+    stops = polyline.resampled(np.array(path, dtype=float), 0.5 * radius).tolist()
+    return None if any(shape.distance(tuple(at)) <= radius for at in stops) else shape
+
+
+def set_shapes(document: Document, shapes: tuple[Shape, ...]) -> Document:
+    """The document with all shapes replaced."""
+    return replace(document, shapes=shapes)
+
+
+def clear_shapes(document: Document) -> Document:
+    """The document without shapes."""
+    return set_shapes(document, ())
+
+
+def set_pixel_size(
+    document: Document, spacing: tuple[float, ...], unit: str | None, *, by_hand: bool = True
+) -> Document:
+    """The document with the size of a pixel set by hand, or as the file gives it.
+
+    ValueError when voxels are flatter than can be computed.
+    """
+    if document.image is None:
+        return document
+    if by_hand and len(spacing) == 3:
+        voxel_sides("The size of a voxel", spacing)
+    own = {"spacing": spacing, "unit": unit} if by_hand else {"spacing": None, "unit": None}
+    reading = replace(document.image.reading, **own)
+    return replace(document, image=replace(document.image, spacing=spacing, unit=unit, reading=reading))
+
+
+def set_parameter(document: Document, name: str, value: float | str) -> Document:
+    """The document with one control set; see `cpm_app.model.parameters.controls.with_value`."""
+    return replace(document, parameters=controls.with_value(document.parameters, name, value))
+
+
+def use_preset(document: Document, parameters: Parameters) -> Document:
+    """The document with the parameters of a preset; the channel stays, because it belongs to the image."""
+    return set_parameters(document, replace(parameters, channel=document.parameters.channel))
+
+
+def set_parameters(document: Document, parameters: Parameters) -> Document:
+    """The document with all parameters replaced, and as many scales as the image has room for."""
+    return replace(document, parameters=document.fitting(parameters))
+
+
+Part = Literal["handle", "body"]
+
+
+@dataclass(frozen=True)
+class Hit:
+    """Index of the shape that was hit, and its part: a handle, which is at a place, reshapes, the body moves."""
+
+    index: int
+    part: Part
+    at: Position | None = field(default=None, compare=False)
+
+
+def hit(shapes: tuple[Shape, ...], position: Position, tolerance: float, selected: int | None = None) -> Hit | None:
+    """The shape under a position (row, col) [px of the image]; the selected one first, then the last drawn.
+
+    `tolerance` is the distance up to which a line, handle or point is hit [px of the image]. Only the selected shape
+    shows handles.
+    """
+    handles = shapes[selected].handles() if selected is not None and selected < len(shapes) else ()
+    near = min(handles, key=lambda handle: math.dist(handle, position), default=None)
+    if selected is not None and near is not None and math.dist(near, position) <= tolerance:
+        return Hit(selected, "handle", near)
+    front_first = sorted(range(len(shapes)), key=lambda index: (index != selected, -index))
+    under = [index for index in front_first if shapes[index].distance(position) <= tolerance]
+    under += [index for index in front_first if shapes[index].encloses(position)]
+    return Hit(under[0], "body") if under else None

@@ -1,0 +1,180 @@
+"""Contours and surfaces of files in a document: as starts, or as objects."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+import scipy
+
+from cpm_app.model.document.document import Document
+from cpm_app.model.document.objects import name_class
+from cpm_app.model.text.language import tr
+from cpm_core import Centerlines, Contour, Image, Surface, VolumePartition
+from cpm_core.contours import Label, PackedSurface, alone, inside_of
+from cpm_core.formats import ContourFile
+from cpm_core.numerics import Place
+from cpm_core.objects.segmented import Click, SegmentedObject, line_of
+from cpm_core.shapes import Points, Polygon, Stroke, start_on_surface, starts_along, starts_in
+
+MOST = 1000
+"""Most contours that are taken over: each is a shape or an object that can be moved and named by itself."""
+
+Kind = Literal["contours", "surface", "center lines"]
+
+
+@dataclass(frozen=True, eq=False)
+class Imported:
+    """What was read, ready to be taken into a document.
+
+    Attributes
+    ----------
+    name : str
+        Name of the file for the user.
+    count : int
+        Number of contours, of center lines, or of surfaces, which is one.
+    starts : tuple of Polygon, Stroke or Points
+        Starts along them.
+    objects : tuple of SegmentedObject
+        Objects of the closed ones.
+    classes : tuple of str
+        Names of their classes, empty where a file has none.
+    open : int
+        Number of open ones, which enclose no object.
+    notes : tuple of str
+        What was left out or assumed, one sentence each.
+    kind : {"contours", "surface", "center lines"}
+        What it is; the latter two lie in a volume.
+    """
+
+    name: str
+    count: int
+    starts: tuple[Polygon | Stroke | Points, ...]
+    objects: tuple[SegmentedObject, ...]
+    open: int
+    notes: tuple[str, ...]
+    kind: Kind = "contours"
+    classes: tuple[str, ...] = ()
+
+    @classmethod
+    def of_surface(cls, surface: Surface, volume: Image, name: str, notes: tuple[str, ...] = ()) -> Imported:
+        """A surface in a volume, with an object for each body inside; ValueError when those are too many."""
+        objects = bodies_of(surface, volume) if surface.closed else ()
+        _check(tr("{name} has {count} objects, but at most {most} can be imported."), name, len(objects))
+        return cls(name, 1, (start_on_surface(surface),), objects, int(not surface.closed), notes, "surface")
+
+    @classmethod
+    def of_lines(cls, lines: Centerlines, notes: tuple[str, ...] = ()) -> Imported:
+        """Center lines in a volume."""
+        count = len(lines.branches)
+        return cls(lines.source, count, starts_in(lines), (), count, notes, "center lines")
+
+    @classmethod
+    def of(cls, found: ContourFile, name: str) -> Imported:
+        """What a file of contours holds; ValueError when that is too much."""
+        count = len(found.contours)
+        _check(tr("{name} has {count} contours, but at most {most} can be imported."), name, count)
+        closed = [contour for contour in found.contours if contour.closed]
+        starts = starts_along(found.contours, found.places)
+        classes = tuple(parts[0].category for parts in _grouped(closed))
+        return cls(name, count, starts, objects_of(closed), count - len(closed), found.notes, classes=classes)
+
+
+def _check(message: str, name: str, count: int) -> None:
+    if count > MOST:
+        raise ValueError(message.format(name=name, count=count, most=MOST))
+
+
+def objects_of(contours: Sequence[Contour]) -> tuple[SegmentedObject, ...]:
+    """Objects with closed contours as their boundaries; those of one group are one object.
+
+    A name that is only that of the class is left out.
+    """
+    return tuple(
+        SegmentedObject(
+            number,
+            (),
+            tuple(line_of(part.points) for part in parts),
+            name=parts[0].name if parts[0].name != parts[0].category else "",
+            color=parts[0].color,
+            confidence=1.0,
+        )
+        for number, parts in enumerate(_grouped(contours), start=1)
+    )
+
+
+def _grouped(contours: Sequence[Contour]) -> list[list[Contour]]:
+    """The boundaries of each object that encloses anything, holes last."""
+    groups: dict[tuple[int, int], list[Contour]] = {}
+    for index, contour in enumerate(contours):
+        if len(set(line_of(contour.points))) > 2:
+            groups.setdefault((contour.group, 0 if contour.group else index), []).append(contour)
+    return [sorted(parts, key=lambda part: part.hole) for parts in groups.values()]
+
+
+def bodies_of(surface: Surface, volume: Image) -> tuple[SegmentedObject, ...]:
+    """An object for each number that a closed surface has, or for each body inside it, with a click in its middle.
+
+    Those with numbers have their names and colors too.
+    """
+    if surface.numbers is not None:
+        numbers = np.unique(surface.numbers).tolist()
+        bodies = [alone(surface, number) for number in numbers]
+    else:
+        partition = VolumePartition(volume, surface)
+        bodies = [partition.boundary_of(np.array([number])) for number in partition.solid.tolist()]
+        bodies = [body for body in bodies if len(body.faces)]
+        numbers = range(1, len(bodies) + 1)
+    known = {label.number: label for label in surface.labels}
+    labels = [known.get(number, Label(number)) for number in numbers]
+    return tuple(
+        SegmentedObject(
+            label.number,
+            (Click((_innermost(body, volume.shape),)),),
+            name=label.name,
+            color=label.color,
+            confidence=1.0,
+            surface=(PackedSurface.of(body),),
+        )
+        for label, body in zip(labels, bodies, strict=True)
+    )
+
+
+def _innermost(body: Surface, shape: tuple[int, ...]) -> Place:
+    """The voxel inside a body that is farthest from its boundary; a vertex when no voxel lies inside."""
+    vertices = body.vertices[np.unique(body.faces)]
+    first = np.clip(np.floor(vertices.min(axis=0)), 0, shape).astype(np.int64)
+    size = np.clip(np.ceil(vertices.max(axis=0)) + 1, first, shape).astype(np.int64) - first
+    inside = inside_of(replace(body, vertices=body.vertices - first), tuple(size.tolist()))
+    if not inside.any():
+        return tuple(vertices[0].tolist())
+    depth = scipy.ndimage.distance_transform_edt(np.pad(inside, 1), sampling=body.spacing)[1:-1, 1:-1, 1:-1]
+    deepest = np.unravel_index(int(np.argmax(depth)), inside.shape)
+    return tuple((deepest + first).astype(float).tolist())
+
+
+def add_objects(document: Document, made: Sequence[SegmentedObject], classes: Sequence[str] = ()) -> Document:
+    """The document with objects, each of the class of its name, else of the class that is chosen.
+
+    They keep their numbers where none of them is taken.
+    """
+    taken = {item.number for item in (*document.objects.items, *document.objects.rejected)}
+    first = document.objects.next_number - 1 if taken.intersection(item.number for item in made) else 0
+    for index, item in enumerate(made):
+        document, category = _class_called(document, classes[index] if classes else "")
+        objects, added = document.objects, replace(item, number=first + item.number, category=category)
+        document = replace(document, objects=replace(objects, items=(*objects.items, added)))
+    return document
+
+
+def _class_called(document: Document, name: str) -> tuple[Document, int]:
+    """The number of a class by its name, which the first class without name and objects gets where none has it."""
+    objects = document.objects
+    used = {item.category for item in objects.items}
+    numbers = range(1, len(objects.classes) + 1)
+    known = [number for number in numbers if objects.classes[number - 1].name == name]
+    free = [number for number in numbers if not objects.classes[number - 1].name and number not in used]
+    number = next(iter([*known, *free]), 0) if name else 0
+    return (name_class(document, number, name), number) if number else (document, objects.category)

@@ -1,0 +1,133 @@
+"""Modes: purposes of a run, each with its preset and its initialization; settings for kinds of images."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from cpm_app.model.document.document import Document, ImageReference, Mode
+from cpm_app.model.parameters.controls import RATIO
+from cpm_app.model.text.language import tr
+from cpm_core import METHODS, PRESETS, Parameters
+from cpm_core.medial_axis import Outlined
+from cpm_core.parameters import OF_PLANES, OF_VOLUMES
+from cpm_core.shapes import Everywhere, Limit, Shape
+
+
+@dataclass(frozen=True)
+class ModeInfo:
+    """Texts and settings of a mode.
+
+    Attributes
+    ----------
+    title, short : str
+        Name in the menu, and on a button.
+    about : str
+        Its purpose, in a sentence.
+    preset : str
+        Name among the core's `PRESETS`.
+    method : str
+        Name among the core's `METHODS`.
+    hint : str
+        What to do next when everything is ready for a run, with the names of keys (see `with_keys`); empty for the
+        usual hint.
+    """
+
+    title: str
+    short: str
+    about: str
+    preset: str
+    method: str
+    hint: str = ""
+
+
+MODES: Mapping[Mode, ModeInfo] = {
+    "shape": ModeInfo(
+        tr("Shape &recovery"),
+        tr("Shape"),
+        tr("Finds the whole outline from a start that you draw."),
+        "shape",
+        "cpm",
+    ),
+    "automatic": ModeInfo(
+        tr("&Automatic segmentation"),
+        tr("Automatic"),
+        tr("Finds all objects. No drawing needed."),
+        "automatic",
+        "cpm",
+        tr("Press {key:run} to run; particles start everywhere."),
+    ),
+    "skeleton": ModeInfo(
+        tr("S&keleton"),
+        tr("Skeleton"),
+        tr("Finds the center lines of objects and their thickness. No drawing needed."),
+        "noisy",
+        "skeleton",
+        tr("Press {key:run} to find the skeleton of the objects in the image."),
+    ),
+}
+
+
+_WIDTH = "max_width"
+"""The parameter of skeletons that center lines in volumes do not have."""
+
+
+def fresh_parameters(mode: Mode, image: ImageReference | None = None) -> Parameters:
+    """The parameters with which work in a mode begins, on a volume those for volumes."""
+    return PRESETS["volume" if image is not None and image.is_volume else MODES[mode].preset]
+
+
+def needs_start(mode: Mode) -> bool:
+    """Whether a run in a mode needs an initialization."""
+    return bool(METHODS[MODES[mode].method].seeded)
+
+
+def acting_in(mode: Mode, dimension: int = 2) -> frozenset[str]:
+    """Names of the controls that have an effect in a mode, on an image with so many axes."""
+    lacking = (*OF_PLANES, _WIDTH) if dimension == 3 else OF_VOLUMES
+    acting = (name for name in METHODS[MODES[mode].method].parameters if name not in lacking)
+    return frozenset(RATIO if name == "w1" else name for name in acting)
+
+
+def use_mode(document: Document, mode: Mode) -> Document:
+    """The document in another mode, with its preset and its starts; channel, regions, barriers and charges stay.
+
+    Shape recovery removes starts all over the image; automatic segmentation removes all others; skeletons, which need
+    no start, keep all shapes.
+    """
+    fresh = replace(fresh_parameters(mode, document.image), channel=document.parameters.channel)
+    shapes, parameters = starting(mode, document.shapes), document.fitting(fresh)
+    return replace(document, mode=mode, shapes=shapes, parameters=parameters, outlined=Outlined())
+
+
+def is_only_in_another_mode(document: Document, known: Document) -> bool:
+    """Whether a document is what another one becomes when nothing but the mode is changed, once or several times."""
+    began = {known.shapes, starting("automatic", known.shapes), starting("shape", known.shapes)}
+    shapes = {starting(document.mode, before) for before in began}
+    parameters = replace(fresh_parameters(document.mode, known.image), channel=known.parameters.channel)
+    return document.shapes in shapes and document == replace(
+        known, mode=document.mode, shapes=document.shapes, parameters=parameters, outlined=Outlined()
+    )
+
+
+def use_skeleton(document: Document, outlined: Outlined) -> Document:
+    """The document in the mode of skeletons, for those of objects and contours, or of the image if there are none."""
+    there = document if document.mode == "skeleton" else use_mode(document, "skeleton")
+    return replace(there, outlined=outlined)
+
+
+def starting(mode: Mode, shapes: tuple[Shape, ...]) -> tuple[Shape, ...]:
+    """The shapes of a document after a change to this mode."""
+    if mode == "automatic":
+        return (*(shape for shape in shapes if isinstance(shape, Limit)), Everywhere("grid"))
+    if mode == "shape":
+        return tuple(shape for shape in shapes if not isinstance(shape, Everywhere))
+    return shapes
+
+
+ADVICE = {
+    "fluorescence": tr("This looks like a fluorescence image. Find all objects with settings for fluorescence?"),
+    "angiogram": tr("This looks like an X-ray image of vessels. Find all vessels with settings for them?"),
+    "ultrasound": tr("This looks like an ultrasound image. Find strong outlines with settings for ultrasound?"),
+}
+"""Kinds of images for which there is a preset, and the sentences that offer it; others do best with the usual one."""

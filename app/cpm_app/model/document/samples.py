@@ -1,0 +1,66 @@
+"""The sample images of the program, with shapes that make them ready to run."""
+
+from __future__ import annotations
+
+import filecmp
+import json
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+
+from cpm_app.model.document.document import Mode
+from cpm_app.model.text.assets import asset
+from cpm_app.model.text.language import from_core
+from cpm_core import PRESETS, Parameters
+from cpm_core.formats import shape_from_plain
+from cpm_core.shapes import Shape
+
+
+@dataclass(frozen=True)
+class Sample:
+    """A sample image with its shapes, parameters and mode."""
+
+    title: str
+    about: str
+    path: Path
+    shapes: tuple[Shape, ...]
+    parameters: Parameters
+    mode: Mode = "shape"
+
+    @property
+    def picture(self) -> Path:
+        """The file of its picture: itself, or that next to a volume."""
+        return self.path.with_suffix(".png")
+
+
+@cache
+def samples() -> tuple[Sample, ...]:
+    """All samples; the program starts with the first one."""
+    listed = json.loads(asset("samples/samples.json").read_text(encoding="utf-8"))
+    return tuple(
+        Sample(
+            title=from_core(entry["title"]),
+            about=from_core(entry["about"]),
+            path=asset(f"samples/{entry['file']}"),
+            shapes=tuple(shape_from_plain(drawn, entry["title"]) for drawn in entry["shapes"]),
+            parameters=replace(PRESETS[entry["preset"]], **entry.get("parameters", {})),
+            mode=entry.get("mode", "shape"),
+        )
+        for entry in listed
+    )
+
+
+def sample_at(path: Path) -> Sample | None:
+    """The sample with this file, or None for any other image."""
+    return next((sample for sample in samples() if sample.path == path.resolve()), None)
+
+
+def sample_like(path: Path) -> Sample | None:
+    """The sample of which a file is a copy, by name and content; a copy starts as the sample does."""
+    sample = sample_called(path.name)
+    return sample if sample and path.is_file() and filecmp.cmp(path, sample.path, shallow=False) else None
+
+
+def sample_called(file: str) -> Sample | None:
+    """The sample whose file has this name, or None."""
+    return next((sample for sample in samples() if sample.path.name == file), None)

@@ -1,0 +1,82 @@
+"""Conversion between documents and session files."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, cast
+
+from cpm_app.model.document.document import Document, ImageReference, Mode
+from cpm_app.model.document.modes import MODES, is_only_in_another_mode
+from cpm_app.model.text.language import tr
+from cpm_core import Parameters
+from cpm_core.formats import ImageFile, SessionFile
+
+_PARTS = {
+    "shapes": tr("the shapes"),
+    "parameters": tr("the parameters"),
+    "marks": tr("decisions about contours"),
+    "hand_edits": tr("edits of contours"),
+    "objects": tr("the objects"),
+    "comparison": tr("settings of the comparison"),
+}
+"""Attributes of a document in words."""
+
+View = Mapping[str, Any]
+"""View settings of the window, as plain JSON."""
+
+
+def to_file(document: Document, view: View, before: SessionFile | None = None) -> SessionFile:
+    """The session file of a document; `before`, as it was read, gives the content that a document does not hold."""
+    image = document.image
+    return replace(
+        before or SessionFile(),
+        image=ImageFile(str(Path(image.path).absolute()), image.sha256, image.shape, reading=image.reading)
+        if image
+        else None,
+        shapes=document.shapes,
+        parameters=document.parameters,
+        marks=document.marks,
+        mode=document.mode,
+        hand_edits=document.hand_edits,
+        objects=document.objects,
+        outlined=document.outlined,
+        comparison=document.comparison,
+        view=view,
+        notes=(),
+    )
+
+
+def changed_parts(document: Document, known: Document | None) -> tuple[str, ...]:
+    """What of a document is not in the one that is `known`, in words; the choice of a mode alone is no work.
+
+    Objects are counted. Without a known document, as after a crash, that is all there is.
+    """
+    if known is not None and (document == known or is_only_in_another_mode(document, known)):
+        return ()
+    before = known or Document(document.image, parameters=document.parameters, mode=document.mode)
+    saved = {item.number: item for item in before.objects.items}
+    count = sum(saved.get(item.number) != item for item in document.objects.items)
+    counted = tr("1 object") if count == 1 else tr("{count} objects").format(count=count)
+    found = tuple(
+        counted if count and name == "objects" else words
+        for name, words in _PARTS.items()
+        if getattr(document, name) != getattr(before, name)
+    )
+    return found or (tr("your choices"),)
+
+
+def restored(file: SessionFile, image: ImageReference, parameters: Parameters) -> Document:
+    """The document of a session file on its image, with parameters that suit the image."""
+    return Document(
+        image,
+        file.shapes,
+        parameters,
+        file.marks,
+        cast("Mode", file.mode) if file.mode in MODES else "shape",
+        hand_edits=file.hand_edits,
+        objects=file.objects,
+        outlined=file.outlined,
+        comparison=file.comparison,
+    )

@@ -1,0 +1,222 @@
+"""Export: what can be written and in which formats, how files are called, and what each of them holds."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import dataclass, replace
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from cpm_app.model.document.document import Document
+from cpm_app.model.document.objects import objects_result
+from cpm_app.model.text.language import from_core, tr, written
+from cpm_core import Contour, Image, Result, Skeleton
+from cpm_core.contours import apply, with_kept
+from cpm_core.formats import (
+    ANIMATED,
+    DRAWN,
+    FOR_CENTERLINES,
+    FOR_SKELETONS,
+    FOR_STACKS,
+    FOR_VOLUMES,
+    WRITABLE,
+    left_out,
+)
+from cpm_core.image import Convention, has_matplotlib
+from cpm_core.numerics import polyline
+
+What = Literal["objects", "contours", "skeleton", "surface", "lines", "pages", "space", "turntable", "run"]
+
+KINDS = {
+    "objects": (tr("Objects"), tr("Export objects")),
+    "contours": (tr("Contours except rejected"), tr("Export contours")),
+    "skeleton": (tr("Skeleton"), tr("Export skeleton")),
+    "surface": (tr("Surface"), tr("Export surface")),
+    "lines": (tr("Center lines"), tr("Export center lines")),
+    "pages": (tr("All pages"), tr("Export all pages")),
+    "space": (tr("View in space"), tr("Export view in space")),
+    "turntable": (tr("Turn of the view in space"), tr("Export turntable")),
+    "run": (tr("Animation of the run"), tr("Export animation")),
+}
+"""Headings of what can be written, and titles of the dialog where nothing else is."""
+
+_NAMES = {
+    ".labelme.json": tr("labelme"),
+    ".coco.json": tr("COCO"),
+    ".geojson": tr("GeoJSON for QuPath"),
+    ".zip": tr("ImageJ ROI set"),
+    ".png": tr("Labels, PNG"),
+    ".tif": tr("Labels, TIFF"),
+    ".nii.gz": tr("Labels, NIfTI"),
+    ".nrrd": tr("Labels, NRRD"),
+    ".seg.dcm": tr("Segments, DICOM"),
+    ".table.csv": tr("CSV, one row per object"),
+    ".measures.csv": tr("CSV, one row per contour"),
+    ".csv": tr("CSV, one row per vertex"),
+    ".points.csv": tr("CSV, one row per particle"),
+    ".json": tr("JSON with everything"),
+    ".svg": tr("SVG drawing"),
+    ".dxf": tr("DXF for CAD"),
+    ".figure.png": tr("Figure, PNG"),
+    ".figure.pdf": tr("Figure, PDF"),
+    ".figure.svg": tr("Figure, SVG"),
+    ".stl": tr("STL for printing"),
+    ".ply": tr("PLY, with normals"),
+    ".obj": tr("OBJ"),
+    ".vtk": tr("VTK poly data"),
+    ".swc": tr("SWC"),
+}
+"""Formats by the suffixes that writers know them by, in the order shown."""
+
+_MOVING = {".gif": tr("GIF"), ".png": tr("APNG, in full color"), ".mp4": tr("MP4 video")}
+_WRITABLE = {
+    "skeleton": FOR_SKELETONS,
+    "surface": FOR_VOLUMES,
+    "lines": FOR_CENTERLINES,
+    "pages": FOR_STACKS,
+    "run": ANIMATED,
+    "turntable": ANIMATED,
+    "space": {".png": tr("PNG")},
+}
+_SAME = {".tiff": ".tif", ".nii": ".nii.gz", ".roi": ".zip", ".apng": ".png"}
+"""Suffixes of the same format, or of one that holds less."""
+
+_LEFT_OUT = {"objects": ".measures.csv .points.csv", "contours": ".table.csv"}
+_ENDINGS = {".table.csv": ".csv", ".measures.csv": ".csv", ".csv": ".vertices.csv", ".nrrd": ".seg.nrrd"}
+"""How files end whose suffixes only tell formats of one writer apart, and as 3D Slicer knows its segmentations."""
+
+
+def formats(what: What = "contours", in_volume: bool = False, of_dicom: bool = False) -> dict[str, str]:
+    """Names of the formats of something, by suffix; new ones are last.
+
+    Segments of DICOM are offered where the image is `of_dicom` and the package that writes them is installed. A frozen
+    application without matplotlib, which nobody can add to it, offers no figures.
+    """
+    writable = FOR_VOLUMES if in_volume and what == "objects" else _WRITABLE.get(what, WRITABLE)
+    names = {"space": writable, "run": _MOVING, "turntable": _MOVING}.get(what, _NAMES)
+    lacking = {*_SAME, *_LEFT_OUT.get(what, "").split()}
+    if getattr(sys, "frozen", False) and not has_matplotlib():
+        lacking |= DRAWN
+    if not of_dicom or find_spec("highdicom") is None:
+        lacking.add(".seg.dcm")
+    known = {suffix: name for suffix, name in names.items() if suffix in writable}
+    known |= {suffix: from_core(text) for suffix, text in writable.items() if suffix not in known}
+    return {suffix: name for suffix, name in known.items() if suffix not in lacking}
+
+
+def file_name(base: str, what: What, suffix: str, alone: bool) -> str:
+    """Name of a file; that of labelme is the one that labelme opens with the image, where it is `alone`."""
+    if suffix == ".labelme.json" and alone:
+        return f"{base}.json"
+    return f"{base}_{what}{_ENDINGS.get(suffix, suffix) if what != 'pages' else suffix}"
+
+
+BY_HAND = frozenset({".labelme.json"})
+"""Suffixes of formats that are edited by hand, for which few vertices count."""
+
+
+@dataclass(frozen=True)
+class ExportFile:
+    """A file to write: where, what, and the suffix of its format."""
+
+    path: Path
+    what: What
+    suffix: str
+
+
+@dataclass(frozen=True)
+class ExportOrder:
+    """Files to write, and how.
+
+    Attributes
+    ----------
+    files : tuple of ExportFile
+        The files.
+    objects, contours : frozenset of int or None
+        Numbers of those that are written; None for all.
+    tolerance : float
+        How far a line may move where vertices are left out [px]; 0 keeps all.
+    everywhere : bool
+        Whether vertices are left out in all formats, not only in those that are edited by hand.
+    space : {"LPS", "RAS"}
+        Where the coordinates of a surface point.
+    in_units : bool
+        Whether lengths are in the unit of the image too, where it is known.
+    """
+
+    files: tuple[ExportFile, ...] = ()
+    objects: frozenset[int] | None = None
+    contours: frozenset[int] | None = None
+    tolerance: float = 0.0
+    everywhere: bool = False
+    space: Convention = "LPS"
+    in_units: bool = True
+
+    def thins(self, suffix: str) -> bool:
+        """Whether vertices are left out in a format."""
+        return self.tolerance > 0.0 and (self.everywhere or suffix in BY_HAND)
+
+
+def has_objects(document: Document) -> bool:
+    """Whether a document has something to export that needs no run."""
+    return any(not item.hidden for item in document.objects.items)
+
+
+def chosen(
+    found: Result | Skeleton | None, document: Document, order: ExportOrder, what: What, image: Image | None = None
+) -> Result | Skeleton:
+    """What is exported with all its vertices; ValueError where there is nothing of the kind."""
+    result = objects_result(document, order.objects) if what == "objects" else found
+    if result is None:
+        raise ValueError(tr("There is nothing to export yet: start a run first."))
+    known = document.image
+    if known is not None and known.unit and not known.is_volume:  # it may have been set after the run
+        result = replace(result, spacing=known.spacing, unit=known.unit)
+    if not order.in_units:
+        result = replace(result, spacing=(1.0,) * len(result.spacing), unit=None)
+    if isinstance(result, Skeleton):
+        return result
+    if what == "objects":  # tables measure gray levels in the image, and it says where a volume lies in space
+        return replace(result, image=image)
+    shown = apply(with_kept(result, document.marks), document.marks)
+    if order.contours is None:
+        return shown
+    contours = tuple(contour for contour in shown.contours if contour.number in order.contours)
+    vertices = {tuple(point) for contour in contours for point in contour.points.tolist()}
+    bridges = tuple(bridge for bridge in shown.bridges if tuple(bridge.points[1].tolist()) in vertices)
+    return replace(shown, contours=contours, bridges=bridges)
+
+
+def thinned(result: Result | Skeleton, tolerance: float) -> Result | Skeleton:
+    """The result with only those vertices that are needed to be no farther off than a tolerance [px]."""
+    if isinstance(result, Skeleton):  # whose vertices have radii
+        return result
+    return replace(result, contours=tuple(_thinned(contour, tolerance) for contour in result.contours))
+
+
+def _thinned(contour: Contour, tolerance: float) -> Contour:
+    points = contour.points
+    if not contour.closed:
+        return replace(contour, points=np.array(polyline.thinned(points.tolist(), tolerance)))
+    middle = np.linalg.norm(points - points[0], axis=1).argmax()
+    halves = points[: middle + 1], np.concatenate([points[middle:], points[:1]])
+    few = [corner for half in halves for corner in polyline.thinned(half.tolist(), tolerance)[:-1]]
+    return replace(contour, points=np.array(few)) if len(few) > 2 else contour
+
+
+def summary_text(result: Result | Skeleton, what: What, suffix: str) -> str:
+    """What a file with a suffix holds of a result, and what not."""
+    surface, missing = result.surface if isinstance(result, Result) else None, left_out(result, suffix)
+    if what == "objects":
+        groups = {one.group for one in result.contours}
+        count = len(groups if surface is None or surface.numbers is None else set(surface.numbers.tolist()))
+        text = tr("1 object") if count == 1 else tr("{count} objects").format(count=count)
+    elif surface is not None:
+        return tr("a surface of {count} triangles").format(count=written(f"{len(surface.faces):,}"))
+    else:
+        count = len(result.contours) - missing
+        text = tr("1 contour") if count == 1 else tr("{count} contours").format(count=count)
+    return f"{text}, {tr('{count} open ones left out').format(count=missing)}" if missing else text

@@ -1,0 +1,274 @@
+"""Controls: sliders and choices, by which the user sets parameters."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+from cpm_app.model.text.language import from_core, tr, written
+from cpm_app.model.text.wording import rich
+from cpm_core import PARAMETERS, Parameters
+from cpm_core.parameters import AUTOMATIC, CHOICES, OF_STARTS, Invalidates
+
+RATIO = "ratio"
+HIGHEST_RATIO = 0.99
+LOWEST_RATIO = 0.05
+
+MAIN = ("beta", RATIO, "annealing", *OF_STARTS, "smoothing", "polarity", "max_width", "pruning")
+"""Names of the controls that are not folded away."""
+
+_FULL_CONTRAST = 255.0
+
+BY_ITSELF = {
+    "smoothing": tr("Choose the smoothing from the noise of the image."),
+    "exponent": tr("Use the number of dimensions as the exponent: 2 in an image, 3 in a volume."),
+    "gamma": tr("Choose gamma from the background of the image: below 1 where it is dark or bright, otherwise 1."),
+}
+
+
+_BY_HAND = {"exponent": 2.0}
+"""Values for `Control.by_hand` by the names of their controls."""
+
+_WORDS = {
+    "polarity": ((-1.0, tr("dark")), (0.0, tr("auto")), (1.0, tr("light"))),
+    "max_width": ((0.0, tr("auto")),),
+}
+"""Words for values by the names of their controls."""
+
+_IN_VOLUMES = {
+    "pruning": ("r", tr("Length up to which a side branch is left out, in radii of what it branches from.")),
+}
+"""Units and meanings that differ in volumes, by the names of their controls."""
+
+_ACTS = {
+    "contours": tr("Takes effect immediately."),
+    "nothing": tr("Takes effect at the next step; particles at rest start moving again."),
+    "field": tr("Takes effect at the next step, with a new field; particles at rest start moving again."),
+    "run": tr("Takes effect from the next start."),
+}
+
+
+@dataclass(frozen=True)
+class Control:
+    """One slider with its texts: what the core says of a parameter, in the language of the window.
+
+    Attributes
+    ----------
+    name : str
+        Field of `Parameters`, or ``"ratio"`` for w₁/w₂.
+    symbol, unit, title : str
+        Its label.
+    low, high : float
+        Values that may be typed.
+    slider_low, slider_high, step : float
+        Range and increment of the slider.
+    default : float or str
+        Value with which work begins.
+    meaning, more, equation : str
+        What it is, what a larger value does, and its equation.
+    invalidates : {"nothing", "contours", "field", "run"}
+        What a change of it makes out of date.
+    advanced : bool
+        Whether it is hidden at first.
+    """
+
+    name: str
+    symbol: str
+    unit: str
+    title: str
+    low: float
+    high: float
+    slider_low: float
+    slider_high: float
+    step: float
+    default: float | str
+    meaning: str
+    more: str
+    equation: str
+    invalidates: Invalidates
+    advanced: bool
+
+    @property
+    def acts(self) -> str:
+        """When a change acts, in words."""
+        return _ACTS[self.invalidates]
+
+    @property
+    def automatic(self) -> bool:
+        """Whether the program can choose it (``"auto"``)."""
+        return self.name in AUTOMATIC
+
+    @property
+    def whole(self) -> bool:
+        """Whether it takes only whole numbers."""
+        return self.name == "scales"
+
+    @property
+    def by_hand(self) -> float | None:
+        """Value with which it begins where the program no longer chooses it by default."""
+        return _BY_HAND.get(self.name)
+
+    @property
+    def words(self) -> tuple[tuple[float, str], ...]:
+        """Words for some of its values, shown in their place."""
+        return _WORDS.get(self.name, ())
+
+    @property
+    def decimals(self) -> int:
+        """Number of decimals of its values, two or as many as its increment has."""
+        return 0 if self.whole else max(2, -math.floor(math.log10(self.step)))
+
+    @property
+    def label(self) -> str:
+        """Label of the slider, its name and symbol as rich text."""
+        return f"{self.title} &nbsp;<span style='font-weight: normal'>{rich(self.symbol)}</span>"
+
+    @property
+    def facts(self) -> str:
+        """Symbol, equation, range of the slider with its unit and default in one line."""
+        unit = f" {self.unit}" if self.unit else ""
+        default = self.default if isinstance(self.default, str) else written(f"{self.default:.3g}")
+        span = tr("{low} to {high}, default {default}").format(
+            low=written(f"{self.slider_low:g}"), high=written(f"{self.slider_high:.3g}{unit}"), default=default
+        )
+        return " · ".join(part for part in (self.symbol, self.equation, span) if part)
+
+
+def controls() -> tuple[Control, ...]:
+    """All controls in the order shown: the main ones, which contours there are, advanced ones."""
+    made = [_ratio() if name == "w1" else _of_parameter(name) for name in PARAMETERS]
+    first = {name: place for place, name in enumerate(MAIN)}
+    return tuple(sorted(made, key=lambda one: (first.get(one.name, len(MAIN)), one.advanced)))
+
+
+def adapted(control: Control, usual: Parameters, ndim: int, contrast: float) -> Control:
+    """A control as it is for an image with so many axes and this contrast, where work begins with `usual` values."""
+    low, high = slider_range(control, contrast)
+    step = control.step * (high - low) / (control.slider_high - control.slider_low)
+    unit, meaning = control.unit, control.meaning
+    if ndim == 3:
+        unit, meaning = _IN_VOLUMES.get(control.name, (unit, meaning))
+    return replace(
+        control, slider_low=low, slider_high=high, step=step, default=value_of(usual, control.name), unit=unit,
+        meaning=meaning,
+    )  # fmt: skip
+
+
+def slider_range(control: Control, contrast: float) -> tuple[float, float]:
+    """Range of the slider; that of parameters in gray levels is scaled by the contrast of the image."""
+    in_gray_levels = control.name in PARAMETERS and PARAMETERS[control.name].unit.startswith("gray")
+    if not in_gray_levels or contrast <= 0:
+        return control.slider_low, control.slider_high
+    return control.slider_low, control.slider_high * contrast / _FULL_CONTRAST
+
+
+def value_of(parameters: Parameters, name: str) -> float | str:
+    """Value that the control `name` shows."""
+    if name == RATIO:
+        return parameters.w1 / parameters.w2
+    return getattr(parameters, name)
+
+
+def with_value(parameters: Parameters, name: str, value: float | str) -> Parameters:
+    """Parameters with one control set; ``"w2"`` keeps the ratio, so that w₁ stays below it.
+
+    ValueError when the value is out of its range.
+    """
+    if name == RATIO:
+        if not isinstance(value, float | int) or not LOWEST_RATIO <= value <= HIGHEST_RATIO:
+            raise ValueError(f"w1/w2 is {value} but must be a number from {LOWEST_RATIO:g} to {HIGHEST_RATIO:g}.")
+        return replace(parameters, w1=value * parameters.w2)
+    if name == "w2":
+        weight = float(value)
+        return replace(parameters, w2=weight, w1=min(parameters.w1 / parameters.w2, HIGHEST_RATIO) * weight)
+    if name == "scales" and isinstance(value, float):
+        value = round(value)
+    fields: dict[str, Any] = {name: value}
+    return replace(parameters, **fields)
+
+
+def _of_parameter(name: str) -> Control:
+    values = asdict(PARAMETERS[name])
+    texts = {part: from_core(values[part]) for part in ("unit", "title", "meaning", "more", "equation")}
+    return Control(**values | texts, default=value_of(Parameters(), name))
+
+
+def _ratio() -> Control:
+    return replace(
+        _of_parameter("w1"),
+        name=RATIO,
+        default=value_of(Parameters(), RATIO),
+        symbol="w₁/w₂",
+        unit="",
+        title=tr("Repulsion to attraction"),
+        low=LOWEST_RATIO,
+        high=HIGHEST_RATIO,
+        slider_low=LOWEST_RATIO,
+        slider_high=HIGHEST_RATIO,
+        step=0.01,
+        meaning=tr("Repulsion between particles as a fraction of the attraction by edges."),
+        advanced=False,
+    )
+
+
+CHANNEL = "channel"
+"""Name of the choice that only color images have."""
+
+_TITLES = {
+    "gradient": tr("gray levels"),
+    "vessels": tr("vessels"),
+    "standard": tr("standard"),
+    "exact": tr("exact"),
+    "luminance": tr("luminance"),
+    "red": tr("red"),
+    "green": tr("green"),
+    "blue": tr("blue"),
+    "hematoxylin": tr("hematoxylin"),
+    "eosin": tr("eosin"),
+    "dab": tr("DAB"),
+}
+"""Names of the values in the window."""
+
+
+@dataclass(frozen=True)
+class ChoiceControl:
+    """One choice with its texts.
+
+    Attributes
+    ----------
+    name : str
+        Field of `Parameters`.
+    title, meaning : str
+        Its label, and one sentence that says what it is.
+    choices : tuple
+        Value, name in the window, and effect of each choice.
+    acts : str
+        When a change acts, in words.
+    """
+
+    name: str
+    title: str
+    meaning: str
+    choices: tuple[tuple[str, str, str], ...]
+    acts: str
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """The explanation, one line for each choice."""
+        effects = (tr("{choice}: {effect}").format(choice=title, effect=about) for _, title, about in self.choices)
+        return (self.meaning, *effects, self.acts)
+
+
+def choice_controls() -> tuple[ChoiceControl, ...]:
+    """All choices in the order shown."""
+    return tuple(
+        ChoiceControl(
+            name,
+            from_core(info.title),
+            from_core(info.meaning),
+            tuple((value, _TITLES.get(value, value), from_core(about)) for value, about in info.choices.items()),
+            _ACTS[info.invalidates],
+        )
+        for name, info in CHOICES.items()
+    )

@@ -1,0 +1,188 @@
+"""The preferences: what kinds there are, and the table of all of them."""
+
+from __future__ import annotations
+
+import math
+import re
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import chain
+from typing import Any, Generic, TypeVar
+
+from cpm_app.model.display.lengths import UNITS
+from cpm_app.model.text import language
+from cpm_app.model.text.language import tr
+
+V = TypeVar("V")
+
+_COLOR = re.compile(r"#[0-9a-f]{6}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Preference(ABC, Generic[V]):
+    """One preference.
+
+    Attributes
+    ----------
+    name : str
+        Its key in the file of the preferences.
+    label : str
+        Words before its field.
+    default
+        Its value until the user chooses another one.
+    note : str
+        A sentence below the field.
+    """
+
+    name: str
+    label: str
+    default: V
+    note: str = ""
+
+    @abstractmethod
+    def taken(self, stored: object) -> V | None:
+        """The value that a file holds, perhaps as text; None when it is none of this kind."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Flag(Preference[bool]):
+    """Something that is on or off; `text` is next to the check box."""
+
+    text: str
+
+    def taken(self, stored: object) -> bool | None:
+        """True or false, also as text."""
+        return {True: True, False: False, "true": True, "false": False}.get(stored) if _plain(stored) else None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Number(Preference[float]):
+    """A number from `low` to `high` in increments of `step`, with the unit `suffix`."""
+
+    low: float
+    high: float
+    step: float
+    decimals: int = 0
+    suffix: str = ""
+
+    def taken(self, stored: object) -> float | None:
+        """A number within the limits."""
+        if not _plain(stored) or isinstance(stored, bool):
+            return None
+        try:
+            number = float(str(stored))
+        except ValueError:
+            return None
+        return number if math.isfinite(number) and self.low <= number <= self.high else None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Choice(Preference[str]):
+    """One of several alternatives, `ways`: names and titles."""
+
+    ways: Mapping[str, str]
+
+    def taken(self, stored: object) -> str | None:
+        """The name of an alternative."""
+        return stored if isinstance(stored, str) and stored in self.ways else None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Color(Preference[str]):
+    """A color, as ``"#rrggbb"``."""
+
+    def taken(self, stored: object) -> str | None:
+        """A color of six digits."""
+        return stored if isinstance(stored, str) and _COLOR.fullmatch(stored) else None
+
+
+def _plain(stored: object) -> bool:
+    """Whether a stored value is a single one; a list cannot be looked up in a mapping."""
+    return isinstance(stored, str | int | float)
+
+
+PAGES = {
+    "general": tr("General"),
+    "appearance": tr("Lines and colors"),
+    "files": tr("Files"),
+    "run": tr("Run"),
+    "shortcuts": tr("Shortcuts"),
+}
+"""Titles of the pages by their names, in their order."""
+
+LANGUAGE = Choice(
+    name=language.KEY, label=tr("Language"), default=language.OF_THE_DESKTOP,
+    ways={language.OF_THE_DESKTOP: tr("System"), **language.languages()},
+    note=tr("The language changes when you restart the program."),
+)  # fmt: skip
+THEME = Choice(
+    name="theme", label=tr("Theme"), default="system",
+    ways={"system": tr("System"), "light": tr("Light"), "dark": tr("Dark")},
+)  # fmt: skip
+UNIT = Choice(
+    name="units", label=tr("Lengths and areas"), default="image", ways=UNITS,
+    note=tr("In tables, the Run panel, the status bar and the scale bar. Without a known pixel size, "
+            "lengths are in px."),
+)  # fmt: skip
+
+CONTOUR_WIDTH = Number(
+    name="canvas/contour_width", label=tr("Contour width"), default=2.0, low=0.5, high=5.0,
+    step=0.25, decimals=2, suffix=" px",
+)  # fmt: skip
+SHAPE_WIDTH = Number(
+    name="canvas/shape_width", label=tr("Shape width"), default=1.4, low=0.5, high=5.0,
+    step=0.1, decimals=1, suffix=" px",
+)  # fmt: skip
+POINT_SIZE = Number(
+    name="canvas/point_size", label=tr("Particle size"), default=7.0, low=3.0, high=20.0,
+    step=0.5, decimals=1, suffix=" px", note=tr("Particles shrink when the image is zoomed out."),
+)  # fmt: skip
+
+INKS = {
+    name: Color(name=f"colors/{name}", label=label, default=color)
+    for name, label, color in (
+        ("contour", tr("Contours"), "#eceff3"),
+        ("proposal", tr("Proposed objects"), "#62a8ff"),
+        ("by_hand", tr("Drawn by hand"), "#c4f042"),
+        ("rejected", tr("Rejected contours"), "#c3c9d1"),
+        ("moving", tr("Moving particles"), "#f0e442"),
+        ("resting", tr("Particles at rest"), "#2bd4a4"),
+    )
+}
+"""Colors on the canvas; people who cannot distinguish red and green can distinguish the defaults."""
+
+AUTOSAVE = Flag(
+    name="autosave/on", label=tr("Autosave"), default=True, text=tr("Keep unsaved work for recovery"),
+    note=tr("After a crash, the next start offers to restore it."),
+)  # fmt: skip
+SAVE_IN_FOLDER = Flag(
+    name="files/save_in_folder", label=tr("Next image in the folder"), default=False,
+    text=tr("Save without asking"), note=tr("The session is saved next to the image, under the same name."),
+)  # fmt: skip
+KEEP_PARAMETERS = Flag(
+    name="parameters/keep", label=tr("Next image"), default=False,
+    text=tr("Keep parameters for the next image"),
+)  # fmt: skip
+OFFER_SETTINGS = Flag(
+    name="parameters/offer", label=tr("Kind of image"), default=True,
+    text=tr("Suggest settings for the kind of image"),
+    note=tr("Fluorescence, angiograms and ultrasound are recognized by their gray levels."),
+)  # fmt: skip
+TIMELINE_MEMORY = Number(
+    name="timeline/megabytes", label=tr("Memory for steps"), default=256.0, low=16, high=16384, step=64,
+    suffix=tr(" MB"),
+    note=tr("Maximum memory for the steps of a run. When it is full, fewer steps are stored, evenly spaced; the steps "
+            "between them are recomputed exactly."),
+)  # fmt: skip
+
+BY_PAGE: Mapping[str, tuple[Preference[Any], ...]] = {
+    "general": (LANGUAGE, THEME, UNIT),
+    "appearance": (CONTOUR_WIDTH, SHAPE_WIDTH, POINT_SIZE, *INKS.values()),
+    "files": (AUTOSAVE, SAVE_IN_FOLDER),
+    "run": (KEEP_PARAMETERS, OFFER_SETTINGS, TIMELINE_MEMORY),
+}
+"""Those on each page of the dialog, in its order."""
+
+PREFERENCES = tuple(chain(*BY_PAGE.values()))
+"""All of them."""

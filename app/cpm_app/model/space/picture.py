@@ -1,0 +1,126 @@
+"""A picture of the view in space: a color for each pixel, how far away is what it shows, and lines and balls in it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from cpm_app.model.space.camera import Seen
+from cpm_core.numerics import compiled, share
+
+Colors = NDArray[np.uint8]
+"""Red, green and blue, one byte each, in the last axis."""
+
+FAR = np.float32(3e38)
+"""Distance of what shows nothing."""
+
+_ROWS = 32
+"""Rows that one thread fills at the least."""
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """Colors, shape (H, W, 3), and distances behind the picture's plane [px], shape (H, W)."""
+
+    colors: Colors
+    depths: NDArray[np.float32]
+
+    @staticmethod
+    def blank(size: tuple[int, int], color: tuple[int, int, int]) -> Picture:
+        """A picture of one color, with nothing in it."""
+        colors = np.empty((*size, 3), np.uint8)
+        colors[:] = color
+        return Picture(colors, np.full(size, FAR, np.float32))
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Rows and columns."""
+        rows, cols = self.depths.shape
+        return rows, cols
+
+    def copy(self) -> Picture:
+        """The same, to be drawn in."""
+        return Picture(self.colors.copy(), self.depths.copy())
+
+    def covered_by(self, other: Picture, opacity: float) -> None:
+        """Lay another picture of the same size over this one, with this opacity, where what it shows is nearer."""
+        own = Image.fromarray(self.colors)
+        mixed = Image.blend(own, Image.fromarray(other.colors), opacity)
+        self.colors[:] = np.asarray(Image.composite(mixed, own, Image.fromarray(other.depths < self.depths)))
+
+    def draw(self, kernel: Callable[..., None], *drawn: Any) -> None:
+        """Let a compiled function draw what is given into parts of the rows, on several threads."""
+
+        def some(begin: int, end: int) -> None:
+            kernel(*drawn, self.colors, self.depths, begin, end)
+
+        share(some, self.size[0], _ROWS)
+
+
+def draw_lines(picture: Picture, seen: Seen, colors: Colors) -> None:
+    """Draw lines one pixel wide between places 0 and 1, 2 and 3, ..., each in its color, shape (N / 2, 3)."""
+    _draw_lines(seen, colors, picture.colors, picture.depths)
+
+
+@compiled
+def _draw_lines(seen: Seen, colors: Colors, shown: Colors, depths: NDArray[np.float32]) -> None:
+    height, width = depths.shape
+    for i in range(seen.shape[0] // 2):
+        start = seen[2 * i].astype(np.float64)
+        way = seen[2 * i + 1] - start
+        steps = max(abs(way[0]), abs(way[1]), 1e-6)
+        begin, end = within(start[0], way[0], width, 0.0, 1.0)
+        begin, end = within(start[1], way[1], height, begin, end)
+        for step in range(int(np.ceil(begin * steps)), int(np.floor(end * steps)) + 1):
+            at = start + step / steps * way
+            col, row, depth = int(np.rint(at[0])), int(np.rint(at[1])), np.float32(at[2])
+            if 0 <= col < width and 0 <= row < height and depth < depths[row, col]:
+                depths[row, col] = depth
+                shown[row, col] = colors[i]
+
+
+@compiled
+def within(start: float, way: float, size: int, begin: float, end: float) -> tuple[float, float]:
+    """The part of a line that lies in a picture or a volume, along one of its sides."""
+    if abs(way) < 1e-9:
+        return (begin, end) if -0.5 <= start < size - 0.5 else (1.0, 0.0)
+    one, other = (-0.5 - start) / way, (size - 0.5 - start) / way
+    return max(begin, min(one, other)), min(end, max(one, other))
+
+
+def draw_balls(picture: Picture, seen: Seen, colors: Colors, radius: float) -> None:
+    """Draw balls of a radius [px] at places in a picture, in their colors (N, 3)."""
+    picture.draw(_draw_balls, seen, colors, np.float32(radius))
+
+
+@compiled
+def _draw_balls(
+    seen: Seen,
+    colors: Colors,
+    radius: np.float32,
+    shown: Colors,
+    depths: NDArray[np.float32],
+    begin: int,
+    end: int,
+) -> None:
+    width, square = depths.shape[1], radius * radius
+    one = np.float32(1.0)
+    for i in range(seen.shape[0]):
+        x, y, z = seen[i, 0], seen[i, 1], seen[i, 2]
+        if not (-radius < x < width + radius and begin - radius < y < end + radius):
+            continue
+        for row in range(max(int(np.ceil(y - radius)), begin), min(int(np.floor(y + radius)) + 1, end)):
+            for col in range(max(int(np.ceil(x - radius)), 0), min(int(np.floor(x + radius)) + 1, width)):
+                off = (row - y) ** 2 + (col - x) ** 2
+                if off <= square:
+                    height = np.sqrt(square - off)
+                    if z - height < depths[row, col]:
+                        depths[row, col] = z - height
+                        shade = np.float32(0.5) + np.float32(0.5) * height / max(radius, one)
+                        for channel in range(3):
+                            shown[row, col, channel] = np.uint8(shade * colors[i, channel])

@@ -1,0 +1,195 @@
+"""What the view in space shows, as one frozen value, and its picture."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from itertools import product
+
+import numpy as np
+
+from cpm_app.model.display.display_image import apply_window
+from cpm_app.model.space.camera import Camera
+from cpm_app.model.space.picture import Colors, Picture, draw_balls, draw_lines
+from cpm_app.model.space.triangles import Cut, Mesh, draw_mesh
+from cpm_app.model.space.voxels import Shaded, draw_projection, draw_slice
+from cpm_app.model.volume.slices import Slices
+from cpm_core import Image
+from cpm_core.numerics import Array, Index
+
+Color = tuple[int, int, int]
+
+AXIS_COLORS = ((70, 120, 255), (60, 180, 75), (230, 70, 60))
+"""Colors of the axes: plane, row, column."""
+
+GRAY = np.repeat(np.arange(256, dtype=np.uint8)[:, np.newaxis], 3, axis=1)
+"""Shades as they are."""
+
+_NEARER = 2.0
+"""How much nearer objects are drawn than they are [smallest sides of a voxel]."""
+
+_OVER = 1.5
+"""The same, at least [radii of a particle]."""
+
+
+@dataclass(frozen=True)
+class Look:
+    """Colors of what has none of its own, and the radius of a particle [px]."""
+
+    background: Color = (24, 26, 30)
+    edges: Color = (120, 126, 136)
+    outside: Color = (214, 164, 120)
+    inside: Color = (120, 150, 200)
+    radius: float = 2.0
+
+
+@dataclass(frozen=True)
+class ShownParts:
+    """The parts that are shown; `cut_axis` is None for no cut, `cut_at` from 0 to 1 along that axis."""
+
+    particles: bool = True
+    surface: bool = True
+    objects: bool = True
+    slices: bool = False
+    projection: bool = False
+    box: bool = True
+    opacity: float = 1.0
+    cut_axis: int | None = None
+    cut_at: float = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Particles:
+    """Positions (N, 3) [voxels] and colors (N, 3); `size` is a factor for their radius.
+
+    They are those of a run after a step, with the numbers by which they are known after the next one.
+    """
+
+    positions: Array
+    colors: Colors
+    size: float = 1.0
+    run: int = 0
+    step: int = 0
+    identity: Index = field(default_factory=lambda: np.empty(0, np.int64))
+
+    def start(self, before: Particles) -> Array:
+        """Where they were a step before; new ones where they are."""
+        order = np.argsort(before.identity)
+        known = order[np.searchsorted(before.identity, self.identity, sorter=order).clip(max=len(order) - 1)]
+        same = before.identity[known] == self.identity
+        return np.where(same[:, None], before.positions[known], self.positions)
+
+
+@dataclass(frozen=True, eq=False)
+class Wires:
+    """Ends of straight lines, shape (N, 2, 3) [voxels], and their colors, shape (N, 3)."""
+
+    ends: Array
+    colors: Colors
+
+
+@dataclass(frozen=True, eq=False)
+class ColoredMesh:
+    """A surface in a color of its own."""
+
+    mesh: Mesh
+    color: Color
+
+
+@dataclass(frozen=True, eq=False)
+class ViewInSpace:
+    """All that could be seen of a volume, and which of it is shown.
+
+    Attributes
+    ----------
+    image : Image
+        The volume.
+    shaded : Shaded
+        Its shades.
+    slices : Slices
+        The slices that are shown next to the view.
+    particles, mesh
+        What a run has found, None before it has.
+    wires : Wires or None
+        What is drawn.
+    table : ndarray of uint8, shape (256, 3)
+        Color of each shade.
+    objects : tuple of ColoredMesh
+        Objects that have been selected, and those that are offered.
+    truth : tuple of ColoredMesh
+        The ground truth, where one is known and shown.
+    shown : ShownParts
+        What of this is shown.
+    """
+
+    image: Image
+    shaded: Shaded
+    slices: Slices
+    particles: Particles | None = None
+    mesh: Mesh | None = None
+    wires: Wires | None = None
+    table: Colors = field(default_factory=lambda: GRAY)
+    objects: tuple[ColoredMesh, ...] = ()
+    truth: tuple[ColoredMesh, ...] = ()
+    shown: ShownParts = field(default_factory=ShownParts)
+
+    @property
+    def lengths(self) -> tuple[float, ...]:
+        """Sides of the volume between the centers of its outermost voxels, in units of length."""
+        return tuple((count - 1) * size for count, size in zip(self.image.shape, self.image.spacing, strict=True))
+
+    @property
+    def cut(self) -> Cut | None:
+        """The plane before which nothing of surface and particles is shown: the side of the first voxels is away."""
+        axis = self.shown.cut_axis
+        return None if axis is None else Cut(axis, self.shown.cut_at * self.lengths[axis])
+
+    def drawn(self, camera: Camera, size: tuple[int, int], look: Look) -> Picture:
+        """Draw it in a picture of so many rows and columns."""
+        picture, shown, spacing = Picture.blank(size, look.background), self.shown, self.image.spacing
+        if shown.projection:
+            draw_projection(picture, self.shaded, camera, spacing, self.table)
+        if shown.slices:
+            for place in map(self.slices.across, range(3)):
+                shades = apply_window(place.of(self.shaded.values), self.shaded.window)
+                draw_slice(picture, place, self.table[shades], camera, spacing)
+        if shown.box:
+            self._draw_box(picture, camera, look)
+        if self.wires is not None:
+            places = self.wires.ends.reshape(-1, 3) * np.array(spacing)
+            draw_lines(picture, camera.seen(places, size), self.wires.colors)
+        self.draw_particles(picture, self.particles, camera, look)
+        if shown.opacity > 0.0:
+            self._draw_surfaces(picture, camera, look)
+        return picture
+
+    def draw_particles(self, picture: Picture, particles: Particles | None, camera: Camera, look: Look) -> None:
+        """Draw particles, if they are shown, into a picture."""
+        if particles is not None and self.shown.particles:
+            places, colors, cut = particles.positions * np.array(self.image.spacing), particles.colors, self.cut
+            if cut is not None:
+                kept = cut.before(places) <= 0.0
+                places, colors = places[kept], colors[kept]
+            draw_balls(picture, camera.seen(places, picture.size), colors, particles.size * look.radius)
+
+    def _draw_surfaces(self, picture: Picture, camera: Camera, look: Look) -> None:
+        """The objects and the surface, all of the same opacity: an object often is the surface."""
+        opaque = self.shown.opacity >= 1.0
+        nearest = picture if opaque else Picture.blank(picture.size, look.background)
+        # a little nearer than the surface of the run, whose triangles they share, and than its particles
+        by = max(_NEARER * min(self.image.spacing), _OVER * look.radius / camera.scale)
+        nearer = replace(camera, center=camera.center + by * camera.axes[2])
+        for each in (*(self.objects if self.shown.objects else ()), *self.truth):
+            draw_mesh(nearest, each.mesh, nearer, each.color, each.color, self.cut)
+        if self.mesh is not None and self.shown.surface:
+            draw_mesh(nearest, self.mesh, camera, look.outside, look.inside, self.cut)
+        if not opaque:
+            picture.covered_by(nearest, self.shown.opacity)
+
+    def _draw_box(self, picture: Picture, camera: Camera, look: Look) -> None:
+        """Twelve edges; the three at the first voxel are the axes, in their own colors."""
+        corners = np.array(list(product((0.0, 1.0), repeat=3)))
+        first = np.stack([corners[corners[:, axis] == 0.0] for axis in range(3)])
+        ends = np.stack([first, first + np.eye(3)[:, None]], axis=2).reshape(-1, 3)
+        colors = np.tile(look.edges, (12, 1))
+        colors[::4] = AXIS_COLORS
+        draw_lines(picture, camera.seen(ends * self.lengths, picture.size), colors.astype(np.uint8))

@@ -1,0 +1,139 @@
+"""The voxels of a volume in space: three slices, and the brightest voxel on each line of sight."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_app.model.display.display_image import IntensityWindow, apply_window
+from cpm_app.model.space.camera import Camera
+from cpm_app.model.space.picture import Colors, Picture, within
+from cpm_app.model.volume.slices import Slice
+from cpm_core.numerics import Array, compiled
+
+Bytes = NDArray[np.uint8]
+
+_BLOCK = 8
+"""Side of the blocks whose maxima are kept [voxels]: one that cannot raise the maximum is skipped."""
+
+
+@dataclass(frozen=True, eq=False)
+class Shaded:
+    """A volume with one byte a voxel, made of its gray values when it is drawn first, since that takes a while."""
+
+    values: Array
+    window: IntensityWindow
+
+    @cached_property
+    def voxels(self) -> Bytes:
+        """Shades of the window, in the shape of the volume."""
+        return apply_window(self.values, self.window)
+
+    @cached_property
+    def maxima(self) -> Bytes:
+        """The brightest voxel of each block."""
+        found = self.voxels
+        for axis in range(3):
+            found = np.maximum.reduceat(found, np.arange(0, found.shape[axis], _BLOCK), axis=axis)
+        return np.ascontiguousarray(found)
+
+
+def draw_projection(
+    picture: Picture, volume: Shaded, camera: Camera, spacing: tuple[float, ...], table: Colors
+) -> None:
+    """Draw the brightest voxels behind everything else, by a table of 256 colors; black ones are left out."""
+    sizes = np.asarray(spacing, float)
+    corner = camera.corner(picture.size) / sizes
+    right, down = (camera.axes[k] / camera.scale / sizes for k in range(2))
+    away = camera.axes[2] / sizes
+    away = away / np.abs(away).max()
+    picture.draw(_draw_projection, volume.voxels, volume.maxima, corner, right, down, away, table)
+
+
+@compiled
+def _draw_projection(
+    voxels: Bytes,
+    maxima: Bytes,
+    corner: Array,
+    right: Array,
+    down: Array,
+    away: Array,
+    table: Colors,
+    shown: Colors,
+    depths: NDArray[np.float32],
+    begin: int,
+    end: int,
+) -> None:
+    for row in range(begin, end):
+        for col in range(depths.shape[1]):
+            plane = corner[0] + col * right[0] + row * down[0]
+            brightest = _brightest(
+                voxels,
+                maxima,
+                (plane, corner[1] + col * right[1] + row * down[1], corner[2] + col * right[2] + row * down[2]),
+                away,
+            )
+            if brightest > 0:
+                shown[row, col] = table[brightest]
+
+
+@compiled
+def _brightest(voxels: Bytes, maxima: Bytes, start: tuple[float, float, float], away: Array) -> int:
+    """The brightest voxel on a line, by steps of one voxel along its longest component."""
+    near, far = -1e30, 1e30
+    for axis in range(3):
+        near, far = within(start[axis], away[axis], voxels.shape[axis], near, far)
+    z, y, x = start[0] + 0.5, start[1] + 0.5, start[2] + 0.5
+    at, found = near + 1e-6, 0
+    while at < far:
+        i, j, k = int(z + at * away[0]), int(y + at * away[1]), int(x + at * away[2])
+        if i >= voxels.shape[0] or j >= voxels.shape[1] or k >= voxels.shape[2]:
+            break
+        if maxima[i // _BLOCK, j // _BLOCK, k // _BLOCK] <= found:
+            leave = _leaving(z, away[0], i)
+            leave = min(leave, _leaving(y, away[1], j), _leaving(x, away[2], k))
+            at = max(leave, at) + 1e-3
+        else:
+            found = max(found, voxels[i, j, k])
+            at += 1.0
+    return found
+
+
+@compiled
+def _leaving(start: float, away: float, index: int) -> float:
+    """Where a line leaves the block of a voxel along one axis."""
+    if abs(away) < 1e-9:
+        return 1e30
+    block = index // _BLOCK + (1 if away > 0.0 else 0)
+    return (block * _BLOCK - start) / away
+
+
+def draw_slice(picture: Picture, place: Slice, colors: Colors, camera: Camera, spacing: tuple[float, ...]) -> None:
+    """Draw a slice of a volume whose voxels have this size; nothing where it is seen from the side."""
+    across = place.axis
+    if abs(camera.axes[2, across]) < 1e-6:
+        return
+    down, right = (axis for axis in range(3) if axis != across)
+    onto = camera.axes * camera.scale  # column, row and depth in the picture, for a unit along each axis
+    origin = onto[:, across] * place.index * spacing[across] - onto @ camera.corner(picture.size)
+    voxels = np.stack([onto[:, down] * spacing[down], onto[:, right] * spacing[right], origin], axis=1)
+    back = np.linalg.inv(np.vstack([voxels[1::-1], (0.0, 0.0, 1.0)]))  # from row and column of the picture to the slice
+    picture.draw(_draw_slice, colors, np.vstack([back[:2], voxels[2] @ back]))
+
+
+@compiled
+def _draw_slice(
+    colors: Colors, places: Array, shown: Colors, depths: NDArray[np.float32], begin: int, end: int
+) -> None:
+    """Row and column of the slice, and the depth, which `places` gives for each pixel of the picture."""
+    for row in range(begin, end):
+        for col in range(depths.shape[1]):
+            i = int(np.floor(places[0, 0] * row + places[0, 1] * col + places[0, 2] + 0.5))
+            j = int(np.floor(places[1, 0] * row + places[1, 1] * col + places[1, 2] + 0.5))
+            depth = np.float32(places[2, 0] * row + places[2, 1] * col + places[2, 2])
+            if depth < depths[row, col] and 0 <= i < colors.shape[0] and 0 <= j < colors.shape[1]:
+                depths[row, col] = depth
+                shown[row, col] = colors[i, j]

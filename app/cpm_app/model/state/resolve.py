@@ -1,0 +1,252 @@
+"""From the situation to the texts of the window."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from cpm_app.model.display.lengths import measured, scientific_text
+from cpm_app.model.document.document import ImageReference
+from cpm_app.model.document.modes import MODES, needs_start
+from cpm_app.model.state.situation import RunStatus, Situation, has_volume
+from cpm_app.model.state.surface_figures import SURFACE, VOLUME, figure_texts
+from cpm_app.model.text.keys import with_keys
+from cpm_app.model.text.language import from_core, tr, written
+from cpm_core import Result, Skeleton
+from cpm_core.shapes import (
+    Barrier,
+    BoxGrid,
+    BoxThreshold,
+    Charge,
+    EnclosedRegion,
+    EnclosingWall,
+    Everywhere,
+    Grid,
+    Points,
+    Shape,
+    Stroke,
+    Threshold,
+)
+
+FULL_SPEED = tr("full speed")
+PACES = (1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 60.0, 120.0, None)
+"""Steps per second of the speed control; None for no limit."""
+FIRST_PACE = 6
+
+LEADING = (
+    tr("Particles"),
+    tr("Contours"),
+    tr("Branches"),
+    tr("Length"),
+    tr("Thickness"),
+    tr("Skeleton of"),
+    SURFACE,
+    VOLUME,
+)
+"""Labels of the numbers that are always shown."""
+
+
+@dataclass(frozen=True)
+class Resolved:
+    """Texts of the window in a situation.
+
+    `run_text`, `undo_text` and `redo_text` are texts of actions. `state` is one sentence on the state of the run, and
+    `hint` one on the next thing to do, or empty. `numbers` are label, value and explanation of each line of the status
+    panel.
+    """
+
+    run_text: str
+    undo_text: str
+    redo_text: str
+    state: str
+    hint: str
+    numbers: tuple[tuple[str, str, str], ...]
+
+
+def resolve(situation: Situation) -> Resolved:
+    """Texts of the window; a pure function that can be tested without a window."""
+    document, status = situation.document, situation.status
+    return Resolved(
+        run_text=_run_text(status),
+        undo_text=_named(tr("Undo"), situation.undo_name),
+        redo_text=_named(tr("Redo"), situation.redo_name),
+        state=_state(situation),
+        hint=_hint(situation),
+        numbers=_numbers(status, document.image)
+        if needs_start(document.mode)
+        else _numbers_of_skeleton(status, document.image),
+    )
+
+
+def _named(text: str, name: str) -> str:
+    return tr("{undo} {change}").format(undo=text, change=name) if name else text
+
+
+def pace_text(pace: float | None) -> str:
+    """A speed as text."""
+    if pace is None:
+        return FULL_SPEED
+    return tr("1 step/s") if pace == 1 else tr("{pace} steps/s").format(pace=written(f"{pace:g}"))
+
+
+def _run_text(status: RunStatus) -> str:
+    if status.phase == "running":
+        return tr("Pause")
+    if (status.phase == "paused" or status.steered) and not status.stale:
+        return tr("Resume")
+    return tr("Run again") if status.started else tr("Run")
+
+
+def _state(situation: Situation) -> str:
+    document, status = situation.document, situation.status
+    if status.busy:
+        return status.busy
+    match status.phase:
+        case "empty":
+            return tr("No image is open.")
+        case "running":
+            return tr("Running, step {step}").format(step=written(f"{status.step:,}"))
+        case "paused":
+            return tr("Paused at step {step}").format(step=written(f"{status.step:,}"))
+        case "finished":
+            message = tr("Finished: {reason}") if status.converged else tr("Stopped – {reason}")
+            return message.format(reason=from_core(status.stop_reason))
+    if document.starts or not needs_start(document.mode):
+        return tr("Ready")
+    if items := document.objects.items:
+        return tr("1 object") if len(items) == 1 else tr("{count} objects").format(count=len(items))
+    return tr("No start yet")
+
+
+def _hint(situation: Situation) -> str:
+    document, status, selected = situation.document, situation.status, situation.selected
+    shape = document.shapes[selected] if selected is not None and selected < len(document.shapes) else None
+    in_volume, usual = has_volume(situation), MODES[document.mode].hint
+    if status.phase == "empty":
+        message = tr("Open an image ({key:open}) or drop one here.")
+    elif status.started and status.stale and status.phase == "running":
+        message = tr("The starts or scales have changed: Reset ({key:reset}) to use them.")
+    elif status.started and status.stale:
+        message = tr("The starts or scales have changed: Run starts over with them.")
+    elif status.started and status.steered:
+        message = tr(
+            "The parameters have changed: Resume ({key:run}) continues with them, Reset ({key:reset}) starts over."
+        )
+    elif isinstance(shape, Charge):
+        message = tr(
+            "Drag the {shape} of strength {strength} or move it with arrow keys; [ and ] make it weaker and stronger; "
+            "{key:delete} removes it."
+        )
+        return with_keys(message, shape=from_core(shape.title), strength=written(f"{abs(shape.strength):g}"))
+    elif status.started:
+        message = ""
+    elif not needs_start(document.mode):
+        message = usual
+    elif not document.shapes and in_volume:
+        message = tr(
+            "Drag to draw a sphere in or around an object; {key:previous_slice} and {key:next_slice} move "
+            "through the slices."
+        )
+    elif not document.shapes:
+        message = tr("Drag on the image to draw a circle in or around an object.")
+    elif not document.starts and in_volume:
+        message = tr("Now draw a start for the particles: a sphere, a box, a stroke or points.")
+    elif not document.starts:
+        message = tr(
+            "Now draw a start for the particles: a circle, a stroke or points; or start everywhere ({key:start_grid})."
+        )
+    else:
+        return with_keys(usual or tr("Press {key:run} to run.")) if shape is None else _what_can_be_done_to(shape)
+    return with_keys(message)
+
+
+def _what_can_be_done_to(shape: Shape) -> str:
+    name = from_core(shape.title)
+    if isinstance(shape, Everywhere):
+        return with_keys(tr("Press {key:run} to run; {key:delete} removes the {shape}."), shape=name)
+    spaced = tr(
+        "Arrow keys or the select tool ({key:select}) move the {shape}, [ and ] change its spacing; "
+        "{key:delete} removes it."
+    )
+    strong = tr(
+        "[ and ] change how strong an edge must be for the {shape}, arrow keys move it; {key:delete} removes it."
+    )
+    moved = tr("Arrow keys or the select tool ({key:select}) move the {shape}; {key:delete} removes it.")
+    message = {
+        **dict.fromkeys((Grid, BoxGrid), spaced),
+        **dict.fromkeys((Threshold, BoxThreshold), strong),
+        **dict.fromkeys((Stroke, Points, Barrier, EnclosedRegion, EnclosingWall), moved),
+    }.get(
+        type(shape),
+        tr(
+            "Arrow keys or the select tool ({key:select}) move the {shape}, [ and ] resize it; {key:delete} removes it."
+        ),
+    )
+    return with_keys(message, shape=name)
+
+
+_Numbers = tuple[tuple[str, str, str], ...]
+"""Label, value and explanation of each number."""
+
+
+def _known(known: bool, numbers: _Numbers) -> _Numbers:
+    """Numbers, with dashes for their values where they are not known."""
+    return numbers if known else tuple((label, "–", tip) for label, _, tip in numbers)
+
+
+def _numbers(status: RunStatus, image: ImageReference | None) -> _Numbers:
+    small = status.epsilon < 1e-3
+    epsilon = scientific_text(status.epsilon) if small else written(f"{status.epsilon:.4f}")
+    scale = tr("0 (full size)") if status.scale == 0 else f"{status.scale} (1:{2**status.scale})"
+    speed = written(f"{status.steps_per_second:.0f}") if status.phase == "running" else "–"
+    numbers = (
+        (tr("Step"), written(f"{status.step:,}"), tr("Steps taken over all scales.")),
+        (tr("Particles"), written(f"{status.count:,}"), tr("Current number of free particles.")),
+        (tr("Scale"), scale, tr("Level of the image pyramid; at 1:4 each pixel represents 4 by 4.")),
+        ("ε", "–" if math.isnan(status.epsilon) else epsilon,
+         tr("How much the particles still move, eq. (23); small at rest.")),
+        (tr("Steps/s"), speed, tr("Speed of the run.")),
+    )  # fmt: skip
+    if image is not None and image.is_volume:
+        return (*_known(status.has_particles, numbers), *figure_texts(status.surface))
+    closed = sum(contour.closed for contour in status.contours)
+    found = tr("{closed} closed, {open} open").format(closed=closed, open=len(status.contours) - closed)
+    bridges = status.found.bridges if isinstance(status.found, Result) else ()
+    bridged = tr("no gap")
+    if bridges:
+        words = tr("1 gap of {length}") if len(bridges) == 1 else tr("{gaps} gaps, longest {length}")
+        longest = _length(max(bridge.length for bridge in bridges), image)
+        bridged = words.format(gaps=len(bridges), length=longest)
+    contours = (
+        (tr("Contours"), found, tr("Contours reconstructed so far.")),
+        (tr("Bridged"), bridged, tr("Gaps that were closed along a faint edge; see the parameter Maximum gap.")),
+    )
+    return _known(status.has_particles, (*numbers, *contours))
+
+
+_NOTHING_FOUND = Skeleton((), (), (1, 1), (1.0, 1.0), None, "")
+
+
+def _numbers_of_skeleton(status: RunStatus, image: ImageReference | None) -> _Numbers:
+    found = status.found if isinstance(status.found, Skeleton) else _NOTHING_FOUND
+    thickness = _length(found.thickness, image)
+    numbers = (
+        (tr("Branches"), written(f"{len(found.contours):,}"), tr("Center lines between tips and forks.")),
+        (tr("Length"), _length(found.length, image, 0), tr("Length of all branches together.")),
+        (tr("Thickness"), thickness, tr("95 % of the length is thinner than this.")),
+        (tr("Skeleton of"), skeleton_of(found.polarity, found.width), tr("The objects whose skeleton is shown.")),
+    )
+    return _known(bool(found.contours), numbers)
+
+
+def skeleton_of(polarity: int, width: float) -> str:
+    """What a skeleton of this polarity and largest width [px] is of, in words."""
+    what = {-1: tr("what is dark"), 1: tr("what is light")}.get(polarity, tr("all objects"))
+    return tr("{what}, up to {width} px wide").format(what=what, width=written(f"{width:.0f}")) if width else what
+
+
+def _length(pixels: float, image: ImageReference | None, decimals: int = 1) -> str:
+    if image is None:
+        return measured(pixels, (1.0,), None, decimals)
+    sides = (min(image.spacing),) if image.is_volume else image.spacing  # lengths are in smallest sides there
+    return measured(pixels, sides, image.unit, decimals)

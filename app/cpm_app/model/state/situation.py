@@ -1,0 +1,223 @@
+"""The situation: document, selection and run together, the conditions of actions, and what differs in a volume."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Literal
+
+from cpm_app.model.document.document import Document
+from cpm_app.model.text.language import tr
+from cpm_core import Contour, Result, Skeleton, Surface
+
+Phase = Literal["empty", "ready", "running", "paused", "finished"]
+
+
+@dataclass(frozen=True)
+class RunStatus:
+    """State of the run.
+
+    Attributes
+    ----------
+    phase : {"empty", "ready", "running", "paused", "finished"}
+        No image; no run; stepping; stopped by the user; ended.
+    busy : str
+        What is being prepared, empty for nothing.
+    stale : bool
+        Whether a run from the document as it is now would begin otherwise than the existing one.
+    steered : bool
+        Whether the run has ended and the document's parameters differ from those it ended with.
+    method : str
+        Name of the method.
+    steering : tuple
+        `Method.steering` of the last step.
+    step, count, scale : int
+        Steps taken, particles, scale (0 is the image itself).
+    epsilon : float
+        Eq. (23); NaN before it is known.
+    stop_reason : str
+        Why the run ended.
+    converged : bool
+        Whether it ended in equilibrium.
+    steps_per_second : float
+        Measured speed of the run.
+    found : Result or Skeleton or None
+        What has been reconstructed last.
+    """
+
+    phase: Phase = "empty"
+    busy: str = ""
+    stale: bool = False
+    steered: bool = False
+    method: str = "cpm"
+    steering: tuple[object, ...] = ()
+    step: int = 0
+    count: int = 0
+    scale: int = 0
+    epsilon: float = math.nan
+    stop_reason: str = ""
+    converged: bool = False
+    steps_per_second: float = 0.0
+    found: Result | Skeleton | None = None
+
+    @property
+    def contours(self) -> tuple[Contour, ...]:
+        """Contours, or the lines of a skeleton."""
+        return () if self.found is None else self.found.contours
+
+    @property
+    def surface(self) -> Surface | None:
+        """The surface that has been found in a volume."""
+        return getattr(self.found, "surface", None)
+
+    @property
+    def started(self) -> bool:
+        """Whether there is a run."""
+        return self.phase in ("running", "paused", "finished")
+
+    @property
+    def has_particles(self) -> bool:
+        """Whether particles have been shown; before the very first run the kernels may have to be compiled."""
+        return self.started and (self.step > 0 or self.count > 0)
+
+
+@dataclass(frozen=True)
+class Situation:
+    """Everything that decides what the window shows and enables.
+
+    The names of undo and redo are empty when there is nothing to undo or redo; `selected` is the index of a shape.
+    """
+
+    document: Document = field(default_factory=Document)
+    status: RunStatus = field(default_factory=RunStatus)
+    undo_name: str = ""
+    redo_name: str = ""
+    selected: int | None = None
+
+
+Condition = Callable[[Situation], bool]
+
+
+def always(situation: Situation) -> bool:
+    """In any situation."""
+    return True
+
+
+def has_image(situation: Situation) -> bool:
+    """An image is open."""
+    return situation.document.image is not None
+
+
+def has_shapes(situation: Situation) -> bool:
+    """There are shapes."""
+    return bool(situation.document.shapes)
+
+
+def is_started(situation: Situation) -> bool:
+    """There is a run."""
+    return situation.status.started
+
+
+def is_running(situation: Situation) -> bool:
+    """Steps are being taken."""
+    return situation.status.phase == "running"
+
+
+def has_particles(situation: Situation) -> bool:
+    """Particles of a run have been shown."""
+    return situation.status.has_particles
+
+
+def has_contours(situation: Situation) -> bool:
+    """Contours have been found."""
+    return bool(situation.status.contours)
+
+
+def can_step(situation: Situation) -> bool:
+    """A single step can be taken: not during a run, nor after the end of a run for which nothing has changed."""
+    status = situation.status
+    over = status.phase == "finished" and not (status.stale or status.steered)
+    return has_image(situation) and status.phase != "running" and not over
+
+
+NOT_IN_VOLUMES = frozenset(
+    (
+        *("outline", "drop_missed_edits", "close_contours", "show_rejected"),
+        *("split", "objects_alike", "apply_to_folder"),
+    )
+)
+"""Names of actions and of tools that are hidden while a volume is open."""
+
+
+OTHERWISE_IN_VOLUMES = {
+    "circle": (tr("Sphe&re"), tr("Drag from the center to draw a sphere.")),
+    "add_circle": (
+        tr("Add sphere in the &middle"),
+        tr("Add a sphere in the middle of the visible part of the slice."),
+    ),
+    "ellipse": (
+        tr("Bo&x"),
+        tr("Drag from corner to corner to draw a box, as deep as its shorter side; Shift makes it a square."),
+    ),
+    "grid_area": (
+        tr("&Grid"),
+        tr("Drag a box, as deep as its shorter side, to fill with an even grid; [ and ] change its spacing."),
+    ),
+    "threshold": (
+        tr("T&hreshold"),
+        tr("Drag a box, as deep as its shorter side, in which to start on strong edges; [ and ] change how strong."),
+    ),
+    "points": (tr("&Points"), tr("Click to place a point in the slice.")),
+    "import_contours": (
+        tr("&Import surface…"),
+        tr("Import a surface, labels or center lines as a start, as objects or as ground truth."),
+    ),
+    "mend": (
+        tr("&Brush"),
+        tr("Drag in a slice to paint an object, Shift-drag to erase, Ctrl-drag for a new one; [ and ] size it."),
+    ),
+    "region": (
+        tr("Region of &interest"),
+        tr("Drag a box, or click corner by corner, around the region that particles must stay in, through all slices."),
+    ),
+    "barrier": (
+        tr("&Barrier"),
+        tr("Drag, or click corner by corner, to draw a line that no particle crosses, through all slices."),
+    ),
+}
+"""Names of actions that do something else in a volume -> their text and tip there."""
+
+ICONS_IN_VOLUMES = {"ellipse": "box"}
+"""Names of actions with another icon in a volume -> its name."""
+
+
+def has_volume(situation: Situation) -> bool:
+    """A volume is open."""
+    return situation.document.is_about_volume
+
+
+SURE_AFTER = 1.0
+"""Time after which an estimate is shown [s]."""
+
+_LEAST_FRACTION = 0.02
+
+
+def seconds_left(elapsed: float, fraction: float | None) -> float | None:
+    """Remaining time [s] after `elapsed` seconds, when a `fraction` from 0 to 1 is done; None while it is not known."""
+    if fraction is None or fraction < _LEAST_FRACTION or elapsed < SURE_AFTER:
+        return None
+    return elapsed * (1.0 - min(fraction, 1.0)) / fraction
+
+
+def remaining_text(seconds: float | None) -> str:
+    """A remaining time as text, empty when it is not known."""
+    if seconds is None:
+        return ""
+    if seconds < 10.0:
+        return tr("a few seconds left")
+    if seconds < 100.0:
+        return tr("about {seconds} s left").format(seconds=5 * round(seconds / 5))
+    if seconds < 6000.0:
+        return tr("about {minutes} min left").format(minutes=round(seconds / 60))
+    return tr("about {hours} h left").format(hours=round(seconds / 3600))

@@ -1,0 +1,43 @@
+"""What the program says about itself: version, license, the paper, and the versions of what it works with."""
+
+from __future__ import annotations
+
+import platform
+
+from cpm_app.model.text.language import tr
+from cpm_core import __version__
+
+PURPOSE = tr("Finds objects and contours in images with charged particles.")
+
+PAPER = tr(
+    "A. C. Jalba, M. H. F. Wilkinson and J. B. T. M. Roerdink, “CPM: A deformable model for shape recovery and "
+    "segmentation based on charged particles”, IEEE Transactions on Pattern Analysis and Machine Intelligence 26 (10), "
+    "2004."
+)
+
+LICENSE = tr("Free software under the MIT license.")
+
+_LIBRARIES = {
+    "PySide6-Essentials": "Qt and PySide6",
+    "pyqtgraph": "pyqtgraph",
+    "numpy": "NumPy",
+    "scipy": "SciPy",
+    "scikit-image": "scikit-image",
+    "numba": "Numba",
+    "pillow": "Pillow",
+    "tifffile": "tifffile",
+}
+"""Packages with the names that people know."""
+
+
+def versions() -> tuple[tuple[str, str], ...]:
+    """Names and versions of the program and of all that it works with."""
+    from importlib import metadata  # only here, because it takes long to import
+
+    used = [("CPM", __version__), ("Python", platform.python_version())]
+    for package, name in _LIBRARIES.items():
+        try:
+            used.append((name, metadata.version(package)))
+        except metadata.PackageNotFoundError:  # as in a copy that was put together by hand
+            used.append((name, tr("unknown")))
+    return (*used, (tr("System"), platform.platform()))

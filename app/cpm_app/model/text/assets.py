@@ -1,0 +1,47 @@
+"""The program's own files, such as samples and icons, in a checkout or in an installed package."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import NamedTuple
+
+_PACKAGE = Path(__file__).resolve().parents[2]
+_PLACES = (_PACKAGE / "assets", _PACKAGE.parents[1] / "assets")
+
+
+def asset(name: str) -> Path:
+    """Path of one of the program's own files, such as ``"icons/run.svg"``.
+
+    ValueError when it is missing, because the installation is incomplete.
+    """
+    for place in _PLACES:
+        path = place / name
+        if path.exists():
+            return path
+    raise ValueError(
+        f"The file {name} is missing from this installation of CPM; installing it again should bring it back."
+    )
+
+
+def folder(name: str) -> Path | None:
+    """Path of an optional folder in the assets; None when it does not exist."""
+    return next((place / name for place in _PLACES if (place / name).is_dir()), None)
+
+
+class Block(NamedTuple):
+    """A heading (``# ``), a step (``1. ``) or a paragraph of the guide, and the file of its picture if any."""
+
+    mark: str
+    text: str
+    picture: str
+
+
+_BLOCK = re.compile(r"(# |1\. |)(.*?)(?:\n *!\[\]\((.+)\))?", re.DOTALL)
+
+
+def guide_page(name: str) -> list[Block]:
+    """A page of the guide: Markdown, one line a block, in which actions are named in braces."""
+    text = asset(f"guide/{name}.md").read_text(encoding="utf-8")
+    found = (_BLOCK.fullmatch(block) for block in text.strip().split("\n\n"))
+    return [Block(block[1], block[2], block[3] or "") for block in found if block]

@@ -1,0 +1,130 @@
+"""The language of the window: sentences, what errors report, and numbers.
+
+The source is written in English, and so is all that the command line writes. A catalog ``cpm.mo`` of gettext in
+``assets/languages/<language>/LC_MESSAGES`` gives the sentences of another language; a sentence that it lacks stays
+English. The preferences choose the language; by default it is that of the environment (``LANGUAGE``, ``LC_ALL``,
+``LC_MESSAGES``, ``LANG``), or of the system where the environment names none.
+
+Sentences of the window pass through `tr` as literals. `cpm_core` knows of no language: its names of parameters,
+methods, shapes and formats are in the catalogs, and so are the sentences of
+``assets/languages/core_sentences.txt``; `from_core` translates them. Other errors and notes of the core, which hold
+numbers and names, are shown in English.
+
+To add a language, say Dutch:
+
+1. ``python assets/languages/update.py nl`` begins ``assets/languages/nl/LC_MESSAGES/cpm.po`` with all sentences.
+   The sentence "English" is translated by the name of the language in itself, the program replaces what is in braces
+   (``{key:run}`` by the key of that action), and ``&`` precedes the letter that chooses an entry of a menu. An
+   activity, such as "opening {name}", is put into "Something unexpected happened while {activity}": translate both so
+   that they fit, for instance by a noun.
+2. ``python assets/languages/update.py`` brings all translations up to date, makes their catalogs, and lists the
+   sentences that still lack a translation. Translate "English" last: a language can be chosen once its name is there.
+
+Tests find sentences in the source that pass through neither, and open the window in a language made up of brackets.
+"""
+
+from __future__ import annotations
+
+import gettext
+import os
+from collections.abc import Sequence
+from pathlib import Path
+
+from cpm_app.model.text.assets import folder
+
+_DOMAIN = "cpm"
+
+KEY = "language"
+"""Key of the preference, which is read before anything else."""
+
+OF_THE_DESKTOP, _SOURCE = "system", "en"
+
+_NAMED_BY = ("LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG")
+"""Variables of the environment that name a language."""
+
+MOST_SHOWN = 4000
+"""Letters of a text from outside that are shown: of a million letters the layout alone would take minutes."""
+
+_catalog: gettext.NullTranslations = gettext.translation(_DOMAIN, folder("languages"), fallback=True)
+_marks: dict[int, str] = {}
+
+
+def tr(said: str, /, **values: object) -> str:
+    """The sentence in the language of the window, with values in place of what is in braces, if any are given."""
+    sentence = _catalog.gettext(said)
+    return sentence.format(**values) if values else sentence
+
+
+def from_core(said: str) -> str:
+    """A text that is no literal here, as a name of the core or a paragraph of the guide; unchanged where not known."""
+    return _catalog.gettext(said) if said else said
+
+
+def reason(error: Exception) -> str:
+    """What an error reports; for an error with a file, with the name of the file."""
+    if isinstance(error, OSError) and error.strerror and isinstance(error.filename, str | Path):
+        return f"{Path(error.filename).name}: {cause(error)}"
+    return from_core(str(error))
+
+
+def cause(error: OSError) -> str:
+    """What the system reports, without the name of a file."""
+    return from_core(error.strerror or str(error))
+
+
+def shortened(text: str, most: int = MOST_SHOWN) -> str:
+    """A text of at most `most` letters: the middle of a longer one is left out."""
+    if len(text) <= most:
+        return text
+    half = (most - 1) // 2
+    return f"{text[:half]}…{text[-half:]}"
+
+
+def use_marks(decimal: str, group: str) -> None:
+    """Write numbers with a decimal mark, and with a separator of groups of three digits."""
+    global _marks  # noqa: PLW0603  # a language is chosen once, at the start
+    _marks = str.maketrans({".": decimal, ",": group})
+
+
+def written(number: str) -> str:
+    """A number that Python has formatted, as the language of the window writes it."""
+    return number.translate(_marks)
+
+
+def use_language(name: str, of_the_system: Sequence[str] = ()) -> None:
+    """Translate into a language; must be called before modules with sentences are imported.
+
+    Parameters
+    ----------
+    name : str
+        A name of `languages`; any other one chooses the language of the environment.
+    of_the_system : sequence of str
+        Names of the languages of the system, such as ``"de-DE"``, the preferred one first. They count where the
+        environment names none, as on Windows and macOS.
+    """
+    global _catalog  # noqa: PLW0603  # sentences are translated while modules are imported
+    if name == _SOURCE:
+        _catalog = gettext.NullTranslations()
+        return
+    wanted = [name] if name in languages() else None
+    if wanted is None and not any(map(os.environ.get, _NAMED_BY)):
+        exact = [each.replace("-", "_") for each in of_the_system]
+        wanted = [part for each in exact for part in (each, each.partition("_")[0])]
+    if wanted is not None and _SOURCE in wanted:  # whoever prefers the language of the source reads nothing else
+        wanted = wanted[: wanted.index(_SOURCE)]
+    _catalog = gettext.translation(_DOMAIN, folder("languages"), wanted, fallback=True)
+
+
+def language() -> str:
+    """Name of the language in use."""
+    return _catalog.info().get("language", _SOURCE)
+
+
+def languages() -> dict[str, str]:
+    """Names of all languages, such as ``"de"``, and what each is called by those who speak it."""
+    found = {_SOURCE: "English"}
+    place = folder("languages")
+    for file in sorted(place.glob(f"*/LC_MESSAGES/{_DOMAIN}.mo")) if place else ():
+        name = file.parents[1].name
+        found[name] = gettext.translation(_DOMAIN, place, [name]).gettext("English")
+    return found

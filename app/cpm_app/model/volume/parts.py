@@ -1,0 +1,115 @@
+"""Parts of a file that holds several images: how many there are, in words too."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from cpm_app.model.text.language import tr
+from cpm_core.formats import ONLY_THESE, Reading, Stack
+from cpm_core.image import MINIMUM_SIDE
+
+_WORDS = {
+    "plane": (tr("{count} planes"), tr("plane {number}")),
+    "page": (tr("{count} pages"), tr("page {number}")),
+    "frame": (tr("{count} frames"), tr("frame {number}")),
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Parts:
+    """What a file holds.
+
+    Attributes
+    ----------
+    pages : int
+        Planes, pages or frames: images of one size that make a volume, or a film.
+    times, channels : int
+        Points in time and channels of each.
+    series : tuple of str
+        Names of all series; empty where a file has none.
+    number : int
+        Series that the other numbers are for, from 1.
+    word : str
+        What a page is called: plane, page or frame.
+    usual : int
+        The page that is read when nobody chooses, from 1.
+    spacing, unit
+        Size of a voxel in the file, along (plane, row, col), and its unit; None where it has none.
+    deep : bool
+        Whether pages are planes of a volume, as the file says how far apart they are, or by its kind.
+    planes : int
+        How many of the pages make a volume.
+    doubts : tuple of str
+        What is wrong with the volume that they make, such as missing planes, in the sentences of the core.
+    series_around : Path or None
+        Folder with the slices of a series, of which the file seems to be one.
+    """
+
+    pages: int
+    times: int = 1
+    channels: int = 1
+    series: tuple[str, ...] = ()
+    number: int = 1
+    word: str = "page"
+    usual: int = 1
+    deep: bool = False
+    spacing: tuple[float, ...] = (1.0, 1.0, 1.0)
+    unit: str | None = None
+    planes: int = 0
+    doubts: tuple[str, ...] = ()
+    series_around: Path | None = None
+
+    @classmethod
+    def of(cls, stack: Stack, paged: bool, series_around: Path | None = None) -> Parts:
+        """The parts of a stack; of a film the frames are its pages. `paged` is whether its pages are most often images.
+
+        What has a time for each frame and several planes has both.
+        """
+        planes, film = stack.shape[0], stack.shape[0] == 1 and stack.times > 1
+        pages, times = (stack.times, 1) if film else (planes, stack.times)
+        usual = 1 if film else stack.otherwise + 1
+        deep = not film and (stack.deep or not paged)
+        first, end = stack.stretch or (0, pages)
+        left_out = (ONLY_THESE,) if stack.stretch is not None and end - first >= MINIMUM_SIDE else ()
+        return cls(pages, times, stack.channels, stack.series, stack.number + 1, stack.word, usual, deep,
+                   stack.spacing, stack.unit, end - first, (*stack.of_volume, *left_out),
+                   series_around if pages == 1 else None)  # fmt: skip
+
+    @property
+    def fit_a_volume(self) -> bool:
+        """Whether there are enough pages for a volume."""
+        return self.planes >= MINIMUM_SIDE
+
+    @property
+    def several(self) -> bool:
+        """Whether there is anything to choose."""
+        return self.pages > 1 or self.several_volumes
+
+    @property
+    def several_volumes(self) -> bool:
+        """Whether there is anything to choose besides the page."""
+        return max(self.times, self.channels, len(self.series)) > 1
+
+    @property
+    def counted(self) -> str:
+        """How many there are of each, in words."""
+        counts = (
+            (_WORDS[self.word][0], self.pages),
+            (tr("{count} channels"), self.channels),
+            (tr("{count} points in time"), self.times),
+            (tr("{count} series"), len(self.series)),
+        )
+        return ", ".join(text.format(count=count) for text, count in counts if count > 1)
+
+    def taken(self, reading: Reading, as_volume: bool) -> str:
+        """Which of them are open, in words."""
+        numbers = (
+            (_WORDS[self.word][1], self.pages, None if as_volume else reading.page or self.usual),
+            (tr("channel {number}"), self.channels, reading.channel or 1),
+            (tr("time {number}"), self.times, reading.time or 1),
+        )
+        said = [text.format(number=number) for text, count, number in numbers if count > 1 and number is not None]
+        if len(self.series) > 1:
+            said.append(tr("series {name}").format(name=self.series[self.number - 1]))
+        return ", ".join(said)

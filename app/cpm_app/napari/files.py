@@ -1,0 +1,62 @@
+"""Readers and writers for napari: files of contours as layers of shapes, layers as files of contours and meshes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cpm_app.napari.layers import LayerData, contours_of, layer_of_contours
+from cpm_core import Result, Surface, export
+from cpm_core.formats import CONTOURS_READABLE, read_contours
+
+
+def reader_of(path: str | Sequence[str]) -> Callable[[str | Sequence[str]], list[LayerData]] | None:
+    """The function that reads these files; None for files of other kinds."""
+    paths = _all(path)
+    return _read if paths and all(one.suffix.lower() in CONTOURS_READABLE for one in paths) else None
+
+
+def _read(path: str | Sequence[str]) -> list[LayerData]:
+    layers: list[LayerData] = []
+    for file in _all(path):
+        found = read_contours(file)
+        if found.contours:
+            layers.append(layer_of_contours(found.contours, file.stem, found.shape or ()))
+        if len(found.places):
+            layers.append((found.places, {"name": f"{file.stem} points", "size": 3}, "points"))
+    return layers
+
+
+def _all(path: str | Sequence[str]) -> list[Path]:
+    return [Path(path)] if isinstance(path, str) else [Path(one) for one in path]
+
+
+_DRAWN = "drawn in napari"
+
+
+def write_shapes(path: str, data: Any, settings: Mapping[str, Any]) -> list[str]:
+    """Write a layer of shapes in the format that the suffix names."""
+    contours, shape = contours_of(data, settings)
+    name = str(settings.get("name") or Path(path).stem)
+    return _written(Result(np.empty((0, 2)), contours, None, 0, True, _DRAWN, shape, (1.0, 1.0), None, name), path)
+
+
+def write_surface(path: str, data: Any, settings: Mapping[str, Any]) -> list[str]:
+    """Write a surface, in the coordinates of its layer."""
+    vertices, faces = np.asarray(data[0], dtype=float), np.asarray(data[1])
+    scale = np.broadcast_to(np.asarray(settings.get("scale", 1.0), dtype=float), (3,))
+    shape = tuple((np.ceil(vertices.max(axis=0)) + 1).astype(int).tolist())
+    name, spacing = str(settings.get("name") or Path(path).stem), tuple(scale.tolist())
+    surface = Surface(vertices, faces, spacing)
+    return _written(Result(np.empty((0, 3)), (), surface, 0, True, _DRAWN, shape, spacing, None, name), path)
+
+
+def _written(result: Result, path: str) -> list[str]:
+    try:
+        export(result, path)
+    except ValueError as error:  # napari takes one for a sign that there is no writer
+        raise RuntimeError(str(error)) from error
+    return [path]

@@ -1,0 +1,303 @@
+"""What the worker calls of the core, and its messages.
+
+Of snapshots the newest wins; reports are few and never lost.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_app.model.display.display_image import DisplayImage, DisplayVolume
+from cpm_app.model.display.plots import RunMetrics
+from cpm_app.model.document.document import Document
+from cpm_app.model.state.surface_figures import figure_texts
+from cpm_app.model.text.language import reason, tr
+from cpm_app.model.volume.parts import Parts
+from cpm_app.model.volume.slices import SampledForce
+from cpm_app.session.exchange.contour_tracking import ContourTracker, TrackedContours
+from cpm_app.session.timeline.timeline import Outline
+from cpm_core import (
+    METHODS,
+    Image,
+    Method,
+    Parameters,
+    Result,
+    Skeleton,
+    encoded,
+    load_image,
+    load_volume,
+)
+from cpm_core.formats import Reading, SessionFile
+from cpm_core.formats.images.reading import DEFAULT
+from cpm_core.image import AnyRegions
+from cpm_core.numerics import Array
+from cpm_core.segmentation import MethodState
+from cpm_core.shapes import ImageSeeds
+from cpm_core.warm_up import warm_up_runs, warm_up_volumes
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class Core:
+    """The core's functions that run on the worker thread.
+
+    `load_image` and `load_volume` take a path, what they may call while they read, which raises when the image is no
+    longer wanted, and by name which part of the file is read;
+    `methods` makes a method of an image, parameters and regions; `encode` makes the bytes of a file, as
+    `cpm_core.formats.encoded` does; `warm_up` compiles or loads the kernels until its first argument
+    returns True, and calls its second one with the fraction that is compiled; `warm_up_volumes` does so for volumes.
+    """
+
+    load_image: Callable[..., Image] = load_image
+    load_volume: Callable[..., Image] = load_volume
+    methods: Mapping[str, Callable[[Image, Parameters, AnyRegions | None], Method[Any]]] = field(
+        default_factory=lambda: METHODS
+    )
+    encode: Callable[..., bytes] = encoded
+    warm_up: Callable[[Callable[[], bool], Callable[[float], object]], None] = warm_up_runs
+    warm_up_volumes: Callable[[Callable[[], bool], Callable[[float], object]], None] = warm_up_volumes
+
+
+def sentence(error: Exception, activity: str) -> str:
+    """One sentence on what went wrong during an activity such as ``tr("opening {name}")``.
+
+    The texts of `ValueError` and `OSError` are used. Any other error, except for lack of memory, is a defect of the
+    program and is logged in full.
+    """
+    if isinstance(error, ValueError | OSError):
+        text = reason(error)
+    elif isinstance(error, MemoryError):
+        message = tr("There was not enough memory while {activity}: close other programs, or use a smaller image")
+        text = message.format(activity=activity)
+    else:
+        log.error("unexpected error while %s", activity, exc_info=error)
+        message = tr("An unexpected error occurred while {activity}: {error}")
+        text = message.format(activity=activity, error=str(error) or type(error).__name__)
+    text = " ".join(text.split())
+    if text.partition(" ")[0].isalpha():  # file names are not changed
+        text = text[:1].upper() + text[1:]
+    return text if text.endswith(_ENDS) else f"{text}."
+
+
+_ENDS = (".", "!", "?", "。", "！", "？")
+
+
+# Snapshots: the newest wins.
+
+
+@dataclass(frozen=True, eq=False)
+class Snapshot:
+    """The particles after a step, as the window shows them.
+
+    Attributes
+    ----------
+    generation : int
+        The run.
+    method : str
+        Name of the method.
+    state : MethodState
+        State of the run, which is never changed.
+    position : ndarray, shape (N, 2)
+        (row, col) in px of the image.
+    resting : ndarray of bool, shape (N,)
+        Particles that are at rest.
+    steps_per_second : float
+        Measured speed.
+    metrics : RunMetrics
+        The run so far.
+    timeline : Outline
+        The branches of the run.
+    """
+
+    generation: int
+    method: str
+    state: MethodState
+    position: Array
+    resting: NDArray[np.bool_]
+    steps_per_second: float
+    metrics: RunMetrics
+    timeline: Outline
+
+
+@dataclass(frozen=True, eq=False)
+class Reconstruction:
+    """The contours of a recent snapshot, with edits by hand; `tracked` is None for a skeleton.
+
+    `missed` are the indices of the edits that have not found their contours, as soon as no other snapshot follows.
+    """
+
+    generation: int
+    result: Result | Skeleton
+    tracked: TrackedContours | None
+    missed: tuple[int, ...] = ()
+
+    @classmethod
+    def of(cls, generation: int, result: Result | Skeleton, tracker: ContourTracker, thorough: bool) -> Reconstruction:
+        """The contours of a run with their keys and measures."""
+        if isinstance(result, Skeleton):
+            return cls(generation, result, None)
+        tracked = tracker.track(result, thorough)
+        figure_texts(result.surface)  # measures it on this thread
+        return cls(generation, tracked.result, tracked)
+
+
+@dataclass(frozen=True)
+class ReconstructionFailed:
+    """The contours of a recent snapshot could not be reconstructed; those made last stay."""
+
+    generation: int
+    sentence: str
+
+
+Drawn = NDArray[np.generic] | DisplayImage | DisplayVolume | SampledForce
+"""An overlay: an array or an image, or what those of the slices of a volume are made from."""
+
+
+@dataclass(frozen=True, eq=False)
+class Overlays:
+    """The requested overlays by name, for the image opened as `generation`.
+
+    See `cpm_app.session.worker.prepared_methods`.
+
+    `trouble` says what those that are missing failed with.
+    """
+
+    generation: int
+    arrays: Mapping[str, Drawn]
+    trouble: str = ""
+
+
+# Reports: ordered, few.
+
+
+class Report:
+    """A message that the window must not miss; each kind is passed to its listeners."""
+
+
+@dataclass(frozen=True)
+class Finished(Report):
+    """Work on another thread is done; `then` is called on the window's thread."""
+
+    then: Callable[[], object]
+
+
+@dataclass(frozen=True)
+class Saved(Report):
+    """A session file has been written or read; `path` is None for work that has none yet.
+
+    Where `recovered`, it was found after a crash and is not saved yet. Where `turned`, it is another page of the stack
+    that is open, of which the file has the document `known`, None where it has another one.
+    """
+
+    path: Path | None
+    file: SessionFile
+    recovered: bool = False
+    turned: bool = False
+    known: Document | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Opened(Report):
+    """An image is opened: it has been read, and a method is ready.
+
+    `parameters` have as many of the requested `scales` as the image has room for. `folder` are the images next to it,
+    itself among them, and `beside` is a session of it that has not been opened with it. A volume has no `display`,
+    which each view makes of the slice that it shows. `parts` are what the file holds, None where that is not known, and
+    `reading` says which of them is open.
+    """
+
+    image: Image
+    method: Method[Any]
+    display: DisplayImage | None
+    path: Path
+    parameters: Parameters
+    notes: tuple[str, ...]
+    sha256: str = ""
+    saved: Saved | None = None
+    scales: int = 1
+    folder: tuple[Path, ...] = ()
+    beside: Path | None = None
+    parts: Parts | None = None
+    reading: Reading = DEFAULT
+
+
+@dataclass(frozen=True, eq=False)
+class ImageReady(Report):
+    """An image has been prepared and can replace the one that is open."""
+
+    opened: Opened
+
+
+@dataclass(frozen=True)
+class NotOpened(Report):
+    """An image could not be used; what is open stays."""
+
+    sentence: str
+
+
+@dataclass(frozen=True, eq=False)
+class RunsKept(Report):
+    """The runs on the timeline while none of them is shown, as after a reset."""
+
+    generation: int
+    timeline: Outline
+
+
+@dataclass(frozen=True)
+class RunFailed(Report):
+    """A run could not start or continue."""
+
+    generation: int
+    sentence: str
+
+
+@dataclass(frozen=True)
+class WentOn(Report):
+    """A run that had ended continues after an intervention."""
+
+    generation: int
+
+
+@dataclass(frozen=True, eq=False)
+class SeedsFound(Report):
+    """Seeds that depend on the image opened as `generation`, or an error message."""
+
+    generation: int
+    image_seeds: ImageSeeds
+    sentence: str = ""
+
+
+@dataclass(frozen=True)
+class Exported(Report):
+    """A file has been written, the first of several where `counts` says so, and how much they hold."""
+
+    path: Path
+    counts: str = ""
+
+
+@dataclass(frozen=True)
+class CommandFailed(Report):
+    """A command failed and nothing changed; the sentence belongs to an attempt of the kind `topic`."""
+
+    sentence: str
+    topic: str = ""
+
+
+@dataclass(frozen=True)
+class Compiling(Report):
+    """The kernels are being compiled, this part of them is done."""
+
+    percent: int
+
+
+@dataclass(frozen=True)
+class WarmedUp(Report):
+    """The kernels are ready."""

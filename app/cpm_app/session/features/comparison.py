@@ -1,0 +1,522 @@
+"""Results that are compared with one another: each with a reference, which is what is shown or a ground truth."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PySide6.QtCore import QObject, QTimer, Signal
+
+from cpm_app.model.display.comparison import Trial, with_values
+from cpm_app.model.display.differences import Apart, Difference, apart_from, differences
+from cpm_app.model.document.document import NOTHING_TO_START_FROM, Document
+from cpm_app.model.document.imported import add_objects, bodies_of, objects_of
+from cpm_app.model.document.objects import objects_result
+from cpm_app.model.text.language import tr
+from cpm_app.session.exchange.messages import CommandFailed
+from cpm_app.session.features.background import IdentityCache, LatestOnlyWorker
+from cpm_app.session.features.timeline import TimelineNavigation
+from cpm_app.session.features.trials import run_trials, scene_of, start_of
+from cpm_app.session.scene import ReviewedContours, Scene
+from cpm_app.session.session import Session
+from cpm_app.session.tasks.tasks import Task
+from cpm_app.session.worker.requests import FrameTaken, take_frame
+from cpm_core import (
+    Comparison,
+    Contour,
+    Image,
+    Result,
+    SurfaceComparison,
+    Truth,
+    VolumeTruth,
+    compare,
+    compare_surface,
+    load_truth,
+    load_volume_truth,
+)
+from cpm_core.contours import TOLERANCE, numbered, truth_of_contours
+from cpm_core.formats import TruthFile
+from cpm_core.formats.contours import mask
+from cpm_core.objects.segmented import SegmentedObject
+
+NOW = 0
+"""Key of what is shown now, which is always compared."""
+
+_TOPIC = "comparing"
+_QUIET = 200
+"""Time without another step after which another run is shown at the same step [ms]."""
+
+Agreed = Comparison | SurfaceComparison
+_Marked = tuple[tuple[Difference, ...], tuple[Apart, ...]]
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """A result that is compared.
+
+    Attributes
+    ----------
+    key : int
+        Its number, which stays the same.
+    title : str
+        Its name.
+    found : Result or None
+        Contours, or a surface, without those that are rejected; None while there are none.
+    scene : Scene
+        What is shown of it, without the image.
+    state : str
+        How far its run is, or what it has failed with; empty once it is there.
+    seconds : float or None
+        Time of its run [s].
+    trial : Trial or None
+        What it is the result of, where it was run to be compared.
+    branch : int or None
+        The branch of the timeline that it is taken from.
+    truth : Truth, VolumeTruth or None
+        The ground truth that it is.
+    """
+
+    key: int
+    title: str
+    found: Result | None = None
+    scene: Scene = field(default_factory=Scene)
+    state: str = ""
+    seconds: float | None = None
+    trial: Trial | None = None
+    branch: int | None = None
+    truth: Truth | VolumeTruth | None = None
+
+    @property
+    def count(self) -> int | None:
+        """Number of objects, or of contours; in a volume of objects, or of parts of the surface."""
+        if self.found is None:
+            return None
+        if self.truth is not None:
+            return int(self.truth.objects.max())
+        if self.found.surface is not None:
+            numbers = self.found.surface.numbers
+            return self.found.surface.components if numbers is None else len(np.unique(numbers))
+        return len({contour.group or -index for index, contour in enumerate(self.found.contours, start=1)})
+
+    @property
+    def usable(self) -> bool:
+        """Whether there is something in it that the document can take over."""
+        return self.key != NOW and self.found is not None
+
+
+class ComparedResults(QObject):
+    """Holds results, runs those that are to be compared, and compares all with the reference on a separate thread.
+
+    One of them may be chosen: the canvas shows it beyond the divider. In a volume the tolerance is in smallest sides of
+    a voxel.
+    """
+
+    changed = Signal()
+    """The rows, their figures or the reference have changed."""
+    chosen_changed = Signal()
+    """Another row is chosen, or shows something else."""
+    _news = Signal(int, object)
+    """Parts of a row have changed; sent by the thread that runs it."""
+
+    def __init__(self, session: Session, navigation: TimelineNavigation) -> None:
+        super().__init__(session)
+        self.reference = self.chosen = NOW
+        self.rows = {NOW: Row(NOW, tr("Shown now"))}
+        self.agreed: dict[int, Agreed] = {}
+        """Agreement with the reference by row."""
+        self.tolerance, self.holes = TOLERANCE, True
+        self.task: Task | None = None
+        self._path: Path | None = None
+        self._keys = itertools.count(1)
+        self._session, self._navigation = session, navigation
+        self._seen, self._made = IdentityCache(), IdentityCache()
+        self._latest = LatestOnlyWorker(session, "cpm-comparison", tr("comparing results"))
+        self._quiet = QTimer(self, singleShot=True, interval=_QUIET)
+        self._quiet.timeout.connect(self._take_branch)
+        self._quiet.timeout.connect(self._take_now)
+        self._news.connect(self._change)
+        session.scene_changed.connect(self._follow)
+        session.image_changed.connect(self.forget)
+        session.tasks.changed.connect(self._look)
+
+    @property
+    def in_volume(self) -> bool:
+        """Whether a volume is open, whose surface is compared."""
+        return self._session.image is not None and self._session.image.ndim == 3
+
+    @property
+    def subject(self) -> int:
+        """The row whose differences from the reference are marked: the chosen one, or else what is shown now."""
+        return self.chosen if self.chosen != self.reference else NOW
+
+    # Rows
+
+    def keep(self) -> None:
+        """Keep the present result, to compare later ones with it."""
+        scene = self._session.scene
+        step = scene.snapshot.state.step if scene.snapshot is not None else 0
+        title = tr("Kept, step {step}").format(step=step) if step else tr("Kept")
+        shown = Scene(
+            document=scene.document, snapshot=scene.snapshot, reconstruction=scene.reconstruction,
+            contours=scene.contours,
+        )  # fmt: skip
+        self._add(Row(next(self._keys), title, self._found, shown))
+
+    def add_branch(self, identity: int) -> None:
+        """Add another run or branch of the timeline, at its end, or at the step that is shown if that is no end."""
+        branch = self._navigation.branch(identity)
+        if branch is not None:
+            row = Row(next(self._keys), branch.name, state=tr("waiting"), branch=identity)
+            self._add(row)
+            self._take_branch(row.key)
+
+    def run(self, trials: Sequence[Trial]) -> None:
+        """Run trials, without changing the run of the session; ValueError when there is no start."""
+        image, document = self._session.image, self._session.document
+        if any(trial.method for trial in trials):
+            start_of(document)
+        elif not document.starts:
+            raise ValueError(NOTHING_TO_START_FROM)
+        if image is None:
+            return
+        self.cancel()
+        planned = {next(self._keys): trial for trial in trials}
+        for key, trial in planned.items():
+            self._add(Row(key, trial.title, state=tr("waiting"), trial=trial))
+        self.task = self._session.tasks.start(
+            tr("Running {count} results to compare…").format(count=len(trials)),
+            partial(run_trials, image, document, planned, self._news.emit),
+            tr("running results to compare"),
+        )
+
+    def cancel(self) -> None:
+        """Cancel the runs that have not ended."""
+        if self.task is not None:
+            self.task.cancel()
+            self._look()
+
+    def remove(self, key: int) -> None:
+        """Remove a row; what is shown now stays."""
+        if key == NOW or key not in self.rows:
+            return
+        if self.rows.pop(key).truth is not None:
+            self._path = None
+        if key == self.chosen:
+            self.chosen = NOW
+            self.chosen_changed.emit()
+        self.refer_to(self.reference if key != self.reference else NOW)
+
+    def forget(self) -> None:
+        """Another image has been opened."""
+        self.cancel()
+        self._latest.forget()
+        self.rows, self._path, self._made = {NOW: Row(NOW, tr("Shown now"))}, None, IdentityCache()
+        self.reference = self.chosen = NOW
+        self.chosen_changed.emit()
+        self.refer_to(NOW)
+
+    # What is chosen
+
+    def choose(self, key: int) -> None:
+        """Show a row beyond the divider; what is shown now ends that."""
+        if key != self.chosen and key in self.rows:
+            self.chosen = key
+            self._take_branch()
+            self.chosen_changed.emit()
+            self._compare()
+
+    def refer_to(self, key: int) -> None:
+        """Compare all others with a row."""
+        self.reference, self.agreed = key, {}
+        self._show(self.rows[key].truth)
+        self._compare()
+        self.changed.emit()
+
+    def use(self, key: int) -> None:
+        """Take a row over: its parameters, its branch, or its contours as objects."""
+        row, image = self.rows[key], self._session.image
+        trial, found = row.trial, row.found
+        if trial is not None and trial.values:
+            self._session.edit(
+                tr("use {values}").format(values=trial.title),
+                lambda document: replace(document, parameters=with_values(document.parameters, trial.values)),
+            )
+        elif row.branch is not None:
+            self._navigation.go(row.branch, self._navigation.last(row.branch))
+        elif found is not None and image is not None:
+            self._session.tasks.start(
+                tr("Adding objects from {name}…").format(name=row.title),
+                lambda task: _objects(row, found, image),
+                tr("adding objects from {name}").format(name=row.title),
+                partial(CommandFailed, topic=_TOPIC),
+                then=lambda made: self._session.edit(
+                    tr("add objects from {name}").format(name=row.title), lambda document: add_objects(document, made)
+                ),
+            )
+
+    def far(self) -> Scene:
+        """The scene beyond the divider."""
+        scene = self._session.scene
+        return replace(
+            self.rows[self.chosen].scene, image=scene.image, display=scene.display, shaded=scene.shaded,
+            overlays=scene.overlays, slices=scene.slices, truth=scene.truth, differences=scene.differences,
+            apart=scene.apart,
+        )  # fmt: skip
+
+    # Ground truth
+
+    def load(self, path: str | Path) -> None:
+        """Read a mask or contours as the ground truth of the image, or labels as that of a volume: the reference."""
+        image = self._session.image
+        self._session.attempt(_TOPIC)
+        if image is None:
+            return
+        file, generation, holes = Path(path), self._session.image_generation, self.holes
+
+        def use(row: Row) -> None:
+            if generation == self._session.image_generation:
+                known = (each.key for each in self.rows.values() if each.truth is not None)
+                key, self._path = next(known, NOW) or next(self._keys), file
+                self._add(replace(row, key=key))
+                self.refer_to(key)
+
+        self._session.tasks.start(
+            tr("Reading {name}…").format(name=file.name),
+            lambda task: _read(file, image, holes),
+            tr("reading {name}").format(name=file.name),
+            partial(CommandFailed, topic=_TOPIC),
+            then=use,
+        )
+
+    @property
+    def file(self) -> TruthFile | None:
+        """The ground truth as a session keeps it."""
+        if self._path is None:
+            return None
+        return TruthFile(str(self._path.absolute()), tolerance=self.tolerance, holes=self.holes)
+
+    def restore(self, file: TruthFile, folder: Path) -> None:
+        """Load the ground truth of a session that lies in a folder."""
+        self.tolerance, self.holes = file.tolerance, file.holes
+        beside = folder / file.path
+        self.load(beside if beside.exists() or not file.absolute else file.absolute)
+
+    def set_tolerance(self, tolerance: float) -> None:
+        """Set the distance up to which boundaries count as the same [px]."""
+        self.tolerance = tolerance
+        self._compare()
+
+    def set_holes(self, holes: bool) -> None:
+        """Set whether a contour inside another one is a hole."""
+        self.holes = holes
+        if self._path is not None:
+            self.load(self._path)
+        self._compare()
+
+    def close(self) -> None:
+        """End the thread."""
+        self._latest.close()
+
+    # Internal
+
+    def _add(self, row: Row) -> None:
+        """Add a row, or replace that of its key; of several with the same title the later ones get a number."""
+        self.rows[NOW] = replace(self.rows[NOW], found=self._found)
+        titles = {other.title for other in self.rows.values() if other.key != row.key}
+        names = (f"{row.title} ({number})" if number > 1 else row.title for number in itertools.count(1))
+        self.rows[row.key] = replace(row, title=next(name for name in names if name not in titles))
+        self._compare()
+        self.changed.emit()
+
+    def _change(self, key: int, parts: dict[str, Any]) -> None:
+        if key in self.rows:
+            self.rows[key] = replace(self.rows[key], **parts)
+            if key == self.chosen:
+                self.chosen_changed.emit()
+            self._compare()
+            self.changed.emit()
+
+    def _look(self) -> None:
+        """Remove the rows of runs that have been cancelled."""
+        if self.task is not None and self.task.over:
+            cancelled, self.task = self.task.cancelled, None
+            for row in [row for row in self.rows.values() if cancelled and row.trial and row.state and not row.found]:
+                self.remove(row.key)
+
+    def _take_branch(self, key: int | None = None) -> None:
+        """Ask for a row of the timeline, that of the chosen branch by default, at the step that is wanted."""
+        row, (here, step) = self.rows[self.chosen if key is None else key], self._navigation.place
+        if row.branch is None or self._navigation.branch(row.branch) is None:
+            return
+        last = self._navigation.last(row.branch)
+        wanted = last if step >= self._navigation.last(here) else min(step, last)
+        shown = row.scene.snapshot
+        if shown is None or shown.state.step != wanted:
+            take = partial(self._use_frame, row.key, self._session.scene.document)
+            task, generation = Task(row.title), self._session.generation
+            self._session.post(take_frame(task, generation, row.branch, wanted, True, take))
+
+    def _use_frame(self, key: int, document: Document, frame: FrameTaken) -> None:
+        if frame.moment is None:
+            self._change(key, {"state": frame.sentence or tr("This run no longer exists.")})
+            return
+        made, marks = frame.contours, document.marks
+        reviewed = ReviewedContours.of(made.tracked if made else None, marks)
+        shown = Scene(
+            document=Document(mode=document.mode), snapshot=frame.moment, reconstruction=made, contours=reviewed
+        )
+        self._change(key, {"found": _unrejected(reviewed), "scene": shown, "state": ""})
+
+    @property
+    def _found(self) -> Result | None:
+        """What is shown now: the objects, if there are any, or else what the run has found."""
+        scene = self._session.scene
+        objects = self._seen.named("objects", lambda: objects_result(scene.document), scene.document.objects.items)
+        return objects or self._seen.get(_unrejected, scene.contours)
+
+    def _follow(self) -> None:
+        """Compare what is shown now anew; show the chosen branch at the same step.
+
+        Objects of a volume change many times while they are painted, and are then measured, which makes their surfaces.
+        """
+        if len(self.rows) == 1:
+            return
+        painted = self.in_volume and bool(self._session.document.objects.items)
+        if not painted:
+            self._take_now()
+        if painted or self.rows[self.chosen].branch is not None:
+            self._quiet.start()
+
+    def _take_now(self) -> None:
+        """Compare what is shown now anew if it has changed."""
+        found = self._found
+        if found is not self.rows[NOW].found:
+            self.rows[NOW] = replace(self.rows[NOW], found=found)
+            self._compare()
+            self.changed.emit()
+
+    def _compare(self) -> None:
+        """Compare the rows with the reference; during a run only the one whose differences are marked."""
+        reference, subject, image = self.rows[self.reference], self.rows[self.subject], self._session.image
+        everything = self._session.status.phase != "running"
+        rows = [
+            (row.key, row.found) for row in self.rows.values()
+            if row.found is not None and row is not reference and (everything or row is subject)
+        ]  # fmt: skip
+        if image is None or reference.found is None or not (rows or reference.key):
+            self.agreed = {}
+            self._show(reference.truth)
+            return
+        tolerance, holes = self.tolerance, self.holes
+
+        def work() -> tuple[Truth | VolumeTruth, dict[int, Agreed], _Marked]:
+            make, named = partial(_truth_of, reference, holes), self._made.named
+            truth = reference.truth or named("reference", make, reference.found, holes)
+            agreed = {
+                key: named(key, partial(_agreement, found, truth, tolerance, holes), found, truth, tolerance, holes)
+                for key, found in rows
+            }
+            return truth, agreed, _marked(subject.found, truth, agreed.get(subject.key))
+
+        def take(done: tuple[Truth | VolumeTruth, dict[int, Agreed], _Marked]) -> None:
+            truth, agreed, marked = done
+            if reference.key == self.reference and image is self._session.image:
+                self.agreed = agreed if everything else {**self.agreed, **agreed}
+                self._show(truth if reference.key else None, marked)
+                self.changed.emit()
+
+        # no figures rather than those of other contours
+        self._latest.ask(work, take, lambda: self._show(reference.truth))
+
+    def _show(self, truth: Truth | VolumeTruth | None, marked: _Marked = ((), ())) -> None:
+        scene, (different, apart) = self._session.scene, marked
+        if (truth, different, apart) != (scene.truth, scene.differences, scene.apart):
+            self._session.show(replace(scene, truth=truth, differences=different, apart=apart))
+
+
+def _unrejected(reviewed: ReviewedContours) -> Result | None:
+    """A result without the contours that are rejected."""
+    if reviewed.result is None:
+        return None
+    kept = tuple(item.contour for item in reviewed.items if not item.reviewed.rejected)
+    return replace(reviewed.result, contours=kept)
+
+
+def _read(file: Path, image: Image, holes: bool) -> Row:
+    """The ground truth of an image, or of a volume with all that slices need of it."""
+    truth: Truth | VolumeTruth
+    if image.ndim == 2:
+        truth = load_truth(file, image.shape, holes=holes, spacing=image.spacing, unit=image.unit)
+        contours, surface = truth.contours, None
+    else:
+        truth = load_volume_truth(file, image)
+        contours, surface = (), truth.surface
+    found = Result(
+        np.empty((0, image.ndim)), contours, surface, 0, True, "", image.shape, image.spacing, image.unit, file.name
+    )
+    _ = truth.objects  # made on this thread, not on that of the window
+    return Row(NOW, file.name, found, scene_of(found), truth=truth)
+
+
+def _truth_of(row: Row, holes: bool) -> Truth | VolumeTruth:
+    """A result as a ground truth; ValueError for a surface that encloses nothing."""
+    assert row.found is not None
+    found, surface = row.found, row.found.surface
+    if len(found.shape) == 2:
+        return truth_of_contours(found.contours, found.shape, row.title, holes=holes)
+    if surface is None or not surface.closed:
+        text = tr("The surface of {name} is not closed, so nothing can be compared with it.")
+        raise ValueError(text.format(name=row.title))
+    labels = numbered(surface, found.shape).astype(np.int32)
+    return VolumeTruth(labels, found.spacing, found.unit, row.title, boundary=surface)
+
+
+def _agreement(found: Result, truth: Truth | VolumeTruth, tolerance: float, holes: bool) -> Agreed:
+    if isinstance(truth, Truth):
+        return compare(found.contours, truth, tolerance, holes=holes)
+    known = _sized(truth, found)
+    return compare_surface(found.surface, known, tolerance * min(known.spacing))
+
+
+def _sized(truth: VolumeTruth, found: Result) -> VolumeTruth:
+    """The ground truth with voxels of the size that a result has."""
+    if (found.spacing, found.unit) == (truth.spacing, truth.unit):
+        return truth
+    return replace(truth, spacing=found.spacing, unit=found.unit)
+
+
+def _marked(found: Result | None, truth: Truth | VolumeTruth, agreed: Agreed | None) -> _Marked:
+    """Where a result differs from the reference, the largest first; in a volume also as parts of surfaces."""
+    if found is None or agreed is None:
+        return (), ()
+    if isinstance(truth, VolumeTruth) and isinstance(agreed, SurfaceComparison):
+        apart = apart_from(found.surface, _sized(truth, found), agreed)
+        parts = itertools.chain.from_iterable(each.parts for each in apart)
+        return tuple(sorted(parts, key=lambda part: -part.farthest)), apart
+    assert isinstance(agreed, Comparison)
+    return differences(found.contours, agreed), ()
+
+
+def _objects(row: Row, found: Result, image: Image) -> tuple[SegmentedObject, ...]:
+    """The objects of a row; all that the contours of a method enclose is one, with its name."""
+    closed = [contour for contour in found.contours if contour.closed]
+    if found.surface is not None:
+        made = bodies_of(found.surface, image) if found.surface.closed else ()
+    elif isinstance(row.truth, Truth):  # where objects touch, both have a boundary of their own
+        made = objects_of(
+            [
+                Contour(points, True, group=number, hole=hole)
+                for number, curves in mask.objects(row.truth.objects)
+                for points, hole in curves
+            ]
+        )
+    else:
+        made = objects_of(closed if row.trial is None else [replace(one, name=row.title, group=1) for one in closed])
+    if not made:
+        raise ValueError(tr("There is no closed contour, so there is no object to add."))
+    return made

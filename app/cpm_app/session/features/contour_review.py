@@ -1,0 +1,137 @@
+"""The contours of the scene: which lie where, and which rows of all are selected."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from PySide6.QtCore import QObject, Signal
+
+from cpm_app.model.document.contours import Target
+from cpm_app.session.scene import NO_CONTOURS, Item, ReviewedContours
+from cpm_app.session.session import Session
+from cpm_core import Result
+from cpm_core.contours import anchor, neighborhood
+from cpm_core.numerics import Array, PathTree, Position, polyline
+
+_PLACES = 24
+"""Number of places along a contour that are compared with an outline."""
+
+_ON, _MOST, _PIECE = 1.0, 0.9, 32
+"""Distance up to which a contour runs along a boundary [px], the share of it that has to, and corners of a piece."""
+
+
+class ContourReview(QObject):
+    """Finds and selects the contours of the scene; where `rejected_seen`, rejected ones are shown and can be picked.
+
+    There is one selection: objects, proposals and contours are selected together by `choose`.
+    """
+
+    changed = Signal()
+    """The contours or their marks have changed."""
+    selection_changed = Signal()
+    """The selection has changed."""
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session)
+        self.rejected_seen = True
+        self._session = session
+        self._contours: ReviewedContours = NO_CONTOURS
+        self._around: PathTree | None = None
+        self._places: Array | None = None
+        session.scene_changed.connect(self._follow)
+        session.image_changed.connect(self.choose)
+
+    # State
+
+    @property
+    def items(self) -> tuple[Item, ...]:
+        """The contours, longest first."""
+        return self._session.scene.contours.items
+
+    @property
+    def result(self) -> Result | None:
+        """The reconstruction, with rejected contours too."""
+        return self._session.scene.contours.result
+
+    @property
+    def selected(self) -> frozenset[int]:
+        """Keys of the selected contours."""
+        return self._session.scene.selected_contours
+
+    @property
+    def chosen(self) -> tuple[Item, ...]:
+        """The selected contours."""
+        selected = self.selected
+        return tuple(item for item in self.items if item.key in selected) if selected else ()
+
+    def near(self, place: Position, reach: float) -> list[Item]:
+        """The shown contours within `reach` [px] of a place (row, col), nearest first."""
+        if self._around is None:
+            self._around = neighborhood([item.contour for item in self.items])
+        return list(filter(self.sees, map(self.items.__getitem__, self._around.passing(place, reach))))
+
+    def sees(self, item: Item) -> bool:
+        """Whether a contour is shown."""
+        return self.rejected_seen or not item.reviewed.rejected
+
+    def within(self, outline: Sequence[Position]) -> frozenset[int]:
+        """Keys of the shown contours that lie inside a closed outline of places (row, col) for half of their length."""
+        inside = polyline.inside(outline, self._sampled).reshape(-1, _PLACES).mean(axis=1)
+        lie = zip(self.items, inside.tolist(), strict=True)
+        return frozenset(item.key for item, part in lie if part >= 0.5 and self.sees(item))
+
+    def apart(self, boundaries: Iterable[Sequence[Position]]) -> tuple[Item, ...]:
+        """The contours of which less than most runs along one of some closed lines of places (row, col) [px]."""
+        paths = [np.array((*line, line[0])) for line in boundaries]
+        if not paths or not self.items:
+            return self.items
+        pieces = [path[first : first + _PIECE + 1] for path in paths for first in range(0, len(path) - 1, _PIECE)]
+        along = np.zeros(len(self._sampled), np.bool_)
+        along[PathTree(pieces).pairs(self._sampled, _ON)[0]] = True
+        share = along.reshape(-1, _PLACES).mean(axis=1).tolist()
+        return tuple(item for item, part in zip(self.items, share, strict=True) if part < _MOST)
+
+    def target(self, item: Item) -> Target:
+        """A contour as edits of the document name it."""
+        assert self.result is not None
+        mark = item.reviewed.mark
+        return Target(mark, mark.anchor if mark else anchor(self.result.contours, item.reviewed.index), item.contour)
+
+    # Selecting
+
+    def choose(self, contours: Iterable[int] = (), objects: Iterable[int] = ()) -> None:
+        """Select only contours of these keys, objects of these numbers and proposals of these keys, below 0."""
+        scene, keys, numbers = self._session.scene, frozenset(contours), frozenset(objects)
+        if (keys, numbers) != (scene.selected_contours, scene.objects.chosen):
+            shown = replace(scene.objects, chosen=numbers)
+            self._session.show(replace(scene, selected_contours=keys, objects=shown))
+            self.selection_changed.emit()
+
+    @property
+    def _sampled(self) -> Array:
+        """Places along each contour, one contour after the other, shape (N, 2)."""
+        if self._places is None:
+            places = [polyline.middles(item.contour.path, _PLACES) for item in self.items]
+            self._places = np.concatenate([np.empty((0, 2)), *places])
+        return self._places
+
+    def hover(self, key: int | None) -> None:
+        """Set the contour under the pointer, or None."""
+        scene = self._session.scene
+        if key != scene.hovered_contour:
+            self._session.show(replace(scene, hovered_contour=key))
+
+    def _follow(self) -> None:
+        scene = self._session.scene
+        if scene.contours is self._contours:
+            return
+        self._contours = scene.contours
+        self._around = self._places = None
+        keys = {item.key for item in scene.contours.items}
+        self.changed.emit()
+        scene = self._session.scene
+        self.choose(scene.selected_contours & keys, scene.objects.chosen)
+        if scene.hovered_contour not in keys:
+            self.hover(None)

@@ -1,0 +1,235 @@
+"""Editing of contours by hand: what the pointer takes hold of, lines that follow the edges, and the edits made."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+
+import numpy as np
+from PySide6.QtCore import QObject, Signal
+
+from cpm_app.model.document.contours import NAMES, add_hand_edits, drop_hand_edits
+from cpm_app.model.document.objects import accept, bounded, title
+from cpm_app.model.text.language import tr
+from cpm_app.session.features.contour_review import ContourReview
+from cpm_app.session.scene import Item, ReviewedContours
+from cpm_app.session.session import Session
+from cpm_app.session.worker.requests import EDGES, find_edges
+from cpm_core import Contour
+from cpm_core.contours import HandEdit, neighborhood
+from cpm_core.field import ScaleField
+from cpm_core.numerics import Array, PathTree, Position
+from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects, contours_of, outlined, redrawn
+from cpm_core.parameters import invalidating
+from cpm_core.reconstruction import Contact, LiveWire, chain, cut, deletion, nearest_ridge, wire_from
+
+Way = Callable[[Position], Array]
+"""The path from some place to another one, shape (K, 2) [px]."""
+
+_SNAP = 3.0
+"""Distance from an edge within which a place that is clicked is moved onto it [px]."""
+
+_SAME = 1.0
+"""Distance by which a contour has to be nearer than the boundary of an object to be meant [px]."""
+
+_NOT_FOUND = tr(
+    "{count} of {all} manual edits no longer match a contour. Their lines stay; the menu Objects removes them."
+)
+
+
+class HandEditing(QObject):
+    """Edits the contours of the scene by hand, and holds the places that are marked on one of them.
+
+    The edges are asked for when they are first needed; until they are there, lines are straight.
+    """
+
+    changed = Signal()
+    """The marked places have changed."""
+
+    def __init__(self, session: Session, review: ContourReview) -> None:
+        super().__init__(session)
+        self.marked: tuple[Contact, ...] = ()
+        self._session = session
+        self._review = review
+        self._contours: ReviewedContours | None = None
+        self._lines: tuple[SegmentedObjects, list[tuple[SegmentedObject, Contour]], PathTree] | None = None
+        """Objects, and the curves of the boundaries of those that are shown."""
+        self._ends: tuple[list[Contour], Array] | None = None
+        """The open contours, and the places of both ends of each, in turn, shape (2 N, 2) [px]."""
+        self.edges: ScaleField | None = None
+        """Fields of the image in which lines follow the edges; None until they are there."""
+        self._asked: tuple[object, ...] = ()
+        self._reported: tuple[int, ...] = ()
+        session.image_changed.connect(self._forget)
+        session.scene_changed.connect(self._follow)
+
+    # What the pointer takes hold of
+
+    def prepare(self) -> None:
+        """Ask for the edges of the image, unless they are there or on their way."""
+        document, generation = self._session.document, self._session.image_generation
+        wanted = (generation, document.regions, *(getattr(document.parameters, name) for name in invalidating("field")))
+        if document.image is not None and wanted != self._asked:
+            self._asked = wanted
+            self._session.attempt(EDGES)
+
+            def use(edges: ScaleField) -> None:
+                if generation == self._session.image_generation:
+                    self.edges = edges
+
+            self._session.post(find_edges(generation, document.parameters, use))
+
+    def contact(self, at: Position, reach: float) -> Contact | None:
+        """The end of a contour within reach of a place [px], or else the nearest place on a contour; None without one.
+
+        Of several ends at a junction it is that of the contour nearest to the place.
+        """
+        if self._ends is None:  # only when the pointer asks: contours change many times a second during a run
+            contours = [item.contour for item in self._review.items if not item.contour.closed]
+            self._ends = contours, np.array([contour.points[[0, -1]] for contour in contours]).reshape(-1, 2)
+        contours, places = self._ends
+        away = np.linalg.norm(places - at, axis=1)
+        near = [Contact.ends(contours[index // 2])[index % 2] for index in np.flatnonzero(away <= reach).tolist()]
+        near = [end for end in near if self._item(end) is not None]
+        if near:
+            return min(near, key=lambda end: end.line.nearest(at)[1])
+        lines = self._review.near(at, reach)
+        return Contact.at(lines[0].contour, at) if lines else None
+
+    def boundary(self, at: Position, reach: float) -> tuple[SegmentedObject, Contact] | None:
+        """The nearest place on the boundary of an object within reach of a place [px], unless a contour is nearer."""
+        objects = self._session.document.objects
+        if self._lines is None or self._lines[0] is not objects:
+            shown = [item for item in objects.items if not item.hidden]
+            curves = [(item, contour) for item in shown for contour in contours_of(item)]
+            self._lines = objects, curves, neighborhood([contour for _, contour in curves])
+        _, curves, around = self._lines
+        found = around.passing(at, reach)
+        if not found:
+            return None
+        item, contour = curves[found[0]]
+        held, other = Contact.at(contour, at), self.contact(at, reach)
+        if other is not None and (other.at_end or _SAME + other.line.nearest(at)[1] < held.line.nearest(at)[1]):
+            return None
+        return item, held
+
+    def key_of(self, contact: Contact) -> int | None:
+        """Key of the contour that a place lies on, if it is still there."""
+        item = self._item(contact)
+        return None if item is None else item.key
+
+    def mark(self, places: Sequence[Contact]) -> None:
+        """Mark up to two places on a contour; none removes the marks."""
+        self.marked = tuple(places)
+        self.changed.emit()
+        self._session.show_status()
+
+    # Lines that follow the edges
+
+    def way_from(self, start: Position, avoided: Sequence[Array] = ()) -> Way:
+        """Paths from a place along the edges that keep off some lines, each of shape (K, 2)."""
+        if self.edges is None:
+            return lambda place: np.array([start, place], dtype=float)
+        return LiveWire(self.edges, start, avoided, [tuple(line[0].tolist()) for line in avoided]).to
+
+    def way_from_end(self, end: Contact) -> Way:
+        """Paths from the end of a contour along the edges, not back along it."""
+        if self.edges is None:
+            return self.way_from(end.place)
+        return wire_from(self.edges, end).to
+
+    def snapped(self, place: Position) -> Position:
+        """A place moved onto the edge next to it, if there is one."""
+        return place if self.edges is None else nearest_ridge(place, self.edges, _SNAP)
+
+    # Edits
+
+    def redraw(self, item: SegmentedObject, held: Contact, edit: HandEdit, snapping: bool) -> None:
+        """Carry out an edit on the boundary of an object that was held at a place."""
+        assert held.line.source is not None
+        new = redrawn(item, held.line.source, edit, self.edges if snapping else None)
+        objects = self._session.document.objects
+        self._session.edit(
+            tr("redraw boundary of {what}").format(what=title(objects, item)),
+            lambda document: accept(document, (new,), ends=objects.edited == item.number),
+        )
+
+    def outline(self, path: Array) -> int:
+        """Make an object of a closed line that has been drawn, shape (K, 2) [px]; returns its number."""
+        objects = self._session.document.objects
+        item = outlined(bounded(objects.next_number, objects.category, [Contour(path, True)]), self.edges)
+        self._session.edit(NAMES["outline"], lambda document: accept(document, (item,)))
+        return item.number
+
+    def add(self, edits: Sequence[HandEdit]) -> None:
+        """Carry out edits, as one step of undo."""
+        if edits:
+            self.mark(())
+            self._session.edit(NAMES[edits[-1].kind], lambda document: add_hand_edits(document, edits))
+
+    def cut(self, at: Contact) -> None:
+        """Cut a contour at a place that is not one of its ends."""
+        if at.at_end:
+            self._session.say(tr("A contour cannot be cut at its end: click farther along it."))
+        else:
+            self.add((cut(at),))
+
+    def delete_stretch(self) -> None:
+        """Delete the stretch between the two marked places, which lie on one contour."""
+        if len(self.marked) == 2:
+            self.add((deletion(*self.marked),))
+
+    def join_selected(self, closing: bool) -> None:
+        """Join the selected contours by their nearest ends, to a closed one if `closing`."""
+        contours = [item.contour for item in self._review.chosen if not item.contour.closed]
+        if self.edges is None:
+            self._asked = ()  # they may have failed
+            self.prepare()
+            self._session.say(tr("The edges of the image are being prepared: try again in a moment."))
+            return
+        edits = chain(self.edges, contours, closing)
+        if not edits:
+            self._session.say(tr("Select an open contour to close it, or several to join them."))
+            return
+        self._session.edit(
+            tr("close contours") if closing else NAMES["join"], lambda document: add_hand_edits(document, edits)
+        )
+
+    @property
+    def missed(self) -> tuple[int, ...]:
+        """Indices of the edits that have not found their contours in the present ones."""
+        found = self._session.scene.reconstruction
+        return found.missed if found is not None else ()
+
+    def drop(self, indices: Collection[int] | None = None) -> None:
+        """Remove edits by their indices, by default all."""
+        gone = range(len(self._session.document.hand_edits)) if indices is None else tuple(indices)
+        self._session.edit(tr("remove manual edits"), lambda document: drop_hand_edits(document, gone))
+
+    # Internal
+
+    def _item(self, contact: Contact) -> Item | None:
+        """The contour of a place, if it can be seen and has not been replaced."""
+        found = (item for item in self._review.items if item.contour is contact.line.source)
+        return next(filter(self._review.sees, found), None)
+
+    def _forget(self) -> None:
+        self.edges, self._lines, self._asked, self._reported = None, None, (), ()
+        self.mark(())
+
+    def _follow(self) -> None:
+        contours = self._session.scene.contours
+        if contours is self._contours:
+            return
+        self._contours = contours
+        self._ends = None
+        if self.marked:
+            still = {id(item.contour) for item in contours.items}
+            self.mark([mark for mark in self.marked if id(mark.line.source) in still])
+        # said once, after a run
+        missed, found = self.missed, self._session.scene.reconstruction
+        if missed == self._reported or found is None or (missed and not getattr(found.result, "steps", 0)):
+            return
+        new = [index for index in missed if index not in self._reported]
+        self._reported = missed
+        if new:
+            self._session.say(_NOT_FOUND.format(count=len(missed), all=len(self._session.document.hand_edits)))

@@ -1,0 +1,69 @@
+"""The session applied to all images of a folder, in processes of their own, as ``cpm batch`` does it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from cpm_app.model.document.saving import to_file
+from cpm_app.model.text.language import cause, tr
+from cpm_app.session.exchange.messages import CommandFailed
+from cpm_app.session.session import Session
+from cpm_app.session.tasks.opening import images_in
+from cpm_app.session.tasks.tasks import Task
+from cpm_core.formats import SUFFIX, SessionFile, save_session
+
+TOPIC = "batch"
+"""What messages on it belong to."""
+
+WRITTEN = (".svg", ".measures.csv", ".png")
+"""The formats that are written for each image."""
+
+_RESULTS, _APPLIED, _TABLE = "contours", f"session{SUFFIX}", "summary.csv"
+"""The folder of the results in that of the images, and in it the session they were made with and the table of all."""
+
+
+@dataclass(frozen=True)
+class BatchDone:
+    """All images of a folder are done: how many there are, how many could not be used, and the table of all."""
+
+    images: int
+    failed: int
+    table: Path
+
+
+def apply_to_folder(session: Session, folder: Path, then: Callable[[BatchDone], object]) -> Task | None:
+    """Apply the session as it is to the images of a folder, on a thread; what is done there is not done again."""
+    session.attempt(TOPIC)
+    document = session.document
+    if document.mode == "skeleton":
+        session.say(tr("Skeletons are found image by image: choose another mode to run many images."), True, TOPIC)
+        return None
+    if not document.starts:
+        session.say(document.nothing_to_start_from, True, TOPIC)
+        return None
+    name = tr("Running the images of {folder}…").format(folder=folder.name)
+    work = partial(_apply, to_file(document, {}), folder)
+    return session.tasks.start(name, work, tr("running many images"), partial(CommandFailed, topic=TOPIC), then=then)
+
+
+def _apply(session: SessionFile, folder: Path, task: Task) -> BatchDone:
+    from cpm_core.cli.batch import Batch
+    from cpm_core.cli.workers import here
+
+    images, output = tuple(map(str, images_in(folder))), folder / _RESULTS
+    if not images:
+        raise ValueError(tr("This folder contains no readable image: choose another one."))
+    try:
+        output.mkdir(exist_ok=True)
+    except OSError as error:
+        text = tr("{folder} is not a folder and cannot be created: {reason}.")
+        raise ValueError(text.format(folder=output, reason=cause(error))) from error
+    save_session(session, output / _APPLIED)
+    batch = Batch(images, session, output / _APPLIED, output, WRITTEN)
+    for _ in batch.write(here(batch.jobs, None, task.check_cancelled)):
+        task.fraction = len(batch.rows) / len(images)
+    failed = sum(bool(row.trouble) for row in batch.rows.values())
+    return BatchDone(len(images), failed, output / _TABLE)

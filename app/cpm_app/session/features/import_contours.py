@@ -1,0 +1,127 @@
+"""Contours, surfaces and points of files and of the clipboard, read on a thread, and pictures of the clipboard."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from pathlib import Path
+
+from PySide6.QtCore import QBuffer, QIODevice, QStandardPaths
+from PySide6.QtGui import QImage
+
+from cpm_app.model.document.imported import Imported
+from cpm_app.model.text.language import tr
+from cpm_app.session.session import Session
+from cpm_app.session.tasks.tasks import Task
+from cpm_core import Image, load_centerlines, load_points
+from cpm_core.formats import (
+    CONTOURS_READABLE,
+    FOR_CENTERLINES,
+    decode_contours,
+    plane_of,
+    read_contours,
+    read_surface,
+    write_together,
+)
+from cpm_core.shapes import Points
+
+MOST_POINTS = 100_000
+"""Largest number of points that can be drawn."""
+
+_TABLE = ".csv"
+
+
+Found = Imported | Points
+"""What a file holds: contours, surfaces and center lines, or points."""
+
+
+def read_file(session: Session, path: Path, use: Callable[[Found], object]) -> None:
+    """Start to read contours, a surface or points."""
+    image, plane = session.image, plane_of(session.image)
+
+    def work(task: Task) -> Found:
+        if image is not None and image.ndim == 3:
+            return _points(path, 3) if path.suffix.lower() == _TABLE else _in_volume(path, image)
+        try:
+            return Imported.of(read_contours(path, plane), path.name)
+        except ValueError as error:
+            if path.suffix.lower() != _TABLE or _names_contours(path):
+                raise
+            try:
+                return _points(path)
+            except ValueError as other:
+                raise other from error
+
+    _start(session, path.name, work, f"reading {path.name}", use)
+
+
+def read_pasted(session: Session, content: bytes, use: Callable[[Found], object]) -> None:
+    """Start to read contours of the clipboard."""
+    plane, name = plane_of(session.image), tr("the clipboard")
+
+    def work(task: Task) -> Found:
+        return Imported.of(decode_contours(content, name, plane), name)
+
+    _start(session, name, work, "reading the clipboard", use)
+
+
+def _start(
+    session: Session, name: str, work: Callable[[Task], Found], activity: str, use: Callable[[Found], object]
+) -> None:
+    """Read on a thread, and use what has been found unless another image has been opened."""
+    image = session.image_generation
+    then: Callable[[Found], object] = lambda found: use(found) if image == session.image_generation else None  # noqa: E731
+    session.tasks.start(tr("Reading {name}…").format(name=name), work, activity, then=then)
+
+
+def keep_picture(session: Session, picture: QImage, use: Callable[[Path], object]) -> None:
+    """Start to write a picture of the clipboard to a file, because a session needs one."""
+
+    def work(task: Task) -> Path:
+        buffer = QBuffer()
+        buffer.open(QIODevice.OpenModeFlag.WriteOnly)
+        if not picture.save(buffer, "PNG"):  # type: ignore[call-overload]  # bytes are refused
+            raise ValueError(tr("The picture on the clipboard cannot be used: copy it again."))
+        content = bytes(buffer.data().data())
+        folder = folder_of_pasted()
+        folder.mkdir(parents=True, exist_ok=True)
+        path = folder / f"pasted-{hashlib.sha256(content).hexdigest()[:8]}.png"
+        write_together([(path, content)])
+        return path
+
+    session.tasks.start(tr("Reading {name}…").format(name=tr("the clipboard")), work, "keeping the picture", then=use)
+
+
+def folder_of_pasted() -> Path:
+    """The folder of pasted pictures among the user's data."""
+    return Path(QStandardPaths.writableLocation(QStandardPaths.StandardLocation.GenericDataLocation)) / "cpm/pasted"
+
+
+def _in_volume(path: Path, volume: Image) -> Imported:
+    """A surface or center lines in a volume."""
+    suffix, notes = path.suffix.lower(), list[str]()
+    if suffix in CONTOURS_READABLE:
+        raise ValueError(tr("{name} has contours for an image, but a volume is open.").format(name=path.name))
+    if suffix in FOR_CENTERLINES:
+        lines = load_centerlines(path, volume, warn=notes.append)
+        return Imported.of_lines(lines, tuple(notes))
+    surface, assumed = read_surface(path, volume)
+    return Imported.of_surface(surface, volume, path.name, assumed)
+
+
+def _points(path: Path, axes: int = 2) -> Points:
+    positions = load_points(path, axes)
+    if len(positions) > MOST_POINTS:
+        message = tr("{name} has {count} points, but at most {most} can be drawn.")
+        raise ValueError(message.format(name=path.name, count=len(positions), most=MOST_POINTS))
+    return Points(tuple(map(tuple, positions.tolist())))
+
+
+def _names_contours(path: Path) -> bool:
+    """Whether the first line of a table has a column of contours."""
+    try:
+        with path.open(encoding="utf-8-sig", errors="replace") as stream:
+            first = stream.readline(2**14)
+    except OSError:
+        return False
+    return any(name in first.split(",") for name in ("contour", "track"))

@@ -1,0 +1,354 @@
+"""Pages of a stack that are not open: the file, what is kept of each, their runs, tracks and part of a session."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+from cpm_app.model.display.page_rows import PageRow, page_rows
+from cpm_app.model.document.document import Document, ImageReference
+from cpm_app.model.document.objects import objects_result
+from cpm_app.model.document.saving import restored, to_file
+from cpm_app.model.text.language import tr
+from cpm_app.model.volume.parts import Parts
+from cpm_app.session.exchange.messages import Core, sentence
+from cpm_app.session.tasks.tasks import Cancelled, Task
+from cpm_app.session.timeline.plain_runs import sound
+from cpm_app.session.undo_history import History
+from cpm_core import Page, Result, load_pages
+from cpm_core.contours import apply, middle, with_kept
+from cpm_core.formats import Pages, Reading, decode, encode, page_from_plain, page_to_plain
+from cpm_core.formats.sessions.recorded_run import Recorder, with_run
+from cpm_core.objects.segmented import SegmentedObjects
+from cpm_core.pages import Follower, StackResult, fitting, pages_of, trouble_of, without_image
+from cpm_core.shapes import SeedCache, Start, check_axes
+
+
+@dataclass(frozen=True, eq=False)
+class StackSource:
+    """A file whose pages are images of their own.
+
+    Attributes
+    ----------
+    path : str
+        The file.
+    count : int
+        Number of its pages; 0 where nothing is open, or a volume.
+    by_channel : bool
+        Whether its pages are its channels, as it has neither planes nor times.
+    reading : Reading
+        How its pages are read.
+    usual : int
+        The page that is read when nobody chooses.
+    """
+
+    path: str = ""
+    count: int = 0
+    by_channel: bool = False
+    reading: Reading = field(default_factory=Reading)
+    usual: int = 1
+
+    @classmethod
+    def of(cls, path: str, parts: Parts | None, reading: Reading) -> StackSource:
+        """The stack that a file holds."""
+        if parts is None:
+            return cls(path)
+        by_channel = parts.pages == 1 and parts.times == 1 and parts.channels > 1
+        count = parts.channels if by_channel else parts.pages
+        return cls(path, count if count > 1 else 0, by_channel, reading, parts.usual)
+
+    def number_of(self, reading: Reading) -> int:
+        """The page that is read so."""
+        return (reading.channel or 1) if self.by_channel else (reading.page or self.usual)
+
+    def reading_of(self, number: int) -> Reading:
+        """How a page is read; that which is read when nobody chooses needs no number."""
+        chosen = None if number == (1 if self.by_channel else self.usual) else number
+        return replace(self.reading, channel=chosen) if self.by_channel else replace(self.reading, page=chosen)
+
+    @cached_property
+    def pages(self) -> Pages:
+        """The pages, which are read from the file when they are asked for; not on the window's thread."""
+        given = self.reading.arguments
+        given.pop("page", None)
+        if self.by_channel:
+            given.pop("channel", None)
+        return load_pages(self.path, **given)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class KeptPage:
+    """What is kept of a page while another one is open.
+
+    Attributes
+    ----------
+    document : Document
+        Its document.
+    runs : mapping
+        Its runs, as plain JSON.
+    history : History
+        What can be undone in it.
+    known : Document or None
+        The document that the session file has of it; None where it has another one.
+    given : tuple of Start
+        Starts that it was given by what was found on the page before, which the user has not drawn.
+    runs_unsaved : bool
+        Whether there are runs that are in no file.
+    """
+
+    document: Document
+    runs: Mapping[str, Any] = field(default_factory=dict)
+    history: History = field(default_factory=History)
+    known: Document | None = None
+    given: tuple[Start, ...] = ()
+    runs_unsaved: bool = False
+
+    @property
+    def own_start(self) -> bool:
+        """Whether the user has drawn where its run starts."""
+        return bool(self.document.starts) and self.document.starts != self.given
+
+    @property
+    def unsaved(self) -> bool:
+        """Whether closing would lose something of it."""
+        return self.runs_unsaved or self.document != self.known
+
+
+def started_by(document: Document, starts: tuple[Start, ...]) -> Document:
+    """A document with these starts in place of its own; limits and charges stay."""
+    others = (shape for shape in document.shapes if not isinstance(shape, Start))
+    return replace(document, shapes=(*starts, *others))
+
+
+def bare(document: Document) -> Document:
+    """What a page takes over from another one: drawing, parameters, mode and classes, but nothing that was found."""
+    known = SegmentedObjects(classes=document.objects.classes, category=document.objects.category)
+    return Document(document.image, document.shapes, document.parameters, mode=document.mode, objects=known)
+
+
+def numbered(document: Document, taken: int) -> Document:
+    """A document in which new objects get larger numbers than those that are taken."""
+    return replace(document, objects=replace(document.objects, taken=taken))
+
+
+Table = tuple[StackResult | None, tuple[PageRow, ...]]
+"""What has been found on all pages, and the rows of its table."""
+
+NOTHING: Table = (None, ())
+
+Listed = Literal["objects", "contours"]
+"""What is shown of all pages."""
+
+Measured = Mapping[int, tuple[SegmentedObjects, Result | None]]
+"""The objects of each page, and what is known of them: with their mean gray values; None where there are none."""
+
+
+class Linked(NamedTuple):
+    """What has been found on all pages of a stack, with tracks."""
+
+    source: StackSource
+    measured: Measured
+    tables: Mapping[Listed, Table]
+
+
+def linked(
+    source: StackSource,
+    found: Mapping[int, Page],
+    drawn: tuple[Mapping[str, Any], ...],
+    documents: Mapping[int, Document],
+    known: Measured,
+) -> Linked:
+    """Number the contours of all pages by their tracks, page by page, and measure objects that are not `known`."""
+    follower = Follower()
+    pages = [found[number] for number in sorted(found)]
+    pages = [follower.take(page.number, page.result) if page.result else page for page in pages]
+    measured = {}
+    for number, document in documents.items():
+        before, result = known.get(number, (None, None))
+        if before is not document.objects:
+            result = objects_result(document)
+            result = result and without_image(replace(result, image=source.pages[number - 1]))
+        measured[number] = document.objects, result
+    objects = pages_of({number: result for number, (_, result) in measured.items() if result is not None})
+    tables: dict[Listed, Table] = {}
+    of_kinds: tuple[tuple[Listed, Sequence[Page]], ...] = (("objects", objects), ("contours", pages))
+    for kind, made in of_kinds:
+        name, axis, alone = Path(source.path).name, source.pages.axis, source.pages.alone
+        if made:
+            whole = StackResult(name, source.count, tuple(made), axis, alone, drawn)
+            tables[kind] = whole, page_rows(whole)
+    return Linked(source, measured, tables)
+
+
+_MOST = 24 * 2**20
+"""Largest size of the recorded runs of other pages in a session file [characters]; contours and drawings all stay."""
+
+
+def pages_to_plain(
+    others: Mapping[int, KeptPage],
+    following: bool,
+    drawn: tuple[Mapping[str, Any], ...],
+    given: bool,
+    result: StackResult | None,
+) -> dict[str, Any]:
+    """What a session file holds of a stack, as `StoredPages`; runs are left out beyond a size that can be read.
+
+    `others` are the pages that are not open, `given` is whether that which is open was given its starts.
+    """
+    if not others and result is None:
+        return {}
+    left, sessions = _MOST, []
+    for number, page in sorted(others.items()):
+        session = json.loads(encode(replace(to_file(page.document, {}), image=None), Path()))
+        size = len(json.dumps(page.runs))
+        if page.runs and size <= left:
+            left -= size
+            session["runs"] = dict(page.runs)
+        sessions.append({"page": number, "given": not page.own_start, "session": session})
+    return {
+        "following": following,
+        "drawn": list(drawn),
+        "given": given,
+        "sessions": sessions,
+        "found": [] if result is None else [page_to_plain(page) for page in result.pages],
+    }
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class StoredPages:
+    """What a session file holds of the pages of a stack.
+
+    Attributes
+    ----------
+    kept : dict of int to KeptPage
+        The pages that are not open, by number.
+    found : dict of int to Page
+        What was found on each page.
+    following : bool
+        Whether each page starts from the contours of the one before.
+    drawn : tuple of mapping
+        What was drawn before all pages were run.
+    given : tuple of Start
+        Starts of the page that is open, if it was given them by the one before.
+    trouble : str
+        What had to be left out, in a sentence.
+    """
+
+    kept: dict[int, KeptPage]
+    found: dict[int, Page]
+    following: bool
+    drawn: tuple[Mapping[str, Any], ...]
+    given: tuple[Start, ...]
+    trouble: str
+
+    @classmethod
+    def of(cls, plain: Mapping[str, Any], here: Document, source: StackSource) -> StoredPages:
+        """The pages of a session file, of which that with the document `here` is open; what is damaged is left out."""
+
+        def session(entry: Mapping[str, Any]) -> tuple[int, KeptPage]:
+            number = _checked(entry["page"], source)
+            file = decode(json.dumps(entry["session"]).encode(), tr("page {number}").format(number=number))
+            image = here.image and replace(here.image, reading=source.reading_of(number))
+            if image is None:
+                raise ValueError("there is no image")
+            check_axes(file.shapes, image.shape)
+            document = restored(file, image, file.parameters)
+            given = document.starts if entry.get("given") is True else ()
+            return number, KeptPage(document, file.runs, known=document, given=given)
+
+        def found(entry: Mapping[str, Any]) -> tuple[int, Page]:
+            page = page_from_plain(entry)
+            return _checked(page.number, source), page
+
+        faults: list[Exception] = []
+        kept, pages = dict(sound(plain, "sessions", session, faults)), dict(sound(plain, "found", found, faults))
+        drawn = tuple(sound(plain, "drawn", dict, []))
+        given = here.starts if plain.get("given") is True else ()
+        trouble = tr("Some pages of the stack are damaged in the session and were skipped.")
+        return cls(kept, pages, plain.get("following") is not False, drawn, given, trouble if faults else "")
+
+
+class PlainPages(Mapping[str, Any]):
+    """Pages as plain JSON, made when it is asked for: on the thread that writes a file, and not in the window's."""
+
+    def __init__(self, make: Callable[[], dict[str, Any]]) -> None:
+        self._make = make
+
+    @cached_property
+    def _plain(self) -> dict[str, Any]:
+        return self._make()
+
+    def __getitem__(self, name: str) -> Any:
+        return self._plain[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._plain)
+
+    def __len__(self) -> int:
+        return len(self._plain)
+
+
+def _checked(given: object, source: StackSource) -> int:
+    if type(given) is not int or not 1 <= given <= source.count:
+        raise ValueError("there is no such page")
+    return given
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class PageDone:
+    """A page that has been run: its document with the starts that it was given, its run and what was found."""
+
+    page: Page
+    document: Document
+    given: tuple[Start, ...] = ()
+    runs: Mapping[str, Any] = field(default_factory=dict)
+
+
+def run_pages(
+    source: StackSource,
+    numbers: Sequence[int],
+    document_of: Callable[[int, tuple[Start, ...]], tuple[Document, tuple[Start, ...]]],
+    before: Sequence[Page],
+    core: Core,
+    task: Task,
+) -> Iterator[PageDone]:
+    """Run pages, each as soon as the one before is done; `Cancelled` when the task has been.
+
+    `document_of` gives the document that a page is run with, and the starts that it is given by the page before, by its
+    number and the lines along the contours of that one; `before` are the pages before the first one.
+    """
+    follower = Follower(before)
+    for done, number in enumerate(numbers):
+        task.advance(done / len(numbers))
+        document, given = document_of(number, follower.starts)
+        try:
+            image = source.pages[number - 1]
+            reference = ImageReference.of(Path(source.path), image, source.reading_of(number))
+            document = replace(document, image=reference, parameters=fitting(document.parameters, image))
+            method = core.methods["cpm"](image, document.parameters, document.regions)
+            seen = document.parameters
+            seeds = SeedCache(image).seeds_for(document.image_starts, seen.smoothing, document.regions, seen.channel)
+            state, recorder = method.start(document.seeds(seeds)), Recorder()
+            recorder(state)
+            while not state.stop_reason:
+                task.check_cancelled()
+                state = method.step(state, document.parameters, document.charges)
+                recorder(state)
+            found = method.result(state, document.parameters)
+            assert isinstance(found, Result)
+            result = apply(with_kept(found, document.marks), document.marks)
+        except Cancelled:
+            raise
+        except Exception as error:  # one page must not end the others
+            known = isinstance(error, ValueError | MemoryError)
+            trouble = trouble_of(error) if known else sentence(error, tr("running page {number}").format(number=number))
+            yield PageDone(Page(number, None, trouble=trouble), document, given)
+            continue
+        page = follower.take(number, result)
+        placed = [{"number": contour.number, "place": list(middle(contour))} for contour in page.contours]
+        session = with_run(to_file(document, {}), recorder, tr("Run {number}").format(number=1))
+        yield PageDone(page, document, given, {**session.runs, "numbers": placed})

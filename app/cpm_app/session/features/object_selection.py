@@ -1,0 +1,494 @@
+"""Proposals: by clicks, the pointer and the run; objects anew by their own clicks, and all that are like one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from PySide6.QtCore import QObject, Signal
+
+from cpm_app.model.document import objects
+from cpm_app.model.document.document import Document
+from cpm_app.model.document.objects import AnySelection
+from cpm_app.model.text.keys import with_keys
+from cpm_app.model.text.language import tr, written
+from cpm_app.session.features.background import LatestOnlyWorker
+from cpm_app.session.features.object_list import ObjectList
+from cpm_app.session.features.selector import (
+    MOST_OFFERED,
+    AnyPartition,
+    Drawn,
+    Offer,
+    Partitions,
+    Selector,
+    all_objects,
+    extent,
+)
+from cpm_app.session.scene import Preview, Proposal
+from cpm_app.session.session import Session
+from cpm_app.session.tasks.tasks import Task
+from cpm_core import Partition, Result, Selection, select_all
+from cpm_core.numerics import Place
+from cpm_core.objects.segmented import Click, selection_of
+from cpm_core.shapes import Everywhere, Start
+
+_COVERED = 0.5
+"""Share of an object that others cover from which it counts as one of them."""
+
+DOUBTFUL = 0.7
+"""Probability below which an object is doubtful."""
+
+
+def percent(selection: AnySelection) -> str:
+    """How probable an object is, as text; empty in a volume, where that is not known."""
+    return written(f"{100.0 * selection.confidence:.0f} %") if isinstance(selection, Selection) else ""
+
+
+@dataclass(frozen=True, slots=True)
+class Pointed:
+    """One more click at the pointer, on the object of the clicks before."""
+
+    selector: Selector
+    clicks: tuple[Click, ...]
+    said: Click
+
+    def preview(self) -> Preview | None:
+        """What it would change; None where that is not known at once."""
+        clicks = (*self.clicks, self.said)
+        after = self.selector.selection(clicks) if self.selector.quick(clicks) else None
+        return None if after is None else Preview(after, self.selector.selection(self.clicks), self.said.inside)
+
+
+@dataclass(frozen=True, slots=True)
+class Stepped:
+    """By how many candidates the object of some clicks shall become larger, or smaller below 0."""
+
+    selector: Selector
+    clicks: tuple[Click, ...]
+    by: int
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """What is asked for: the object of some clicks, what the run offers, what one more click would change, a step."""
+
+    selector: Selector
+    clicks: tuple[Click, ...]
+    pointed: Pointed | None
+    stepped: Stepped | None
+
+    def answer(self) -> Answer:
+        """The answer; it takes some milliseconds for each click that is new."""
+        selector, clicks, step = self.selector, self.clicks, self.stepped
+        selection, offered = selector.selection(clicks), selector.proposals
+        if selection is not None:
+            rest = [each for each in offered if each.clicks != clicks[: len(each.clicks)]]
+            held = (selection.holds(np.array(each.clicks[0].places[:1]))[0] for each in rest)
+            rest = [each for each, within in zip(rest, held, strict=True) if not within]
+            offered = (Proposal(selection, clicks, selector.edited), *rest)
+        for each in offered:
+            _ = each.item if each.selection.found else None  # made on this thread, not on that of the window
+        preview = self.pointed.preview() if self.pointed is not None else None
+        return offered, preview, step.selector.stepped(step.clicks, step.by) if step is not None else None
+
+
+Answer = tuple[tuple[Proposal, ...], Preview | None, tuple[tuple[Click, ...], int, int] | None]
+"""What is offered, what a click would change, and the clicks of a candidate with its number and how many there are."""
+
+
+Search = Callable[[Partition, Task], tuple[Proposal, ...]]
+"""Finds objects to offer."""
+
+
+class ObjectSelection(QObject):
+    """Keeps the proposals and the preview of the scene up to date, and makes objects of the document of proposals."""
+
+    changed = Signal()
+    """The proposals have changed, or whether one can be made."""
+
+    def __init__(self, session: Session, object_list: ObjectList) -> None:
+        super().__init__(session)
+        self._session, self._list = session, object_list
+        self._in_use, self._over = False, False
+        self._pointed: Click | None = None
+        self._steps = 0
+        self._next: Callable[[], object] | None = None
+        self._searched: AnyPartition | None = None
+        self._found: tuple[Proposal, ...] = ()
+        self._selectors: dict[int, Selector] = {}
+        self._asked: Question | None = None
+        self._remark, self._was_ready = "", False
+        self._latest = LatestOnlyWorker(session, "cpm-objects", tr("selecting objects"))
+        self._finding: Task | None = None
+        self.partitions = Partitions(
+            session, lambda: self._in_use or self.selecting or bool(self._offering) or self.followed() is not None
+        )
+        self.partitions.changed.connect(self._follow)
+        self.partitions.changed.connect(self.changed)
+        session.document_changed.connect(lambda _: self.partitions.look())
+        session.document_changed.connect(lambda _: self._follow())
+        session.scene_changed.connect(self._follow_run)
+        session.image_changed.connect(self._forget)
+        self.offers_for: Callable[[Document], bool] = lambda document: True  # while the tool is not in use
+        self.followed: Callable[[], Search | None] = lambda: None
+        """What finds the objects of the page before in the image, if there are any to be found."""
+
+    # State
+
+    @property
+    def selecting(self) -> bool:
+        """Whether an object is being selected: there are clicks."""
+        return bool(self._session.document.objects.clicks)
+
+    @property
+    def proposals(self) -> tuple[Proposal, ...]:
+        """The objects that are offered, that of the clicks first."""
+        return self._session.scene.objects.proposals
+
+    @property
+    def ready(self) -> bool:
+        """Whether objects can be selected at once."""
+        return self.partitions.partition is not None
+
+    @property
+    def idle(self) -> bool:
+        """Whether the proposals are up to date."""
+        finding = self._finding is not None and not self._finding.over
+        return self._latest.idle and not finding and not self.partitions.preparing
+
+    @property
+    def advice(self) -> str:
+        """What can be done with what is offered; empty where nothing is."""
+        offered, chosen = self.proposals, self._session.scene.objects.chosen
+        meant = [each for each in offered if each.key in chosen] or offered
+        if self.selecting:
+            said = tr(
+                "Click to add, Shift-click to remove, [ ] for smaller and larger. Enter accepts, {key:escape} cancels."
+            )
+        elif len(meant) > 1 and self._in_use:
+            said = tr("{count} objects found. Enter: accept all · click one: accept or correct · {key:reject}: reject")
+        elif len(meant) > 1:
+            said = tr("{count} objects found. Enter: accept all · {key:objects}: choose · {key:reject}: reject")
+        elif len(offered) > 1:
+            said = tr("1 of {count} objects{likely}. Enter: accept · click again: correct · {key:reject}: reject")
+        elif offered:
+            said = tr("1 object found{likely}. Enter: accept · {key:objects}, click: correct · {key:reject}: reject")
+        else:
+            return ""
+        likely = percent(meant[0].selection) if meant else ""
+        count = len(meant) if len(meant) > 1 else len(offered)
+        return with_keys(said, count=count, likely=likely and f", {likely}")
+
+    def under(self, at: Place) -> int:
+        """Number of the smallest object at a place, or key of the proposal there, which comes first; 0 for none."""
+        place = np.array([at], dtype=float)
+        around = [each for each in self.proposals if each.key and each.selection.holds(place)[0]]
+        return min(around, key=lambda each: extent(each.selection)).key if around else self._list.under(at)
+
+    def set_in_use(self, in_use: bool) -> None:
+        """Whether the tool is in use, so that the partition is kept up to date."""
+        self._in_use = in_use
+        self.partitions.look(again=in_use)
+        self._follow()
+
+    def search(self) -> None:
+        """Look again for what is offered."""
+        self._searched = None
+        self.partitions.look()
+        self._follow()
+
+    # Clicks
+
+    def point(self, at: Place | None, inside: bool = True) -> None:
+        """Show what a click at a place would change; None for no place."""
+        self._pointed = Click((at,), inside) if at is not None else None
+        if at is None:
+            self._show(preview=None)
+        self._follow()
+
+    def click(self, places: tuple[Place, ...], inside: bool = True) -> None:
+        """Say that places are inside of the object, or outside of it."""
+        said = Click(places, inside)
+        clicks, number = self._before(self._corrected(said))
+        self._select(tr("select") if inside else tr("remove from selection"), (*clicks, said), number)
+
+    def correct(self, number: int) -> None:
+        """Select the object of a number, or the proposal of a key, anew, beginning with what it is."""
+        self._select(tr("correct object"), *self._before(number))
+        self._list.choose((number,) if number > 0 else ())
+
+    def step(self, by: int) -> None:
+        """Take a larger candidate for what is being selected or chosen, or a smaller one for `by` below 0."""
+        self._steps += by
+        self._follow()
+
+    def when_answered(self, do: Callable[[], object]) -> None:
+        """Do something with the object of the clicks, as soon as it is known."""
+        if self.selecting and not any(each.clicks == self._session.document.objects.clicks for each in self.proposals):
+            self._next = do
+        else:
+            do()
+
+    def take_back(self) -> None:
+        """Take back the last click."""
+        if self.selecting:
+            known = self._session.document.objects
+            self._select(tr("undo a click"), known.clicks[:-1], known.edited)
+
+    def drop(self) -> None:
+        """Give up the object that is being selected."""
+        if self.selecting:
+            self._select(tr("discard the selection"), ())
+
+    # Objects of the document
+
+    def fit(self, numbers: frozenset[int]) -> None:
+        """Select the objects of these numbers anew by their own clicks; frozen ones stay as they are."""
+        partition, items = self.partitions.partition, self._session.document.objects.items
+        fitted = [item for item in items if item.number in numbers and item.clicks and not item.frozen]
+        if partition is None or not fitted:
+            self._session.say(tr("There is nothing to fit: choose objects that are not frozen."))
+            return
+
+        def work(task: Task) -> list[tuple[AnySelection, tuple[Click, ...], int]]:
+            found = []
+            selector = Selector(partition, items, 0, Offer())
+            for done, item in enumerate(fitted):
+                task.advance(done / len(fitted))
+                selection = selector.selection(item.clicks)
+                if selection is not None:
+                    found.append((selection, item.clicks, item.number))
+            return found
+
+        def use(found: list[tuple[AnySelection, tuple[Click, ...], int]]) -> None:
+            if partition.image is self._session.image:
+                self._session.edit(tr("fit objects"), lambda document: objects.replace_boundaries(document, found))
+
+        self._session.tasks.start(tr("Fitting objects to the contours…"), work, tr("fitting objects"), then=use)
+
+    def find_like(self, number: int) -> None:
+        """Add all objects that are like one and not among the objects yet."""
+        partition, known = self.partitions.partition, self._session.document.objects
+        if not isinstance(partition, Partition):  # a volume has no objects that are alike
+            self.partitions.look(again=True)
+            self._session.say(tr("The image is still being prepared: try again in a moment."))
+            return
+        chosen = known[number]
+
+        def work(task: Task) -> list[Selection]:
+            alike = select_all(partition, [selection_of(chosen, partition.shape)])[1:]
+            taken = np.any([item.mask(partition.shape) for item in known.items], axis=0)
+            return [each for each in alike if (each.mask & taken).sum() < _COVERED * each.mask.sum()]
+
+        def use(found: list[Selection]) -> None:
+            if partition.image is not self._session.image:
+                return
+            if not found:
+                self._session.say(tr("No other object like this one was found."))
+                return
+            self._session.edit(tr("all like this"), lambda document: objects.add(document, found, chosen.category))
+            self._session.say(tr("{count} objects like this one were found.").format(count=len(found)))
+
+        self._session.tasks.start(tr("Finding objects like this one…"), work, tr("finding objects"), then=use)
+
+    def close(self) -> None:
+        """End the threads."""
+        self.partitions.close()
+        self._latest.close()
+
+    # Internal
+
+    def _select(self, words: str, clicks: tuple[Click, ...], number: int = 0) -> None:
+        followed = [each.item for each in self.proposals if each.number == number and each.followed is not None]
+
+        def edit(document: Document) -> Document:
+            """An object of the page before is accepted as it is, and changed like any other."""
+            return objects.select(objects.accept(document, followed), clicks, number)
+
+        self._session.edit(words, edit)
+
+    def _corrected(self, said: Click) -> int:
+        """Number of the object, or key of the proposal, that a click corrects: the one it takes from, or the only one.
+
+        One that was followed is whole, and a click next to it begins another one.
+
+        0 when it begins another one, or one is being selected.
+        """
+        if self.selecting:
+            return 0
+        if not said.inside:
+            return self.under(said.places[0])
+        alone = len(self.proposals) == 1 and self.proposals[0].followed is None
+        return self.proposals[0].key if alone else 0
+
+    def _before(self, number: int) -> tuple[tuple[Click, ...], int]:
+        """The clicks of what is being selected, or of an object, or a proposal, and the number of the object."""
+        document = self._session.document
+        if self.selecting or not number:
+            return document.objects.clicks, document.objects.edited
+        if number > 0 and document.image is not None:
+            return objects.first_clicks(document.objects[number], document.image.shape), number
+        return next(((each.clicks, each.number) for each in self.proposals if each.key == number), ((), 0))
+
+    @property
+    def _offering(self) -> tuple[Start, ...]:
+        """The starts whose objects are offered, because the run from them has ended with a result.
+
+        On a large image there are none, nor where `offers_for` is False for the document, unless the tool for objects
+        is in use.
+        """
+        document, result = self._session.document, self._session.scene.contours.result
+        if result is None or not result.stop_reason or document.mode == "skeleton":
+            return ()
+        if not self._in_use and (math.prod(result.shape) > MOST_OFFERED or not self.offers_for(document)):
+            return ()
+        return document.starts
+
+    def _follow_run(self) -> None:
+        """Offer what a run has found once it has ended, and nothing of one that has been reset or continues."""
+        result = self._session.scene.contours.result
+        over = result is not None and bool(result.stop_reason)
+        if over != self._over:
+            self._over = over
+            self._follow()
+
+    def _offer_of(self, partition: AnyPartition) -> Offer:
+        """The objects of the page before, or what the run offers: everything when it has started everywhere."""
+        starts, source, rejected = self._offering, self.partitions.source, self._session.document.objects.rejected
+        search = self.followed()
+        if not (isinstance(partition, Partition) and (search or any(isinstance(each, Everywhere) for each in starts))):
+            return Offer(tuple(start for start in starts if isinstance(start, Drawn)), (), rejected)
+        if self._searched is not partition and (search or (isinstance(source, Result) and source.stop_reason)):
+            self._searched, self._found = partition, ()
+            self._end_finding()
+            self._finding = self._session.tasks.start(
+                tr("Following objects…") if search else tr("Finding objects between the contours…"),
+                partial(search or all_objects, partition),
+                tr("finding objects"),
+                then=partial(self._use_found, partition),
+            )
+        return Offer((), self._found if self._searched is partition else (), rejected)
+
+    def _end_finding(self) -> None:
+        if self._finding is not None:
+            self._finding.cancel()
+            self._finding = None
+
+    def _use_found(self, partition: AnyPartition, found: tuple[Proposal, ...]) -> None:
+        if self._searched is partition:
+            self._found = found
+            self._follow()
+            if not found:
+                self._session.say(tr("No object was found: click one, or start the run there."))
+
+    def _selector(self, partition: AnyPartition, number: int) -> Selector:
+        """What selects the object of a number anew, or a new one."""
+        items, offer = self._session.document.objects.items, self._offer_of(partition)
+        if any(
+            (each.partition, each.items, each.offer) != (partition, items, offer) for each in self._selectors.values()
+        ):
+            self._selectors = {}
+        if number not in self._selectors:
+            self._selectors[number] = Selector(partition, items, number, offer)
+        return self._selectors[number]
+
+    def _follow(self) -> None:
+        """Ask for what has changed."""
+        partition, known = self.partitions.partition, self._session.document.objects
+        if partition is None:
+            self._offer(())
+            return
+        changed = self._asked is not None and known.items is not self._asked.selector.items
+        gone = {item.clicks for item in known.items} if changed else set()  # what has been accepted
+        self._offer(tuple(each for each in self.proposals if each.clicks not in gone and (each.key or known.clicks)))
+        pointed, stepped = None, None
+        if self._pointed is not None:
+            clicks, number = self._before(self._corrected(self._pointed))
+            pointed = Pointed(self._selector(partition, number), clicks, self._pointed)
+        if self._steps:
+            clicks, number = self._stepping
+            stepped = Stepped(self._selector(partition, number), clicks, self._steps)
+        question = Question(self._selector(partition, known.edited), known.clicks, pointed, stepped)
+        if question != self._asked:
+            self._asked = question
+            self._latest.ask(question.answer, partial(self._use, question), self._forget_steps)
+
+    @property
+    def _stepping(self) -> tuple[tuple[Click, ...], int]:
+        """The clicks of what is being selected or chosen, and the number of the object."""
+        chosen = self._session.scene.objects.chosen or {each.key for each in self.proposals}
+        return self._before(next(iter(chosen)) if len(chosen) == 1 else 0)
+
+    def _use(self, question: Question, answer: Answer) -> None:
+        proposals, preview, candidate = answer
+        clicks, asked = self._session.document.objects.clicks, self._asked
+        if asked is None or question.selector is not asked.selector or question.clicks != clicks:
+            return  # the next answer is on its way
+        self._show(preview=preview if self._pointed is not None else None)
+        before = self.proposals
+        self._offer(proposals)
+        remark = proposals[0].selection.remark if clicks and proposals else ""
+        remark = remark or without_effect(before, proposals)
+        if remark and remark != self._remark:  # once
+            self._session.say(remark)
+        self._remark = remark
+        if candidate is not None and question.stepped is not None:
+            self._use_step(question.stepped, *candidate)
+        do, self._next = self._next, None
+        if do is not None and clicks:
+            do()
+
+    def _use_step(self, step: Stepped, clicks: tuple[Click, ...], number: int, count: int) -> None:
+        """Select a candidate, and report which one it is."""
+        before, edited = self._stepping
+        self._forget_steps()
+        if step.clicks != before:
+            return
+        if not clicks:
+            self._session.say(tr("Click an object, or select one, to make it smaller or larger."))
+        elif clicks == before:
+            none = tr("There is no larger candidate.") if step.by > 0 else tr("There is no smaller candidate.")
+            self._session.say(none)
+        else:
+            self._select(tr("larger candidate") if step.by > 0 else tr("smaller candidate"), clicks, edited)
+            self._session.say(tr("Candidate {number} of {count}.").format(number=number, count=count))
+
+    def _forget_steps(self) -> None:
+        self._steps = 0
+
+    def _offer(self, proposals: tuple[Proposal, ...]) -> None:
+        """Show other proposals, or nothing while there is no partition."""
+        before, ready = self.proposals, self.ready
+        if [each.selection for each in before] == [each.selection for each in proposals] and ready == self._was_ready:
+            return
+        self._was_ready = ready
+        self._show(proposals=proposals)
+        self.changed.emit()
+
+    def _show(self, **parts: Any) -> None:
+        scene = self._session.scene
+        if any(getattr(scene.objects, name) != part for name, part in parts.items()):
+            self._session.show(replace(scene, objects=replace(scene.objects, **parts)))
+
+    def _forget(self) -> None:
+        self._latest.forget()
+        self._end_finding()
+        self._selectors, self._found = {}, ()
+        self._asked = self._pointed = self._searched = None
+        self._steps, self._over = 0, False
+
+
+def without_effect(before: tuple[Proposal, ...], after: tuple[Proposal, ...]) -> str:
+    """A sentence on the newest click if it has changed nothing of the object; else empty."""
+    if not before or not after or after[0].key or len(after[0].clicks) != len(before[0].clicks) + 1:
+        return ""
+    one, other = before[0].selection, after[0].selection
+    if not before[0].clicks or type(one) is not type(other) or not one.same(other):  # type: ignore[arg-type]
+        return ""
+    if after[0].clicks[-1].inside:
+        return tr("This click changes nothing: the position is already in the object.")
+    return tr("This click changes nothing: the position is outside the object.")

@@ -1,0 +1,445 @@
+"""The partition of an image or a volume, kept up to date with the run, and selections of clicks on it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
+from typing import Any, cast
+
+import numpy as np
+from PySide6.QtCore import QObject, QTimer, Signal
+
+from cpm_app.model.document.document import Document
+from cpm_app.model.document.modes import MODES
+from cpm_app.model.document.objects import AnySelection, first_clicks
+from cpm_app.model.text.language import tr
+from cpm_app.session.features.background import LatestOnlyWorker
+from cpm_app.session.scene import Proposal
+from cpm_app.session.session import Session
+from cpm_app.session.tasks.tasks import Task
+from cpm_core import (
+    PRESETS,
+    Image,
+    Parameters,
+    Partition,
+    Result,
+    Selection,
+    Surface,
+    VolumePartition,
+    VolumeSelection,
+    partition,
+    segment,
+    uniform_grid,
+)
+from cpm_core.image import AnyRegions, of_plane
+from cpm_core.numerics import Array
+from cpm_core.objects import EVERYWHERE, overlap
+from cpm_core.objects.everywhere import everywhere
+from cpm_core.objects.segmented import Click, SegmentedObject, places_of, selection_of
+from cpm_core.shapes import Box, BoxGrid, Circle, Ellipse, Grid, Points, Polygon, Sphere, Stroke
+
+_QUIET = 250
+"""Time without a change to parameters or limits after which a run from everywhere begins again [ms]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Everywhere:
+    """What a run from everywhere depends on."""
+
+    image: Image
+    parameters: Parameters
+    regions: AnyRegions | None
+
+
+AnyPartition = Partition | VolumePartition
+"""What objects are selected from, in an image or in a volume."""
+
+Source = Result | Everywhere
+"""What a partition is made from."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Prepared:
+    """A partition, ready to select from, and what it was made from."""
+
+    source: Source
+    partition: AnyPartition
+
+
+class Partitions(QObject):
+    """Makes partitions on other threads: of the contours of the run, or without a run, of one from everywhere.
+
+    Until the latter ends, one without contours answers.
+
+    `wanted` returns whether a partition is needed now; call `look` when its answer may have changed.
+    """
+
+    changed = Signal()
+    """`partition` or `preparing` has changed."""
+
+    def __init__(self, session: Session, wanted: Callable[[], bool]) -> None:
+        super().__init__(session)
+        self.partition: AnyPartition | None = None
+        self._session = session
+        self._wanted = wanted
+        self._made_from: Source | None = None
+        self._asked_for: Source | None = None
+        self._everywhere: Prepared | None = None
+        self._task: Task | None = None
+        self._latest = LatestOnlyWorker(session, "cpm-partition", tr("preparing the selection of objects"))
+        self._quiet = QTimer(self, singleShot=True, interval=_QUIET)
+        self._quiet.timeout.connect(self.look)
+        session.image_changed.connect(self._forget)
+        session.scene_changed.connect(self.look)
+        session.document_changed.connect(self._use_document)
+
+    @property
+    def preparing(self) -> bool:
+        """Whether a run from everywhere continues."""
+        return self._task is not None and not self._task.over
+
+    @property
+    def source(self) -> Source | None:
+        """What `partition` was made from."""
+        return self._made_from
+
+    def look(self, again: bool = False) -> None:
+        """Begin to make the partition that is needed now, if there is another one; `again` where that failed before."""
+        if again and self._latest.idle and not self.preparing:
+            self._asked_for = self._made_from
+        source, known = self._source(), self._everywhere
+        if source is None or self._quiet.isActive() or not self._wanted():
+            return
+        if known is not None and source == known.source:
+            if source != self._made_from:
+                self._use(known)
+        elif source != self._asked_for:
+            self._asked_for = source
+            self._end_task()
+            if isinstance(source, Everywhere):
+                alone = source.image.ndim == 3 or math.prod(source.image.shape) > MOST_OFFERED
+                if self.partition is None or alone:  # answers at once; contours follow
+                    self._use(Prepared(source, _without_run(source)))
+                if not alone:
+                    self._run(source)
+            else:
+                self._latest.ask(lambda: Prepared(source, _ready(partition(source))), self._take)
+
+    def close(self) -> None:
+        """End the thread."""
+        self._latest.close()
+
+    def _source(self) -> Source | None:
+        scene = self._session.scene
+        if scene.image is None:
+            return None
+        found = scene.reconstruction.result if scene.reconstruction is not None else None
+        if isinstance(found, Result) and found.image is not None and (found.contours or found.surface is not None):
+            return found
+        return Everywhere(scene.image, parameters_everywhere(scene.document), scene.document.regions)
+
+    def _run(self, source: Everywhere) -> None:
+        def work(task: Task) -> Prepared:
+            return Prepared(source, _ready(from_everywhere(source, task)))
+
+        name = tr("Finding contours everywhere, to outline objects exactly…")
+        activity = tr("preparing the selection of objects")
+        self._task = self._session.tasks.start(name, work, activity, then=self._take)
+        self.changed.emit()
+
+    def _take(self, prepared: Prepared) -> None:
+        if prepared.partition.image is not self._session.image:
+            return
+        if isinstance(prepared.source, Everywhere):
+            self._everywhere = prepared
+            if prepared.source != self._asked_for:
+                return
+        elif not isinstance(self._source(), Result):
+            return  # the run has been reset
+        self._use(prepared)
+
+    def _use(self, prepared: Prepared) -> None:
+        self.partition = prepared.partition
+        self._made_from = self._asked_for = prepared.source
+        self.changed.emit()
+        self.look()
+
+    def _use_document(self, document: Document) -> None:
+        """Wait until parameters and limits rest before another run from everywhere."""
+        source, before = self._source(), self._asked_for
+        if isinstance(source, Everywhere) and isinstance(before, Everywhere) and source != before:
+            self._quiet.start()
+
+    def _end_task(self) -> None:
+        if self._task is not None:
+            self._task.cancel()
+            self._task = None
+
+    def _forget(self) -> None:
+        self._end_task()
+        self._latest.forget()
+        self._quiet.stop()
+        self.partition = self._made_from = self._asked_for = self._everywhere = None
+        self.changed.emit()
+
+
+def from_everywhere(source: Everywhere, task: Task) -> Partition:
+    """A partition with the contours of a run from everywhere; without, where that would take too long."""
+    image, regions = source.image, source.regions
+    if math.prod(image.shape) > MOST_OFFERED:
+        return Partition(image, (), of_plane(regions), source.parameters.channel)
+    grid = uniform_grid(image.shape)
+    found = segment(image, grid, source.parameters, regions=regions, progress=lambda _: task.check_cancelled())
+    return cast("Partition", partition(found))
+
+
+def parameters_everywhere(document: Document) -> Parameters:
+    """Parameters of a run from everywhere: those of a partition, with what differs from the preset of the mode."""
+    preset, chosen = PRESETS[MODES[document.mode].preset], document.parameters
+    changed = {
+        field.name: getattr(chosen, field.name)
+        for field in fields(Parameters)
+        if getattr(chosen, field.name) != getattr(preset, field.name)
+    }
+    return replace(EVERYWHERE, **changed)
+
+
+def _without_run(source: Everywhere) -> AnyPartition:
+    """A partition without contours or a surface, which answers all the same."""
+    if source.image.ndim == 3:
+        return VolumePartition(source.image)
+    return Partition(source.image, (), of_plane(source.regions), source.parameters.channel)
+
+
+def _ready(made: AnyPartition) -> AnyPartition:
+    """A partition that has computed all that a selection needs, so that the first answer comes at once."""
+    middle = np.array([[0.5 * (side - 1) for side in made.shape]])
+    if isinstance(made, VolumePartition):
+        made.bodies_at(middle)
+    else:
+        made.select(middle)
+    return made
+
+
+MOST_OFFERED = 1 << 23
+"""Pixels up to which a run from everywhere is begun, and objects of starts are offered, without being asked for."""
+
+_MOST_PLACES = 20
+"""Places of a start by which its body is found."""
+
+_SAME_OBJECT = 0.5
+"""Overlap (intersection over union) from which the selections of two starts are of one object."""
+
+_UNCHANGED = 0.97
+"""Overlap from which a selection is what an object is already."""
+
+_MUCH = 2.0
+"""How many times as large as another one an object is that does not count as the same."""
+
+_PLACES = 100
+"""About so many pixels by which the object of a selection is found."""
+
+_MOST_SELECTIONS = 50
+"""Number of selections that are kept; in a volume, each has a surface."""
+
+
+Drawn = Circle | Ellipse | Polygon | Stroke | Points | Grid | Sphere | Box | BoxGrid
+"""Starts whose seeds are known without the image."""
+
+
+@dataclass(frozen=True, slots=True)
+class Offer:
+    """What a run offers: the objects of its starts, or all that it has found, without those that were rejected."""
+
+    starts: tuple[Drawn, ...] = ()
+    found: tuple[Proposal, ...] = ()
+    rejected: tuple[SegmentedObject, ...] = ()
+
+
+class Selector:
+    """Selects on one partition; in an image, with the selection without the last click as evidence.
+
+    Parameters
+    ----------
+    partition : Partition or VolumePartition
+        The partition.
+    items : sequence of SegmentedObject
+        The objects that there are.
+    edited : int
+        Number of the object that is being changed, 0 for none: with its own clicks it is as it is.
+    offer : Offer
+        What a run offers: what it has found is with its clicks as it is, too.
+    """
+
+    def __init__(self, partition: AnyPartition, items: Sequence[SegmentedObject], edited: int, offer: Offer) -> None:
+        self.partition, self.items, self.edited, self.offer = partition, items, edited, offer
+        self._known: dict[tuple[Click, ...], AnySelection | None] = {}
+        self._given: dict[tuple[Click, ...], AnySelection] = {each.clicks: each.selection for each in offer.found}
+        self._stepped: tuple[tuple[Click, ...], tuple[Sequence[AnySelection], int]] | None = None
+        """The clicks whose candidates were asked for last, and the candidates, which take long in a volume."""
+        self._changed = next((item for item in items if item.number == edited), None)
+        # the places of frozen objects that lie in them: not those of a line that was drawn around one
+        frozen = [item for item in items if item.frozen and item.number != edited and item.body is None]
+        within = (item.inside[item.encloses(item.inside)] for item in frozen)
+        self._elsewhere = np.concatenate([np.empty((0, 2)), *within])
+
+    def selection(self, clicks: tuple[Click, ...]) -> AnySelection | None:
+        """The object that clicks select; None while none of them is inside."""
+        selection = self._known.pop(clicks) if clicks in self._known else self._select(clicks)
+        if len(self._known) == _MOST_SELECTIONS:
+            del self._known[next(iter(self._known))]  # the one that has not been asked for the longest
+        self._known[clicks] = selection
+        return selection
+
+    def _select(self, clicks: tuple[Click, ...]) -> AnySelection | None:
+        inside = places_of(clicks, inside=True)
+        if not len(inside):
+            return None
+        item, made = self._changed, self._given.get(clicks)
+        if made is None and item is not None and clicks == first_clicks(item, self.partition.shape):
+            made = selection_of(item, self.partition.shape) if item.body is None else self._body_of(item)
+        elif made is None and clicks[-1].step:
+            found, first = self._candidates(clicks)
+            made = found[min(max(first + clicks[-1].step, 0), len(found) - 1)]
+        elif made is None:
+            made = self.partition.select(inside, **self._rest(clicks))
+        if isinstance(made, VolumeSelection):
+            known = (one for one in self._known.values() if isinstance(one, VolumeSelection) and one.same(made))
+            made = next((one for one in known if one.remark == made.remark), made)
+            if made.found:
+                _ = made.packed, made.holds(inside)  # made on this thread, not on that of the window
+        return made
+
+    def _body_of(self, item: SegmentedObject) -> VolumeSelection:
+        partition = cast("VolumePartition", self.partition)
+        whole = replace(cast("Surface", item.body), spacing=partition.image.spacing)
+        return VolumeSelection(partition, whole, item.inside, item.outside)
+
+    def quick(self, clicks: tuple[Click, ...]) -> bool:
+        """Whether what clicks select is known at once, so that it can be shown while the pointer moves."""
+        if not isinstance(self.partition, VolumePartition) or clicks in self._known:
+            return True
+        places = np.concatenate([np.array(each.places) for each in clicks])
+        return bool(self.partition.bodies_at(places).all())
+
+    def _rest(self, clicks: tuple[Click, ...]) -> dict[str, Any]:
+        """What a selection depends on except for the places inside."""
+        inside, outside = places_of(clicks, inside=True), places_of(clicks, inside=False)
+        previous = self.selection(clicks[:-1])
+        if isinstance(self.partition, VolumePartition):
+            return {"outside": outside, "previous": previous}
+        areas = [item.area for item in self.items if item.number != self.edited]
+        if previous is None and len(self._elsewhere):  # frozen objects only take away
+            previous = self.partition.select(inside, outside, areas=areas)
+        return {"outside": np.concatenate([outside, self._elsewhere]), "previous": previous, "areas": areas}
+
+    def _candidates(self, clicks: tuple[Click, ...]) -> tuple[Sequence[AnySelection], int]:
+        """What clicks may mean, from small to large, and which of it is their answer without a step."""
+        clicks = (*clicks[:-1], replace(clicks[-1], step=0))
+        if self._stepped is None or self._stepped[0] != clicks:
+            found = self.partition.candidates(places_of(clicks, inside=True), **self._rest(clicks))
+            alike = [_likeness(each, cast("AnySelection", self.selection(clicks))) for each in found]
+            self._stepped = clicks, (found, int(np.argmax(alike)))
+        return self._stepped[1]
+
+    def stepped(self, clicks: tuple[Click, ...], by: int) -> tuple[tuple[Click, ...], int, int]:
+        """The clicks of a candidate so many steps larger, or smaller below 0; its number, from 1, and how many are."""
+        if self.selection(clicks) is None:
+            return clicks, 1, 1
+        found, first = self._candidates(clicks)
+        last = len(found) - 1
+        place = min(max(min(max(first + clicks[-1].step, 0), last) + by, 0), last)
+        return (*clicks[:-1], replace(clicks[-1], step=place - first)), place + 1, len(found)
+
+    @cached_property
+    def proposals(self) -> tuple[Proposal, ...]:
+        """What the run offers, except what has been rejected; of frozen objects there is nothing.
+
+        An object that exists already is offered only if a start has made it another one, and never in a volume.
+        """
+        partition, offer = self.partition, self.offer
+        if isinstance(partition, VolumePartition):
+            return tuple(self._bodies(partition, offer.starts))
+        found = _uncovered(self._of_starts(partition, offer.starts), offer.rejected)
+        return (*found, *_uncovered(offer.found, (*self.items, *offer.rejected)))
+
+    def _of_starts(self, partition: Partition, starts: Sequence[Drawn]) -> list[Proposal]:
+        """The objects in which runs were started."""
+        found: list[Proposal] = []
+        for key, start in enumerate(starts, start=1):
+            clicks = (Click(tuple(map(tuple, start.seeds().tolist()))),)
+            selection = self.selection(clicks)
+            if not isinstance(selection, Selection) or not selection.contours or selection.only_places:
+                continue  # nothing was found, as from a start across an edge
+            if any(overlap(selection.mask, other.selection.mask) > _SAME_OBJECT for other in found):
+                continue
+            places = selection.inside[selection.holds(selection.inside)]  # none where a line was drawn around it
+            places = places if len(places) else _places_in(selection)
+            known = next((item for item in self.items if item.encloses(places).mean() > 0.5), None)
+            if known is None:
+                found.append(Proposal(selection, clicks, key=-key))
+            elif not known.frozen and overlap(known.mask(partition.shape), selection.mask) < _UNCHANGED:
+                found.append(Proposal(selection, clicks, known.number, -key))
+        return found
+
+    def _bodies(self, partition: VolumePartition, starts: Sequence[Drawn]) -> list[Proposal]:
+        """The bodies in which most seeds of a start lie."""
+        found: list[Proposal] = []
+        known = (*self.items, *self.offer.rejected)
+        taken = {0, *(body for item in known for body in partition.bodies_at(item.inside).tolist())}
+        for key, start in enumerate(starts, start=1):
+            seeds = start.seeds()
+            bodies = partition.bodies_at(seeds)
+            body = int(np.bincount(bodies[bodies > 0], minlength=1).argmax())
+            if body not in taken:
+                taken.add(body)
+                clicks = (Click(tuple(map(tuple, seeds[bodies == body][:_MOST_PLACES].tolist()))),)
+                selection = self.selection(clicks)
+                if selection is not None and selection.found:
+                    found.append(Proposal(selection, clicks, key=-key))
+        return found
+
+
+def all_objects(partition: Partition, task: Task) -> tuple[Proposal, ...]:
+    """All objects of an image, each as what a click where it is widest means."""
+    found = enumerate(everywhere(partition, task.check_cancelled))
+    return tuple(Proposal(one, (Click(tuple(map(tuple, one.inside.tolist()))),), key=~index) for index, one in found)
+
+
+def _uncovered(found: Sequence[Proposal], items: Sequence[SegmentedObject]) -> list[Proposal]:
+    """Proposals at least half of which lies in no objects, or in ones that are much larger."""
+    left = []
+    for each in found:
+        places, most = _places_in(cast("Selection", each.selection)), _MUCH * extent(each.selection)
+        within = [item.encloses(places) for item in items if item.area < most]
+        if not within or np.any(within, axis=0).mean() < 0.5:
+            left.append(each)
+    return left
+
+
+def _box_of(selection: Selection) -> tuple[slice, ...]:
+    """Rows and columns of an object."""
+    low, high = (np.array([contour.box[end] for contour in selection.contours]) for end in (0, 1))
+    first = np.maximum(np.floor(low.min(axis=0)), 0).astype(int).tolist()
+    return tuple(map(slice, first, np.ceil(high.max(axis=0) + 1).astype(int).tolist()))
+
+
+def _places_in(selection: Selection) -> Array:
+    """Some of the pixels of an object, all over it, shape (N, 2)."""
+    box = _box_of(selection)
+    pixels = np.argwhere(selection.mask[box]) + [part.start for part in box]
+    return np.asarray(pixels[:: max(len(pixels) // _PLACES, 1)], float)
+
+
+def extent(selection: AnySelection) -> float:
+    """Volume of a selection; its area [px²] in an image."""
+    return selection.volume if isinstance(selection, VolumeSelection) else float(np.count_nonzero(selection.mask))
+
+
+def _likeness(one: AnySelection, other: AnySelection) -> float:
+    """How much alike two selections of the same places are: their overlap, or how near their volumes are."""
+    if isinstance(one, Selection) and isinstance(other, Selection):
+        return overlap(one.mask, other.mask)
+    return -abs(extent(one) - extent(other))

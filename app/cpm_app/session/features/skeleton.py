@@ -1,0 +1,43 @@
+"""Skeletons that follow the parameters."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QObject
+
+from cpm_app.model.document.document import Document
+from cpm_app.session.session import Session
+from cpm_core import Parameters
+
+
+class Skeletons(QObject):
+    """Finds the skeleton again, in three steps at most, when a parameter changes, or what it is of."""
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session)
+        self._session = session
+        self._parameters: Parameters | None = None
+        self._changed = False
+        self._of: tuple[object, ...] = ()
+        session.document_changed.connect(self._use_document)
+        session.status_changed.connect(self._follow)
+
+    def _use_document(self, document: Document) -> None:
+        if document.parameters is not self._parameters:
+            self._changed = document.mode == "skeleton"
+            self._parameters = document.parameters
+        regions = document.regions
+        of = (document.outlines, document.outlined_surfaces, regions.interest if regions is not None else ())
+        before, self._of = self._of, of
+        status = self._session.status
+        if before != of and document.mode == "skeleton" and status.method == "skeleton" and status.started:
+            self._session.reset()
+            self._session.run()
+
+    def _follow(self) -> None:
+        if not self._changed:
+            return
+        status = self._session.status
+        if status.method == "skeleton" and status.phase == "finished" and not status.stale:
+            self._changed = False
+            if status.steered:
+                self._session.run()

@@ -1,0 +1,284 @@
+"""The slices of a volume: which are shown, the scene of each, and what lies under the pointer."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
+from functools import partial
+from typing import Any, TypeVar, cast
+
+import numpy as np
+
+from cpm_app.model.display.differences import differences_in, truth_in
+from cpm_app.model.display.display_image import DisplayImage, DisplayVolume, IntensityWindow, apply_window
+from cpm_app.model.document.document import Document
+from cpm_app.model.document.edits import Hit, hit
+from cpm_app.model.volume.shape_sections import Section, sections
+from cpm_app.model.volume.slices import SampledForce, Slice, Slices
+from cpm_app.model.volume.surface_section import objects_in, selection_in, skeleton_in, unmeasured
+from cpm_app.model.volume.surface_section import section as lines_of
+from cpm_app.session.exchange.messages import Reconstruction, Snapshot
+from cpm_app.session.features.background import AsyncCache, IdentityCache
+from cpm_app.session.scene import NO_CONTOURS, Item, NearParticles, ReviewedContours, Scene, ShownObjects
+from cpm_app.session.session import Session
+from cpm_app.session.worker.requests import Probed
+from cpm_core import Image, Skeleton
+from cpm_core.contours import ReviewedContour
+from cpm_core.numerics import Array, Index, Place
+from cpm_core.objects.segmented import SegmentedObjects
+from cpm_core.shapes import ImageSeeds, ImageStart, Shape, sides_of
+
+AT_ONCE = 1 << 21
+"""Largest number of pixels of a slice that is made at once: three of them take a third of a frame of 50 ms."""
+
+T = TypeVar("T")
+Overlay = DisplayImage | Array
+
+
+class Sections:
+    """Makes the scenes of one view; parts are made again only when what they depend on is another object.
+
+    Parameters
+    ----------
+    axis : int, optional
+        The axis across which the view shows its slices; by default that which is worked on.
+    later : AsyncCache, optional
+        Makes what takes long on other threads; without it that is made at once, as a film needs it.
+    """
+
+    def __init__(self, axis: int | None = None, later: AsyncCache | None = None) -> None:
+        self.axis = axis
+        self.later = later
+        self._parts = IdentityCache()
+
+    def of(self, scene: Scene) -> Scene:
+        """The scene of a slice; any other scene is returned as it is."""
+        volume, slices = scene.image, scene.slices
+        if volume is None or slices is None or scene.volume is not None:
+            return scene
+        slices = slices if self.axis is None else slices.turned(self.axis)
+        here, part, reach = slices.current, self._parts.get, scene.document.parameters.d_min
+        image = part(_image, volume, here)
+        cut = part(objects_in, scene.document.objects, here)
+        document, places = part(_document, scene.document, here, volume, cut)
+        near = part(_near, scene.snapshot, here, volume, reach)
+        reconstruction, contours = part(_result, scene.reconstruction, here)
+        seeds = scene.image_seeds
+        return Scene(
+            image,
+            self._display(image, IntensityWindow(*volume.gray_range)),
+            scene.shaded,
+            document,
+            places.get(scene.selected),
+            self._parts.named("seeds", lambda: _seeds(seeds, here, volume, reach), seeds, here, reach),
+            snapshot=part(_snapshot, scene.snapshot, near, here),
+            reconstruction=reconstruction,
+            contours=contours,
+            overlays=self._overlays(scene, here, image),
+            probed=part(_probed, scene.probed, here, volume, reach),
+            truth=part(truth_in, scene.truth, here),
+            differences=part(differences_in, scene.apart, here),
+            objects=part(_shown, scene.objects, here),
+            slices=slices,
+            volume=volume,
+            near=near,
+        )
+
+    def _display(self, image: Image, window: IntensityWindow) -> DisplayImage:
+        """The slice in the window of the volume, so that it does not flicker from slice to slice."""
+
+        def make() -> DisplayImage:
+            return DisplayImage.of(apply_window(image.values, window))
+
+        if image.values.size > AT_ONCE and self.later is not None:
+            return self.later.named("display", make, lambda: DisplayImage.preview(image.values, window), image)
+        return self._parts.named("display", make, image)
+
+    def _overlays(self, scene: Scene, here: Slice, image: Image) -> Mapping[str, Overlay]:
+        """The slices of the overlays."""
+        found: dict[str, Overlay] = {}
+        for name, drawn in scene.overlays.items():
+            if isinstance(drawn, DisplayVolume):
+                found[name] = self._parts.named(name, partial(DisplayImage.of, here.of(drawn.shades)), drawn, here)
+            elif isinstance(drawn, SampledForce):
+                found[name] = self._parts.named(name, partial(drawn.slice_of, here, image.shape), drawn, here)
+        return self._parts.named("overlays", lambda: found, *found, *found.values())
+
+
+def _image(volume: Image, here: Slice) -> Image:
+    return volume.cut(here.axis, here.index)
+
+
+def _seeds(seeds: ImageSeeds, here: Slice, volume: Image, reach: float) -> ImageSeeds:
+    """The particles of starts all over the volume that are near the slice."""
+    sides = sides_of(volume.spacing)
+    return {
+        cut: here.flattened(at[_index(at, here, volume, reach)[0]])
+        for start, at in seeds.items()
+        for cut in sections(start, here, sides)
+        if isinstance(cut, ImageStart)
+    }
+
+
+def _probed(probed: Probed | None, here: Slice, volume: Image, reach: float) -> Probed | None:
+    """What a slice shows of the forces on a particle: their parts along the slice, where the particle is near it."""
+    if probed is None or len(probed.position) != len(volume.shape):
+        return probed
+    if not len(_index(np.array([probed.position]), here, volume, reach)[0]):
+        return replace(probed, identity=-1)
+    sides = np.array(here.within(sides_of(volume.spacing)))
+    along = {name: here.flattened(force[None])[0] / sides for name, force in probed.forces.items()}
+    return replace(probed, position=here.within(probed.position), forces=along)
+
+
+def sections_of(shapes: Iterable[Shape], here: Slice, volume: Image) -> Iterator[tuple[int, Section]]:
+    """What a slice shows of shapes, each with the number of its shape."""
+    sides = sides_of(volume.spacing)
+    for index, shape in enumerate(shapes):
+        for cut in sections(shape, here, sides):
+            yield index, cut
+
+
+def _document(
+    document: Document, here: Slice, volume: Image, objects: SegmentedObjects
+) -> tuple[Document, dict[int | None, int]]:
+    """The document with the sections of its shapes and objects, and the place of the first section of each shape."""
+    places: dict[int | None, int] = {}
+    shapes: list[Section] = []
+    for index, cut in sections_of(document.shapes, here, volume):
+        places.setdefault(index, len(shapes))
+        shapes.append(cut)
+    # a layer draws the sections as it draws the shapes of an image
+    return replace(document, shapes=cast("tuple[Shape, ...]", tuple(shapes)), objects=objects), places
+
+
+def _shown(shown: ShownObjects, here: Slice) -> ShownObjects:
+    """What a slice shows of the selection of objects."""
+    offered = tuple(replace(each, selection=selection_in(each.selection, here)) for each in shown.proposals)
+    preview = shown.preview
+    if preview is not None:
+        before = None if preview.before is None else selection_in(preview.before, here)
+        preview = replace(preview, after=selection_in(preview.after, here), before=before)
+    return replace(shown, proposals=offered, preview=preview)
+
+
+def _near(snapshot: Snapshot | None, here: Slice, volume: Image, reach: float) -> NearParticles | None:
+    """The particles within `reach` of the slice, in sides of the smallest voxel."""
+    if snapshot is None:
+        return None
+    return NearParticles(*_index(snapshot.position, here, volume, reach))
+
+
+def _index(position: Array, here: Slice, volume: Image, reach: float) -> tuple[Index, Array]:
+    """Which of positions, shape (N, 3), are near a slice, and how far they are from it, 1 at the reach."""
+    side = sides_of(volume.spacing)[here.axis]
+    away = np.abs(position[:, here.axis] - here.index) * (side / reach)
+    index = np.flatnonzero(away < 1.0)
+    return index, away[index]
+
+
+def _snapshot(snapshot: Snapshot | None, near: NearParticles | None, here: Slice) -> Snapshot | None:
+    if snapshot is None or near is None:
+        return None
+    position = here.flattened(snapshot.position[near.index])
+    return replace(snapshot, position=position, resting=snapshot.resting[near.index])
+
+
+def _result(reconstruction: Reconstruction | None, here: Slice) -> tuple[Reconstruction | None, ReviewedContours]:
+    """What the slice shows of center lines, or else the lines in which it cuts the surface."""
+    if reconstruction is None:
+        return None, NO_CONTOURS
+    if isinstance(reconstruction.result, Skeleton):
+        return replace(reconstruction, result=skeleton_in(reconstruction.result, here)), NO_CONTOURS
+    surface = reconstruction.result.surface
+    lines = () if surface is None else tuple(lines_of(surface, here))
+    items = (
+        Item(number, ReviewedContour(contour, None, number), unmeasured(contour, number + 1))
+        for number, contour in enumerate(lines)
+    )
+    return None, ReviewedContours(tuple(items)) if lines else NO_CONTOURS
+
+
+def hit_in(scene: Scene, place: Place, tolerance: float, here: Slice | None = None) -> Hit | None:
+    """The shape of a scene under a place; of a volume only what a slice shows can be hit.
+
+    The slice is by default the one that is worked on.
+    """
+    shapes, selected = scene.document.shapes, scene.selected
+    if scene.slices is None or scene.whole is None:
+        return hit(shapes, place, tolerance, selected)
+    here = scene.slices.current if here is None else here
+    seen = list(sections_of(shapes, here, scene.whole))
+    chosen: list[int | None] = [number for number, (index, _) in enumerate(seen) if index == selected]
+    cuts = cast("tuple[Shape, ...]", tuple(section for _, section in seen))
+    found = None
+    for number in chosen or [None]:  # a shape may have several sections, each with handles
+        found = hit(cuts, here.within(place), tolerance, number)
+        if found is not None and found.part == "handle":
+            break
+    if found is None:
+        return None
+    at = None if found.at is None else here.lifted(found.at)
+    return replace(found, index=seen[found.index][0], at=at)
+
+
+_FAR = 10**6
+"""Largest index that is taken from a file [voxels]."""
+
+
+class ShownSlices:
+    """Chooses the slices of the volume that is open; without a volume there are none, and nothing happens."""
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+
+    @property
+    def now(self) -> Slices | None:
+        """The slices that are shown; None while no volume is open."""
+        return self._session.scene.slices
+
+    def go(self, by: int) -> None:
+        """Show the slice so many further along its axis."""
+        if self.now is not None:
+            self._use(self.now.at(self.now.current.index + by))
+
+    def at(self, index: int) -> None:
+        """Show the slice at an index along its axis."""
+        if self.now is not None:
+            self._use(self.now.at(index))
+
+    def pass_on(self, axis: int, by: int) -> None:
+        """Show the slice so many further along an axis, whichever is worked on."""
+        if self.now is not None:
+            self._use(self.now.turned(axis).at(self.now.voxel[axis] + by).turned(self.now.axis))
+
+    def turn(self, axis: int) -> None:
+        """Work on the slice across another axis."""
+        if self.now is not None:
+            self._use(self.now.turned(axis))
+
+    def through(self, place: Place) -> None:
+        """Show the slices through a place of the volume."""
+        if self.now is not None:
+            self._use(self.now.through(place))
+
+    def view_state(self) -> dict[str, object]:
+        """Where the slices are, as plain JSON for a session file; empty for an image."""
+        now = self.now
+        return {} if now is None else {"slices": {"voxel": list(now.voxel), "axis": now.axis}}
+
+    def use_view_state(self, state: Mapping[str, Any]) -> None:
+        """Restore the slices from a session file; missing or invalid entries change nothing."""
+        kept = state.get("slices")
+        if self.now is None or not isinstance(kept, Mapping):
+            return
+        axis, voxel = kept.get("axis"), kept.get("voxel")
+        if axis in (0, 1, 2) and not isinstance(axis, bool):
+            self.turn(int(axis))
+        known = voxel if isinstance(voxel, list) and len(voxel) == len(self.now.voxel) else []
+        if known and all(isinstance(at, int) and abs(at) <= _FAR for at in known):
+            self.through(tuple(known))
+
+    def _use(self, slices: Slices) -> None:
+        if slices != self.now:
+            self._session.show(replace(self._session.scene, slices=slices))

@@ -1,0 +1,101 @@
+"""Runs that are compared with one another, several at a time: with other parameters, or of other methods."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+
+from cpm_app.model.display.comparison import Trial
+from cpm_app.model.document.document import Document
+from cpm_app.model.text.language import tr
+from cpm_app.session.exchange.contour_tracking import TrackedContours
+from cpm_app.session.exchange.messages import Reconstruction, sentence
+from cpm_app.session.scene import ReviewedContours, Scene
+from cpm_app.session.tasks.tasks import Cancelled, Task
+from cpm_core import CONTOUR_METHODS, Engine, Image, Result, Start, facts_of, measure, moments
+from cpm_core.contours import apply, with_kept
+from cpm_core.numerics import cores
+from cpm_core.objects.methods import result_of
+from cpm_core.shapes import SeedCache, outlines_of
+
+
+def start_of(document: Document) -> Start:
+    """What all methods begin from; ValueError when no outline is drawn."""
+    return Start(outlines_of(document.shapes), document.comparison.around)
+
+
+def scene_of(found: Result) -> Scene:
+    """What is shown of a result that no run of the session has."""
+    if found.surface is not None:
+        return Scene(reconstruction=Reconstruction(0, found, None))
+    measures = measure(found.contours, found.spacing, contrast=False)
+    return Scene(contours=ReviewedContours.of(TrackedContours(found, tuple(range(len(measures))), measures), ()))
+
+
+def run_trials(
+    image: Image,
+    document: Document,
+    trials: Mapping[int, Trial],
+    report: Callable[[int, dict[str, object]], object],
+    task: Task,
+) -> None:
+    """Run trials, one on each core but the one that the window needs.
+
+    Parameters
+    ----------
+    image, document : Image and Document
+        What is run.
+    trials : mapping of int to Trial
+        The trials, each with its key.
+    report : callable
+        Called on other threads with the key of a trial and the parts of its row that have changed.
+    task : Task
+        Its progress; cancelling it ends all of them.
+    """
+    seed_cache, engines, lock, done = SeedCache(image), dict[int, Engine](), threading.Lock(), 0
+
+    def of_parameters(trial: Trial) -> Result:
+        parameters = trial.settings
+        with lock:
+            image_seeds = seed_cache.seeds_for(
+                document.image_starts, parameters.smoothing, document.regions, parameters.channel
+            )
+            if parameters.scales not in engines:
+                engines[parameters.scales] = Engine(image, parameters, document.regions)
+            engine = engines[parameters.scales]
+        state = engine.start(document.seeds(image_seeds))
+        while not state.stop_reason:
+            task.check_cancelled()
+            state = engine.step(state, parameters, document.charges)
+        return apply(with_kept(engine.result(state, parameters), document.marks), document.marks)
+
+    def of_method(trial: Trial) -> Result:
+        method, start, channel = CONTOUR_METHODS[trial.method], start_of(document), document.parameters.channel
+        plain = method.of_particles or image.colors is None or channel == "luminance"
+        taken = image if plain else Image(image.gray(channel), source=image.source)
+        for moment in moments(method, taken, start, trial.settings):
+            task.check_cancelled()
+            last = moment
+        return result_of(facts_of(last), last.state.contours, taken, start, trial.settings)
+
+    def work(key: int) -> None:
+        nonlocal done
+        try:
+            task.check_cancelled()
+            report(key, {"state": tr("running…")})
+            trial, at = trials[key], time.perf_counter()
+            found = (of_method if trial.method else of_parameters)(trial)
+            seconds = time.perf_counter() - at
+            report(key, {"found": found, "scene": scene_of(found), "seconds": seconds, "state": ""})
+        except Cancelled:
+            return
+        except Exception as error:  # an error is shown in its row, and the others go on
+            report(key, {"state": sentence(error, tr("running {name}").format(name=trials[key].title))})
+        with lock:
+            done += 1
+            task.fraction = done / len(trials)
+
+    with ThreadPoolExecutor(max(1, cores() - 1), thread_name_prefix="cpm-compare") as pool:
+        list(pool.map(work, trials))

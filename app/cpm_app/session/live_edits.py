@@ -1,0 +1,161 @@
+"""Interventions: edits of the document change the run that exists at once.
+
+Regions of interest, barriers and placed charges apply to every run: each change is sent to the worker, and of many
+changes in a row the last is executed. The particles of new starts join the run when the gesture that draws them ends.
+When a start is moved or removed after the run has begun, the run is only marked as out of date.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from cpm_app.model.document import edits
+from cpm_app.model.document.document import Document
+from cpm_app.model.text.language import tr
+from cpm_app.session.signals import Board
+from cpm_app.session.timeline.moments import Erased
+from cpm_app.session.timeline.stored_runs import starts_of
+from cpm_app.session.undo_history import Erasure
+from cpm_app.session.worker.commands import Command, find_seeds, run_call
+from cpm_app.session.worker.run import Run
+from cpm_core.numerics import Place
+from cpm_core.shapes import Interest, Shape
+
+_LAG = 2.0
+"""Distance by which particles may have moved since they were shown [px]."""
+
+_NONE: Counter[Hashable] = Counter()
+
+
+class Live:
+    """Compares documents and sends changes to the worker."""
+
+    def __init__(self, board: Board, post: Callable[[Command], None]) -> None:
+        self._board = board
+        self._post = post
+        self._run = 0
+        self._late: dict[int, tuple[object, ...]] = {}
+        self.executed: dict[int, Counter[Hashable]] = {}
+        """The sources of the particles of each run, by its generation."""
+        self._erasures = 0
+        self._drawn: Counter[Hashable] = Counter()
+        self._last_shapes: tuple[Shape, ...] | None = None
+        self._outdated: tuple[tuple[Shape, ...] | None, Counter[Hashable] | None, bool] = (None, None, False)
+
+    def begin(self, run: int, document: Document) -> None:
+        """The run of this generation starts from a document."""
+        self._run = run
+        self._late[run], self.executed[run] = document.late, document.sources
+        self._drawn, self._last_shapes = document.sources, document.shapes
+
+    def use(self, run: int) -> None:
+        """Another run of the timeline is shown, the one that began as this generation."""
+        if run in self.executed:
+            self._run = run
+
+    def restore(self, begun: Mapping[int, tuple[Document, Counter[Hashable]]]) -> None:
+        """The runs of a session are there: their first documents and the sources of their particles."""
+        document = self._board.scene.document
+        self._drawn, self._last_shapes = document.sources, document.shapes
+        for run, (first, executed) in begun.items():
+            self._late[run], self.executed[run] = replace(first, image=document.image).late, executed
+
+    def forget(self) -> None:
+        """Forget all runs: another image has been opened."""
+        self._late.clear()
+        self.executed.clear()
+        self._run = 0
+
+    @property
+    def _executed(self) -> Counter[Hashable]:
+        """The sources of the particles of the run that is shown."""
+        return self.executed.get(self._run, _NONE)
+
+    def _execute(self, executed: Counter[Hashable]) -> None:
+        if self._run in self.executed:
+            self.executed[self._run] = executed
+
+    def outdated(self, document: Document) -> bool:
+        """Whether a run from the current document would begin otherwise than the existing one did.
+
+        Starts that have only been added join the run.
+        """
+        executed = self._executed
+        # The window asks many times a second, and many thousand points take a while to compare.
+        if document.shapes is not self._outdated[0] or executed is not self._outdated[1]:
+            self._outdated = document.shapes, executed, bool(executed - document.sources)
+        return self._outdated[2] or document.late != self._late.get(self._run, ())
+
+    def follow(self, before: Document, after: Document, complete: bool) -> None:
+        """The document has changed; unless `complete`, the gesture that changes it continues."""
+        board = self._board
+        if before.parameters != after.parameters:
+            self._post(run_call(None, Run.set_parameters, after.parameters))
+        if after.image_starts and before.seeding_inputs != after.seeding_inputs:
+            self._board.busy("seeding", tr("Looking for starting positions…"))
+            self._post(find_seeds(board.image_generation, after))
+        if before.charges != after.charges:
+            self._post(run_call(None, Run.place, board.image_generation, after.charges))
+        if before.hand_edits != after.hand_edits:
+            self._post(run_call(None, Run.edit_by_hand, after.hand_edits))
+        if not self._board.status.started:
+            return
+        if before.regions != after.regions:
+            self._post(run_call(board.generation, Run.limit, after.regions))
+        if complete:
+            self.end_gesture()
+
+    def end_gesture(self) -> None:
+        """A gesture has ended: the starts that it has added join the run."""
+        document = self._board.scene.document
+        if document.shapes is self._last_shapes:
+            return  # most often only parameters changed, and many points take a while to compare
+        self._last_shapes = document.shapes
+        drawn = document.sources
+        lost, gained = self._drawn - drawn, drawn - self._drawn
+        self._drawn = drawn
+        if not self._board.status.started or lost.total() == gained.total():
+            return  # no change, or a start that was moved or reshaped
+        new = (drawn - self._executed) & gained
+        if new:
+            self._execute(self._executed + new)
+            regions = (shape for shape in document.shapes if isinstance(shape, Interest))
+            only = replace(document, shapes=(*starts_of(new), *regions))
+            self._post(run_call(self._board.generation, Run.join, only))
+
+    def begin_erasure(self) -> Erasure:
+        """An erasure that has not removed anything yet."""
+        self._erasures += 1
+        return Erasure(self._erasures)
+
+    def erase(self, path: tuple[Place, ...], radius: float, erasure: Erasure) -> tuple[Document, bool]:
+        """Remove the particles near a path: the document without the shapes near it, and whether the run changes.
+
+        Run and document stay consistent, so that the run is not out of date afterwards.
+        """
+        board = self._board
+        rest = edits.erase(board.scene.document, path, radius)
+        lost = self._executed & (board.scene.document.sources - rest.sources)
+        self._execute(self._executed - lost)
+        if not self._board.status.started:
+            return rest, False
+        erasure.sources += lost
+        self._post(run_call(board.generation, Run.erase, path, radius, erasure.number))
+        return rest, bool(lost) or self._reached(path, radius)
+
+    def turn(self, erasure: Erasure, back: bool) -> None:
+        """Particles that were erased come back, or go again, and with them those of the shapes erased."""
+        self._execute(self._executed + erasure.sources if back else self._executed - erasure.sources)
+
+    def _reached(self, path: tuple[Place, ...], radius: float) -> bool:
+        """Whether particles are near a path, as far as the window knows; while they move, some px farther away."""
+        scene = self._board.scene
+        if scene.snapshot is None or scene.image is None:
+            return True
+        moving = self._board.status.phase == "running"
+        erased = Erased(path, radius + _LAG * moving)
+        return bool(np.any(erased.reaches(scene.snapshot.position, scene.image.spacing)))

@@ -1,0 +1,253 @@
+"""The scene: everything that the canvas shows, one frozen value that the session replaces as a whole.
+
+A view keeps the scene that it has drawn last and draws what is another object in the next one. Another canvas, such as
+that of an animation, draws another scene: ``dataclasses.replace(session.scene, snapshot=...)``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from cpm_app.model.display.differences import Apart, Difference
+from cpm_app.model.display.display_image import DisplayImage
+from cpm_app.model.document.document import Document
+from cpm_app.model.document.objects import AnySelection, made
+from cpm_app.model.text.language import tr
+from cpm_app.model.volume.slices import Slices
+from cpm_app.session.exchange.contour_tracking import TrackedContours
+from cpm_app.session.exchange.messages import Drawn, Reconstruction, Snapshot
+from cpm_app.session.worker.requests import Probed, Shaded
+from cpm_core import Contour, Image, Result, Skeleton, Truth, VolumeTruth
+from cpm_core.contours import Mark, Measures, ReviewedContour, reviewed
+from cpm_core.numerics import Array, Index
+from cpm_core.objects.segmented import Click, SegmentedObject
+from cpm_core.shapes import NO_SEEDS, ImageSeeds
+
+
+@dataclass(frozen=True, eq=False)
+class Item:
+    """A contour as table and canvas show it; its key stays the same through all reconstructions."""
+
+    key: int
+    reviewed: ReviewedContour
+    measures: Measures
+
+    @property
+    def contour(self) -> Contour:
+        """The contour, with name and color."""
+        return self.reviewed.contour
+
+    @property
+    def title(self) -> str:
+        """Its name, or its number."""
+        return self.contour.name or tr("contour {number}").format(number=self.measures.number)
+
+
+@dataclass(frozen=True, eq=False)
+class ReviewedContours:
+    """The contours of a reconstruction, longest first, with their marks.
+
+    `tracked` is the reconstruction, None while there is none, and `result` the same with kept contours that it lacks,
+    and with rejected ones.
+    """
+
+    items: tuple[Item, ...] = ()
+    tracked: TrackedContours | None = None
+    result: Result | None = None
+
+    @staticmethod
+    def of(tracked: TrackedContours | None, marks: tuple[Mark, ...]) -> ReviewedContours:
+        """Attach marks to the contours that they were made on."""
+        if tracked is None:
+            return NO_CONTOURS
+        whole = tracked.keeping(marks)
+        items = zip(whole.keys, reviewed(whole.result.contours, marks), whole.measures, strict=True)
+        return ReviewedContours(tuple(Item(*one) for one in items), tracked, whole.result)
+
+
+NO_CONTOURS = ReviewedContours()
+
+
+@dataclass(frozen=True, eq=False)
+class Proposal:
+    """An object that is offered.
+
+    Attributes
+    ----------
+    selection : Selection or VolumeSelection
+        The object.
+    clicks : tuple of Click
+        What it was selected by.
+    number : int
+        Number of the object that it would replace; 0 for a new one.
+    key : int
+        What it is chosen by, below 0, the same as long as it is offered; 0 for the object of the clicks.
+    followed : SegmentedObject or None
+        The object that it becomes, when it has been followed from the page before.
+    """
+
+    selection: AnySelection
+    clicks: tuple[Click, ...]
+    number: int = 0
+    key: int = 0
+    followed: SegmentedObject | None = None
+
+    @cached_property
+    def item(self) -> SegmentedObject:
+        """The object that it would become, of the first class unless it was followed; it has to have a boundary."""
+        return self.followed or made(self.selection, self.clicks, self.number or 1, 1)
+
+
+@dataclass(frozen=True, eq=False)
+class Preview:
+    """What a click under the pointer would change.
+
+    Attributes
+    ----------
+    after : Selection or VolumeSelection
+        The object after the click.
+    before : Selection, VolumeSelection or None
+        The object as it is; None when the click would begin one.
+    adds : bool
+        Whether the click adds to it; otherwise it takes away.
+    """
+
+    after: AnySelection
+    before: AnySelection | None
+    adds: bool
+
+
+@dataclass(frozen=True, eq=False)
+class ShownObjects:
+    """What is shown of the selection of objects next to those of the document.
+
+    Attributes
+    ----------
+    proposals : tuple of Proposal
+        Objects that are offered: that of the clicks, and those of the run.
+    preview : Preview or None
+        What a click under the pointer would change.
+    chosen : frozenset of int
+        Numbers of the chosen objects, and keys of the chosen proposals.
+    hovered : int
+        Number of the object, or key of the proposal, under the pointer; 0 for none.
+    """
+
+    proposals: tuple[Proposal, ...] = ()
+    preview: Preview | None = None
+    chosen: frozenset[int] = frozenset()
+    hovered: int = 0
+
+
+@dataclass(frozen=True, eq=False)
+class NearParticles:
+    """The particles of a volume that a slice shows.
+
+    Attributes
+    ----------
+    index : ndarray of int, shape (M,)
+        Which of all particles they are.
+    away : ndarray, shape (M,)
+        How far they are from the slice: 0 in it, 1 where they are no longer shown.
+    """
+
+    index: Index
+    away: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What is shown on the canvas.
+
+    The image of the scene of a session may be a volume; each view draws the scene of a slice of it, which
+    `cpm_app.session.features.slices` makes: that has an image, and `volume` and `near` next to it.
+
+    Attributes
+    ----------
+    image : Image or None
+        The image; None while none is open.
+    display : DisplayImage or None
+        The image with its full range of gray values.
+    shaded : Shaded or None
+        The image in the last requested intensity window.
+    document : Document
+        Shapes, parameters and marks.
+    selected : int or None
+        Index of the selected shape.
+    image_seeds : mapping of start to ndarray
+        Seeds of the starts that depend on the image.
+    snapshot : Snapshot or None
+        The particles; None while there is no run.
+    reconstruction : Reconstruction or None
+        Result of the run, by any method; this is what is exported.
+    contours : ReviewedContours
+        The contours with their marks.
+    selected_contours : frozenset of int
+        Keys of the selected contours.
+    hovered_contour : int or None
+        Key of the contour under the pointer.
+    overlays : mapping of str to what is drawn
+        The requested overlays by name; see `cpm_app.session.worker.prepared_methods`.
+    probed : Probed or None
+        Forces on a particle.
+    truth : Truth, VolumeTruth or None
+        What results are compared with, unless that is what is shown.
+    differences : tuple of Difference
+        Where the contours, or the surface, that are compared differ from it.
+    apart : tuple of Apart
+        The same in a volume, as parts of the surfaces.
+    objects : ShownObjects
+        The selection of objects.
+    slices : Slices or None
+        The slices of a volume that are shown; None for an image.
+    volume : Image or None
+        The volume whose slice `image` is; None for an image of its own, and for the volume itself.
+    near : NearParticles or None
+        Which of the particles of a volume are shown in a slice.
+    """
+
+    image: Image | None = None
+    display: DisplayImage | None = None
+    shaded: Shaded | None = None
+    document: Document = field(default_factory=Document)
+    selected: int | None = None
+    image_seeds: ImageSeeds = field(default_factory=lambda: NO_SEEDS)
+    snapshot: Snapshot | None = None
+    reconstruction: Reconstruction | None = None
+    contours: ReviewedContours = NO_CONTOURS
+    selected_contours: frozenset[int] = frozenset()
+    hovered_contour: int | None = None
+    overlays: Mapping[str, Drawn] = field(default_factory=dict)
+    probed: Probed | None = None
+    truth: Truth | VolumeTruth | None = None
+    differences: tuple[Difference, ...] = ()
+    apart: tuple[Apart, ...] = ()
+    objects: ShownObjects = field(default_factory=ShownObjects)
+    slices: Slices | None = None
+    volume: Image | None = None
+    near: NearParticles | None = None
+
+    @property
+    def whole(self) -> Image | None:
+        """The image as it was opened: the volume where a slice is shown."""
+        return self.image if self.volume is None else self.volume
+
+    @property
+    def ground(self) -> tuple[Image | None, int | None]:
+        """What a view shows a part of: an image, or the slices of a volume across an axis."""
+        return self.whole, self.slices.axis if self.slices is not None else None
+
+    @property
+    def skeleton(self) -> Skeleton | None:
+        """The skeleton that the run has found, in the mode of skeletons."""
+        if self.reconstruction is None or self.document.mode != "skeleton":
+            return None
+        found = self.reconstruction.result
+        return found if isinstance(found, Skeleton) and found.contours else None
+
+    @property
+    def has_particles(self) -> bool:
+        """Whether particles are shown; before the very first run the kernels may have to be compiled."""
+        return self.snapshot is not None and (self.snapshot.state.step > 0 or len(self.snapshot.position) > 0)

@@ -1,0 +1,267 @@
+"""The board: what is shown of a session, and the signals and reports by which views follow it."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import replace
+from typing import Any, TypeVar
+
+from PySide6.QtCore import QObject, Signal
+
+from cpm_app.model.state.situation import Phase, RunStatus
+from cpm_app.model.text.language import shortened, tr
+from cpm_app.session.exchange.messages import (
+    CommandFailed,
+    Compiling,
+    Exported,
+    Finished,
+    Opened,
+    Reconstruction,
+    ReconstructionFailed,
+    Report,
+    RunFailed,
+    SeedsFound,
+    Snapshot,
+    WarmedUp,
+    WentOn,
+)
+from cpm_app.session.scene import NO_CONTOURS, ReviewedContours, Scene
+from cpm_app.session.worker.commands import RunsRestored
+from cpm_app.session.worker.requests import Probed, Shaded
+from cpm_app.session.worker.worker_thread import WorkerThread
+
+R = TypeVar("R", bound=Report)
+
+OPENING, RUNNING, EDITING, SAVING = "opening", "running", "editing", "saving"
+EXPORTING, FILMING, CONTOURS = "exporting", "filming", "contours"
+"""Kinds of attempts that messages belong to."""
+
+RECOVERY, JOURNAL, UNEXPECTED = "recovery", "journal", "unexpected"
+
+OF_THE_PROGRAM = (RECOVERY, JOURNAL, UNEXPECTED)
+"""Topics of messages that do not concern the open image, and stay when another one is opened."""
+
+
+_COMPILING = tr("Preparing for the first run on this computer: {percent} %")
+
+_ENDED_BY: Mapping[type[Report], tuple[str, ...]] = {
+    Opened: ("seeding", "restoring"), RunsRestored: ("restoring",), RunFailed: ("restoring",),
+    SeedsFound: ("seeding",), WarmedUp: ("preparing",),
+}  # fmt: skip
+"""What is no longer being prepared once a report arrives."""
+
+_FIGURES_EVERY = 0.1
+"""Time between two updates of the numbers in the window [s]."""
+
+
+class Board(QObject):
+    """What is shown of a session: the scene and the state of the run, the signals that views follow, and reports.
+
+    Snapshots and reports of the worker are taken once in each display frame, checked, and passed on.
+    """
+
+    scene_changed = Signal()
+    """The scene has been replaced."""
+    image_changed = Signal()
+    """Another image has been opened."""
+    document_changed = Signal(object)
+    """The document has been replaced: Document."""
+    status_changed = Signal()
+    """`resolved` may have changed."""
+    said = Signal(str, bool, str)
+    """A sentence for the user, whether it is an error message, and the kind of attempt that it belongs to, or ""."""
+    attempted = Signal(str)
+    """Something of this kind is attempted again: what was said about the last attempt no longer applies."""
+
+    def __init__(self, worker_thread: WorkerThread, parent: QObject) -> None:
+        super().__init__(parent)
+        self._worker_thread = worker_thread
+        self._busy: dict[str, str] = {}
+        self._shown_at = 0.0
+        self._known = RunStatus()
+        self.scene = Scene()
+        """The scene that is shown."""
+        self.generation = 0
+        """Number of the current run; snapshots and reports of other runs are not shown."""
+        self.image_generation = 0
+        """Number under which the image was opened."""
+        self._troubles: dict[str, str] = {}
+        self._gathering = self._gathered = False
+        self._listeners: dict[type[Report], list[Callable[[Any], object]]] = {}
+
+    def show(self, scene: Scene) -> None:
+        """Show another scene."""
+        self.scene = scene
+        self.scene_changed.emit()
+
+    def show_status(self) -> None:
+        """Announce that `resolved` may have changed."""
+        if self._gathering:
+            self._gathered = True
+        else:
+            self.status_changed.emit()
+
+    @contextmanager
+    def gathering(self) -> Iterator[None]:
+        """Announce a changed status once at the end, since all actions of the window follow it."""
+        if self._gathering:
+            yield
+            return
+        self._gathering, self._gathered = True, False
+        try:
+            yield
+        finally:
+            self._gathering = False
+            if self._gathered:
+                self.status_changed.emit()
+
+    def listen(self, kind: type[R], take: Callable[[R], object]) -> None:
+        """Call `take` with all reports of one kind from now on."""
+        self._listeners.setdefault(kind, []).append(take)
+
+    def stop_listening(self, kind: type[R], take: Callable[[R], object]) -> None:
+        """Call `take` no longer."""
+        self._listeners[kind].remove(take)
+
+    def pass_on(self, report: Report) -> None:
+        """Pass a report to the listeners of its kind."""
+        for take in tuple(self._listeners.get(type(report), ())):
+            take(report)
+
+    def say(self, sentence: str, trouble: bool = False, topic: str = "") -> None:
+        """Show one sentence to the user; it belongs to an attempt of a kind, such as `EXPORTING`."""
+        self.said.emit(shortened(sentence), trouble, topic)
+
+    def trouble(self, sentence: str, topic: str) -> None:
+        """Tell what work that is done again and again failed with, and with an empty sentence that it succeeded.
+
+        The same sentence is shown only once, so that it can be dismissed; success takes it back.
+        """
+        before = self._troubles.pop(topic, "")
+        if sentence:
+            self._troubles[topic] = sentence
+            if sentence != before:
+                self.say(sentence, True, topic)
+        elif before:
+            self.attempt(topic)
+
+    def attempt(self, *topics: str) -> None:
+        """Announce that something is attempted again; see `attempted`."""
+        for topic in topics:
+            self.attempted.emit(topic)
+
+    # The run
+
+    @property
+    def status(self) -> RunStatus:
+        """State of the run."""
+        return replace(self._known, busy=next(iter(self._busy.values()), ""))
+
+    def busy(self, what: str, text: str) -> None:
+        """Show `text` while something is being prepared."""
+        self._busy = {what: text} | {key: value for key, value in self._busy.items() if key != what}
+        self.show_status()
+
+    def phase(self, phase: Phase) -> None:
+        """The user has started or stopped the run."""
+        self._known = replace(self._known, phase=phase)
+        self.show_status()
+
+    def forget(self, method: str = "cpm") -> None:
+        """Clear what is shown of the previous run; `method` is the name of the next one's method."""
+        self._known = RunStatus(phase="ready", method=method)
+        self.trouble("", CONTOURS)
+        self._show(snapshot=None, reconstruction=None, contours=NO_CONTOURS, probed=None)
+        self.show_status()
+
+    def look(self) -> None:
+        """Take what has arrived; drop what belongs to another run or image."""
+        for report in self._worker_thread.reports():
+            self._take_report(report)
+        snapshot = self._worker_thread.run.snapshots.take()
+        if snapshot is not None and snapshot.generation == self.generation:
+            self._take_snapshot(snapshot)
+        contours = self._worker_thread.run.reconstructor.results.take()
+        if contours is not None and contours.generation == self.generation:
+            self._take_contours(contours)
+        overlays = self._worker_thread.run.overlays.take()
+        if overlays is not None and overlays.generation == self.image_generation:
+            self.trouble(overlays.trouble, "overlays")
+            self._show(overlays=overlays.arrays)
+
+    def _take_contours(self, found: Reconstruction | ReconstructionFailed) -> None:
+        if isinstance(found, ReconstructionFailed):
+            trouble = found.sentence
+            if self.scene.contours.items:
+                last = tr("{trouble} The contours that are shown are those of an earlier step.")
+                trouble = last.format(trouble=trouble)
+            self.trouble(trouble, CONTOURS)
+            return
+        self.trouble("", CONTOURS)
+        self._known = replace(self._known, found=found.result)
+        reviewed = ReviewedContours.of(found.tracked, self.scene.document.marks)
+        self._show(reconstruction=found, contours=reviewed)
+        self.show_status()
+
+    def _show(self, **parts: Any) -> None:
+        """Replace parts of the scene."""
+        self.show(replace(self.scene, **parts))
+
+    def _take_snapshot(self, snapshot: Snapshot) -> None:
+        before, state, metrics = self._known.phase, snapshot.state, snapshot.metrics
+        held: Phase = "paused" if before == "finished" else before  # the run has gone back from its end
+        self._known = replace(
+            self._known,
+            method=snapshot.method,
+            phase="finished" if state.stop_reason else held,
+            step=state.step,
+            count=len(snapshot.position),
+            scale=state.scale,
+            epsilon=float(metrics.epsilon[-1]) if len(metrics.epsilon) else math.nan,
+            stop_reason=state.stop_reason,
+            converged=state.converged,
+            steering=state.steering,
+            steps_per_second=snapshot.steps_per_second,
+        )
+        self._show(snapshot=snapshot)
+        now = time.perf_counter()
+        if self._known.phase != "running" or before != "running" or now - self._shown_at >= _FIGURES_EVERY:
+            self._shown_at = now
+            self.show_status()
+
+    def _take_report(self, report: Report) -> None:
+        for what in _ENDED_BY.get(type(report), ()):
+            self._busy.pop(what, None)
+        match report:
+            case RunsRestored(generation, _, True) if generation == self.generation:
+                # the state that is shown may have been taken before this report
+                self._known = replace(self._known, phase="finished" if self._known.stop_reason else "paused")
+            case RunFailed(generation, sentence) if generation == self.generation:
+                self._known = replace(self._known, phase="paused" if self._known.count else "ready")
+                self.say(sentence, True, RUNNING)
+            case WentOn(generation) if generation == self.generation:
+                self._known = replace(self._known, phase="running")
+            case SeedsFound(generation, image_seeds, sentence):
+                if sentence:
+                    self.say(sentence, True, EDITING)
+                if generation == self.image_generation:
+                    self._show(image_seeds=image_seeds)
+            case Exported(path, counts):
+                written = tr("Written: {path}").format(path=path)
+                self.say(f"{written} ({counts})" if counts else written, topic=EXPORTING)
+            case CommandFailed(sentence, topic):
+                self.say(sentence, True, topic)
+            case Compiling(percent) if "preparing" in self._busy:
+                self._busy["preparing"] = _COMPILING.format(percent=percent)
+            case Probed():
+                self.trouble(report.trouble, "forces")
+                self._show(probed=report)
+            case Shaded():
+                self._show(shaded=report)
+            case Finished(then):
+                then()
+        self.pass_on(report)
+        self.show_status()

@@ -1,0 +1,41 @@
+"""The folder in which a file dialog begins: one rule for all dialogs.
+
+Next to the image, until another folder is chosen for it. Without an image, or with a sample image of the program, next
+to which nothing is kept, it is the folder that was chosen last for this kind of file.
+"""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Literal
+
+from cpm_app.model.document.document import Document
+from cpm_app.model.document.samples import sample_at
+from cpm_app.session.storage.preferences import Preferences
+
+Purpose = Literal["open", "session", "export", "truth", "preset"]
+"""What a dialog asks for: an image or session to open, a session to write, a result, a ground truth, a preset."""
+
+_READ = frozenset({"open", "truth"})
+"""Purposes for which a folder need not be writable."""
+
+
+def first_folder(preferences: Preferences, document: Document, purpose: Purpose) -> Path:
+    """Folder that a dialog begins with."""
+    chosen = preferences.get(f"folders/{purpose}", "")
+    last = Path(chosen) if chosen and Path(chosen).is_dir() else Path.home()
+    if document.image is None:
+        return last
+    image = Path(document.image.path)
+    if chosen and preferences.get(f"folders/{purpose}_of", "") == str(image):
+        return last
+    own = image.absolute().parent
+    used = sample_at(image) is None and os.access(own, os.R_OK if purpose in _READ else os.W_OK)
+    return own if used else last
+
+
+def remember_folder(preferences: Preferences, document: Document, purpose: Purpose, path: Path) -> None:
+    """A file has been chosen for this document."""
+    preferences.put(f"folders/{purpose}", str(path.absolute().parent))
+    preferences.put(f"folders/{purpose}_of", document.image.path if document.image else "")

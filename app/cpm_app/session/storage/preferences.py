@@ -1,0 +1,73 @@
+"""Preferences of the user, kept in a small file between starts of the program."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TypeVar
+
+from PySide6.QtCore import QByteArray, QObject, QSettings, Signal
+
+from cpm_app.model.preferences.table import Preference
+
+Value = TypeVar("Value", bool, int, float, str, list[str], QByteArray)
+V = TypeVar("V")
+
+
+def settings() -> QSettings:
+    """The file of the preferences; other files of the user are in its folder."""
+    return QSettings(QSettings.Format.IniFormat, QSettings.Scope.UserScope, "cpm", "cpm")
+
+
+class Preferences(QObject):
+    """Values of preferences, and what the window keeps for itself by key, with the only default where it is read."""
+
+    changed = Signal(str)
+    """Key of a value that has changed."""
+
+    def __init__(self, parent: QObject | None = None) -> None:
+        super().__init__(parent)
+        self._settings = settings()
+
+    def value(self, preference: Preference[V]) -> V:
+        """The value of a preference; its default when none is stored or the stored one cannot be used."""
+        stored = self._settings.value(preference.name)
+        taken = None if stored is None else preference.taken(stored)
+        return preference.default if taken is None else taken
+
+    def choose(self, preference: Preference[V], value: V) -> None:
+        """Store a value; the default is not stored."""
+        if value != self.value(preference):
+            if value == preference.default:
+                self._settings.remove(preference.name)
+            else:
+                self._settings.setValue(preference.name, value)
+            self.changed.emit(preference.name)
+
+    def follow(self, preference: Preference[V], do: Callable[[], object]) -> None:
+        """Call a function now and whenever the value changes, as long as these preferences exist."""
+        self.changed.connect(lambda key: do() if key == preference.name else None)
+        do()
+
+    def get(self, key: str, default: Value) -> Value:
+        """The value of a key, of the default's type; the default when there is none or it is invalid."""
+        value = self._settings.value(key)
+        if value is None:
+            return default
+        if isinstance(default, bool):
+            return value in (True, "true")
+        if isinstance(default, list):
+            return [str(item) for item in value] if isinstance(value, list) else [str(value)]
+        try:
+            return type(default)(value)
+        except (TypeError, ValueError):
+            return default
+
+    def put(self, key: str, value: Value) -> None:
+        """Store a value if it has changed."""
+        if self._settings.value(key) != value:
+            self._settings.setValue(key, value)
+            self.changed.emit(key)
+
+    def flush(self) -> None:
+        """Write to the file now."""
+        self._settings.sync()

@@ -1,0 +1,187 @@
+"""Recovery: unsaved work in a small journal file, which is removed when the program ends normally.
+
+Each window has a journal of its own, with a lock next to it that ends with the process, even after a crash. The next
+start offers the journals whose processes have ended; one is deleted only after it has been restored or declined.
+"""
+
+from __future__ import annotations
+
+import uuid
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from datetime import datetime
+from pathlib import Path
+
+from PySide6.QtCore import QLockFile, QObject, QTimer, Signal
+
+from cpm_app.model.preferences.table import AUTOSAVE
+from cpm_app.model.text.language import tr
+from cpm_app.session.exchange.messages import Saved
+from cpm_app.session.exchange.messages import sentence as _sentence
+from cpm_app.session.storage.preferences import Preferences, settings
+from cpm_app.session.storage.session_file import DocumentFile
+from cpm_app.session.tasks.opening import Wanted
+from cpm_core.formats import SUFFIX, SessionFile, load_session, remove_abandoned, save_session
+
+KEY = "journal"
+"""Key under which a journal, otherwise a session file, names the file and the work that it belongs to."""
+
+UNREADABLE = ".unreadable"
+"""Suffix of journals that cannot be read."""
+
+_EVERY = 2000
+"""Time from a change until it is written, with further changes in between [ms]."""
+
+
+def folder_of_journals() -> Path:
+    """The user's folder of journals, next to the preferences."""
+    return Path(settings().fileName()).parent / "journals"
+
+
+def lock_of(journal: Path) -> QLockFile:
+    """The lock of a journal, which lasts as long as the process that has taken it."""
+    lock = QLockFile(str(journal.with_suffix(".lock")))
+    lock.setStaleLockTime(0)  # a lock is never stale by age, because a window may stay open for long
+    return lock
+
+
+class Journal(QObject):
+    """Follows a document and writes its journal, on a separate thread."""
+
+    put = Signal(str)
+    """The journal has been written or removed: nothing, or else a sentence on why it has not."""
+    _worked = Signal(str)
+    """The same, sent by the thread that writes."""
+
+    def __init__(self, document_file: DocumentFile, folder: Path, preferences: Preferences) -> None:
+        super().__init__(document_file)
+        self._document_file = document_file
+        self.path = folder / f"{uuid.uuid4().hex}{SUFFIX}"
+        self._lock = lock_of(self.path)
+        self._writer: ThreadPoolExecutor | None = None
+        self._last: Future[str] | None = None
+        self._closed = False
+        self._timer = QTimer(self, singleShot=True, interval=_EVERY)
+        self._timer.timeout.connect(self.write)
+        self._preferences = preferences
+        self._worked.connect(self.put)
+        preferences.follow(AUTOSAVE, self._plan)
+        document_file.edited.connect(self._plan)
+        document_file.changed.connect(self._plan)
+
+    def write(self) -> None:
+        """Start to write the unsaved work, or remove the journal when all is saved."""
+        self._timer.stop()
+        file = None
+        if self._document_file.unsaved and self._preferences.value(AUTOSAVE):
+            kept, path = self._document_file.file, self._document_file.path
+            named = {"session": str(path.absolute()) if path else "", "name": self._document_file.name}
+            file = replace(kept, extra={**kept.extra, KEY: named})
+        if self._writer is None and file is not None:
+            self._writer = ThreadPoolExecutor(1, "cpm-journal")
+        if self._writer is not None:
+            self._last = self._writer.submit(self._put, file)
+
+    def flush(self) -> bool:
+        """Wait until everything is on disk; False when it cannot be."""
+        return self._last is not None and not self._last.result()
+
+    def close(self) -> None:
+        """Remove the journal: the program ends normally."""
+        self._closed = True
+        self._timer.stop()
+        if self._writer is not None:
+            self._writer.submit(self._put, None)
+            self._writer.shutdown()
+            self._writer = None
+            self._lock.unlock()
+
+    def _plan(self) -> None:
+        if not (self._closed or self._timer.isActive()) and (self._document_file.unsaved or self._writer is not None):
+            self._timer.start()
+
+    def _put(self, file: SessionFile | None) -> str:
+        """Write or remove the journal; what that failed with."""
+        trouble = ""
+        try:
+            if file is None:
+                self.path.unlink(missing_ok=True)
+            else:
+                self.path.parent.mkdir(parents=True, exist_ok=True)
+                if not (self._lock.isLocked() or self._lock.tryLock(0)):
+                    raise ValueError(tr("{folder} is not writable.").format(folder=self.path.parent))
+                save_session(file, self.path)
+        except Exception as error:  # the user can still work without a journal
+            if file is not None:
+                reason = _sentence(error, tr("keeping unsaved work"))
+                lost = tr("Unsaved work cannot be protected against a crash: save the session yourself. {reason}")
+                trouble = lost.format(reason=reason)
+        self._worked.emit(trouble)
+        return trouble
+
+
+@dataclass(frozen=True, eq=False)
+class Leftover:
+    """A journal whose process has ended; while its lock is held, no other window offers it.
+
+    `path` is the session file that it belongs to, None if it had never been saved.
+    """
+
+    journal: Path
+    name: str
+    path: Path | None
+    when: datetime
+    file: SessionFile
+    lock: QLockFile
+
+    @property
+    def wanted(self) -> Wanted:
+        """The request to open it as unsaved work."""
+        saved = Saved(self.path, self.file, recovered=True)
+        note = tr("{name} was restored and is not saved yet.").format(name=self.name)
+        return Wanted(self.path or Path(self.name), self.file.parameters, saved=saved, notes=(note,))
+
+    def keep(self) -> None:
+        """Leave it for another time."""
+        self.lock.unlock()
+
+    def discard(self) -> None:
+        """Remove it."""
+        with suppress(OSError):
+            self.journal.unlink(missing_ok=True)
+        self.lock.unlock()
+
+
+def left_behind(folder: Path) -> tuple[list[Leftover], list[str]]:
+    """Journals in a folder whose processes have ended, the newest first, and sentences on those that cannot be read.
+
+    A journal that is damaged is set aside; one that only could not be read stays for the next start.
+    """
+    remove_abandoned(folder)
+    found, troubles = [], []
+    for journal in sorted(folder.glob(f"*{SUFFIX}")):
+        lock = lock_of(journal)
+        if not lock.tryLock(0):
+            continue
+        try:
+            found.append(_read(journal, lock))
+        except (ValueError, OSError) as error:
+            kept = journal
+            if not isinstance(error, OSError) and not isinstance(error.__cause__, OSError):
+                with suppress(OSError):
+                    kept = journal.rename(journal.with_suffix(UNREADABLE))
+            text = tr("Unsaved work of an earlier session cannot be restored. {reason} It is kept as {path}.")
+            troubles.append(text.format(reason=_sentence(error, tr("reading unsaved work")), path=kept))
+            lock.unlock()
+    return sorted(found, key=lambda leftover: leftover.when, reverse=True), troubles
+
+
+def _read(journal: Path, lock: QLockFile) -> Leftover:
+    file, when = load_session(journal), datetime.fromtimestamp(journal.stat().st_mtime)
+    named = file.extra.get(KEY)
+    if file.image is None or not isinstance(named, dict):
+        raise ValueError(tr("{name} is not a recovery file.").format(name=journal.name))
+    path, name = str(named.get("session") or ""), str(named.get("name") or journal.name)
+    bare = replace(file, extra={key: value for key, value in file.extra.items() if key != KEY})
+    return Leftover(journal, name, Path(path) if path else None, when, bare, lock)

@@ -1,0 +1,179 @@
+"""The session file of a document: where it is, whether it is up to date, saving."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from PySide6.QtCore import QObject, Signal
+
+from cpm_app.model.document.document import Document
+from cpm_app.model.document.saving import View, changed_parts, to_file
+from cpm_app.model.text.language import tr
+from cpm_app.session.exchange.messages import CommandFailed, Opened, Report
+from cpm_app.session.session import Session
+from cpm_app.session.signals import SAVING
+from cpm_app.session.storage.run_keeping import RunKeeping
+from cpm_app.session.tasks.tasks import Task
+from cpm_core.formats import SUFFIX, SessionFile, TruthFile, save_session
+
+_PATIENCE = 10.0
+"""Longest time that a file waits for the worker to finish its step; then it has the runs collected last [s]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Written(Report):
+    """A session file has been written: what it holds, as which number its image was opened, the edition of its runs."""
+
+    path: Path
+    file: SessionFile
+    document: Document
+    opening: int
+    edition: int
+
+
+class DocumentFile(QObject):
+    """The session file of what is open; `view` returns the view settings as plain JSON."""
+
+    changed = Signal()
+    """The file or its state, saved or unsaved, has changed."""
+    edited = Signal()
+    """The content to be saved may have changed."""
+    restored = Signal(object)
+    """A session has been opened: its view settings, as plain JSON."""
+
+    def __init__(self, session: Session, view: Callable[[], View]) -> None:
+        super().__init__(session)
+        self._session = session
+        self._view = view
+        self._file: SessionFile | None = None
+        self.known: Document | None = session.document
+        """The document that the file has; None where it has another one."""
+        self.runs = RunKeeping(session)
+        self.truth: Callable[[], TruthFile | None] = lambda: None
+        """Gives the ground truth to be saved; set by the window."""
+        self.pages: Callable[[], Mapping[str, Any]] = dict
+        """Gives the other pages of a stack, as plain JSON; set by what keeps them."""
+        self.pages_unsaved: Callable[[], bool] = lambda: False
+        """Whether closing would lose changes on other pages; set by what keeps them."""
+        self._saving: Task | None = None
+        self._opening = 0
+        self._written: dict[Task, Written] = {}
+        """What has been written and not been announced yet."""
+        self._announced: tuple[Path | None, bool] = (None, False)
+        self.path: Path | None = None
+        session.document_changed.connect(lambda _: self._announce())
+        self.runs.changed.connect(self._announce)
+        session.listen(Opened, self._use_opened)
+        session.listen(Written, self._use_written)
+
+    @property
+    def unsaved(self) -> bool:
+        """Whether closing would lose changes."""
+        return bool(self.lost)
+
+    @property
+    def lost(self) -> tuple[str, ...]:
+        """What closing would lose, in words."""
+        document = self._session.document
+        if document.image is None:
+            return ()
+        others = ((self.runs.unsaved, tr("the runs")), (self.pages_unsaved(), tr("the other pages")))
+        return (*changed_parts(document, self.known), *(words for lost, words in others if lost))
+
+    @property
+    def name(self) -> str:
+        """Name of the file, or of the one that would be written."""
+        image = self._session.document.image
+        return self.path.name if self.path else f"{Path(image.name).stem}{SUFFIX}" if image else ""
+
+    @property
+    def file(self) -> SessionFile:
+        """The content to be saved."""
+        written = to_file(self._session.document, self._view(), self._file)
+        return replace(written, runs=self.runs.plain, truth=self.truth(), pages=self.pages())
+
+    def save(self, path: Path) -> Task:
+        """Write the session file on a separate thread, and use this path from now on."""
+        file, document, opening = self.file, self._session.document, self._opening
+        runs, before = self.runs.collect(), self._saving
+        self._session.attempt(SAVING)
+
+        def work(task: Task) -> Task:
+            if before is not None:  # one file is written at a time
+                before.wait()
+            whole, edition = file, -1
+            with suppress(TimeoutError):
+                found = runs.result(_PATIENCE)
+                whole, edition = replace(file, runs=found.plain), found.edition
+            save_session(whole, path)
+            self._written[task] = Written(path, whole, document, opening, edition)
+            return task
+
+        self._saving = self._session.tasks.start(
+            tr("Saving {name}…").format(name=path.name),
+            work,
+            tr("saving {name}").format(name=path.name),
+            partial(CommandFailed, topic=SAVING),
+            cancellable=False,
+            then=self._announce_written,
+        )
+        return self._saving
+
+    def finish(self) -> None:
+        """Wait for what `save` has been asked for: closing must not overtake it."""
+        if self._saving is not None:
+            self._saving.wait()
+        for task in tuple(self._written):
+            self._announce_written(task)
+
+    def save_at_once(self, path: Path) -> bool:
+        """Write the session file and wait for it; False, with an error message, when that fails."""
+        task = self.save(path)
+        task.wait()
+        done = task in self._written
+        self.finish()
+        return done
+
+    def _announce_written(self, task: Task) -> None:
+        if task in self._written:
+            self._session.pass_on(self._written.pop(task))
+
+    def forget(self) -> None:
+        """Treat the document as saved."""
+        self.known = self._session.document
+        self.runs.forget()
+        self._announce()
+
+    def _use_opened(self, opened: Opened) -> None:
+        self._opening += 1
+        saved = opened.saved
+        self.path, self._file = (saved.path, saved.file) if saved else (None, None)
+        self.known = self._session.document
+        if saved is not None and (saved.recovered or saved.turned):
+            self.known = saved.known and replace(saved.known, image=self._session.document.image)
+        if saved is not None:
+            self.restored.emit(saved.file.view)
+        self._announce()
+
+    def is_current(self, written: Written) -> bool:
+        """Whether what has been written belongs to the image that is open."""
+        return written.opening == self._opening
+
+    def _use_written(self, written: Written) -> None:
+        if self.is_current(written):
+            self.path, self._file, self.known = written.path, written.file, written.document
+            self.runs.saved(written.edition)
+        self._session.say(tr("Saved: {path}").format(path=written.path), topic=SAVING)
+        self._announce()
+
+    def _announce(self) -> None:
+        self.edited.emit()
+        now = (self.path, self.unsaved)
+        if now != self._announced:
+            self._announced = now
+            self.changed.emit()

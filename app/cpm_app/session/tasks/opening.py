@@ -1,0 +1,236 @@
+"""Opening an image or a session on a separate thread; it can be cancelled, and what is open stays usable."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from cpm_app.model.display.display_image import display_of
+from cpm_app.model.export import KINDS
+from cpm_app.model.text.language import reason, tr
+from cpm_app.model.volume.parts import Parts
+from cpm_app.session.exchange.messages import Core, ImageReady, NotOpened, Opened, Report, Saved
+from cpm_app.session.tasks.tasks import Task, Tasks
+from cpm_core import PRESETS, Image, Parameters
+from cpm_core.formats import (
+    READABLE,
+    SUFFIX,
+    Reading,
+    UnreadableError,
+    dicom_files_beside,
+    find_image,
+    in_natural_order,
+    load_session,
+    open_stack,
+)
+from cpm_core.formats.images import raster
+from cpm_core.formats.images.reading import DEFAULT
+from cpm_core.image import MINIMUM_SIDE, most_scales
+from cpm_core.shapes import check_axes
+
+_EXPORTED = re.compile(rf"(.+)_(?:{'|'.join(KINDS)})\.")
+
+
+def images_beside(image: Path) -> tuple[Path, ...]:
+    """The images in the folder of an image, this one among them: 2 comes before 10."""
+    return tuple(sorted({*images_in(image.parent), image}, key=lambda path: in_natural_order(path.name)))
+
+
+def images_in(folder: Path) -> tuple[Path, ...]:
+    """The images in a folder, without what has been exported of them; none in one that cannot be read."""
+    try:
+        with os.scandir(folder) as entries:
+            names = [entry.name for entry in entries if _is_image(entry)]
+    except OSError:
+        return ()
+    stems = {stem for name in names for stem in (Path(name).stem, name.partition(".")[0])}
+    exported = {name for name in names if (parts := _EXPORTED.match(name)) and parts[1] in stems}
+    return tuple(folder / name for name in sorted({*names} - exported, key=in_natural_order))
+
+
+def session_beside(image: Path) -> Path | None:
+    """The session of an image in its folder, of the same name, or None when there is none that can be used."""
+    path = image.with_suffix(SUFFIX)
+    if path == image or not path.is_file():
+        return None
+    try:
+        file = load_session(path).image
+        found, _ = find_image(file, path.absolute().parent) if file is not None else (None, ())
+    except ValueError:
+        return None
+    return path if found is not None and found == image.resolve() else None
+
+
+def _is_image(entry: os.DirEntry[str]) -> bool:
+    return Path(entry.name).suffix.lower() in READABLE and not entry.name.startswith(".") and entry.is_file()
+
+
+PAGED = frozenset({".tif", ".tiff", *raster.READS})
+"""Suffixes of files whose pages are most often images of their own."""
+
+
+def parts_of(path: Path, reading: Reading) -> tuple[Parts | None, Reading]:
+    """What a file holds, None where it cannot be read, and how it is read: of several images the first one.
+
+    What is wrong with a file is reported when it is read.
+    """
+    paged = path.suffix.lower() in PAGED
+    try:
+        try:
+            stack = open_stack(path, reading.series)
+            # the folder, where both the file and enough files next to it are DICOM
+            series = path.parent if len(dicom_files_beside(path, MINIMUM_SIDE)) >= MINIMUM_SIDE else None
+            return Parts.of(stack, paged, series), reading
+        except UnreadableError as error:
+            if not error.images:
+                raise
+            first = replace(reading, series=error.images[0] + 1)
+            return Parts.of(open_stack(path, first.series), paged), first
+    except ValueError:
+        return None, reading
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """A request to open an image or a session file at `path`.
+
+    A session has its own parameters. Where `saved` gives its content, `path` only gives its place. The `notes` are
+    shown once it is open. An image that `resumes` is opened with the session next to it, if there is one. A stack of
+    planes is opened `as_volume`, or one plane as an image; None leaves that to the kind of the file. `reading` says
+    which part of it is wanted.
+    """
+
+    path: Path
+    parameters: Parameters
+    saved: Saved | None = None
+    notes: tuple[str, ...] = ()
+    resumes: bool = False
+    as_volume: bool | None = None
+    reading: Reading = DEFAULT
+
+
+def prepare(core: Core, wanted: Wanted, check_cancelled: Callable[[], None]) -> Opened:
+    """Read an image and prepare the charged particles for it, with as many scales as it has room for.
+
+    `check_cancelled` is called between the steps, and raises when the task has been cancelled. ValueError when the
+    image or the session cannot be used.
+    """
+    path, parameters, saved, notes, named = wanted.path, wanted.parameters, wanted.saved, wanted.notes, None
+    beside = session_beside(path) if saved is None else None
+    if beside is not None and wanted.resumes:
+        path, beside = beside, None
+    if saved is None and path.suffix.lower() == SUFFIX:
+        saved = Saved(path, load_session(path))
+    if saved is not None:
+        parameters, named = saved.file.parameters, saved.file.image
+        if named is None:
+            raise ValueError(tr("{name} does not name an image.").format(name=path.name))
+        path, warnings = find_image(named, path.absolute().parent, check_cancelled)
+        notes = (*notes, *saved.file.notes, *warnings)
+    parts, reading = parts_of(path, wanted.reading if named is None else named.reading)
+    check_cancelled()
+    asked = wanted.as_volume if named is None or not named.shape else len(named.shape) == 3
+    image, refused = _read(core, path, reading, asked, parts, check_cancelled)
+    notes = (*refused, *notes)
+    check_cancelled()
+    if saved is not None:
+        _check(saved, image)
+    elif image.ndim == 3:
+        parameters = PRESETS["volume"]
+    most, scales = most_scales(image.shape), parameters.scales
+    if scales > most:
+        parameters = replace(parameters, scales=most)
+        notes = (*notes, tr("The image is small: the scales are set to {most}.").format(most=most))
+    method = core.methods["cpm"](image, parameters, None)
+    check_cancelled()
+    display = display_of(image) if image.ndim == 2 else None
+    return Opened(
+        image, method, display, path, parameters, (*image.notes, *notes), image.file_sha256, saved, scales,
+        images_beside(path), beside, parts, reading,
+    )  # fmt: skip
+
+
+def _check(saved: Saved, image: Image) -> None:
+    """ValueError when what a session holds was drawn or found in a volume and its file is an image, or otherwise."""
+    check_axes(saved.file.shapes, image.shape, image.source)
+    if any(bool(item.surface) is not (image.ndim == 3) for item in saved.file.objects.items):
+        text = tr("{name} contains objects of a volume, but {image} is an image: put the volume back in its place.")
+        if image.ndim == 3:
+            text = tr("{name} contains objects of an image, but {image} is a volume: put the image back in its place.")
+        name = saved.path.name if saved.path is not None else tr("The session")
+        raise ValueError(text.format(name=name, image=image.source))
+
+
+def _read(
+    core: Core,
+    path: Path,
+    reading: Reading,
+    asked: bool | None,
+    parts: Parts | None,
+    check_cancelled: Callable[[], None],
+) -> tuple[Image, tuple[str, ...]]:
+    """The image or the volume of a file, of which the range of gray levels is known afterwards.
+
+    Where nobody has `asked` for the volume that a file holds and it cannot be used, one plane of it is read, and the
+    sentence says why.
+    """
+    chosen, refused, image = reading.arguments, tuple[str, ...](), None
+    if asked or (asked is None and parts is not None and parts.pages >= MINIMUM_SIDE and parts.deep):
+        in_volume = {name: given for name, given in chosen.items() if name != "page"}
+        try:
+            image = core.load_volume(path, check_cancelled, **in_volume)
+        except ValueError as error:
+            if asked:
+                raise
+            refused = (reason(error),)
+    if image is None:
+        image = core.load_image(path, check_cancelled, **chosen)
+    image.gray_range  # noqa: B018 - found here, because the window asks for it
+    return image, refused
+
+
+class Opener:
+    """Opens one image at a time; a later request replaces an earlier one that is not ready yet."""
+
+    def __init__(self, core: Core, tasks: Tasks) -> None:
+        self._core = core
+        self._tasks = tasks
+        self._task: Task | None = None
+        self._afterwards: list[Callable[[], None]] = []
+        tasks.changed.connect(self._go_on)
+
+    @property
+    def opening(self) -> str:
+        """Name of the task as it is shown; empty when nothing is being opened."""
+        return self._task.name if self._task is not None and not self._task.over else ""
+
+    def open(self, wanted: Wanted) -> Task:
+        """Start to open an image or a session."""
+        if self._task is not None:
+            self._task.cancel()
+        name = wanted.path.name
+
+        def work(task: Task) -> Report:
+            return ImageReady(prepare(self._core, wanted, task.check_cancelled))
+
+        self._task = self._tasks.start(
+            tr("Opening {name}…").format(name=name),
+            work,
+            tr("opening {name}").format(name=name),
+            NotOpened,
+        )
+        return self._task
+
+    def afterwards(self, do: Callable[[], None]) -> None:
+        """Call `do` as soon as no image is being opened."""
+        self._afterwards.append(do)
+        self._go_on()
+
+    def _go_on(self) -> None:
+        if not self.opening:
+            waiting, self._afterwards = self._afterwards, []
+            for do in waiting:
+                do()

@@ -1,0 +1,190 @@
+"""Long tasks: which are going on, their progress, and how they are cancelled.
+
+A `Task` is the handle that the work shares with the window. Work that needs no run has a separate thread,
+`Tasks.start`; a command of the worker gets its task from `Tasks.begin`, updates its progress and ends it.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from functools import partial
+from typing import TypeVar
+
+from PySide6.QtCore import QObject, Signal
+
+from cpm_app.model.state.situation import seconds_left
+from cpm_app.session.exchange.messages import CommandFailed, Finished, Report, sentence
+
+T = TypeVar("T")
+
+_SHOWN_EVERY = 0.1
+"""Time between two updates of the progress of tasks [s]."""
+
+
+class Cancelled(Exception):  # noqa: N818  # not an error: the user asked for it
+    """The task has been cancelled."""
+
+
+class Task:
+    """A long task, such as "Opening a.png…"; all of it may be called from any thread."""
+
+    def __init__(self, name: str, cancellable: bool = True) -> None:
+        self.name = name
+        self.cancellable = cancellable
+        self.fraction: float | None = None
+        self._began = time.perf_counter()
+        self._cancelled = threading.Event()
+        self._ended = threading.Event()
+
+    @property
+    def seconds(self) -> float:
+        """Time since its beginning [s]."""
+        return time.perf_counter() - self._began
+
+    @property
+    def seconds_left(self) -> float | None:
+        """Estimate of the remaining time [s], None while it is not known."""
+        return seconds_left(self.seconds, self.fraction)
+
+    @property
+    def cancelled(self) -> bool:
+        """Whether it has been cancelled: the work stops, and its result is not used."""
+        return self._cancelled.is_set()
+
+    @property
+    def over(self) -> bool:
+        """Whether its result is no longer waited for."""
+        return self._ended.is_set() or self._cancelled.is_set()
+
+    def advance(self, fraction: float) -> None:
+        """Set the fraction that is done, from 0 to 1; raise `Cancelled` when the task has been cancelled."""
+        self.fraction = fraction
+        self.check_cancelled()
+
+    def check_cancelled(self) -> None:
+        """Raise `Cancelled` when the task has been cancelled."""
+        if self.cancelled:
+            raise Cancelled(self.name)
+
+    def cancel(self) -> None:
+        """Cancel it, unless it has ended."""
+        if self.cancellable and not self._ended.is_set():
+            self._cancelled.set()
+
+    def wait(self) -> None:
+        """Wait until it has ended."""
+        self._ended.wait()
+
+    def end(self) -> None:
+        """It has ended, with success or not."""
+        self._ended.set()
+
+
+class Tasks(QObject):
+    """The long tasks of a session.
+
+    `report` sends a report to the window, from any thread; `wake` makes `look` be called in each display frame while
+    there are tasks.
+    """
+
+    changed = Signal()
+    """A task has begun or ended."""
+    advanced = Signal()
+    """The progress of tasks may have changed; sent a few times a second."""
+
+    def __init__(
+        self, report: Callable[[Report], None], wake: Callable[[], None], parent: QObject | None = None
+    ) -> None:
+        super().__init__(parent)
+        self._report = report
+        self._wake = wake
+        self._tasks: tuple[Task, ...] = ()
+        self._threads: list[threading.Thread] = []
+        self._announced: tuple[Task, ...] = ()
+        self._shown_at = 0.0
+
+    @property
+    def current(self) -> tuple[Task, ...]:
+        """The tasks that go on, the oldest first."""
+        return tuple(task for task in self._tasks if not task.over)
+
+    @property
+    def idle(self) -> bool:
+        """Whether no task continues, not even a cancelled one that has not stopped yet."""
+        return not self._tasks and not self._threads
+
+    def begin(self, name: str, cancellable: bool = True) -> Task:
+        """Announce a task whose work is done elsewhere, which has to call `Task.end`.
+
+        The work of a cancellable task has to check `Task.cancelled`, or call `Task.advance`.
+        """
+        task = Task(name, cancellable)
+        self._tasks = (*self._tasks, task)
+        self._announced = self._tasks
+        self._wake()
+        self.changed.emit()
+        return task
+
+    def start(
+        self,
+        name: str,
+        work: Callable[[Task], T],
+        activity: str,
+        failure_report: Callable[[str], Report] = CommandFailed,
+        cancellable: bool = True,
+        then: Callable[[T], object] | None = None,
+    ) -> Task:
+        """Do a long task on a separate thread.
+
+        The result of `work` is passed to `then` on the window's thread, or is reported, unless the task has been
+        cancelled; an error becomes a sentence with `activity`, which follows "while" in it, and is reported as
+        `failure_report`.
+        """
+        task = self.begin(name, cancellable)
+
+        def run() -> None:
+            report: object = None
+            try:
+                result = work(task)
+                report = result if then is None else Finished(partial(then, result))
+            except Cancelled:
+                pass
+            except Exception as error:  # any error is reported
+                report = failure_report(sentence(error, activity))
+            if isinstance(report, Report) and not task.cancelled:
+                self._report(report)
+            task.end()
+
+        thread = threading.Thread(target=run, name="cpm-task", daemon=True)
+        self._threads.append(thread)
+        thread.start()
+        return task
+
+    def call(self, then: Callable[[], object]) -> None:
+        """Call something on the window's thread, from any thread."""
+        self._report(Finished(then))
+
+    def look(self) -> None:
+        """Announce changes since the last call."""
+        for thread in [thread for thread in self._threads if not thread.is_alive()]:
+            thread.join()
+            self._threads.remove(thread)
+        self._tasks = self.current
+        now = time.perf_counter()
+        if self._tasks != self._announced:
+            self._announced = self._tasks
+            self.changed.emit()
+        elif self._tasks and now - self._shown_at >= _SHOWN_EVERY:
+            self._shown_at = now
+            self.advanced.emit()
+
+    def close(self) -> None:
+        """Cancel all tasks and wait for their threads to end."""
+        for task in self._tasks:
+            task.cancel()
+        for thread in self._threads:
+            thread.join()
+        self._threads.clear()
+        self._tasks = ()

@@ -1,0 +1,203 @@
+"""The moments of runs: states, of which as many are kept as memory allows, and the actions that lead between them."""
+
+from __future__ import annotations
+
+import math
+from array import array
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cpm_app.model.display.plots import RunMetrics
+from cpm_core import Method, Parameters, PlacedCharge
+from cpm_core.image import AnyRegions
+from cpm_core.numerics import Array, Place, polyline
+from cpm_core.segmentation import MethodState, Steerable
+
+BranchStep = tuple[int, int]
+"""Branch and step."""
+
+FIGURES = tuple(field.name for field in fields(RunMetrics))
+"""Names of the figures of a step."""
+
+_RECENT_SHARE = 3
+"""States on the grid for each one that is kept only because it was used recently."""
+
+
+@dataclass(eq=False)
+class Moment:
+    """A state of a run: its step, the moment before it, and the action that leads from there; no action at the first.
+
+    An action that changes a state without a step leads to another moment of the same step.
+    """
+
+    run: int
+    step: int
+    before: Moment | None = None
+    action: RunAction | None = None
+
+    @property
+    def of_step(self) -> tuple[Moment, ...]:
+        """The moments of its step up to itself: the one that the step led to, and those after each change of it."""
+        before = self.before
+        return (*(() if before is None or before.step != self.step else before.of_step), self)
+
+    @property
+    def actions(self) -> tuple[RunAction, ...]:
+        """The action that the step was taken with, and those that changed its state afterwards."""
+        return tuple(moment.action for moment in self.of_step if moment.action is not None)
+
+
+class KeptStates:
+    """States of at most `budget` bytes, except that the first of each run and the one at `here` are always kept.
+
+    States whose step is a multiple of the stride stay, so that every other state is a few steps from one of them. The
+    states in between stay until a newer one needs their memory, so that single steps backward are fast. When the memory
+    is full, the stride is doubled. Arrays that several states share, such as the far force of some steps in a row, are
+    counted once.
+    """
+
+    def __init__(self, budget: int) -> None:
+        self.budget = budget
+        self.here: Moment | None = None
+        self.clear()
+
+    def __len__(self) -> int:
+        return len(self._states)
+
+    def get(self, moment: Moment) -> MethodState | None:
+        """The state of a moment, which is the one used last then; None if it is not kept."""
+        state = self._states.pop(moment, None)
+        if state is not None:
+            self._states[moment] = state
+        return state
+
+    def put(self, moment: Moment, state: MethodState) -> None:
+        """Keep a state in place of the one kept before."""
+        self.drop(moment)
+        self._states[moment] = state
+        for values in state.arrays():
+            self.used += 0 if self._owners[id(values)] else values.nbytes
+            self._owners[id(values)] += 1
+        self.make_room()
+
+    def drop(self, *moments: Moment) -> None:
+        """Remove states."""
+        for moment in moments:
+            state = self._states.pop(moment, None)
+            for values in () if state is None else state.arrays():
+                self._owners[id(values)] -= 1
+                if not self._owners[id(values)]:
+                    del self._owners[id(values)]
+                    self.used -= values.nbytes
+
+    def keep_only(self, run: int, moments: set[Moment]) -> None:
+        """Remove the states of a run except for these and its first one; without any, that too."""
+        self.drop(*(at for at in self._states if at.run == run and at not in moments and (at.before or not moments)))
+
+    def clear(self) -> None:
+        """Remove all states and restore the finest stride."""
+        self.used, self.stride = 0, 1
+        self._states: dict[Moment, MethodState] = {}
+        self._owners: Counter[int] = Counter()
+
+    def make_room(self) -> None:
+        """Remove states until the others have room, those that were used least recently first."""
+        while self.used > self.budget:
+            free = [moment for moment in self._states if moment.before is not None and moment is not self.here]
+            if not free:
+                return
+            recent = [moment for moment in free if moment.step % self.stride]
+            if recent and _RECENT_SHARE * len(recent) > len(self._states) - len(recent):
+                self.drop(recent[0])
+            elif self.stride > max(moment.step for moment in free):
+                self.drop(free[0])
+            else:
+                self.stride *= 2
+
+
+class RunRecord:
+    """Figures of a branch for plots, one step after the other, each in the order of `FIGURES`."""
+
+    def __init__(self, rows: Array | None = None) -> None:
+        self._values = array("d", () if rows is None else rows.T.ravel())
+
+    @property
+    def rows(self) -> Array:
+        """The figures so far, shape (K, N), one row each."""
+        return np.array(self._values).reshape(-1, len(FIGURES)).T
+
+    def record(self, step: int, measures: Mapping[str, float]) -> None:
+        """Add one step unless it is known."""
+        if not self._values or step > self._values[-len(FIGURES)]:
+            row = {"step": step, **measures}
+            self._values.extend(row.get(name, math.nan) for name in FIGURES)
+
+    def until(self, step: int) -> RunRecord:
+        """A copy up to a step."""
+        rows = self.rows
+        return RunRecord(rows[:, rows[0] <= step])
+
+    def metrics(self, step: float = math.inf) -> RunMetrics:
+        """The metrics up to a step."""
+        rows = self.rows
+        return RunMetrics(*rows[:, : np.searchsorted(rows[0], step, side="right")])
+
+
+class RunAction(Protocol):
+    """Something done to a state; equal actions lead from the same state to the same next one."""
+
+    @property
+    def regions(self) -> AnyRegions | None:
+        """Regions of the method that did it."""
+
+    def apply(self, method: Any, state: Any) -> Any:
+        """Apply it to a state of a method with these regions."""
+
+
+@dataclass(frozen=True)
+class Stepped:
+    """One step with these parameters, placed charges and regions; a run that had ended continues."""
+
+    parameters: Parameters
+    charges: tuple[PlacedCharge, ...] = ()
+    regions: AnyRegions | None = None
+
+    def apply(self, method: Method[Any], state: Any) -> Any:
+        """Take the step."""
+        state = state.resumed() if state.stop_reason else state
+        return method.step(state, self.parameters, self.charges)
+
+
+@dataclass(frozen=True)
+class Joined:
+    """Particles added at seeds."""
+
+    seeds: tuple[tuple[float, ...], ...]
+    regions: AnyRegions | None = None
+
+    def apply(self, method: Steerable[Any], state: Any) -> Any:
+        """Add the particles."""
+        return method.joined(state, np.array(self.seeds))
+
+
+@dataclass(frozen=True)
+class Erased:
+    """Particles removed that are no farther from a path than a radius, in sides of the smallest pixel or voxel."""
+
+    path: tuple[Place, ...]
+    radius: float
+    regions: AnyRegions | None = None
+
+    def apply(self, method: Steerable[Any], state: Any) -> Any:
+        """Remove the particles."""
+        return method.erased(state, lambda at: self.reaches(at, method.image.spacing))
+
+    def reaches(self, places: Array, spacing: tuple[float, ...]) -> ArrayLike:
+        """Which places, shape (N, D), are no farther from the path than the radius."""
+        sides = np.array(spacing) / min(spacing) if len(self.path[0]) == 3 else 1.0
+        return polyline.distances(np.array(self.path) * sides, places * sides) <= self.radius

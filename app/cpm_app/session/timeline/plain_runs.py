@@ -1,0 +1,254 @@
+"""Runs as plain JSON, of bounded size, and back; damaged ones are left out with one sentence."""
+
+from __future__ import annotations
+
+import itertools
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from cpm_app.model.document.document import Document, ImageReference
+from cpm_app.model.document.saving import restored, to_file
+from cpm_app.model.text.language import reason, tr
+from cpm_app.session.timeline.moments import FIGURES, BranchStep, Erased, Joined, RunAction, Stepped
+from cpm_app.session.timeline.stored_runs import Branch, StoredBranch, StoredRun, StoredRuns, starts_of
+from cpm_app.session.timeline.timeline import MOST_RUNS
+from cpm_core import Parameters, PlacedCharge, State
+from cpm_core.field import in_order
+from cpm_core.formats import (
+    Reading,
+    SessionFile,
+    array_from_plain,
+    array_to_plain,
+    decode,
+    encode,
+    from_plain,
+    items,
+    mapping,
+    number,
+    parameters_from_plain,
+    regions_from_plain,
+    regions_to_plain,
+    shape_from_plain,
+    shape_to_plain,
+    state_from_plain,
+    state_to_plain,
+    to_plain,
+)
+from cpm_core.numerics import Position
+from cpm_core.objects.segmented import SegmentedObjects
+from cpm_core.parameters import shown
+
+MOST = 24 * 2**20
+"""Largest size of states and figures in a session file [characters]; actions, which repeat all, come in any case."""
+
+MOST_STEPS = 200_000
+"""Most steps of a branch that are read."""
+
+Plain = Mapping[str, Any]
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class _Numbered:
+    """A contour by its number, with a place that it passes."""
+
+    number: int
+    place: Position
+
+
+def runs_to_plain(stored: StoredRuns) -> Plain:
+    """All runs with as many states and figures as `MOST` characters hold: the state shown, then the newest ones."""
+    if not stored.runs:
+        return {}
+    left, states = MOST, []
+    for place in sorted(stored.states, key=lambda place: (place != stored.here, -place[0], -place[1])):
+        state = stored.states[place]
+        plain, size = _packed(state) if isinstance(state, State) else ({}, MOST + 1)
+        if size <= left:
+            left -= size
+            states.append({"branch": place[0], "step": place[1], "state": plain})
+    runs = [_run_to_plain(run) for run in stored.runs]
+    for branch in (branch for run in reversed(runs) for branch in run["branches"]):
+        size = len(branch["figures"]["data"]) if "figures" in branch else 0
+        if size > left:
+            del branch["figures"]
+        else:
+            left -= size
+    here = None if stored.here is None else list(stored.here)
+    numbers = [to_plain(_Numbered(number, place)) for number, place in stored.numbers.items()]
+    return {"here": here, "runs": runs, "states": states, "numbers": numbers}
+
+
+@lru_cache(2 * MOST_RUNS)
+def _packed(state: State) -> tuple[dict[str, Any], int]:
+    """A state as plain JSON, and its size [characters]; runs are collected many times, most with the same states."""
+    plain = state_to_plain(state)
+    return plain, len(json.dumps(plain))
+
+
+def runs_from_plain(plain: Plain, image: ImageReference) -> tuple[StoredRuns, str]:
+    """The runs of a session file on its image, and a sentence on what had to be left out, empty if nothing had."""
+    faults: list[Exception] = []
+    runs: list[StoredRun] = []
+    branches: dict[int, tuple[StoredRun, StoredBranch]] = {}
+    for run in sound(plain, "runs", lambda entry: _run(entry, image), faults)[-MOST_RUNS:]:
+        found = {stored.branch.identity: (run, stored) for stored in run.branches}
+        if branches.keys() & found:
+            faults.append(ValueError("two branches have the same number."))
+        else:
+            branches.update(found)
+            runs.append(run)
+
+    def state_of(entry: Plain) -> tuple[BranchStep, State] | None:
+        return _state(entry, branches, image) if entry.get("branch") in branches else None  # the oldest may be left out
+
+    def number_of(entry: Plain) -> tuple[int, Position]:
+        contour = from_plain(_Numbered, entry, "number of a contour")
+        return contour.number, contour.place
+
+    states = dict(filter(None, sound(plain, "states", state_of, faults)))
+    numbers = dict(sound(plain, "numbers", number_of, faults))
+    here = None
+    try:
+        branch, step = (int(number(one, "here")) for one in plain.get("here") or (0, 0))
+        here = (branch, step) if branch in branches else None
+    except (ValueError, TypeError) as error:
+        faults.append(error)
+    message = tr("Part of the recorded runs is damaged and was skipped ({fault}); everything else was opened.")
+    fault = message.format(fault=reason(faults[0]).rstrip(".")) if faults else ""
+    return StoredRuns(tuple(runs), here, states, numbers), fault
+
+
+def sound(plain: Plain, name: str, read: Callable[[Plain], T], faults: list[Exception]) -> list[T]:
+    """The entries of a list that can be read; what the others fail with is added to `faults`."""
+    found, entries = [], plain.get(name, [])
+    for entry in entries if isinstance(entries, list) else [entries]:
+        try:
+            found.append(read(mapping(entry, name)))
+        except (ValueError, TypeError, KeyError, OverflowError, IndexError, AttributeError) as error:
+            faults.append(error)
+    return found
+
+
+def _run_to_plain(run: StoredRun) -> dict[str, Any]:
+    numbers: dict[RunAction, int] = {}
+    branches = []
+    for stored in run.branches:
+        plain = to_plain(stored.branch)
+        # the actions by their numbers, and how often they follow
+        numbered = ([numbers.setdefault(action, len(numbers)) for action in step] for step in stored.steps)
+        plain["steps"] = [[alike, len(list(group))] for alike, group in itertools.groupby(numbered)]
+        if stored.figures is not None:
+            plain["figures"] = array_to_plain(stored.figures)
+        branches.append(plain)
+    document = run.document
+    acting = document.objects.barriers or document.outlined.objects  # a run depends on objects or not
+    bare = replace(to_file(document, {}), image=None, marks=(), hand_edits=(), comparison=SessionFile().comparison)
+    return {
+        "size": document.image and {"spacing": list(document.image.spacing), "unit": document.image.unit},
+        "document": json.loads(encode(bare if acting else replace(bare, objects=SegmentedObjects()), Path())),
+        "drawn": [shape_to_plain(start) for start in starts_of(run.drawn)],
+        "actions": [_action_to_plain(action, document.parameters) for action in numbers],
+        "branches": branches,
+    }
+
+
+def _action_to_plain(action: RunAction, usual: Parameters) -> dict[str, Any]:
+    """An action, whose parameters are written as far as they differ from the usual ones."""
+    plain: dict[str, Any] = {}
+    if isinstance(action, Stepped):
+        known, taken = to_plain(usual), to_plain(action.parameters)
+        plain["step"] = {name: value for name, value in taken.items() if value != known[name]}
+        plain["charges"] = [to_plain(charge) for charge in action.charges]
+    elif isinstance(action, Joined):
+        plain["join"] = array_to_plain(np.array(action.seeds))
+    elif isinstance(action, Erased):
+        plain |= {"erase": to_plain(action.path), "radius": action.radius}
+    return plain | regions_to_plain(action.regions)
+
+
+def _run(plain: Plain, image: ImageReference) -> StoredRun:
+    if plain.get("size") is not None:  # it may have been changed since
+        size = from_plain(Reading, plain["size"], "size")
+        if size.spacing is None or len(size.spacing) != len(image.shape):
+            raise ValueError(
+                f"the size of a pixel is {shown(plain['size'])} but the image has {len(image.shape)} axes."
+            )
+        image = replace(image, spacing=size.spacing, unit=size.unit)
+    file = decode(json.dumps(plain.get("document")).encode(), "its beginning")
+    document = restored(file, image, file.parameters)
+    drawn = tuple(shape_from_plain(one, "a start of a run") for one in items(plain.get("drawn", [])))
+    listed = items(plain.get("actions"), "actions")
+    actions = [_action(mapping(one, "action"), document.parameters) for one in listed]
+    branches: dict[int, StoredBranch] = {}
+    for entry in items(plain.get("branches")):
+        stored = _branch(mapping(entry, "branch"), actions)
+        branch, left = stored.branch, branches.get(stored.branch.parent or 0)
+        begins = not (branches or branch.parent or branch.first) and branch.scales and branch.scales[0][0] == 0
+        if not (begins if left is None else branch.first <= left.branch.last):
+            raise ValueError(f"branch {branch.identity} leaves no step of its run.")
+        branches[branch.identity] = stored
+    if not branches:
+        raise ValueError("a run has no branch.")
+    return StoredRun(document, Document(shapes=drawn).sources, tuple(branches.values()))
+
+
+def _branch(plain: Plain, actions: Sequence[RunAction]) -> StoredBranch:
+    given = {name: value for name, value in plain.items() if name not in ("steps", "figures")}
+    branch = from_plain(Branch, given, "branch")
+    figures = None
+    if "figures" in plain:
+        figures = array_from_plain(plain["figures"], float, (len(FIGURES), None), "figures of a branch")
+    steps: list[tuple[RunAction, ...]] = []
+    for entry in items(plain.get("steps"), "steps"):
+        numbers, count = items(entry, "steps")
+        if type(count) is not int or not 0 < count <= MOST_STEPS - len(steps):
+            raise ValueError(f"steps repeat {shown(count)} times but must be {MOST_STEPS} at most.")
+        if any(type(one) is not int or not 0 <= one < len(actions) for one in items(numbers, "steps")):
+            raise ValueError(f"steps name the action {shown(numbers)}, which does not exist.")
+        steps += [tuple(actions[one] for one in numbers)] * count
+    # each but the first is one step and what was changed after it
+    stepped = [[index for index, action in enumerate(step) if isinstance(action, Stepped)] for step in steps]
+    whole = stepped[:1] == [[]] and all(places == [0] for places in stepped[1:])
+    if not whole or branch.identity < 1 or branch.first < 0 or any(min(mark) < 0 for mark in branch.scales):
+        raise ValueError(f"branch {branch.identity} is not one that a run can have.")
+    last = branch.first + len(steps) - 1
+    return StoredBranch(replace(branch, name=branch.name[:40], last=last), tuple(steps), figures)
+
+
+def _action(plain: Plain, usual: Parameters) -> RunAction:
+    regions = regions_from_plain(plain, "regions of a run")
+    if "step" in plain:
+        parameters, _ = parameters_from_plain({**to_plain(usual), **mapping(plain["step"], "step")})
+        charges = tuple(from_plain(PlacedCharge, one, "charge") for one in items(plain.get("charges", []), "charges"))
+        return Stepped(parameters, charges, regions)
+    if "join" in plain:
+        axes = 3 if mapping(plain["join"], "join").get("shape", [])[-1:] == [3] else 2
+        seeds = array_from_plain(plain["join"], float, (None, axes), "particles that were added")
+        if not np.isfinite(seeds).all():
+            raise ValueError("particles that were added hold a value that is not a number.")
+        return Joined(tuple(map(tuple, seeds.tolist())), regions)
+    erased = from_plain(Erased, {"path": plain.get("erase"), "radius": plain.get("radius")}, "eraser")
+    return replace(erased, regions=regions)
+
+
+def _state(
+    plain: Plain, branches: Mapping[int, tuple[StoredRun, StoredBranch]], image: ImageReference
+) -> tuple[BranchStep, State]:
+    """A state, with what the action of its step adds to it, and where it is."""
+    number_of, step = (int(number(plain.get(name), f"{name} of a state")) for name in ("branch", "step"))
+    run, stored = branches[number_of]
+    if not stored.branch.first < step <= stored.branch.last:
+        raise ValueError(f"there is no step {step} of branch {number_of}.")
+    state = state_from_plain(plain.get("state"), image.shape, run.document.parameters.scales)
+    taken = stored.steps[step - stored.branch.first][0]
+    if state.step != step or not isinstance(taken, Stepped):
+        raise ValueError(f"the state of step {step} is that of step {state.step}.")
+    steering, regions, charges = taken.parameters.steering, taken.regions, in_order(taken.charges)
+    return (number_of, step), replace(state, steering=steering, regions=regions, charges=charges)

@@ -1,0 +1,86 @@
+"""Runs as a session keeps them: how each began, what was done in it, and a few of its states."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Hashable, Mapping
+from dataclasses import dataclass, field
+
+from cpm_app.model.document.document import Document
+from cpm_app.session.timeline.moments import BranchStep, RunAction
+from cpm_core.numerics import Array, Position
+from cpm_core.segmentation import MethodState
+from cpm_core.shapes import Points, Start
+
+
+@dataclass(frozen=True)
+class Branch:
+    """A run, or a branch of one.
+
+    Attributes
+    ----------
+    identity : int
+        Its number, unique on the timeline.
+    name : str
+        Name that is shown.
+    parent : int or None
+        The branch that it leaves; None for a run.
+    first, last : int
+        Step at which it leaves its parent, and the last one recorded.
+    scales : tuple of tuple of int
+        First steps and numbers of the scales among its own steps.
+    run : int
+        Number of the run that it belongs to.
+    renamed : bool
+        Whether the user has named it.
+    """
+
+    identity: int
+    name: str
+    parent: int | None
+    first: int
+    last: int
+    scales: tuple[tuple[int, int], ...] = ()
+    run: int = 0
+    renamed: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class StoredBranch:
+    """A branch with the actions of its steps, of the first one only those that changed its state.
+
+    `figures`, shape (K, N), are those of its record for plots, None where they are left out.
+    """
+
+    branch: Branch
+    steps: tuple[tuple[RunAction, ...], ...]
+    figures: Array | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class StoredRun:
+    """A run: its first document, the sources of its particles until now, and its branches, parents first."""
+
+    document: Document
+    drawn: Counter[Hashable]
+    branches: tuple[StoredBranch, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class StoredRuns:
+    """All runs, the oldest first, branch and step that are shown, and states that need not be computed again.
+
+    `numbers` are the numbers of contours, each with a place where its contour passes.
+    """
+
+    runs: tuple[StoredRun, ...] = ()
+    here: BranchStep | None = None
+    states: Mapping[BranchStep, MethodState] = field(default_factory=dict)
+    numbers: Mapping[int, Position] = field(default_factory=dict)
+
+
+def starts_of(sources: Counter[Hashable]) -> tuple[Start, ...]:
+    """The starts that sources of particles belong to, all points as one; see `Document.sources`."""
+    points = tuple(source for source in sources.elements() if isinstance(source, tuple))
+    starts = tuple(source for source in sources.elements() if isinstance(source, Start))
+    return (*starts, Points(points)) if points else starts

@@ -1,0 +1,104 @@
+"""Undo: one mechanism for everything that changes the document."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Hashable
+from dataclasses import dataclass, field, replace
+
+from cpm_app.model.document.document import Document, ImageReference
+
+DEEPEST = 500
+
+
+@dataclass(eq=False)
+class Erasure:
+    """The particles that a gesture takes away from a run, which undo brings back: its number among all of them.
+
+    `sources` are the drawn shapes that it takes away, as far as particles of the run come from them.
+    """
+
+    number: int
+    sources: Counter[Hashable] = field(default_factory=Counter)
+
+
+@dataclass(frozen=True)
+class Change:
+    """A change that can be undone.
+
+    Changes in a row with the same gesture, such as the drag of a slider, become one; an empty one never merges. A
+    change that wakes particles has the `rest` before it: the generation of the run, its branch and step.
+    """
+
+    name: str
+    before: Document
+    after: Document
+    gesture: str = ""
+    erasure: Erasure | None = None
+    rest: tuple[int, int, int] | None = None
+
+
+class History:
+    """Changes that are done and undone."""
+
+    def __init__(self) -> None:
+        self._done: list[Change] = []
+        self._undone: list[Change] = []
+        self._open = False
+
+    @property
+    def undo_name(self) -> str:
+        """Name of the change that undo takes back, empty if there is none."""
+        return self._done[-1].name if self._done else ""
+
+    @property
+    def redo_name(self) -> str:
+        """Name of the change that redo repeats, empty if there is none."""
+        return self._undone[-1].name if self._undone else ""
+
+    def push(self, change: Change) -> None:
+        """Record a change that has been made."""
+        self._undone.clear()
+        if self._open and change.gesture and self._done and self._done[-1].gesture == change.gesture:
+            known = self._done.pop()
+            merged = replace(known, after=change.after, name=change.name, erasure=known.erasure or change.erasure)
+            if merged.before != merged.after or merged.erasure is not None or merged.rest is not None:
+                self._done.append(merged)
+            else:
+                self._open = False
+            return
+        self._done.append(change)
+        self._open = bool(change.gesture)
+        del self._done[:-DEEPEST]
+
+    def seal(self) -> None:
+        """End a gesture: the next change is separate."""
+        self._open = False
+
+    def undo(self) -> Change | None:
+        """Take the last change back, if there is one."""
+        return self._turn(self._done, self._undone)
+
+    def redo(self) -> Change | None:
+        """Repeat the change that was undone last, if there is one."""
+        return self._turn(self._undone, self._done)
+
+    def on(self, image: ImageReference | None) -> History:
+        """The same history for the image as it has been opened again, by another path perhaps.
+
+        Without the erasures of particles, whose runs have ended with the image.
+        """
+        for changes in (self._done, self._undone):
+            if any(change.after.image != image or change.erasure is not None for change in changes):
+                changes[:] = [
+                    Change(change.name, replace(change.before, image=image), replace(change.after, image=image))
+                    for change in changes if change.before != change.after
+                ]  # fmt: skip
+        return self
+
+    def _turn(self, source: list[Change], target: list[Change]) -> Change | None:
+        self._open = False
+        if source:
+            target.append(source.pop())
+            return target[-1]
+        return None

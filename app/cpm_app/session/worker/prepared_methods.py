@@ -1,0 +1,113 @@
+"""What is prepared for an image on the worker thread: methods with their seeds, and overlays."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from cpm_app.model.display.display_image import (
+    DisplayImage,
+    DisplayVolume,
+    display_of_edge_map,
+    display_of_potential,
+)
+from cpm_app.model.document.document import Document
+from cpm_app.model.document.modes import MODES
+from cpm_app.model.text.language import tr
+from cpm_app.model.volume.slices import SampledForce
+from cpm_app.session.exchange.messages import Drawn
+from cpm_core import METHODS, Contour, Image, Method, Parameters, PlacedCharge
+from cpm_core.image import AnyRegions
+from cpm_core.medial_axis import SkeletonMethod
+from cpm_core.numerics import Array
+from cpm_core.shapes import NO_SEEDS, ImageSeeds, SeedCache
+
+
+class PreparedMethods:
+    """Methods by name for the image that is open: made when a run needs them, and kept as long as the image."""
+
+    def __init__(self, makers: Mapping[str, Callable[[Image, Parameters, AnyRegions | None], Method[Any]]]) -> None:
+        self._makers = makers
+        self._ready: dict[str, Method[Any]] = {}
+        self._image: Image | None = None
+        self._seed_cache: SeedCache | None = None
+
+    def use(self, method: Method[Any]) -> None:
+        """Change to another image and the one method that is prepared for it."""
+        self.rescale(method.image)
+        self.keep(method)
+
+    def rescale(self, image: Image) -> None:
+        """Make methods from now on for the same image with another size of a pixel."""
+        self._ready.clear()
+        self._image = image
+        self._seed_cache = SeedCache(image)
+
+    def keep(self, method: Method[Any]) -> None:
+        """Keep a method in place of the same one with other regions."""
+        self._ready[method.name] = method
+
+    def method(self, document: Document) -> Method[Any]:
+        """The method of a document's mode, in its regions, and for the outlines that it has a skeleton of."""
+        name = MODES[document.mode].method
+        image, method = self._sized(document), self._ready.get(name)
+        other = method is None or (method.image.spacing, method.image.unit) != (image.spacing, image.unit)
+        if method is None or other or not method.suits(document.parameters):
+            method = self._makers[name](image, document.parameters, document.regions)
+        elif method.regions != document.regions:
+            method = method.with_regions(document.regions)
+        if image is self._image:
+            self.keep(method)
+        if isinstance(method, SkeletonMethod) and image.ndim == 3:
+            return method.of_objects(document.outlined_surfaces)
+        if isinstance(method, SkeletonMethod) and document.outlines:
+            return method.of_objects([Contour(np.array(line), closed=True) for line in document.outlines])
+        return method
+
+    def _sized(self, document: Document) -> Image:
+        """The image with the size of a pixel that it has in a document, whose run may have begun before a change."""
+        assert self._image is not None
+        return self._image if document.image is None else document.image.sized(self._image)
+
+    def seeds(self, document: Document) -> Array:
+        """Seeds of a run of a document, shape (N, 2) [px]; none if its method needs none."""
+        if not METHODS[MODES[document.mode].method].seeded:
+            return np.zeros((0, 2))
+        return document.seeds(self.image_seeds(document))
+
+    def image_seeds(self, document: Document) -> ImageSeeds:
+        """Seeds of the starts of a document that depend on the image."""
+        if self._seed_cache is None or self._image is None:
+            return NO_SEEDS
+        image, seen = self._sized(document), document.parameters
+        cache = self._seed_cache if image is self._image else SeedCache(image)
+        return cache.seeds_for(document.image_starts, seen.smoothing, document.regions, seen.channel)
+
+
+_MOST_VOXELS = 1 << 26
+"""Largest volume whose field is worked out, for which it takes 800 MB at a time."""
+
+
+def overlay(name: str, method: Method[Any], parameters: Parameters, charges: Sequence[PlacedCharge]) -> Drawn:
+    """What lies over the image.
+
+    These are display images of the edge map and of the potential, shape (H, W), or (P, R, C) of a volume; and the
+    electric `field` of edges and placed charges, shape (2, H, W), of a volume what its slices are made from.
+    """
+    image = method.image
+    deep = image.ndim == 3
+    if name == "edge_map":
+        shades = display_of_edge_map(method.edge_map(parameters))
+        return DisplayVolume(shades) if deep else DisplayImage.of(shades)
+    if name == "field":
+        if math.prod(image.shape) > _MOST_VOXELS:
+            raise ValueError(
+                tr("The volume is too large for arrows of the field: open a part of it, or reduce its size.")
+            )
+        field = method.field(parameters, 0, charges)
+        return SampledForce.of(field, image.spacing) if deep else field
+    shades = display_of_potential(method.potential(parameters, charges))
+    return DisplayVolume(shades) if deep else DisplayImage.of(shades)

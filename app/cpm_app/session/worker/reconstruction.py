@@ -1,0 +1,166 @@
+"""Reconstruction of the newest particles, on a separate thread at a slower pace."""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from cpm_app.model.text.language import tr
+from cpm_app.session.exchange.contour_tracking import ContourTracker
+from cpm_app.session.exchange.mailbox import Mailbox
+from cpm_app.session.exchange.messages import Reconstruction, ReconstructionFailed, sentence
+from cpm_core import Method, Parameters, Result, Skeleton
+from cpm_core.contours import HandEdit
+from cpm_core.model import ImageFields
+from cpm_core.reconstruction import carried_out
+from cpm_core.segmentation import MethodState
+
+_SHORTEST_PAUSE = 0.15
+_REST_PER_WORK = 5.0
+_NICE = 5
+"""How far this thread steps back behind those that step and draw, in steps of Unix's priorities."""
+
+_CHECK_EVERY = 0.05
+"""Time between two checks whether a reconstruction is still wanted [s]."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Request:
+    """A state to reconstruct contours from; where `last`, none follows soon and there is no pause before it.
+
+    Without a state there are only the contours drawn by hand. `hand_edits` are the edits of contours by hand, `tracker`
+    numbers the contours of the image.
+    """
+
+    generation: int
+    method: Method[Any]
+    state: MethodState | None
+    parameters: Parameters
+    last: bool
+    hand_edits: tuple[HandEdit, ...]
+    tracker: ContourTracker
+
+    def found(self) -> Result | Skeleton:
+        """The contours of the state, without edits by hand; none of the first state."""
+        if self.state is None:
+            image, nowhere = self.method.image, np.empty((0, 2))
+            return Result(nowhere, (), None, 0, False, "", image.shape, image.spacing, image.unit, image.source)
+        result = self.method.result(self.state, self.parameters)
+        if self.state.step == 0 and isinstance(result, Result):  # back at the initialization
+            result = replace(result, contours=(), bridges=(), surface=None)
+        return result
+
+
+def edited(
+    method: Method[Any], found: Result | Skeleton, parameters: Parameters, edits: tuple[HandEdit, ...]
+) -> tuple[Result | Skeleton, tuple[int, ...]]:
+    """Contours with edits by hand, and the edits that did not find their contours; a skeleton is not edited."""
+    if not edits or isinstance(found, Skeleton):
+        return found, ()
+    return carried_out(found, edits, method.scale_field(parameters) if isinstance(method, ImageFields) else None)
+
+
+class Reconstructor:
+    """Reconstructs the newest request and leaves the contours in `results`."""
+
+    def __init__(self) -> None:
+        self.results: Mailbox[Reconstruction | ReconstructionFailed] = Mailbox()
+        self._changed = threading.Condition()
+        self._requests: Mailbox[Request] = Mailbox()
+        self._latest: Reconstruction | ReconstructionFailed | None = None
+        self._unedited: tuple[tuple[object, ...], Result | Skeleton] | None = None
+        self._working = False
+        self._quit = False
+        self._thread = threading.Thread(target=self._work, name="cpm-reconstruction", daemon=True)
+        self._thread.start()
+
+    @property
+    def idle(self) -> bool:
+        """Whether there is no work; read in every display frame, and therefore without the lock."""
+        return not self._requests and not self._working
+
+    def ask(self, request: Request) -> None:
+        """Reconstruct this in place of a request that is still waiting."""
+        with self._changed:
+            self._requests.put(request)
+            self._changed.notify_all()
+
+    def forget(self) -> None:
+        """Drop the waiting request."""
+        with self._changed:
+            self._requests.take()
+
+    def latest(self, generation: int, wanted: Callable[[], bool]) -> Reconstruction | None:
+        """The contours of the newest request of a run, once they are made.
+
+        None where there are none, or `wanted`, which is called while they are being made, returns False.
+        ValueError where they could not be made: those made before belong to another state.
+        """
+        with self._changed:
+            waiting = self._requests.newest
+            if waiting is not None and not waiting.last:  # no pause before this one
+                self._requests.put(replace(waiting, last=True))
+                self._changed.notify_all()
+            while not (self.idle or self._quit):
+                if not wanted():
+                    return None
+                self._changed.wait(_CHECK_EVERY)
+            found = self._latest
+            if found is None or found.generation != generation:
+                return None
+            if isinstance(found, ReconstructionFailed):
+                raise ValueError(found.sentence)
+            return found
+
+    def close(self) -> None:
+        """End the thread and wait for it."""
+        with self._changed:
+            self._quit = True
+            self._changed.notify_all()
+        self._thread.join()
+
+    def _work(self) -> None:
+        if sys.platform == "linux":  # 25,000 particles take seconds: those that step and draw go first on few cores
+            thread = threading.get_native_id()
+            os.setpriority(os.PRIO_PROCESS, thread, min(os.getpriority(os.PRIO_PROCESS, thread) + _NICE, 19))
+        rest = 0.0
+        while (request := self._next(rest)) is not None:
+            began = time.perf_counter()
+            self._reconstruct(request)
+            rest = max(_SHORTEST_PAUSE, _REST_PER_WORK * (time.perf_counter() - began))
+            with self._changed:
+                self._working = False
+                self._changed.notify_all()
+
+    def _next(self, rest: float) -> Request | None:
+        with self._changed:
+            self._changed.wait_for(lambda: self._quit or getattr(self._requests.newest, "last", False), timeout=rest)
+            self._changed.wait_for(lambda: self._quit or bool(self._requests))
+            if self._quit:
+                return None
+            self._working = True  # set before the request is taken, so that `idle` is never true in between
+            return self._requests.take()
+
+    def _reconstruct(self, request: Request) -> None:
+        found: Reconstruction | ReconstructionFailed
+        try:
+            made_of = (request.method, request.state, request.parameters)
+            if self._unedited is None or self._unedited[0] != made_of:
+                self._unedited = made_of, request.found()
+            result, missed = edited(request.method, self._unedited[1], request.parameters, request.hand_edits)
+            found = Reconstruction.of(request.generation, result, request.tracker, thorough=request.last)
+            found = replace(found, missed=missed if request.last else ())
+            if request.last and found.tracked is not None and found.tracked.keys:
+                self.results.put(found)  # they are seen before their contrast is measured
+                found = replace(found, tracked=found.tracked.contrasted())
+        except Exception as error:  # no error may end the thread
+            found = ReconstructionFailed(request.generation, sentence(error, tr("reconstructing contours")))
+        self._latest = found
+        self.results.put(found)

@@ -1,0 +1,166 @@
+"""Requests of views: another step or branch, forces on a particle, frames, intensity windows and edges."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import partial
+
+import numpy as np
+
+from cpm_app.model.display.display_image import DisplayImage, IntensityWindow, apply_window
+from cpm_app.model.text.language import tr
+from cpm_app.session.exchange.contour_tracking import ContourTracker
+from cpm_app.session.exchange.messages import CommandFailed, Finished, Reconstruction, Report, Snapshot
+from cpm_app.session.tasks.tasks import Task
+from cpm_app.session.worker.commands import Command, CommandContext
+from cpm_core import Image, Parameters
+from cpm_core.field import ScaleField
+from cpm_core.model import ImageFields
+from cpm_core.numerics import Array, Place
+from cpm_core.segmentation import Steerable
+
+
+def seek(generation: int, branch: int, step: int, wanted: Callable[[], bool]) -> Command:
+    """Pause the run and go to a step of a branch, unless by then another step is wanted."""
+
+    def work(context: CommandContext) -> None:
+        if generation == context.run.generation:
+            context.run.go_to(branch, step, lambda: wanted() and not context.closing())
+
+    return Command(work, tr("going to another step"), "seek")
+
+
+NAMES = ("coulomb", "lorentz", "placed", "friction", "damping", "total")
+"""Forces that are reported: attributes of the core's `Forces`."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Probed(Report):
+    """The forces on a particle.
+
+    Attributes
+    ----------
+    generation, step : int
+        Run and step.
+    identity : int
+        The particle, -1 where there is none near the position.
+    position : tuple of float
+        Its position [px of the image].
+    forces : mapping
+        By name, (row, col) [px of the image / unit of time^2]; in a volume, (plane, row, col) in smallest sides of a
+        voxel.
+    sizes : mapping
+        Size of each, also where a slice shows a part of it.
+    trouble : str
+        What working them out failed with.
+    """
+
+    generation: int
+    step: int
+    identity: int = -1
+    position: Place = (0.0, 0.0)
+    forces: Mapping[str, Array] = field(default_factory=dict)
+    trouble: str = ""
+    sizes: Mapping[str, float] = field(default_factory=dict)
+
+
+def probe(generation: int, place: Place, reach: float) -> Command:
+    """Report the forces on the particle nearest to a place (row, col), within `reach` [px of the image]."""
+
+    def work(context: CommandContext) -> None:
+        method, state = context.run.method, context.run.state
+        if not isinstance(method, Steerable) or state is None or generation != context.run.generation:
+            context.report(Probed(generation, -1))
+            return
+        position = state.position
+        distance = np.linalg.norm(position - place, axis=1)
+        nearest = int(distance.argmin()) if len(distance) else -1
+        if nearest < 0 or distance[nearest] > reach:
+            context.report(Probed(generation, state.step))
+            return
+        found = method.forces(state, context.run.parameters, context.run.charges, [nearest])
+        if np.isnan(found.total).any():  # new regions delete it at the next step
+            context.report(Probed(generation, state.step))
+            return
+        size = 2.0**state.scale
+        at = tuple(position[nearest].tolist())
+        forces = {name: size * getattr(found, name)[0] for name in NAMES}
+        sizes = {name: float(np.linalg.norm(force)) for name, force in forces.items()}
+        identity = int(state.particles.identity[nearest])
+        context.report(Probed(generation, state.step, identity, at, forces, sizes=sizes))
+
+    activity = tr("computing the forces on a particle")
+    return Command(work, activity, "probe", lambda trouble: Probed(generation, -1, trouble=trouble))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class FrameTaken:
+    """All that is shown in one frame, or an error message; `moment` is None when the run has been replaced."""
+
+    moment: Snapshot | None = None
+    contours: Reconstruction | None = None
+    sentence: str = ""
+
+
+def take_frame(
+    task: Task, generation: int, branch: int, step: int, contours: bool, then: Callable[[FrameTaken], object]
+) -> Command:
+    """Pass all that is shown of one step of a branch to `then`; the run itself continues.
+
+    Nothing is done once the task is over.
+    """
+
+    def report(moment: Snapshot | None = None, found: Reconstruction | None = None, sentence: str = "") -> Report:
+        return Finished(partial(then, FrameTaken(moment, found, sentence)))
+
+    def work(context: CommandContext) -> None:
+        run = context.run
+        if generation != run.generation:
+            context.report(report())
+            return
+        moment = run.moment(branch, step, lambda: not (task.over or context.closing()))
+        if moment is None or task.over:
+            return
+        found = None
+        if contours and moment.state.step > 0:
+            result = run.result_of(branch, moment.state)
+            found = Reconstruction.of(generation, result, ContourTracker(), thorough=False)
+        context.report(report(moment, found))
+
+    return Command(work, tr("drawing a step"), failed=lambda sentence: report(sentence=sentence))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Shaded(Report):
+    """An image in an intensity window."""
+
+    image: Image
+    window: IntensityWindow
+    display: DisplayImage
+    channel: str = "luminance"
+
+
+def shade(image: Image, window: IntensityWindow, channel: str = "luminance") -> Command:
+    """Make the display image of a channel for an intensity window."""
+
+    def work(context: CommandContext) -> None:
+        display = DisplayImage.of(apply_window(image.gray(channel), window))
+        context.report(Shaded(image, window, display, channel))
+
+    return Command(work, tr("changing the levels"), "shade")
+
+
+EDGES = "edges"
+"""Topic of the messages on trouble with the edges."""
+
+
+def find_edges(image_generation: int, parameters: Parameters, then: Callable[[ScaleField], object]) -> Command:
+    """Pass the fields of the image at its full size to `then`, if it is still current and its method has any."""
+
+    def work(context: CommandContext) -> None:
+        fields: object = context.run.method
+        if image_generation == context.run.image_generation and isinstance(fields, ImageFields):
+            context.report(Finished(partial(then, fields.scale_field(parameters))))
+
+    return Command(work, tr("looking for edges"), "edges", partial(CommandFailed, topic=EDGES))

@@ -1,0 +1,359 @@
+"""The run on the worker thread: its steps, moves along the timeline, and how a document and its edits change it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from cpm_app.model.document.document import Document
+from cpm_app.model.text.language import tr
+from cpm_app.session.exchange.contour_tracking import ContourTracker
+from cpm_app.session.exchange.mailbox import Mailbox, Pacer
+from cpm_app.session.exchange.messages import Overlays, Reconstruction, Snapshot, sentence
+from cpm_app.session.timeline.moments import Erased, Joined, RunAction, Stepped
+from cpm_app.session.timeline.stored_runs import StoredRuns
+from cpm_app.session.timeline.timeline import Timeline
+from cpm_app.session.worker.prepared_methods import PreparedMethods, overlay
+from cpm_app.session.worker.reconstruction import Reconstructor, Request, edited
+from cpm_core import Image, Method, Parameters, PlacedCharge, Result, Skeleton
+from cpm_core.contours import HandEdit
+from cpm_core.formats import plain_shapes
+from cpm_core.image import AnyRegions
+from cpm_core.numerics import Place
+from cpm_core.parameters import invalidating
+from cpm_core.segmentation import MethodState, Steerable
+from cpm_core.shapes import ImageSeeds
+
+RESTING_SPEED = 0.1
+"""Speed below which a particle is shown as at rest [px per unit of time]."""
+
+
+class Run:
+    """The run that the worker thread steps: a method, its state and its parameters; no other thread touches it."""
+
+    def __init__(self, prepared: PreparedMethods) -> None:
+        self.snapshots: Mailbox[Snapshot] = Mailbox()
+        self.overlays: Mailbox[Overlays] = Mailbox()
+        self.reconstructor = Reconstructor()
+        self.pacer = Pacer()
+        self.timeline = Timeline(prepared.method)
+        self.generation = 0
+        self.image_generation = 0
+        self.method: Method[Any] | None = None
+        self.state: MethodState | None = None
+        self.parameters = Parameters()
+        self.charges: tuple[PlacedCharge, ...] = ()
+        self.hand_edits: tuple[HandEdit, ...] = ()
+        self._prepared = prepared
+        self._overlaid: frozenset[str] = frozenset()
+        self._overlays_of: tuple[object, ...] = ()
+        self._erasures: dict[int, tuple[tuple[int, int], tuple[int, int]]] = {}
+        self._tracker = ContourTracker()
+        self._remaining = 0.0
+
+    # The image and the document
+
+    def use(self, generation: int, method: Method[Any], parameters: Parameters) -> None:
+        """Change to another image, with the method that is prepared for it."""
+        self.hand_edits, self._tracker = (), ContourTracker()
+        self.discard(generation)
+        self.timeline.clear()
+        self._erasures.clear()
+        self.image_generation = generation
+        self._prepared.use(method)
+        self.method, self.charges, self.parameters = method, (), parameters
+        self._refresh_overlays()
+
+    def rescale(self, image: Image, document: Document) -> None:
+        """Use another size of a pixel from the next start on; a run that exists keeps its own."""
+        self._prepared.rescale(image)
+        if self.state is None:
+            self.method = self._prepared.method(document)
+            self._refresh_overlays()
+
+    def start(self, generation: int, document: Document) -> None:
+        """Start a run from the initialization and the mode of a document, without a step."""
+        self.discard(generation)
+        if self.method is None:
+            raise ValueError("There is no image to run on: open one first.")
+        seeds = self._prepared.seeds(document)
+        self.parameters, self.charges = document.parameters, document.charges
+        self.method = self._prepared.method(document)
+        self._refresh_overlays()
+        self.state = self.method.start(seeds)
+        self.timeline.begin(self.state, document, generation)
+        self._send()
+
+    def restore(self, stored: StoredRuns) -> str:
+        """Take over the runs of a session, none of which is shown yet; what one of them failed at, if any."""
+        self._tracker = ContourTracker(stored.numbers)
+        return self.timeline.restore(stored, lambda method, document: method.start(self._prepared.seeds(document)))
+
+    def stored(self, drawn: Mapping[int, Counter[Hashable]]) -> StoredRuns:
+        """All runs for a session, with the numbers of their contours; `drawn` as for `Timeline.stored`."""
+        return replace(self.timeline.stored(drawn), numbers=self._tracker.places)
+
+    def seeds_for(self, document: Document) -> ImageSeeds:
+        """Seeds of the starts of a document that depend on the image."""
+        return self._prepared.image_seeds(document)
+
+    def set_parameters(self, parameters: Parameters) -> None:
+        """Use these from the next step on."""
+        self.parameters = parameters
+        self._refresh_overlays()
+        self.stay()
+
+    def place(self, image_generation: int, charges: tuple[PlacedCharge, ...]) -> bool:
+        """Use these placed charges on this image from the next step on; whether a run that had ended continues."""
+        if image_generation != self.image_generation:
+            return False
+        self.charges = charges
+        self._refresh_overlays()
+        return self._go_on()
+
+    def limit(self, regions: AnyRegions | None) -> bool:
+        """Use these regions and barriers from the next step on; whether a run that had ended continues."""
+        if self.method is None or regions == self.method.regions:
+            return False
+        self.method = self.method.with_regions(regions)
+        self._prepared.keep(self.method)
+        self._refresh_overlays()
+        return self._go_on()
+
+    def join(self, document: Document) -> bool:
+        """Add the particles of a document's starts; whether a run that had ended continues."""
+        if not isinstance(self.method, Steerable) or self.state is None:
+            return False
+        ended = bool(self.state.stop_reason)
+        self._do(Joined(tuple(map(tuple, self._prepared.seeds(document).tolist())), self.method.regions))
+        return ended and self._keep_going()
+
+    def erase(self, path: tuple[Place, ...], radius: float, erasure: int) -> None:
+        """Remove the particles near a path; those of one `erasure`, which has a number, are brought back together.
+
+        The first that is removed begins a branch, so that the state before it is a place on the timeline.
+        """
+        here = self.timeline.here
+        if not isinstance(self.method, Steerable) or self.state is None or here is None:
+            return
+        count, known = self.state.count, erasure in self._erasures
+        action = Erased(path, radius, self.method.regions)
+        removes = not known and action.apply(self.method, self.state).count < count
+        self._do(action, apart=removes)
+        after = self.timeline.here
+        if (removes or known) and after is not None:
+            self._erasures[erasure] = (self._erasures[erasure][0] if known else here, after)
+        if self.state.stop_reason:
+            self._remaining = 0.0
+
+    def turn_erasure(self, erasure: int, back: bool) -> None:
+        """Go to the state before an erasure, or to the one after it; stay where it removed nothing."""
+        if erasure in self._erasures:
+            before, after = self._erasures[erasure]
+            self.go_to(*(before if back else after), lambda: True)
+
+    def _do(self, action: RunAction, apart: bool = False) -> None:
+        """Apply an action to the current state; `apart` on a branch of its own."""
+        assert self.method is not None
+        self.state = action.apply(self.method, self.state)
+        self.timeline.amend(action, self.state, apart)
+        self._send()
+
+    def set_overlays(self, names: frozenset[str]) -> None:
+        """Keep only these overlays up to date."""
+        self._overlaid, self._overlays_of = names, ()
+        self._refresh_overlays()
+
+    def _go_on(self) -> bool:
+        """Continue a run that has ended."""
+        if not isinstance(self.method, Steerable) or self.state is None or not self.state.stop_reason:
+            return False
+        self.state = self.state.resumed()
+        self._send()
+        return self._keep_going()
+
+    def _refresh_overlays(self) -> None:
+        """Compute the requested overlays if they would differ from the last ones; without a method there are none."""
+        made_of = [getattr(self.parameters, name) for name in invalidating("field")]
+        key = (self.method, self._overlaid, self.charges, *made_of)
+        if self.method is None or not self._overlaid or key == self._overlays_of:
+            return
+        arrays, trouble = {}, ""
+        for name in self._overlaid:
+            try:
+                arrays[name] = overlay(name, self.method, self.parameters, self.charges)
+            except Exception as error:  # the run does not depend on what is shown over the image
+                trouble = sentence(error, tr("preparing the overlays"))
+        self.overlays.put(Overlays(self.image_generation, arrays, trouble))
+        self._overlays_of = key
+
+    # Steps
+
+    @property
+    def stepping(self) -> bool:
+        """Whether steps remain to be taken."""
+        return self._remaining > 0
+
+    def go(self, steps: int | None = None) -> None:
+        """Take `steps` steps, or steps until `halt`; a run that has ended continues only with other parameters."""
+        if self.method is None or self.state is None:
+            return
+        if self.state.stop_reason and self.state.steering != self.method.steering(self.parameters):
+            self.state = self.state.resumed()
+        if not self.state.stop_reason:
+            self._remaining = float("inf") if steps is None else self._remaining + steps
+            self.pacer.begin()
+
+    def halt(self) -> None:
+        """Stop and keep the particles."""
+        self._remaining = 0.0
+        self._reconstruct()
+
+    def stay(self) -> None:
+        """Find the contours of the state at which the user stays, unless steps are still to be taken."""
+        if not self.stepping:
+            self._reconstruct()
+
+    def discard(self, generation: int) -> None:
+        """Stop and take the particles away; the run stays on the timeline, the next one has this number."""
+        self.generation = generation
+        self._remaining = 0.0
+        self.state = None
+        self.timeline.leave()
+        self.reconstructor.forget()
+        if self.hand_edits:
+            self._reconstruct(by_hand=True)
+
+    def edit_by_hand(self, edits: tuple[HandEdit, ...]) -> None:
+        """Use these edits of contours by hand, also in the runs that follow."""
+        if edits == self.hand_edits:
+            return
+        self.hand_edits = edits
+        if not self.stepping:
+            self._reconstruct(by_hand=True)
+
+    def step(self) -> None:
+        """Take one step and send a snapshot."""
+        if self.method is None or self.state is None:
+            self._remaining = 0.0
+            return
+        method, parameters = self.method, self.parameters
+        state = self.state = method.step(self.state, parameters, self.charges)
+        self._remaining = 0.0 if state.stop_reason else self._remaining - 1
+        self.pacer.stepped()
+        measures = method.measures(state, parameters)
+        self.timeline.record(Stepped(parameters, self.charges, method.regions), state, measures)
+        self._send()
+
+    def go_to(self, branch: int, step: int, wanted: Callable[[], bool]) -> None:
+        """Pause and go to another step of the timeline; if it is no longer wanted, only pause."""
+        self._remaining = 0.0
+        before = self.timeline.run
+        state = self.timeline.go(branch, step, wanted)
+        if state is not None:
+            self._show(state, before)
+
+    def drop_branch(self, branch: int) -> None:
+        """Remove a branch of the timeline; if the run is on it, go back to where it began."""
+        before = self.timeline.run
+        state = self.timeline.drop(branch)
+        if state is not None:
+            if state is not self.state:
+                self._remaining = 0.0
+            self._show(state, before)
+
+    def _show(self, state: MethodState, before: int) -> None:
+        """Use and show a state of the timeline; `before` is the number of the run until now."""
+        self.state = state
+        if self.timeline.run != before:
+            self.method = self.timeline.method(self.timeline.run, None if self.method is None else self.method.regions)
+        self._send(looking_back=True)
+
+    def rename_branch(self, branch: int, name: str) -> None:
+        """Give a branch of the timeline another name."""
+        self.timeline.rename(branch, name)
+        self._send()
+
+    def set_timeline_budget(self, budget: int) -> None:
+        """Let the states of the timeline take at most so many bytes."""
+        self.timeline.limit(budget)
+        self._send()
+
+    def set_pace(self, steps_per_second: float | None) -> None:
+        """Take at most so many steps a second; None for no limit."""
+        self.pacer.limit(steps_per_second)
+
+    def reconstruction(self, shown: Reconstruction | None, wanted: Callable[[], bool]) -> Reconstruction | None:
+        """The contours that the user sees: during a run those `shown`, else those of its last state.
+
+        It waits for contours that are still being made; None when they are no longer wanted.
+        """
+        if self.stepping and shown is not None and shown.generation == self.generation:
+            return shown
+        found = self.reconstructor.latest(self.generation, wanted)
+        if found is None and wanted():
+            raise ValueError("There is nothing to export yet: start a run first.")
+        return found
+
+    def with_provenance(self, result: Result | Skeleton) -> Result | Skeleton:
+        """What the current run has found, with what was drawn for it and whether it was steered, for files."""
+        made, image = result.provenance, None if self.method is None else self.method.image
+        if image is not None and not made.sha256:  # contours drawn by hand
+            made = replace(made, sha256=image.sha256, of_file=bool(image.file_sha256))
+        if self.state is not None:
+            made = replace(made, shapes=plain_shapes(self.timeline.drawn), steered=self.timeline.steered)
+        return replace(result, provenance=made)
+
+    def result_of(self, branch: int, state: MethodState) -> Result | Skeleton:
+        """Contours of a state of another branch."""
+        if self.method is None:
+            raise ValueError("There is no image to run on: open one first.")
+        method = self.timeline.method(self.timeline.run_of(branch), self.method.regions)
+        return edited(method, method.result(state, self.parameters), self.parameters, self.hand_edits)[0]
+
+    def moment(self, branch: int, step: int, wanted: Callable[[], bool]) -> Snapshot | None:
+        """Snapshot of another step, without going there; None when it is no longer wanted."""
+        state = self.timeline.state(branch, step, wanted)
+        return None if state is None else self._snapshot(state, branch)
+
+    def _keep_going(self) -> bool:
+        self._remaining = float("inf")
+        self.pacer.begin()
+        return True
+
+    def _send(self, looking_back: bool = False) -> None:
+        if self.state is not None and self.timeline.here is not None:
+            self.snapshots.put(self._snapshot(self.state, self.timeline.here[0]))
+            self._reconstruct(looking_back)
+
+    def _snapshot(self, state: MethodState, branch: int) -> Snapshot:
+        assert self.method is not None
+        speed = np.linalg.norm(state.particles.velocity, axis=1) * 2.0**state.scale
+        return Snapshot(
+            generation=self.generation,
+            method=self.method.name,
+            state=state,
+            position=self.method.positions(state),
+            resting=speed < RESTING_SPEED,
+            steps_per_second=self.pacer.per_second,
+            metrics=self.timeline.metrics(branch, state.step),
+            timeline=self.timeline.outline,
+        )
+
+    def _reconstruct(self, looking_back: bool = False, by_hand: bool = False) -> None:
+        """Request contours; of the first state only when the run goes back to it, to show that there are none.
+
+        Without a state there are those drawn `by_hand`.
+        """
+        begun = self.state is not None and self.state.step > 0
+        if self.method is None or not (begun or looking_back or by_hand):
+            return
+        # While the user scrubs, only the step at which that ends needs its contours at once.
+        last = not self.stepping and not looking_back
+        self.reconstructor.ask(
+            Request(self.generation, self.method, self.state, self.parameters, last, self.hand_edits, self._tracker)
+        )

@@ -1,0 +1,70 @@
+"""The desktop application: sets Qt up, opens the window and runs until it is closed."""
+
+from __future__ import annotations
+
+import signal
+import sys
+
+import pyqtgraph as pg
+from PySide6.QtCore import QLibraryInfo, QLocale, QTimer, QTranslator
+from PySide6.QtGui import QPixmapCache
+from PySide6.QtWidgets import QApplication
+
+from cpm_app.model.text.language import language, use_marks
+from cpm_app.views.features.help import HelpFeature
+from cpm_app.views.main_window import open_window
+from cpm_app.views.theme.icons import program_icon
+from cpm_app.views.window.python_hooks import UnexpectedErrors
+
+SWITCH_INTERVAL = 0.0002
+"""Longest time that the window waits for the interpreter while the worker computes [s]."""
+
+PIXMAP_CACHE = 256 * 1024
+"""Size of the cache for rendered layers [KB]; if it is too small, each layer is painted in every frame."""
+
+
+def make_application() -> QApplication:
+    """The QApplication, with the style that the window needs."""
+    application = QApplication.instance() or QApplication(sys.argv[:1])
+    assert isinstance(application, QApplication)
+    application.setApplicationName("cpm")
+    application.setApplicationDisplayName("CPM")
+    application.setDesktopFileName("cpm")
+    application.setStyle("Fusion")
+    application.setWindowIcon(program_icon())
+    locale = locale_of(language(), QLocale.system())
+    QLocale.setDefault(locale)
+    use_marks(locale.decimalPoint(), locale.groupSeparator())
+    # Qt's dialogs for files and colors speak the language of the window, where Qt has it
+    translator = QTranslator(application)
+    if translator.load(
+        QLocale(language()), "qtbase", "_", QLibraryInfo.path(QLibraryInfo.LibraryPath.TranslationsPath)
+    ):
+        application.installTranslator(translator)
+    pg.setConfigOptions(imageAxisOrder="row-major", antialias=False)
+    QPixmapCache.setCacheLimit(PIXMAP_CACHE)
+    sys.setswitchinterval(SWITCH_INTERVAL)
+    return application
+
+
+def locale_of(name: str, desktop: QLocale) -> QLocale:
+    """How dates and numbers are written in a language: as the desktop writes them where it has the same language."""
+    own = QLocale(name)
+    return desktop if desktop.language() == own.language() else own
+
+
+def run(path: str | None = None) -> int:
+    """Run the desktop program; returns its exit status."""
+    application = make_application()
+    window = open_window(path)
+    unexpected = UnexpectedErrors(window.session)
+    window.feature(HelpFeature).welcome()
+    # Ctrl+C in the terminal closes the window; Python handles signals only while it runs, hence the timer.
+    signal.signal(signal.SIGINT, lambda *_: window.close())
+    wake = QTimer()
+    wake.timeout.connect(lambda: None)
+    wake.start(200)
+    status = application.exec()
+    window.close()
+    unexpected.end()
+    return status

@@ -1,0 +1,230 @@
+"""The canvas with the line below it; it follows the session."""
+
+from __future__ import annotations
+
+import numpy as np
+from PySide6.QtCore import QEvent, QObject, QPoint, QPointF, Qt, Signal
+from PySide6.QtGui import QFocusEvent, QKeyEvent
+from PySide6.QtWidgets import QGridLayout, QVBoxLayout, QWidget
+
+from cpm_app.model.document import edits
+from cpm_app.model.text.language import from_core, tr
+from cpm_app.session.features.comparison import NOW
+from cpm_app.session.features.workspace import Workspace
+from cpm_app.session.signals import OF_THE_PROGRAM, OPENING
+from cpm_app.views.canvas.canvas import Canvas, ToolInUse
+from cpm_app.views.canvas.crosshair import Crosshair
+from cpm_app.views.canvas.image_view import ImageView
+from cpm_app.views.canvas.legend import Strip
+from cpm_app.views.canvas.pointed import Pointed, part_around, selected_places
+from cpm_app.views.layers.image_layer import LevelDrag
+from cpm_app.views.tools import TOOLS
+from cpm_app.views.tools.select import SelectTool
+from cpm_app.views.widgets.containers import ENTER, OfferBar, arrange
+from cpm_core.numerics import Place
+from cpm_core.shapes import Circle, Sphere
+
+FIRST_TOOL = "circle"
+
+_ARROWS = {
+    Qt.Key.Key_Up: (-1.0, 0.0),
+    Qt.Key.Key_Down: (1.0, 0.0),
+    Qt.Key.Key_Left: (0.0, -1.0),
+    Qt.Key.Key_Right: (0.0, 1.0),
+}
+_SIZES = {Qt.Key.Key_BracketLeft: -1.0, Qt.Key.Key_BracketRight: 1.0}
+_DRAFT_KEYS = (*ENTER, Qt.Key.Key_Backspace)
+_PAN = 40.0
+_MIDDLE_FRACTION = 0.2
+
+
+class CanvasArea(QWidget):
+    """Shows the scene of a session on the canvas, and lets the tools edit its document and select."""
+
+    tool_changed = Signal()
+    """Another tool is in use."""
+
+    def __init__(self, workspace: Workspace) -> None:
+        super().__init__()
+        self._workspace = workspace
+        self._session = session = workspace.session
+        self._selection = workspace.object_selection
+        self.canvas = Canvas(session)
+        self.strip = Strip(self.canvas.layers.legend)
+        self.messages, self.hint = self.strip.messages, self.strip.hint
+        self._pointed = Pointed(workspace)
+        self.offers, self.controls, self.views = OfferBar(), QVBoxLayout(), QGridLayout()
+        """The line above the canvas, lines below it, and views next to it, which features add."""
+        self.views.setSpacing(2)
+        self.views.addWidget(self.canvas, 0, 0)
+        column = arrange(QVBoxLayout(self), self.offers, self.views, self.controls, self.strip, spacing=0)
+        column.setStretchFactor(self.views, 1)
+        self.crosshair = Crosshair(self.canvas, self.refresh)
+        given = workspace, self.canvas.layers.drawing, self.refresh
+        self._tools = {kind.name: kind(*given) for kind in TOOLS}
+        self.canvas.hold = ToolInUse(self._tools[FIRST_TOOL], SelectTool(*given))
+        self._given = False
+        self.canvas.installEventFilter(self)
+        self.canvas.pointed.connect(self._point)
+        self.level_drag = LevelDrag(self.canvas.layers.image, self.canvas.viewport())
+        self.use_tool(FIRST_TOOL)
+        session.said.connect(self.messages.say)
+        session.attempted.connect(self.messages.attempt)
+        session.image_changed.connect(lambda: self.messages.keep_only(OPENING, *OF_THE_PROGRAM))
+        for layer in self.canvas.layers:
+            layer.changed.connect(self._follow_layers)
+        session.status_changed.connect(self.refresh)
+        session.scene_changed.connect(self._draw)
+        self._selection.changed.connect(self.refresh)
+        workspace.object_list.selection_changed.connect(self.refresh)
+        self._draw()
+
+    def use_tool(self, name: str) -> None:
+        """Change the tool, and give the keyboard to the canvas.
+
+        A drawing tool deselects the shape, because its handles would be in the way.
+        """
+        changed = self.canvas.hold.tool.name != name
+        self.canvas.use(self._tools[name])
+        if name != "select":
+            self._session.select(None)
+        self.crosshair.move(0.0, 0.0)
+        self.canvas.setFocus()
+        self.refresh()
+        if changed:
+            self.tool_changed.emit()
+
+    def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
+        """What lies at a point, or at the cross-hair, or is chosen; see `MenuOwner`."""
+        keyed, view = self.crosshair.at, self.canvas
+        if point is not None:
+            found = self.childAt(point)
+            while found is not None and not isinstance(found, ImageView):
+                found = found.parentWidget()
+            view = found or view
+            inside = QPointF(view.mapFrom(self, point))
+        elif keyed is not None:
+            inside = view.point(keyed)
+        else:
+            return self._pointed.chosen, self.rect().center()
+        thing = self._pointed.choose(view.placed(view.position(inside)), view.reach(), view.here)
+        return thing, view.mapTo(self, inside.toPoint())
+
+    def escape(self) -> None:
+        """Cancel the draft or hide the cross-hair; otherwise dismiss the message and deselect everything."""
+        if self.canvas.hold.gesturing:
+            self.canvas.hold.cancel()
+        elif self.crosshair.at is not None:
+            self.crosshair.hide()
+        elif self._workspace.comparison.chosen:
+            self._workspace.comparison.choose(NOW)
+        else:
+            self.messages.dismiss()
+            self._session.select(None)
+            self._workspace.review.choose()
+
+    def refresh(self) -> None:
+        """Show what to do next below the canvas; advice of the tool has priority."""
+        text = self._session.resolved.hint
+        if self._session.document.image is not None:
+            offered = "" if self._selection.selecting else self._selection.advice
+            text = self.crosshair.advice or self.canvas.hold.tool.advice or offered or text
+        self.strip.say_next(text)
+
+    def zoom_to_selection(self) -> None:
+        """Show what is selected as large as possible; in a volume, in the slices through its middle."""
+        places = selected_places(self._workspace)
+        if places:
+            self.canvas.show_part(part_around(np.concatenate(places), self.canvas, self._workspace.slices))
+
+    def add_circle(self) -> None:
+        """Add a circle in the middle of the visible part."""
+        seen = self.canvas.view.viewRect()
+        if self.canvas.shape is None:
+            return
+        rows, cols = self.canvas.shape
+        row = min(max(seen.center().y(), 0.0), rows - 1.0)
+        col = min(max(seen.center().x(), 0.0), cols - 1.0)
+        radius = max(4.0, _MIDDLE_FRACTION * min(seen.width(), seen.height(), rows, cols))
+        volume, center = self.canvas.drawn.volume, self.canvas.placed((row, col))
+        round_one = Circle(center, radius) if volume is None else Sphere.round(center, radius, volume.spacing)
+        name = tr("add circle") if volume is None else tr("add sphere")
+        self._session.edit(name, lambda document: edits.add_shape(document, round_one))
+        self._session.select(len(self._session.document.shapes) - 1)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Take keys for the draft and for what is selected, also those that are shortcuts of the window.
+
+        One Enter too many in a field, which has just given the keyboard back, accepts nothing.
+        """
+        if isinstance(event, QFocusEvent) and event.type() == QEvent.Type.FocusIn:
+            self._given = event.reason() == Qt.FocusReason.ShortcutFocusReason
+        if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.ShortcutOverride:
+            key, tool = event.key(), self.canvas.hold.tool
+            sized = tool.sized or self._session.selected is not None
+            if (key in _SIZES and sized) or (key == Qt.Key.Key_Backspace and tool.drafting):
+                event.accept()
+                return True
+        if isinstance(event, QKeyEvent) and event.type() == QEvent.Type.KeyPress and self._take_key(event):
+            return True
+        return super().eventFilter(watched, event)
+
+    def _point(self) -> None:
+        """The pointer is used again after a field."""
+        self._given = False
+
+    def _draw(self) -> None:
+        self.canvas.draw(self._session.scene)
+        self.strip.legend.refresh()
+
+    def _follow_layers(self) -> None:
+        """Contours that are not visible cannot be selected."""
+        self._workspace.review.rejected_seen = bool(self.canvas.layers.contours.chosen["rejected"])
+        self.strip.legend.refresh()
+
+    def _take_key(self, event: QKeyEvent) -> bool:
+        key, held, index = Qt.Key(event.key()), event.modifiers(), self._session.selected
+        tool, keyed, objects = self.canvas.hold.tool, self.crosshair.at is not None, self._workspace.object_list
+        given, self._given = self._given, False
+        accepts = key in ENTER and not keyed and (objects.open_rows or objects.selected)
+        if given and accepts:
+            self._session.say(tr("The value is set. Enter accepts the proposal."))
+            return True
+        ends = not keyed or held & Qt.KeyboardModifier.ControlModifier or key == Qt.Key.Key_Backspace
+        if tool.drafting and key in _DRAFT_KEYS and ends:
+            (tool.take_back if key == Qt.Key.Key_Backspace else tool.finish)()
+        elif accepts:
+            if objects.open_rows:  # objects are accepted already
+                objects.accept()
+        elif key in ENTER:
+            self.canvas.hold.set_modifiers(held)
+            (self.crosshair.enter if keyed else self.crosshair.show)()
+        elif key in _ARROWS:
+            factor = 10.0 if held & Qt.KeyboardModifier.ShiftModifier else 1.0
+            row, col = _ARROWS[key]
+            by: Place = self.canvas.toward(factor * row, factor * col)
+            if keyed:
+                self.crosshair.move(*by)
+            elif index is None:
+                self.canvas.pan(_PAN * col, _PAN * row)
+            else:
+                slices = self._session.scene.slices
+                by = by if slices is None else slices.current.along(by)
+                name = tr("move {shape}", shape=from_core(self._session.document.shapes[index].title))
+                self._session.edit(name, lambda document: edits.move_shape(document, index, by), f"nudge {index}")
+        elif key in _SIZES and (index is not None or tool.sized):
+            self.enlarge(_SIZES[key])
+        else:
+            return False
+        return True
+
+    def enlarge(self, by: float) -> None:
+        """Make the selected shape larger, or what the tool works with, or smaller for `by` below 0."""
+        index = self._session.selected
+        if index is None:
+            self.canvas.hold.tool.resize(by)
+            return
+        shape = self._session.document.shapes[index]
+        verb = tr("resize {shape}") if shape.outline.size else tr("change {shape}")
+        name, resized = verb.format(shape=from_core(shape.title)), shape.resized(by)
+        self._session.edit(name, lambda document: edits.replace_shape(document, index, resized), f"grow {index}")

@@ -1,0 +1,119 @@
+"""The cross-hair: keys move it in place of the pointer, so that every tool can be used without a mouse."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pyqtgraph as pg
+from PySide6.QtCore import QRectF, Qt
+from PySide6.QtGui import QCursor
+
+from cpm_app.model.text.keys import with_keys
+from cpm_app.model.text.language import tr
+from cpm_app.views.canvas.canvas import Canvas
+from cpm_app.views.items.item import Markers
+from cpm_app.views.theme import theme
+from cpm_core.numerics import Position
+
+_Z = 9.0
+_SIZE = 36.0
+"""From end to end [px of the screen]."""
+
+_FINE = 0.5
+"""Tolerance for hits of tools that work by clicks [px of the image]; keys are more precise than a pointer."""
+
+_MARGIN = 24.0
+"""Distance from the border of the canvas at which the image is moved [px of the screen]."""
+
+
+class Crosshair:
+    """Presses, drags and releases on the canvas like the left button; `changed` is called when `advice` may change."""
+
+    def __init__(self, canvas: Canvas, changed: Callable[[], None]) -> None:
+        self._canvas = canvas
+        self._changed = changed
+        self.at: Position | None = None
+        """Its position (row, col); None while it is hidden."""
+        self._marks = [
+            Markers(_Z, size=_SIZE, symbol="crosshair", brush=None, pen=pg.mkPen(color, width=width))
+            for color, width in ((theme.HALO, 4.0), (theme.CHOSEN, 1.6))
+        ]
+        for marks in self._marks:
+            canvas.view.addItem(marks, ignoreBounds=True)
+        canvas.taken.connect(self.hide)
+
+    @property
+    def advice(self) -> str:
+        """One sentence on what keys do with the tool in use."""
+        if self.at is None:
+            return ""
+        text = tr("Arrow keys move the cross-hair, with Shift by 10 px. {what} {key:escape} hides it.")
+        return with_keys(text, what=self._canvas.hold.tool.by_keys)
+
+    def toggle(self) -> None:
+        """Show or hide it."""
+        if self.at is None:
+            self.show()
+        else:
+            self.hide()
+
+    def show(self) -> None:
+        """Show it under the pointer, or in the center of the canvas."""
+        canvas = self._canvas
+        shape = canvas.shape
+        if shape is None:
+            return
+        inside = canvas.mapFromGlobal(QCursor.pos())
+        under = canvas.underMouse() and canvas.rect().contains(inside)
+        at = canvas.position((inside if under else canvas.rect().center()).toPointF())
+        row, col = (min(max(round(place), 0), n - 1) for place, n in zip(at, shape, strict=True))
+        self._place((float(row), float(col)))
+        canvas.setFocus()
+
+    def hide(self) -> None:
+        """Hide it."""
+        if self.at is not None:
+            if self._canvas.hold.dragging:
+                self._canvas.hold.cancel()
+            self.at = None
+            self._canvas.led_by_keys = False
+            self._canvas.leave()
+            self._draw()
+            self._changed()
+
+    def move(self, down: float, right: float) -> None:
+        """Move it, and what is being dragged, by px of the image."""
+        if self.at is not None:
+            self._place((self.at[0] + down, self.at[1] + right))
+
+    def enter(self) -> None:
+        """Press, release, or click, depending on the tool."""
+        canvas, at, hold = self._canvas, self.at, self._canvas.hold
+        if at is None:
+            return
+        if hold.dragging:
+            hold.release()
+        elif hold.tool.clicks and hold.at(canvas, at) is hold.tool:
+            hold.press(canvas, at, _FINE)
+            hold.release()
+        else:
+            hold.press(canvas, at)
+        self._changed()
+
+    def _place(self, at: Position) -> None:
+        canvas = self._canvas
+        canvas.led_by_keys, self.at = True, at
+        point, seen = canvas.point(at), canvas.rect()
+        room = QRectF(seen).adjusted(_MARGIN, _MARGIN, -_MARGIN, -_MARGIN)
+        canvas.pan(
+            point.x() - min(max(point.x(), room.left()), room.right()),
+            point.y() - min(max(point.y(), room.top()), room.bottom()),
+        )
+        canvas.hold.set_modifiers(Qt.KeyboardModifier.NoModifier)
+        canvas.move_to(at)
+        self._draw()
+        self._changed()
+
+    def _draw(self) -> None:
+        for marks in self._marks:
+            marks.show([] if self.at is None else [self.at])

@@ -1,0 +1,121 @@
+"""Messages to the user in one line, with details on demand."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QPoint, Qt, QTimer, Signal
+from PySide6.QtWidgets import QFrame, QHBoxLayout, QLabel, QVBoxLayout
+
+from cpm_app.model.state.messages import Message, Messages
+from cpm_app.model.text.keys import with_keys
+from cpm_app.model.text.language import tr
+from cpm_app.views.theme.icons import icon
+from cpm_app.views.theme.theme import Theme
+from cpm_app.views.widgets.containers import ElidedLabel, arrange, flat_button
+
+SHOWN = 6000
+"""Time after which good news disappears [ms]."""
+
+_DETAILS_WIDTH = 420
+
+
+class MessageLine(QFrame):
+    """One message, and buttons to read all of it and to dismiss it; hidden while there is none."""
+
+    shown_changed = Signal()
+    """Another message is shown, or none."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._messages = Messages()
+        self._label = ElidedLabel()
+        self.details = flat_button(tr("Details"), tr("Read the whole message."), self._show_details)
+        self._label.fits_changed.connect(lambda: self.details.setVisible(not self._label.fits))
+        self._button = flat_button("", tr("Dismiss message"), self.dismiss)
+        parts = self._label, self.details, self._button
+        arrange(QHBoxLayout(self), *parts, margins=(10, 0, 2, 0), spacing=4, wide=self._label)
+        self._timer = QTimer(self, singleShot=True, interval=SHOWN)
+        self._timer.timeout.connect(lambda: self._use(self._messages.faded()))
+        self._theme: Theme | None = None
+        self.hide()
+
+    @property
+    def text(self) -> str:
+        """The message shown, or empty."""
+        shown = self._messages.shown
+        return shown.text if shown is not None else ""
+
+    @property
+    def error(self) -> bool:
+        """Whether an error is shown."""
+        shown = self._messages.shown
+        return shown is not None and shown.error
+
+    def say(self, sentence: str, error: bool, topic: str = "") -> None:
+        """Show a message."""
+        self._use(self._messages.said(Message(sentence, error, topic)))
+
+    def attempt(self, topic: str) -> None:
+        """Take away what was said about earlier attempts of a kind."""
+        self._use(self._messages.without(topic))
+
+    def keep_only(self, *topics: str) -> None:
+        """Take away all messages of other topics."""
+        self._use(self._messages.only(*topics))
+
+    def dismiss(self) -> None:
+        """Take away the message that is shown."""
+        self._use(self._messages.dismissed())
+
+    def clear(self) -> None:
+        """Take away all messages."""
+        self._use(Messages())
+
+    def show_keys(self) -> None:
+        """Name the keys as they are now."""
+        self._button.setToolTip(with_keys(tr("Dismiss ({key:escape})")))
+
+    def use_theme(self, theme: Theme) -> None:
+        """Tint the button."""
+        self._theme = theme
+        self._tint()
+
+    def _use(self, messages: Messages) -> None:
+        before, self._messages = self._messages, messages
+        shown = messages.shown
+        if messages.news is not None and messages.news is not before.news:
+            self._timer.start()
+        if shown is before.shown:
+            return
+        self.setVisible(shown is not None)
+        if shown is not None:
+            self._show(shown)
+        self.shown_changed.emit()
+
+    def _show(self, shown: Message) -> None:
+        self._label.setText(shown.text)
+        self.setObjectName("error" if shown.error else "message")
+        for widget in (self, self._label, self.details, self._button):
+            self.style().unpolish(widget)
+            self.style().polish(widget)
+        self._tint()
+        self.details.setVisible(not self._label.fits)
+
+    def _show_details(self) -> None:
+        popup = QFrame(self.window(), Qt.WindowType.Popup)
+        popup.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        popup.setObjectName("popup")
+        label = QLabel(
+            self.text,
+            textFormat=Qt.TextFormat.PlainText,
+            wordWrap=True,
+            textInteractionFlags=Qt.TextInteractionFlag.TextSelectableByMouse,
+        )
+        label.setFixedWidth(_DETAILS_WIDTH)
+        QVBoxLayout(popup).addWidget(label)
+        popup.adjustSize()
+        popup.move(self.mapToGlobal(QPoint(0, -popup.height() - 2)))
+        popup.show()
+
+    def _tint(self) -> None:
+        if self._theme is not None:
+            self._button.setIcon(icon("close", self._theme.error_text if self.error else self._theme.message_text))

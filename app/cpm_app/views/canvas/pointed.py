@@ -1,0 +1,80 @@
+"""What lies at a place of the canvas, and where what is selected lies."""
+
+from __future__ import annotations
+
+import numpy as np
+from PySide6.QtCore import QRectF
+
+from cpm_app.model.volume.shape_sections import wires
+from cpm_app.model.volume.slices import Slice
+from cpm_app.session.features.slices import ShownSlices, hit_in
+from cpm_app.session.features.workspace import Workspace
+from cpm_app.views.canvas.image_view import ImageView
+from cpm_core.numerics import Array, Place
+from cpm_core.shapes import Charge, sides_of
+
+
+class Pointed:
+    """Finds and chooses what lies at a place: lines before areas, and those in front first."""
+
+    def __init__(self, workspace: Workspace) -> None:
+        self._session = workspace.session
+        self._list = workspace.object_list
+        self._selection = workspace.object_selection
+
+    @property
+    def chosen(self) -> str:
+        """The name of what is chosen."""
+        shapes, selected = self._session.document.shapes, self._session.selected
+        if selected is not None and selected < len(shapes):
+            return "charge" if isinstance(shapes[selected], Charge) else "shape"
+        return "object" if self._list.selected or self._selection.selecting else "image"
+
+    def choose(self, at: Place, reach: float, here: Slice | None = None) -> str:
+        """The name of what lies at a place, which is chosen unless it is already; `reach` is in px of the image.
+
+        `here` is the slice that was pointed at, in a volume.
+        """
+        if self._selection.selecting:
+            return "object"
+        shapes = self._session.document.shapes
+        found = hit_in(self._session.scene, at, reach, here)
+        near = found is not None and (found.part == "handle" or shapes[found.index].distance(at) <= reach)
+        key = None if near else self._list.at(at, reach, areas=False)
+        if key is None:
+            self._session.select(None if found is None else found.index)
+            return "image" if found is None else self.chosen
+        self._session.select(None)
+        if key not in self._list.selected:
+            self._list.select((key,))
+        return "object"
+
+
+def selected_places(workspace: Workspace) -> list[Array]:
+    """Positions of the selected objects, proposals and contours, else of the selected shape.
+
+    They are (row, col) in an image; those of a shape in a volume are (plane, row, col).
+    """
+    session = workspace.session
+    rows = workspace.object_list.selected_rows
+    items = [row.item for row in rows if row.item is not None]
+    found = [row.contour.contour.points for row in rows if row.contour is not None]
+    found += [np.array(curve) for item in items for curve in item.boundary]
+    found += [packed.box for item in items for packed in item.surface]
+    if not found and session.selected is not None:
+        shape = session.document.shapes[session.selected]
+        volume = session.image if session.scene.slices is not None else None
+        if volume is not None:
+            sides = sides_of(volume.spacing)
+            return [places for places in [wires(shape, sides).reshape(-1, 3)] if len(places)]
+        found = [shape.outline if shape.outline.size else np.array(shape.handles(), dtype=float).reshape(-1, 2)]
+    return [places for places in found if len(places)]
+
+
+def part_around(places: Array, canvas: ImageView, slices: ShownSlices) -> QRectF:
+    """The part of the image around places; in a volume, in the slice through their middle, which is shown."""
+    if places.shape[1] == 3:
+        slices.through(tuple((0.5 * (places.min(axis=0) + places.max(axis=0))).tolist()))
+        places = places if canvas.here is None else canvas.here.flattened(places)
+    (top, left), (bottom, right) = places.min(axis=0), places.max(axis=0)
+    return QRectF(left, top, right - left, bottom - top)

@@ -1,0 +1,63 @@
+"""The line below the canvas that chooses which slice of a volume is shown."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import QButtonGroup, QHBoxLayout, QToolButton
+
+from cpm_app.model.display.lengths import size_text
+from cpm_app.model.text.keys import with_keys
+from cpm_app.model.text.language import tr
+from cpm_app.model.volume.slices import AXES, Slices, planes_of
+from cpm_app.views.widgets.containers import arrange, flat_button
+from cpm_app.views.widgets.fields import PlaceBar
+from cpm_core import Image
+
+_TIPS = (
+    tr("Show planes: rows run down, columns to the right."),
+    tr("Show slices across the rows: planes run down, columns to the right."),
+    tr("Show slices across the columns: planes run down, rows to the right."),
+)
+_JUMP = 10
+
+
+class SliceBar(PlaceBar):
+    """Axis, slider and number of the slice, and the size of a voxel; hidden while no volume is open."""
+
+    size_wanted = Signal()
+    """The user wants to set the size of a voxel."""
+    turned = Signal(int)
+    """The user wants slices across an axis."""
+
+    def __init__(self) -> None:
+        super().__init__(tr("Slice"), tr("Number of the slice"), _JUMP)
+        self.axes = [QToolButton() for _ in AXES]
+        group = QButtonGroup(self)
+        for axis, button in enumerate(self.axes):
+            button.setToolTip(_TIPS[axis])
+            button.setAccessibleName(tr("Slices across the axis: {axis}", axis=AXES[axis]))
+            button.setCheckable(True)
+            group.addButton(button, axis)
+        group.idClicked.connect(self.turned)
+        tip = tr("Voxel size: plane × row × column. Click to change it.")
+        self.voxel = flat_button("", tip, self.size_wanted.emit)
+        self.voxel.setObjectName("dim")
+        parts = *self.axes, self.slider, self.number, self.of, self.voxel
+        row = arrange(QHBoxLayout(self), *parts, margins=(10, 3, 10, 3), spacing=4, wide=self.slider)
+        row.insertSpacing(len(self.axes), 8)
+
+    def show_keys(self) -> None:
+        """Name the keys as they are now."""
+        said = tr("Move through the slices: {key:previous_slice} and {key:next_slice}, or Shift + wheel.")
+        self.slider.setToolTip(with_keys(said))
+
+    def show_slices(self, slices: Slices | None, image: Image | None) -> None:
+        """Show where the slices are, or hide when there are none."""
+        self.setVisible(slices is not None)
+        if slices is None or image is None:
+            return
+        self.show_place(slices.current.index, 0, slices.count - 1)
+        for button, name in zip(self.axes, planes_of(image), strict=True):
+            button.setText(name[:1].upper() + name[1:])
+        self.axes[slices.axis].setChecked(True)
+        self.voxel.setText(size_text(image.spacing, image.unit) or tr("Size…"))

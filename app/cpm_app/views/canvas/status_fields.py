@@ -1,0 +1,66 @@
+"""What the status bar shows of the canvas: place and gray value under the pointer, and the zoom."""
+
+from __future__ import annotations
+
+from PySide6.QtWidgets import QLabel
+
+from cpm_app.model.display.lengths import length_text, shown_in
+from cpm_app.model.text.language import tr
+from cpm_app.session.session import Session
+from cpm_app.views.canvas.canvas import Canvas
+from cpm_app.views.canvas.image_view import ImageView
+from cpm_core import Image
+from cpm_core.numerics import Place
+
+
+class PointerReadout(QLabel):
+    """Row, column and gray value, in a volume also the plane; of a color image in the channel of the run.
+
+    Where the size of a pixel is known, also the position in its unit.
+    """
+
+    def __init__(self, session: Session, canvas: Canvas) -> None:
+        super().__init__()
+        self._session = session
+        canvas.placed_at.connect(self._show)
+
+    def _show(self, place: Place | None) -> None:
+        text, image = "", self._session.image
+        if place is not None and image is not None and len(place) == image.ndim:
+            pixel = tuple(map(round, place))
+            if all(0 <= at < side for at, side in zip(pixel, image.shape, strict=True)):
+                text = self._text(image, pixel, self._session.document.parameters.channel)
+        self.setText(text)
+
+    @staticmethod
+    def _text(image: Image, pixel: tuple[int, ...], channel: str) -> str:
+        value, size = image.gray_at(pixel, channel), shown_in(image.spacing, image.unit)
+        lengths = [length_text(place, each, size.unit or "") for place, each in zip(pixel, size.spacing, strict=True)]
+        places = dict(zip(("plane", "row", "col")[-image.ndim :], pixel, strict=True))
+        named = dict(zip(("back", "down", "right")[-image.ndim :], lengths, strict=True))
+        return _WORDS[image.ndim, size.unit is not None].format(value=value, **places, **named)
+
+
+_WORDS = {
+    (2, False): tr("row {row}, col {col}:  {value:g}"),
+    (2, True): tr("row {row}, col {col}  ({down}, {right}):  {value:g}"),
+    (3, False): tr("plane {plane}, row {row}, col {col}:  {value:g}"),
+    (3, True): tr("plane {plane}, row {row}, col {col}  ({back}, {down}, {right}):  {value:g}"),
+}
+"""What is shown, by the number of axes and whether the size of a pixel is known."""
+
+
+class ZoomReadout(QLabel):
+    """Pixels of the screen per pixel of the image."""
+
+    def __init__(self, canvas: ImageView) -> None:
+        super().__init__()
+        self._canvas = canvas
+        self.setAccessibleName(tr("Zoom"))
+        self.setMinimumWidth(self.fontMetrics().horizontalAdvance("00000 %"))
+        canvas.view.sigRangeChanged.connect(self._show)
+
+    def _show(self, *_: object) -> None:
+        percent = 100.0 * self._canvas.magnification
+        shown = f"{percent:.0f} %" if percent >= 100.0 else f"{percent:.3g} %"
+        self.setText(shown if self._canvas.shape is not None else "")

@@ -1,0 +1,195 @@
+"""What is compared: values of one or two parameters, or methods with their settings."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from functools import partial
+
+from PySide6.QtCore import QSignalBlocker, Qt
+from PySide6.QtWidgets import (
+    QCheckBox,
+    QComboBox,
+    QDoubleSpinBox,
+    QFormLayout,
+    QLabel,
+    QLineEdit,
+    QListWidget,
+    QListWidgetItem,
+    QScrollArea,
+    QVBoxLayout,
+    QWidget,
+)
+
+from cpm_app.model.display.comparison import (
+    FIRST_AXES,
+    Axis,
+    Trial,
+    method_trials,
+    parameter_trials,
+    read_values,
+    sensible_values,
+)
+from cpm_app.model.display.lengths import short_text
+from cpm_app.model.document.modes import acting_in
+from cpm_app.model.parameters.controls import Control, controls
+from cpm_app.model.text.language import from_core, tr
+from cpm_app.session.session import Session
+from cpm_app.views.widgets.containers import arrange, wrapped
+from cpm_app.views.widgets.fields import DecimalField
+from cpm_core import CONTOUR_METHODS
+from cpm_core.objects.methods import Compared, Settings
+
+
+class ParameterChoice(QWidget):
+    """Two parameters with some values each, of which the second may be left out."""
+
+    def __init__(self, session: Session) -> None:
+        super().__init__()
+        self._session = session
+        offered = tuple(control for control in controls() if control.name in acting_in("shape"))
+        self.down, self.across = AxisRow(tr("Parameter"), offered), AxisRow(tr("Second parameter"), (*offered, None))
+        layout = QVBoxLayout(self)
+        layout.setAlignment(Qt.AlignmentFlag.AlignTop)
+        for row, first in zip((self.down, self.across), FIRST_AXES, strict=True):
+            layout.addWidget(row)
+            row.choice.currentIndexChanged.connect(lambda _, row=row: self._suggest(row))
+            row.choice.setCurrentIndex([control.name for control in offered].index(first))
+            self._suggest(row)
+
+    def trials(self) -> tuple[Trial, ...]:
+        """The runs; ValueError where values are not valid."""
+        axes = [axis for axis in (self.down.axis(), self.across.axis()) if axis is not None]
+        return parameter_trials(self._session.document.parameters, axes)
+
+    def _suggest(self, row: AxisRow) -> None:
+        """Suggest values around the present one."""
+        document, control = self._session.document, row.control
+        contrast = document.image.contrast if document.image else 255.0
+        values = () if control is None else sensible_values(control, document.parameters, contrast)
+        row.values.setText(", ".join(map(short_text, values)))
+        row.values.setEnabled(control is not None)
+
+
+class AxisRow(QWidget):
+    """A choice among parameters, of which None stands for no parameter, and a line for its values."""
+
+    def __init__(self, title: str, offered: Iterable[Control | None]) -> None:
+        super().__init__()
+        self.choice, self.values = QComboBox(), QLineEdit()
+        for control in offered:
+            self.choice.addItem(tr("None") if control is None else f"{control.title}  {control.symbol}", control)
+        self.choice.setAccessibleName(title)
+        self.values.setAccessibleName(tr("Values"))
+        self.values.setToolTip(tr("Values of the parameter, separated by commas."))
+        arrange(QVBoxLayout(self), QLabel(title), self.choice, self.values)
+
+    @property
+    def control(self) -> Control | None:
+        """The chosen parameter, if any."""
+        chosen: Control | None = self.choice.currentData()
+        return chosen
+
+    def axis(self) -> Axis | None:
+        """The chosen parameter and values; raises `ValueError` if the values are not valid."""
+        return None if self.control is None else Axis(self.control, read_values(self.control, self.values.text()))
+
+
+class MethodChoice(QWidget):
+    """The methods with a check each; of the marked one its idea, its source, and its settings.
+
+    Methods and settings are part of the document: they are saved with it, and changing them can be undone.
+    """
+
+    def __init__(self, session: Session) -> None:
+        super().__init__()
+        self._session = session
+        self.list, self.about, self.around = QListWidget(), wrapped(), QCheckBox(tr("The start lies around the object"))
+        self.fields: dict[str, QDoubleSpinBox] = {}
+        self._shown: tuple[str, Settings] | None = None
+        for name, method in CONTOUR_METHODS.items():
+            item = QListWidgetItem(from_core(method.title))
+            item.setData(Qt.ItemDataRole.UserRole, name)
+            item.setToolTip(from_core(method.about))
+            self.list.addItem(item)
+        self.list.setAccessibleName(tr("Compare methods"))
+        self.list.setFixedHeight(self.list.sizeHintForRow(0) * self.list.count() + 6)
+        self.around.setToolTip(tr("Balloons and pressures then drive contours inwards."))
+        self.about.setTextInteractionFlags(Qt.TextInteractionFlag.TextSelectableByMouse)
+        self._area = QScrollArea(widgetResizable=True)
+        layout = QVBoxLayout(self)
+        note = wrapped(
+            tr("They start from circles, ellipses and polygons; only particles respond to other shapes."), dim=True
+        )
+        for widget in (self.list, self.around, note, self.about):
+            layout.addWidget(widget)
+        layout.addWidget(self._area, 1)
+        self.list.itemChanged.connect(self._choose)
+        self.list.currentRowChanged.connect(self._show_marked)
+        self.around.toggled.connect(lambda on: self._change(lambda compared: replace(compared, around=on)))
+        session.document_changed.connect(self._follow)
+        self._follow()
+        self.list.setCurrentRow(0)
+
+    @property
+    def marked(self) -> str:
+        """Name of the method whose settings are shown."""
+        return str(self.list.currentItem().data(Qt.ItemDataRole.UserRole))
+
+    def trials(self) -> tuple[Trial, ...]:
+        """The runs; ValueError where no method is chosen."""
+        document = self._session.document
+        return method_trials(document.comparison, document.parameters)
+
+    def _change(self, change: Callable[[Compared], Compared], gesture: str = "") -> None:
+        self._session.edit(
+            tr("compare methods"), lambda document: replace(document, comparison=change(document.comparison)), gesture
+        )
+
+    def _choose(self) -> None:
+        items = map(self.list.item, range(self.list.count()))
+        chosen = tuple(item.data(Qt.ItemDataRole.UserRole) for item in items
+                       if item.checkState() == Qt.CheckState.Checked)  # fmt: skip
+        self._change(lambda compared: replace(compared, methods=chosen))
+
+    def _follow(self) -> None:
+        compared = self._session.document.comparison
+        with QSignalBlocker(self.around), QSignalBlocker(self.list):
+            self.around.setChecked(compared.around)
+            for row, name in enumerate(CONTOUR_METHODS):
+                on = Qt.CheckState.Checked if name in compared.methods else Qt.CheckState.Unchecked
+                self.list.item(row).setCheckState(on)
+        if self.list.currentItem() is not None:
+            self._show_marked()
+
+    def _show_marked(self) -> None:
+        name = self.marked
+        method, settings = CONTOUR_METHODS[name], self._session.document.comparison.settings_of(name)
+        if self._shown == (name, settings):
+            return
+        self._shown = name, settings
+        self.about.setText(f"{from_core(method.about)}\n{method.reference}")
+        body, self.fields = QWidget(), {}
+        form = QFormLayout(body, rowWrapPolicy=QFormLayout.RowWrapPolicy.WrapAllRows)
+        if method.of_particles:
+            form.addRow(wrapped(tr("These are the parameters of the window: change them there and run again.")))
+        else:
+            for field_name, info in settings.table().items():
+                decimals = max(0, -math.floor(math.log10(info.step)))
+                unit = f" {info.unit}" if info.unit else ""
+                field = self.fields[field_name] = DecimalField(info.low, info.high, info.step, decimals, unit)
+                field.setValue(getattr(settings, field_name))
+                field.setToolTip(f"{from_core(info.meaning)} {from_core(info.more)}")
+                field.setAccessibleName(from_core(info.title))
+                field.valueChanged.connect(partial(self._set, field_name))
+                form.addRow(f"{from_core(info.title)}  {info.symbol}", field)
+        self._area.setWidget(body)
+
+    def _set(self, field_name: str, value: float) -> None:
+        name = self.marked
+        before = self._session.document.comparison.settings_of(name)
+        whole = isinstance(getattr(type(before), field_name), int)
+        settings = replace(before, **{field_name: int(value) if whole else value})
+        self._shown = name, settings  # the field with the keyboard stays
+        self._change(lambda compared: compared.with_settings(name, settings), f"settings of {name}")

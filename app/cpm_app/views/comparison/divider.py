@@ -1,0 +1,187 @@
+"""The divider on the canvas, with one result on its left and another one on its right."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import QEvent, QObject, QPointF, QRectF, Qt, Signal
+from PySide6.QtGui import QColor, QKeyEvent, QMouseEvent, QPainter, QPaintEvent, QPen
+from PySide6.QtWidgets import QLabel, QWidget
+
+from cpm_app.model.text.language import tr
+from cpm_app.session.scene import Scene
+from cpm_app.views.canvas.image_view import ImageView
+from cpm_app.views.theme import theme
+from cpm_app.views.widgets.containers import keep_escape, takes_key
+
+_REACH, _GRIP = 9, 15.0
+"""Half the width in which the divider can be taken, and radius of its grip [px]."""
+
+_STEP, _FINE_STEP = 0.05, 0.005
+"""Parts of the width by which an arrow key moves the divider, and with Shift."""
+
+_TOP, _BESIDE = 10, 14
+"""Distances of the names from the upper edge of the canvas and from the divider [px]."""
+
+
+class Wipe(QObject):
+    """Shows another scene on the right of a divider; `canvas` shows the one on the left."""
+
+    ended = Signal()
+    """Esc has been pressed on the divider."""
+
+    def __init__(self, canvas: ImageView) -> None:
+        super().__init__(canvas)
+        self._canvas = canvas
+        self._far = QWidget(canvas)
+        self._far.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+        self.mirror: ImageView | None = None
+        """The view on the right; None while there is none."""
+        self.divider = Divider(canvas)
+        self.names = (_name(canvas), _name(canvas))
+        self.share = 0.5
+        """Place of the divider, from 0 on the left to 1 on the right."""
+        self.divider.moved_to.connect(self.move_to)
+        self.divider.ended.connect(self.ended)
+        canvas.installEventFilter(self)
+        canvas.view.sigRangeChanged.connect(self._follow_place)
+        self._show(False)
+
+    def begin(self, near: str, far: str) -> None:
+        """Show the divider, with the names of both sides."""
+        for label, name in zip(self.names, (near, far), strict=True):
+            label.setText(name)
+            label.adjustSize()
+        if self.mirror is None:
+            self.mirror = ImageView(original=self._canvas)
+            self.mirror.setParent(self._far)
+            self.mirror.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+            self.mirror.show()
+            if self._canvas.hasFocus():
+                self.divider.setFocus()
+        self._place()
+        self._show(True)
+
+    def end(self) -> None:
+        """Show the canvas alone."""
+        if self.mirror is not None:
+            had = self.divider.hasFocus()
+            self._show(False)
+            self.mirror.deleteLater()
+            self.mirror = None
+            if had:
+                self._canvas.setFocus()
+
+    def draw(self, scene: Scene) -> None:
+        """Draw the scene on the right."""
+        if self.mirror is not None:
+            self.mirror.draw(scene)
+            self._follow_place()
+
+    def move_to(self, share: float) -> None:
+        """Move the divider."""
+        self.share = min(max(share, 0.0), 1.0)
+        self._place()
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Follow the size of the canvas."""
+        if event.type() == QEvent.Type.Resize and self.mirror is not None:
+            self._place()
+        return False
+
+    def _show(self, shown: bool) -> None:
+        for widget in (self._far, self.divider, *self.names):
+            widget.setVisible(shown)
+            widget.raise_()
+
+    def _place(self) -> None:
+        width, height = self._canvas.width(), self._canvas.height()
+        at = round(self.share * width)
+        self._far.setGeometry(at, 0, width - at, height)
+        if self.mirror is not None:
+            self.mirror.setGeometry(-at, 0, width, height)
+        self.divider.setGeometry(at - _REACH, 0, 2 * _REACH, height)
+        near, far = self.names
+        near.move(at - _BESIDE - near.width(), _TOP)
+        far.move(at + _BESIDE, _TOP)
+        self._follow_place()
+
+    def _follow_place(self, *_: object) -> None:
+        if self.mirror is not None:
+            self.mirror.view.setRange(self._canvas.view.viewRect(), padding=0.0)
+
+
+class Divider(QWidget):
+    """A line that can be dragged, and moved by arrow keys."""
+
+    moved_to = Signal(float)
+    """It is wanted at a part of the width of its parent."""
+    ended = Signal()
+    """Esc has been pressed."""
+
+    def __init__(self, parent: QWidget) -> None:
+        super().__init__(parent)
+        self._above = parent
+        self.setCursor(Qt.CursorShape.SplitHCursor)
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        keep_escape(self)
+        self.setAccessibleName(tr("Divider between two results"))
+        self.setToolTip(
+            tr("Drag it, or move it with the arrow keys, with Shift in small steps; Esc ends the comparison.")
+        )
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Take it."""
+        event.accept()
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Drag it."""
+        event.accept()
+        if event.buttons() & Qt.MouseButton.LeftButton:
+            self.moved_to.emit(self.mapToParent(event.position()).x() / max(self._above.width(), 1))
+
+    def event(self, event: QEvent) -> bool:
+        """Take its keys before they are shortcuts of the window."""
+        return takes_key(event, _KEYS) or super().event(event)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Move it, or end the comparison."""
+        key = Qt.Key(event.key())
+        if key == Qt.Key.Key_Escape:
+            self.ended.emit()
+        elif key in _KEYS:
+            width = max(self._above.width(), 1)
+            now = self.geometry().center().x() / width
+            step = _FINE_STEP if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else _STEP
+            self.moved_to.emit({Qt.Key.Key_Home: 0.0, Qt.Key.Key_End: 1.0}.get(key, now + _KEYS[key] * step))
+        else:
+            super().keyPressEvent(event)
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Draw the line and its grip."""
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        middle = QPointF(self.width() / 2, self.height() / 2)
+        top, bottom = QPointF(middle.x(), 0.0), QPointF(middle.x(), float(self.height()))
+        for color, width in ((theme.HALO, 4.0), (theme.CHOSEN, 2.0)):
+            painter.setPen(QPen(QColor(color), width))
+            painter.drawLine(top, bottom)
+        painter.setPen(QPen(QColor(theme.HALO), 1.0))
+        painter.setBrush(QColor(theme.PROPOSAL if self.hasFocus() else theme.CHOSEN))
+        painter.drawRoundedRect(QRectF(0.5, middle.y() - _GRIP, self.width() - 1.0, 2 * _GRIP), 6.0, 6.0)
+        painter.drawText(self.rect(), Qt.AlignmentFlag.AlignCenter, "↔")
+        painter.end()
+
+
+_KEYS = {
+    Qt.Key.Key_Left: -1.0,
+    Qt.Key.Key_Right: 1.0,
+    Qt.Key.Key_Home: 0.0,
+    Qt.Key.Key_End: 0.0,
+    Qt.Key.Key_Escape: 0.0,
+}
+
+
+def _name(parent: QWidget) -> QLabel:
+    label = QLabel(parent)
+    label.setObjectName("over_image")
+    label.setAttribute(Qt.WidgetAttribute.WA_TransparentForMouseEvents)
+    return label

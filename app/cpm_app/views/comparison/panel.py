@@ -1,0 +1,307 @@
+"""The panel of the comparison: a table of results, what is added to it, and what is done with the chosen one."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from functools import partial
+from operator import attrgetter
+
+from PySide6.QtCore import QSignalBlocker, QSize, Qt
+from PySide6.QtGui import QAction, QFont
+from PySide6.QtWidgets import (
+    QCheckBox,
+    QHBoxLayout,
+    QLabel,
+    QMenu,
+    QPushButton,
+    QStackedWidget,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from cpm_app.model.display.differences import Difference
+from cpm_app.model.display.lengths import PixelSize, shown_in
+from cpm_app.model.text.language import reason, tr, written
+from cpm_app.session.features.comparison import NOW, ComparedResults, Row
+from cpm_app.session.features.timeline import TimelineNavigation
+from cpm_app.session.session import Session
+from cpm_app.views.comparison.choices import MethodChoice, ParameterChoice
+from cpm_app.views.panels.tables import Column, ItemTable, Role, TableModel, menu_button, wide_button
+from cpm_app.views.widgets.actions import add_choice
+from cpm_app.views.widgets.containers import Scrolled, Section, arrange, wrapped
+from cpm_app.views.widgets.fields import MarkedSlider
+from cpm_core.contours import TOLERANCE
+
+_LEAST = 120
+"""Least height of the choice of methods and of parameters [px]."""
+
+
+def _columns(compared: ComparedResults) -> tuple[Column[Row], ...]:
+    """All columns in the order shown."""
+
+    def figure(name: str) -> Callable[[Row], float | None]:
+        """A figure of the agreement; None while it is not known."""
+        get = attrgetter(name)
+        return lambda row: get(compared.agreed[row.key]) if row.key in compared.agreed else None
+
+    return (
+        Column("name", tr("Result"), tr("The results; the reference, with which the others are compared, is bold."),
+               lambda row: f"{row.title} ({row.state})" if row.state else row.title, "Run 1"),
+        Column("dice", tr("Dice"), tr("Overlap of the areas: 1 if they are equal, 0 if they are disjoint."),
+               figure("dice"), "0.000", form=".3f"),
+        Column("mean", tr("Mean [{unit}]"), tr("Mean distance between the boundaries."),
+               figure("mean_boundary_distance"), "00.00", 1, form=".2f"),
+        Column("largest", tr("Largest [{unit}]"),
+               tr("Largest distance from a point on one boundary to the other boundary (Hausdorff)."),
+               figure("hausdorff"), "000.0", 1, form=".1f"),
+        Column("count", tr("Found"), tr("Number of objects, or of contours if there are none."),
+               lambda row: row.count, "000", form=".0f"),
+        Column("seconds", tr("Time [s]"), tr("Time of a run that was started for this comparison."),
+               lambda row: row.seconds, "00.0", form=".2f"),
+        Column("f", tr("F"), tr("Harmonic mean of recall and precision."), figure("f"), "0.000", form=".3f"),
+        Column("recall", tr("Recall"),
+               tr("Fraction of the boundary of the reference that is found within the tolerance."),
+               figure("recall"), "0.000", form=".3f"),
+        Column("precision", tr("Precision"),
+               tr("Fraction of the found boundary that lies within the tolerance of the reference."),
+               figure("precision"), "0.000", form=".3f"),
+        Column("jaccard", tr("Jaccard"), tr("Intersection of the areas divided by their union."), figure("jaccard"),
+               "0.000", form=".3f"),
+        Column("hausdorff95", tr("95 % [{unit}]"), tr("The 95th percentile of the distances between the boundaries."),
+               figure("hausdorff95"), "000.0", 1, form=".1f"),
+        Column("missed", tr("Missed"), tr("Objects of the reference that share less than half of their area with one."),
+               figure("objects.missed"), "000", form=".0f"),
+        Column("extra", tr("Extra"), tr("Closed contours that match no object of the reference."),
+               figure("objects.extra"), "000", form=".0f"),
+        Column("merged", tr("Merged"), tr("Contours that contain more than half of two or more objects."),
+               figure("objects.merged"), "000", form=".0f"),
+        Column("ap", "AP@0.5", tr("Found objects divided by all that are found, missed or extra."),
+               figure("objects.average_precision"), "0.000", form=".3f"),
+    )  # fmt: skip
+
+
+class ResultTable(ItemTable):
+    """Shows the results in the order in which they were added; one of them is chosen."""
+
+    item = "result"
+
+    def __init__(self, session: Session, compared: ComparedResults) -> None:
+        self._session, self._compared = session, compared
+        bold = QFont()
+        bold.setBold(True)
+        rows = TableModel[Row](
+            _columns(compared),
+            lambda row: row.key,
+            lambda row, role, _: bold if role == Role.FontRole and row.key == compared.reference else None,
+        )
+        super().__init__(rows, tr("Results"))
+        self.setSelectionMode(self.SelectionMode.SingleSelection)
+        self.sortByColumn(-1, Qt.SortOrder.AscendingOrder)
+        compared.changed.connect(self.show_items)
+        compared.chosen_changed.connect(self.show_selection)
+        self.show_items()
+
+    def edit_name(self, row: int) -> None:
+        """Take the chosen result over, on Enter and a double click."""
+        if self._compared.rows[self._compared.chosen].usable:
+            self._compared.use(self._compared.chosen)
+
+    @property
+    def chosen(self) -> set[int]:
+        """The chosen result."""
+        return {self._compared.chosen}
+
+    def choose(self, keys: Sequence[int]) -> None:
+        """Choose a result, or what is shown now."""
+        self._compared.choose(next(iter(keys), NOW))
+
+    def remove(self) -> None:
+        """Remove the chosen result."""
+        self._compared.remove(self._compared.chosen)
+
+    def refresh(self) -> None:
+        """Show the results with lengths in voxels or in the unit of the image."""
+        compared, image = self._compared, self._session.image
+        size = PixelSize((1.0, 1.0), "px")
+        if image is not None and compared.in_volume:
+            known = shown_in(image.spacing, image.unit)
+            size = known if known.unit else PixelSize(known.spacing, tr("voxels"), known.factor)
+        self.rows.update(compared.rows.values(), size)
+
+
+class ComparePanel(QWidget):
+    """Shows the comparison; `load` and `export` ask for a file, `jump` shows a difference on the canvas."""
+
+    def __init__(
+        self,
+        session: Session,
+        compared: ComparedResults,
+        navigation: TimelineNavigation,
+        load: Callable[[], object],
+        export: Callable[[], object],
+        jump: Callable[[Difference], object],
+    ) -> None:
+        super().__init__()
+        self._session, self._compared, self._navigation = session, compared, navigation
+        self._load, self._jump = load, jump
+        self._seen: tuple[tuple[Difference, ...], int] = ((), 0)
+        self.table, self.words = ResultTable(session, compared), wrapped(dim=True)
+        self.methods, self.values = MethodChoice(session), ParameterChoice(session)
+        self.setFocusProxy(self.table)
+        self.acts = {
+            "use": self._act(tr("Use this"), lambda: compared.use(compared.chosen),
+                             tr("Use these parameters, this run, or these contours as objects.")),
+            "refer": self._act(tr("Set as reference"), lambda: compared.refer_to(compared.chosen),
+                               tr("Compare all others with this result.")),
+            "next": self._act(tr("Next difference"), self.jump_to_next,
+                              tr("Show the differences one after the other, the largest first.")),
+            "remove": self._act(tr("Remove"), lambda: compared.remove(compared.chosen), tr("Remove this result.")),
+        }  # fmt: skip
+        self.add = menu_button(tr("Add…"), self._fill)
+        self.keep = wide_button(tr("Keep this result"), compared.keep)
+        self.keep.setToolTip(tr("Keep what is found now, to compare later results with it."))
+        self.export = wide_button(tr("Export table…"), export)
+        self.holes = QCheckBox(tr("Inner contours are holes"))
+        self.holes.setToolTip(tr("Otherwise everything inside a contour belongs to the object."))
+        self.holes.toggled.connect(compared.set_holes)
+        self._tolerance = QLabel()
+        self.tolerance = MarkedSlider(0.25, 10.0, 0.25, TOLERANCE)
+        self.tolerance.setAccessibleName(tr("Tolerance"))
+        self.tolerance.moved_to.connect(compared.set_tolerance)
+        self.tolerance.moved_to.connect(self._show)
+        self.tolerance.restored.connect(lambda: self.tolerance.move_to(TOLERANCE))
+        self.pages = QStackedWidget()
+        for page in (self._results(), self._choosing(self.methods), self._choosing(self.values)):
+            self.pages.addWidget(page)
+        arrange(QVBoxLayout(self), self.pages)
+        compared.changed.connect(self._show)
+        compared.chosen_changed.connect(self._show)
+        session.image_changed.connect(lambda: self.pages.setCurrentIndex(0))
+        self._show()
+
+    def sizeHint(self) -> QSize:
+        """As wide as the other panels."""
+        return QSize(320, 380)
+
+    @property
+    def figures(self) -> list[dict[str, float | str | None]]:
+        """All figures of all results."""
+        table = self.table.rows
+        return [{column.name: column.value(row) for column in table.columns} for row in table.items]
+
+    def jump_to_next(self) -> None:
+        """Show the next difference; after the last one, the largest again."""
+        found = self._session.scene.differences
+        known, place = self._seen
+        place = place if known is found else 0
+        if found:
+            self._jump(found[place % len(found)])
+            self._seen = found, place + 1
+
+    # Internal
+
+    def _act(self, text: str, do: Callable[[], object], tip: str) -> QAction:
+        """An action of the chosen result, which the menu of the table has, too."""
+        return add_choice(self.table, text, do, tip)
+
+    def _button(self, name: str) -> QToolButton:
+        button = wide_button("")
+        button.setDefaultAction(self.acts[name])
+        return button
+
+    def _results(self) -> QWidget:
+        page, how = QWidget(), QWidget()
+        arrange(QVBoxLayout(how), self._tolerance, self.tolerance, self.holes, spacing=6)
+        arrange(
+            QVBoxLayout(page),
+            arrange(QHBoxLayout(), self.add, self.keep, spacing=6),
+            self.table,
+            self.words,
+            arrange(QHBoxLayout(), self._button("use"), self._button("refer"), spacing=6),
+            arrange(QHBoxLayout(), self._button("next"), self.export, spacing=6),
+            Section(tr("How it is compared"), how),
+            margins=(12, 8, 12, 8),
+            spacing=7,
+            wide=self.table,
+        )
+        return page
+
+    def _choosing(self, choice: MethodChoice | ParameterChoice) -> QWidget:
+        """A page on which runs are chosen."""
+        page, run, back = QWidget(), QPushButton(tr("Run")), QPushButton(tr("Back"))
+        trouble, scrolled = wrapped(), Scrolled(choice, _LEAST)
+
+        def begin() -> None:
+            trouble.clear()
+            try:
+                self._compared.run(choice.trials())
+            except ValueError as error:
+                trouble.setText(reason(error))
+            else:
+                self.pages.setCurrentIndex(0)
+
+        run.clicked.connect(begin)
+        back.clicked.connect(lambda: self.pages.setCurrentIndex(0))
+        buttons = arrange(QHBoxLayout(), None, back, run, spacing=6)
+        arrange(QVBoxLayout(page), scrolled, trouble, buttons, margins=(12, 8, 12, 8), spacing=7, wide=scrolled)
+        return page
+
+    def _fill(self, menu: QMenu) -> None:
+        """What can be added."""
+        add_choice(menu, tr("&Keep this result"), self._compared.keep)
+        here = self._navigation.place[0]
+        branches = [branch for branch in self._navigation.branches if branch.identity != here]
+        if branches:
+            inner = menu.addMenu(tr("&Run or branch"))
+            for branch in branches:
+                add = partial(self._compared.add_branch, branch.identity)
+                add_choice(inner, branch.name.replace("&", "&&"), add)
+        if not self._compared.in_volume:
+            add_choice(menu, tr("&Methods…"), partial(self.pages.setCurrentIndex, 1),
+                       tr("Run snakes, level sets and others from the same start."))  # fmt: skip
+            add_choice(menu, tr("&Parameter values…"), partial(self.pages.setCurrentIndex, 2),
+                       tr("Run with several values of one or two parameters."))  # fmt: skip
+        add_choice(menu, tr("&Ground truth…"), self._load, tr("Read a mask or contours from a file as the reference."))
+
+    def _show(self) -> None:
+        compared, there = self._compared, self._session.image is not None
+        row, different = compared.rows[compared.chosen], self._session.scene.differences
+        for widget in (self.add, self.keep):
+            widget.setEnabled(there)
+        self.acts["use"].setEnabled(row.usable)
+        self.acts["refer"].setEnabled(row.key != compared.reference)
+        self.acts["remove"].setEnabled(row.key != NOW)
+        self.acts["next"].setEnabled(bool(different))
+        self.export.setEnabled(len(compared.rows) > 1)
+        tolerance = tr("Tolerance: {tolerance:g} voxels") if compared.in_volume else tr("Tolerance: {tolerance:g} px")
+        self._tolerance.setText(tolerance.format(tolerance=compared.tolerance))
+        self.tolerance.show_value(compared.tolerance)
+        self.holes.setVisible(not compared.in_volume)
+        with QSignalBlocker(self.holes):
+            self.holes.setChecked(compared.holes)
+        self.words.setText(row.state or self._summary())
+
+    def _summary(self) -> str:
+        """How the marked row differs from the reference, or what can be done."""
+        compared, different = self._compared, self._session.scene.differences
+        subject = compared.rows[compared.subject]
+        if len(compared.rows) == 1:
+            return tr("Add a result to compare it with what is shown now.")
+        if subject.key == compared.reference:
+            return tr("Select a result to see it on the image.")
+        agreed = compared.agreed.get(subject.key)
+        if agreed is None:
+            return tr("Nothing found yet.") if subject.found is None else tr("Comparing…")
+        if not different:
+            return tr("{name} agrees with the reference within the tolerance.", name=subject.title)
+        missing, farthest = sum(each.kind == "missing" for each in different), different[0].farthest
+        unit = (getattr(agreed, "unit", None) or tr("voxels")) if compared.in_volume else "px"
+        return tr(
+            "{name}: {missing} missing and {wrong} wrong segments; the largest distance is {farthest}.",
+            name=subject.title,
+            missing=missing,
+            wrong=len(different) - missing,
+            farthest=tr("infinite") if math.isinf(farthest) else written(f"{farthest:.1f} {unit}"),
+        )

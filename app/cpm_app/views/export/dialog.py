@@ -1,0 +1,349 @@
+"""The export dialog: what is written, in which formats and under which names, all in one go."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Container
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from PySide6.QtCore import QRectF, Qt, Signal
+from PySide6.QtWidgets import (
+    QCheckBox,
+    QComboBox,
+    QDialog,
+    QFormLayout,
+    QHBoxLayout,
+    QLabel,
+    QLineEdit,
+    QPushButton,
+    QSpinBox,
+    QTreeWidget,
+    QTreeWidgetItem,
+    QVBoxLayout,
+    QWidget,
+)
+
+from cpm_app.model.document import objects
+from cpm_app.model.document.document import Document
+from cpm_app.model.export import (
+    KINDS,
+    ExportFile,
+    ExportOrder,
+    What,
+    chosen,
+    file_name,
+    formats,
+    summary_text,
+    thinned,
+)
+from cpm_app.model.text.language import tr, written
+from cpm_app.session.session import Session
+from cpm_app.session.storage.preferences import Preferences
+from cpm_app.views.export.frames import NARROWEST, WIDEST, AnimationPlan, every, frame_size
+from cpm_app.views.widgets.containers import AcceptButtons, arrange, wrapped
+from cpm_app.views.widgets.fields import DecimalField
+from cpm_app.views.window.dialogs import FileDialogs, ask_to_replace
+from cpm_core import Skeleton
+from cpm_core.formats import IN_SPACE, left_out
+from cpm_core.image import CONVENTIONS
+
+_KEY = "export/"
+FORMATS = _KEY + "formats"
+"""Preference: what is checked, each with its suffix."""
+
+_FIRST = ["objects:.table.csv", "contours:.svg", "surface:.stl", "skeleton:.svg", "lines:.swc"]
+"""Formats that are checked until the user has checked others."""
+
+_PICTURES = frozenset({"pages", "space", "turntable", "run"})
+"""What is not counted in words."""
+
+_WIDTH = 430
+_SPACES = {"LPS": tr("Left, back, head (LPS), as in DICOM"), "RAS": tr("Right, front, head (RAS), as in NIfTI")}
+
+
+@dataclass(frozen=True, slots=True)
+class Exportable:
+    """What there is besides the scene: chosen objects and contours, done pages, the last step of the run.
+
+    `part` returns the part of the image that frames show. Files that have been `written` before are replaced without a
+    question.
+    """
+
+    objects: frozenset[int]
+    contours: frozenset[int]
+    pages: int
+    last: int
+    in_space: bool
+    part: Callable[[], QRectF]
+    written: Container[Path]
+
+
+class ExportDialog(QDialog):
+    """Lists what can be written and in which formats, each with the name of its file."""
+
+    ordered = Signal(object, object)
+    """The order, and the plan of the animation of the run if there is one."""
+
+    def __init__(
+        self, parent: QWidget, session: Session, preferences: Preferences, files: FileDialogs, there: Exportable
+    ) -> None:
+        super().__init__(parent)
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self._session, self._preferences, self._files, self._there = session, preferences, files, there
+        image, scene = session.image, session.scene
+        assert image is not None
+        self._image = image
+        self._volume = scene.slices is not None
+        self._found = scene.skeleton or scene.contours.result or getattr(scene.reconstruction, "result", None)
+        self.folder = files.begin("export")
+        self.list = QTreeWidget()
+        self.list.setColumnCount(2)
+        self.list.setHeaderLabels([tr("What"), tr("File")])
+        self.list.setAccessibleName(tr("What to export"))
+        self.list.setMinimumSize(_WIDTH, parent.height() // 3)
+        self.only, self.everywhere = QCheckBox(tr("Selection only")), QCheckBox(tr("in all formats"))
+        self.units, self.space = QCheckBox(tr("Physical units ({unit})").format(unit=image.unit)), QComboBox()
+        self.units.setChecked(True)
+        self.tolerance, self._vertices, self._size = DecimalField(0.0, 10.0, 0.1, 1, " px"), QLabel(), QLabel()
+        self.tolerance.setValue(0.5)
+        self.tolerance.setAccessibleName(tr("Simplify"))
+        self.first = _number(tr("First step"), 0, there.last, 0)
+        self.last = _number(tr("Last step"), 0, there.last, there.last)
+        self.stride = _number(tr("Steps per frame"), 1, max(there.last, 1), 1)
+        self.width_field = _number(tr("Width"), NARROWEST, WIDEST, 640, " px")
+        self.speed = _number(tr("Speed"), 1, 50, 15, tr(" per second"))
+        self._boxes = {"everywhere": self.everywhere, "units": self.units}
+        self._numbers: dict[str, Any] = {
+            "tolerance": self.tolerance, "every": self.stride, "width": self.width_field, "speed": self.speed
+        }  # fmt: skip
+        self.rows: dict[tuple[What, str], QTreeWidgetItem] = {}
+        """The rows of the list by what is written, and the suffix of its format."""
+        stem = image.source.partition(".")[0] if self._volume else Path(image.source).stem
+        self.base, self._place = QLineEdit(stem), QPushButton()
+        self.summary = wrapped()
+        self.summary.setMinimumHeight(2 * self.summary.fontMetrics().lineSpacing())
+        self.classes: dict[int, QLineEdit] = {}
+        self._lay_out()
+        self._restore()
+        self._fill()
+        self._follow()
+
+    @property
+    def files(self) -> tuple[ExportFile, ...]:
+        """The files that are checked."""
+        return tuple(
+            ExportFile(self.folder / row.text(1), what, suffix)
+            for (what, suffix), row in self.rows.items()
+            if row.checkState(0) == Qt.CheckState.Checked
+        )
+
+    @property
+    def order(self) -> ExportOrder:
+        """What is chosen."""
+        only = self.only.isChecked()
+        return ExportOrder(
+            self.files,
+            self._there.objects if only else None,
+            self._there.contours if only else None,
+            self.tolerance.value(),
+            self.everywhere.isChecked(),
+            self.space.currentData(),
+            self.units.isChecked(),
+        )
+
+    @property
+    def animation(self) -> AnimationPlan:
+        """The settings of the animation of the run."""
+        return AnimationPlan(
+            every(self.first.value(), max(self.last.value(), self.first.value()), self.stride.value()),
+            frame_size(self._there.part(), self.width_field.value()),
+            self.speed.value(),
+        )
+
+    def accept(self) -> None:
+        """Name the classes, keep the choice for the next time, and order the files."""
+        order, written_before = self.order, self._there.written
+        asked = [file.path.name for file in order.files if file.path.exists() and file.path not in written_before]
+        more = tr("{name} and {count} more").format(name=asked[0], count=len(asked) - 1) if len(asked) > 1 else ""
+        if not order.files or (asked and not ask_to_replace(self, more or asked[0])):
+            return
+        named = {number: field.text() for number, field in self.classes.items() if field.text()}
+        self._session.edit(tr("name classes"), partial(_named, names=named))
+        put = self._preferences.put
+        shown = set(map(":".join, self.rows))
+        before = self._preferences.get(FORMATS, _FIRST)
+        checked = [f"{file.what}:{file.suffix}" for file in order.files]
+        put(FORMATS, [*(key for key in before if key not in shown), *checked])
+        for name, box in self._boxes.items():
+            put(_KEY + name, box.isChecked())
+        for name, number in self._numbers.items():
+            put(_KEY + name, number.value())
+        self.ordered.emit(order, self.animation)
+        super().accept()
+
+    # Internal
+
+    def _lay_out(self) -> None:
+        buttons = AcceptButtons(self, tr("&Export"))
+        self.export_button = buttons.accept_button
+        self._place.clicked.connect(self._choose_folder)
+        self._form = form = QFormLayout()
+        found = self._session.document.objects
+        for category in sorted({item.category for item in found.items if not item.hidden}):
+            field = self.classes[category] = QLineEdit(found.classes[category - 1].name)
+            field.setPlaceholderText(tr("Name of the class"))
+            field.setAccessibleName(tr("Class {number}").format(number=category))
+            form.addRow(field.accessibleName(), field)
+        self._thin = _row(self.tolerance, self.everywhere, self._vertices)
+        self._steps = _row(self.first, QLabel(tr("to")), self.last, QLabel(tr("every")), self.stride)
+        self._frames = _row(self.width_field, self.speed)
+        for title, part in (
+            ("", self.only),
+            (tr("Simplify"), self._thin),
+            ("", self.units),
+            (tr("Coordinates"), self.space),
+            (tr("Steps"), self._steps),
+            (tr("Frames"), self._frames),
+            ("", self._size),
+            (tr("Name"), self.base),
+            (tr("Folder"), self._place),
+            ("", self.summary),
+        ):
+            form.addRow(title, part)
+            part.setAccessibleName(title)
+        for changed in (
+            *(box.toggled for box in (self.only, *self._boxes.values())),
+            *(number.valueChanged for number in (self.first, self.last, *self._numbers.values())),
+            self.base.textChanged,
+            self.list.itemChanged,
+        ):
+            changed.connect(self._follow)
+        layout = QVBoxLayout(self)
+        layout.addWidget(self.list, 1)
+        layout.addLayout(form)
+        layout.addWidget(buttons)
+        self.export_button.setDefault(True)  # once it is in the dialog, else Tab makes another button the default
+
+    def _restore(self) -> None:
+        """Show what the user has chosen last."""
+        get = self._preferences.get
+        for name, number in self._numbers.items():
+            number.setValue(get(_KEY + name, number.value()))
+        for name, box in self._boxes.items():
+            box.setChecked(get(_KEY + name, box.isChecked()))
+        for space in CONVENTIONS:
+            self.space.addItem(_SPACES[space], space)
+
+    def _fill(self) -> None:
+        """List what there is, with the formats of the last time checked."""
+        moving = ("run:", "turntable:")  # which take long, and are not written by the way
+        checked = [key for key in self._preferences.get(FORMATS, _FIRST) if not key.startswith(moving)]
+        self.list.blockSignals(True)  # what is written is shown once, when all rows are there
+        for what, count in self._counts().items():
+            group = QTreeWidgetItem([f"{KINDS[what][0]} ({count})" if count > 1 else KINDS[what][0]])
+            self.list.addTopLevelItem(group)
+            group.setExpanded(self.list.topLevelItemCount() == 1)
+            for suffix, name in formats(what, self._volume, self._image.hounsfield is not None).items():
+                row = self.rows[what, suffix] = QTreeWidgetItem(group, [name])
+                row.setCheckState(0, Qt.CheckState.Unchecked)
+                if f"{what}:{suffix}" in checked:
+                    row.setCheckState(0, Qt.CheckState.Checked)
+                    group.setExpanded(True)
+        self.list.blockSignals(False)
+        self.list.resizeColumnToContents(0)
+
+    def _counts(self) -> dict[What, int]:
+        """How much there is of each kind."""
+        scene, there = self._session.scene, self._there
+        counts: dict[What, int] = {"objects": sum(not item.hidden for item in scene.document.objects.items)}
+        if isinstance(self._found, Skeleton):
+            counts["lines" if self._volume else "skeleton"] = 1
+        elif self._found is not None and self._found.surface is not None:
+            counts["surface"] = 1
+        elif self._found is not None and not self._volume:
+            counts["contours"] = len(chosen(self._found, scene.document, ExportOrder(), "contours").contours)
+        counts |= {"pages": there.pages, "space": there.in_space, "turntable": there.in_space, "run": there.last > 0}
+        return {what: count for what, count in counts.items() if count}
+
+    def _choose_folder(self) -> None:
+        chosen_folder = self._files.ask_for_folder(tr("Folder of the files"), "export", self)
+        if chosen_folder:
+            self.folder = Path(chosen_folder)
+            self._follow()
+
+    def _follow(self, *_: object) -> None:
+        """Show how the files are called, what concerns the present choice, and what is written."""
+        base, first = self.base.text().strip(), next(iter(self.rows), ("", ""))[0]
+        self.list.blockSignals(True)
+        for (what, suffix), row in self.rows.items():
+            row.setText(1, file_name(base, what, suffix, what == first))
+        self.list.blockSignals(False)
+        folder = str(self.folder)
+        self._place.setText(self.fontMetrics().elidedText(folder, Qt.TextElideMode.ElideMiddle, _WIDTH - 60))
+        self._place.setToolTip(folder)
+        order = self.order
+        whats = {file.what for file in order.files}
+        suffixes = {file.suffix for file in order.files if file.what in ("objects", "contours", "surface", "lines")}
+        drawn = bool(whats & {"objects", "contours"}) and not self._volume
+        show = self._form.setRowVisible
+        for field in self.classes.values():
+            show(field, "objects" in whats)
+        show(self.only, bool(self._there.objects or self._there.contours))
+        show(self._thin, drawn)
+        show(self.units, bool(self._image.unit))
+        show(self.space, self._image.geometry is not None and bool(suffixes & IN_SPACE) and self._volume)
+        for part in (self._steps, self._frames, self._size):
+            show(part, "run" in whats)
+        self.setWindowTitle(KINDS[next(iter(whats))][1] if len(whats) == 1 else tr("Export"))
+        self._show(order)
+
+    def _show(self, order: ExportOrder) -> None:
+        """Show what is written, in words."""
+        document, parts, vertices = self._session.document, list[str](), [0, 0]
+        trouble = "" if order.files else tr("Choose what to export.")
+        for what in dict.fromkeys(file.what for file in order.files):
+            suffixes = [file.suffix for file in order.files if file.what == what]
+            if what in _PICTURES:
+                parts.append(KINDS[what][0])
+                continue
+            result = chosen(self._found, document, order, what, self._image)
+            parts.append(summary_text(result, what, suffixes[0]))
+            if not self._volume and all(left_out(result, suffix) == len(result.contours) for suffix in suffixes):
+                trouble = tr("Nothing can be exported: {what}.").format(what=parts[-1])
+            vertices[0] += sum(len(contour.points) for contour in result.contours)
+            if any(map(order.thins, suffixes)):
+                vertices[1] += sum(len(contour.points) for contour in thinned(result, order.tolerance).contours)
+        few, many = (written(f"{count:,}") for count in reversed(vertices))
+        self._vertices.setText(tr("{few} of {many} vertices").format(few=few, many=many) if vertices[1] else "")
+        plan = self.animation
+        frames = tr("{count} frames of {width} × {height} px")
+        self._size.setText(frames.format(count=len(plan.steps), width=plan.size[0], height=plan.size[1]))
+        if not self.base.text().strip():
+            trouble = tr("Name the files.")
+        count = tr("1 file") if len(order.files) == 1 else tr("{count} files").format(count=len(order.files))
+        self.summary.setText(trouble or f"{count}: {', '.join(parts)}.")
+        self.export_button.setEnabled(not trouble)
+        self.resize(self.size().expandedTo(self.sizeHint()))
+
+
+def _named(document: Document, names: dict[int, str]) -> Document:
+    for number, name in names.items():
+        document = objects.name_class(document, number, name)
+    return document
+
+
+def _row(*parts: QWidget) -> QWidget:
+    row = QWidget()
+    arrange(QHBoxLayout(row), *parts)
+    return row
+
+
+def _number(title: str, least: int, most: int, value: int, suffix: str = "") -> QSpinBox:
+    field = QSpinBox()
+    field.setAccessibleName(title)
+    field.setRange(least, most)
+    field.setSuffix(suffix)
+    field.setValue(value)
+    return field

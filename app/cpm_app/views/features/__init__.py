@@ -1,0 +1,50 @@
+"""The features of the window, in the order of their actions in the menus."""
+
+from __future__ import annotations
+
+from cpm_app.views.features.animation import AnimationFeature
+from cpm_app.views.features.compare import CompareFeature
+from cpm_app.views.features.edit import DrawFeature, ModesFeature, UndoSelectionFeature
+from cpm_app.views.features.exchange import BatchFeature, ClipboardFeature, ExportFeature, ImportFeature
+from cpm_app.views.features.files import FolderFeature, OpenSaveFeature, RecoveryFeature, StartFeature
+from cpm_app.views.features.help import HelpFeature, PreferencesFeature
+from cpm_app.views.features.objects import ObjectsFeature
+from cpm_app.views.features.offers import BeginningFeature, PixelSizeFeature, StackFeature
+from cpm_app.views.features.run import (
+    RunControlFeature,
+    TasksFeature,
+    TimelineFeature,
+)
+from cpm_app.views.features.view import KeyboardFeature, LayersFeature
+from cpm_app.views.features.volumes import PagesFeature, SlicesFeature, SpaceFeature
+from cpm_app.views.window.window import Feature
+
+FEATURES: tuple[type[Feature], ...] = (
+    OpenSaveFeature,
+    StartFeature,
+    FolderFeature,
+    ExportFeature,
+    BatchFeature,
+    RecoveryFeature,
+    AnimationFeature,
+    UndoSelectionFeature,
+    ClipboardFeature,
+    ImportFeature,
+    DrawFeature,
+    RunControlFeature,
+    TimelineFeature,
+    TasksFeature,
+    ModesFeature,
+    BeginningFeature,
+    StackFeature,
+    PixelSizeFeature,
+    ObjectsFeature,
+    LayersFeature,
+    CompareFeature,
+    SlicesFeature,
+    PagesFeature,
+    SpaceFeature,
+    KeyboardFeature,
+    PreferencesFeature,
+    HelpFeature,
+)

@@ -1,0 +1,109 @@
+"""Export of a run as an animation."""
+
+from __future__ import annotations
+
+import queue
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
+
+from PySide6.QtCore import QRectF
+
+from cpm_app.model.document.modes import MODES
+from cpm_app.model.text.language import reason, tr
+from cpm_app.session.exchange.messages import Exported, Report
+from cpm_app.session.session import Session
+from cpm_app.session.signals import FILMING
+from cpm_app.session.tasks.tasks import Task
+from cpm_app.views.export.frames import AnimationPlan, FrameRecorder, FrameRenderer
+from cpm_app.views.items.item import image_rectangle
+from cpm_app.views.window.window import Feature
+from cpm_core import METHODS, write_animation
+from cpm_core.formats import check_animation, facts_on, plain_shapes, text_of
+from cpm_core.numerics import Pixels
+from cpm_core.parameters import Provenance, taken
+
+_TIMEOUT = 0.05
+"""Time between two checks for cancellation [s]."""
+
+
+def comment_on(session: Session) -> str:
+    """How pictures of a session came about, for their file; empty without an image."""
+    document, image = session.document, session.document.image
+    if image is None:
+        return ""
+    method, shapes = METHODS[MODES[document.mode].method], plain_shapes(document.shapes)
+    parameters = taken(document.parameters, method.parameters)
+    steered = session.status.steered
+    made = Provenance(method.name, parameters, shapes=shapes, steered=steered, sha256=image.sha256)
+    return text_of(facts_on(image.name, made))
+
+
+def begin_writing(session: Session, path: Path, work: Callable[[Task], Report]) -> Task:
+    """Write a file on another thread."""
+    doing, done = tr("Writing {name}…", name=path.name), tr("writing {name}", name=path.name)
+    return session.tasks.start(doing, work, done)
+
+
+def begin_animation(
+    session: Session, path: Path, frames: Callable[[Task], Iterator[Pixels]], count: int, frames_per_second: float
+) -> Task:
+    """Write an animation of so many frames, which are made on another thread."""
+    comment = comment_on(session)
+
+    def work(task: Task) -> Report:
+        advance: Callable[[int], None] = lambda written: task.advance(written / count)  # noqa: E731
+        write_animation(frames(task), path, frames_per_second, advance, comment=comment)
+        return Exported(path)
+
+    return begin_writing(session, path, work)
+
+
+class AnimationFeature(Feature):
+    """Exports animations."""
+
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        self._filming: list[FrameRecorder] = []
+
+    def close(self) -> bool:
+        """Stop the rendering of frames."""
+        for filming in self._filming:
+            filming.stop()
+        return True
+
+    def write(self, branch: int, plan: AnimationPlan, path: Path) -> Task | None:
+        """Write an animation; None if it cannot be written, which is reported."""
+        session, canvas = self.session, self.canvas
+        session.attempt(FILMING)
+        try:
+            check_animation(path)
+        except ValueError as error:
+            session.say(reason(error), True, FILMING)
+            return None
+        frames: queue.Queue[Pixels | None] = queue.Queue()
+        task = begin_animation(session, path, partial(_taken, frames), len(plan.steps), plan.frames_per_second)
+        renderer = FrameRenderer(session.scene, canvas, self.part(), plan.size)
+        filming = FrameRecorder(session, renderer, task, [(branch, step) for step in plan.steps], frames)
+        self._filming = [*(other for other in self._filming if not other.over), filming]
+        return task
+
+    def part(self) -> QRectF:
+        """Part of the image that frames show: the visible one."""
+        canvas = self.canvas
+        whole = image_rectangle(canvas.shape or (1, 1))
+        part = canvas.view.viewRect().intersected(whole)
+        return whole if part.isEmpty() else part
+
+
+def _taken(frames: queue.Queue[Pixels | None], task: Task) -> Iterator[Pixels]:
+    """Frames as they arrive, until there are no more; raises when the task is canceled."""
+    while True:
+        task.check_cancelled()
+        try:
+            frame = frames.get(timeout=_TIMEOUT)
+        except queue.Empty:
+            continue
+        if frame is None:
+            return
+        yield frame

@@ -1,0 +1,99 @@
+"""The comparison of results: its panel, and the divider on the canvas."""
+
+from __future__ import annotations
+
+from cpm_app.model.display.differences import Difference
+from cpm_app.model.state.situation import has_image
+from cpm_app.model.text.language import tr
+from cpm_app.session.exchange.messages import Exported, Report
+from cpm_app.session.features.comparison import NOW
+from cpm_app.session.tasks.tasks import Task
+from cpm_app.views.comparison.divider import Wipe
+from cpm_app.views.comparison.panel import ComparePanel
+from cpm_app.views.features.animation import begin_writing
+from cpm_app.views.widgets.actions import ActionSpec
+from cpm_app.views.window.dialogs import ALL_FILES, Files
+from cpm_app.views.window.docks import Panel
+from cpm_app.views.window.window import Feature
+from cpm_core.formats import CONTOURS_READABLE, READABLE, SURFACES_READABLE, TABLE, write_together
+from cpm_core.formats.common.printable import cell
+from cpm_core.formats.contours.contour_csv import table
+
+_SPAN = 48.0
+"""Minimum side of the part of the image that is shown around a difference [px]."""
+
+
+class CompareFeature(Feature):
+    """One way to compare: runs, methods, values of parameters, kept results and a ground truth."""
+
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        window = self.window
+        self._compared = compared = window.workspace.comparison
+
+        def export() -> None:
+            kinds = {TABLE: tr("Table of all results")}
+            path = window.files.ask_where_to_export(tr("Export the comparison"), ".compared.csv", kinds)
+            if path is not None:
+                rows: list[dict[str, object]] = [{**row, "name": cell(str(row["name"]))} for row in self.panel.figures]
+
+                def work(_: Task) -> Report:
+                    write_together([(path, table(rows))])
+                    return Exported(path)
+
+                begin_writing(self.session, path, work)
+
+        self.panel = ComparePanel(self.session, compared, window.workspace.navigation, self._load, export, self._jump)
+        self.panels = (Panel("compare", "Compare", self.panel, "F12", shown=False),)
+        self.panel.table.zoom_wanted.connect(self.panel.jump_to_next)
+        self.wipe = Wipe(self.canvas)
+        self.wipe.ended.connect(lambda: compared.choose(NOW))
+        compared.chosen_changed.connect(self._show_divider)
+        compared.changed.connect(window.refresh)
+        self.session.scene_changed.connect(self._draw)
+        self.actions = (
+            ActionSpec("compare", "Run", "Com&pare…",
+                       "Compare what is shown with other runs, methods, values of parameters or a ground truth.",
+                       lambda: window.docks.enter("compare"), "Ctrl+D", gap=True, when=has_image),
+            ActionSpec("next_difference", ">" + tr("Compare"), "Show next &difference",
+                       "Show the differences from the reference one after the other, the largest first.",
+                       self.panel.jump_to_next, "Shift+W", when=lambda _: bool(self.session.scene.differences)),
+        )  # fmt: skip
+
+    def _show_divider(self) -> None:
+        if self._compared.chosen == NOW:
+            self.wipe.end()
+        else:
+            rows = self._compared.rows
+            self.wipe.begin(rows[NOW].title, rows[self._compared.chosen].title)
+            self._draw()
+
+    def _draw(self) -> None:
+        if self._compared.chosen != NOW:
+            self.wipe.draw(self._compared.far())
+
+    def _load(self) -> None:
+        kinds = (
+            (Files(tr("Label volumes and surfaces"), (*READABLE, *SURFACES_READABLE)), ALL_FILES)
+            if self._compared.in_volume
+            else (
+                Files(tr("Masks and contours"), tuple(dict.fromkeys((*READABLE, *CONTOURS_READABLE)))),
+                Files(tr("Masks"), tuple(READABLE)),
+                Files(tr("Contours"), tuple(CONTOURS_READABLE)),
+                ALL_FILES,
+            )
+        )
+        chosen = self.window.files.ask_for_file("truth", tr("Compare with ground truth"), kinds)
+        if chosen is not None:
+            self._compared.load(str(chosen))
+
+    def _jump(self, difference: Difference) -> None:
+        slices = self.window.workspace.slices
+        slices.through(difference.place)
+        points = difference.points if slices.now is None else slices.now.current.flattened(difference.points)
+        low, high = points.min(axis=0), points.max(axis=0)
+        span = max(_SPAN, 1.4 * float((high - low).max()))
+        row, col = (0.5 * (low + high)).tolist()
+        if slices.now is not None:
+            row, col = slices.now.current.within(difference.place)
+        self.canvas.look_at((row, col), span)

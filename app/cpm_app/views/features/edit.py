@@ -1,0 +1,123 @@
+"""Menus Draw and Edit: tools, starts that need no drawing, modes, undo and selection."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from cpm_app.model.document import edits
+from cpm_app.model.document.document import Mode
+from cpm_app.model.document.modes import MODES, use_mode
+from cpm_app.model.state.resolve import resolve
+from cpm_app.model.state.situation import Situation, has_image, has_shapes
+from cpm_app.model.text.language import from_core, tr
+from cpm_app.views.canvas.canvas_area import FIRST_TOOL
+from cpm_app.views.tools import TOOLS
+from cpm_app.views.widgets.actions import ActionSpec
+from cpm_app.views.window.window import Feature
+from cpm_core.shapes import Everywhere, Kind
+
+
+class DrawFeature(Feature):
+    """Tools for the initialization, regions, barriers and charges; starts that need no drawing; drawing by keys."""
+
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        area = self.window.canvas_area
+        tools = [
+            ActionSpec(tool.name, "Tools", tool.text, tool.tip, partial(area.use_tool, tool.name), tool.shortcut,
+                       icon=tool.name, group="tool", checked=tool.name == FIRST_TOOL,
+                       gap=index > 0 and tool.group != TOOLS[index - 1].group, when=has_image)
+            for index, tool in enumerate(TOOLS)
+        ]  # fmt: skip
+        self.actions = (
+            *tools,
+            self._start("grid", tr("Every&where"), "Ctrl+G",
+                        tr("Start on a grid over the whole image; choose again to remove it.")),
+            self._start("gradient", tr("Stron&g edges"), "Ctrl+Shift+G",
+                        tr("Start where the gradient is large; choose again to remove it."), tr("Edges")),
+            self._start("centers", tr("Ce&nters"), "Ctrl+Shift+C",
+                        tr("Start at the centers of regions enclosed by edges; choose again to remove it.")),
+            ActionSpec("add_circle", ">" + tr("Tools"), "Add circle in the &middle",
+                       "Add a circle in the middle of the visible part.", area.add_circle, "Ctrl+K",
+                       when=has_image),
+            ActionSpec("cross_hair", "Tools", "Draw by &keys",
+                       "Draw with the current tool by moving a cross-hair with the arrow keys; or press "
+                       "Enter on the image.",
+                       area.crosshair.toggle, gap=True, when=has_image),
+        )  # fmt: skip
+
+    def _start(self, kind: Kind, text: str, keys: str, tip: str, short: str = "") -> ActionSpec:
+        """An action that adds a start that needs no drawing, or removes it."""
+        start, session = Everywhere(kind), self.session
+
+        def toggle() -> None:
+            name = from_core(start.title)
+            if start in session.document.shapes:
+                name = tr("remove {start}", start=name)
+            session.edit(name, lambda document: edits.toggle_everywhere(document, kind))
+            # The action must show the state of the document even if it has not changed.
+            self.window.refresh()
+
+        return ActionSpec(f"start_{kind}", "Tools", text, tip, toggle, keys, icon=kind, gap=kind == "grid",
+                          short=short, when=has_image, holds=lambda now: start in now.document.shapes)  # fmt: skip
+
+
+_KEYS = {"shape": "Ctrl+F1", "automatic": "Ctrl+F2", "skeleton": "Ctrl+F3"}
+
+
+class ModesFeature(Feature):
+    """The choice of the mode."""
+
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        self.actions = [self._choice(mode) for mode in MODES]
+
+    def _choice(self, mode: Mode) -> ActionSpec:
+        info, session = MODES[mode], self.session
+
+        def use() -> None:
+            if session.document.mode != mode:
+                name = tr("mode “{mode}”", mode=info.title.replace("&", ""))
+                session.edit(name, lambda document: use_mode(document, mode))
+            # The action must show the state of the document even if it has not changed.
+            self.window.refresh()
+
+        return ActionSpec(f"mode_{mode}", "Run", info.title, info.about, use, _KEYS[mode], icon=f"mode_{mode}",
+                          holds=lambda now: now.document.mode == mode, gap=mode == "shape",
+                          short=info.short)  # fmt: skip
+
+
+class UndoSelectionFeature(Feature):
+    """Undo, selection and deletion by menus and keys."""
+
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        window = self.window
+        session, area = window.session, window.canvas_area
+
+        def sized(situation: Situation) -> bool:
+            return situation.selected is not None or area.canvas.hold.tool.sized
+
+        self.actions = (
+            ActionSpec("undo", "Edit", "Undo", "Undo the last change.", session.undo, "Ctrl+Z", short=tr("Undo"),
+                       icon="undo", when=lambda now: bool(now.undo_name), worded=lambda now: resolve(now).undo_text),
+            ActionSpec("redo", "Edit", "Redo", "Redo the last undone change.", session.redo, "Ctrl+Shift+Z Ctrl+Y",
+                       short=tr("Redo"), icon="redo", when=lambda now: bool(now.redo_name),
+                       worded=lambda situation: resolve(situation).redo_text),
+            ActionSpec("select_next", "Edit", "Select &next shape", "Select the next shape.", session.select_next, "N",
+                       gap=True, when=has_shapes),
+            ActionSpec("escape", ">" + tr("Edit"), "Cance&l",
+                       "Cancel the current drawing, or clear the selection and hide messages.",
+                       window.canvas_area.escape, "Escape"),
+            ActionSpec("delete", "Edit", "&Delete", "Remove the selected shape.", session.delete_selected,
+                       "Delete Backspace", gap=True, when=lambda now: now.selected is not None),
+            ActionSpec("enlarge", ">" + tr("Edit"), "Larger",
+                       "Make the selected shape, the brush or the candidate larger; the key ] does the same.",
+                       partial(area.enlarge, 1.0), when=sized),
+            ActionSpec("shrink", ">" + tr("Edit"), "Smaller",
+                       "Make the selected shape, the brush or the candidate smaller; the key [ does the same.",
+                       partial(area.enlarge, -1.0), when=sized),
+            ActionSpec("clear", "Edit", "Delete &all shapes", "Remove all shapes.",
+                       partial(session.edit, tr("delete all shapes"), edits.clear_shapes), "Ctrl+Shift+Backspace",
+                       when=has_shapes),
+        )  # fmt: skip

@@ -1,0 +1,304 @@
+"""Exchange with other programs: export, import, clipboard, and the session applied to a folder."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+from PySide6.QtCore import QMimeData
+from PySide6.QtGui import QImage
+from PySide6.QtWidgets import QApplication
+
+from cpm_app.model.document import edits, imported
+from cpm_app.model.document.imported import Imported
+from cpm_app.model.export import ExportFile, ExportOrder, What, has_objects
+from cpm_app.model.state.situation import Situation, has_contours, has_image, has_particles, has_volume
+from cpm_app.model.text.language import from_core, tr
+from cpm_app.session.exchange.messages import Opened
+from cpm_app.session.features.image_batch import TOPIC, BatchDone, apply_to_folder
+from cpm_app.session.features.import_contours import (
+    Found,
+    keep_picture,
+    read_file,
+    read_pasted,
+)
+from cpm_app.session.signals import EXPORTING, OPENING
+from cpm_app.session.tasks.tasks import Task
+from cpm_app.views.export.dialog import FORMATS, Exportable, ExportDialog
+from cpm_app.views.export.frames import AnimationPlan
+from cpm_app.views.features.animation import AnimationFeature
+from cpm_app.views.features.volumes import SpaceFeature
+from cpm_app.views.widgets.actions import ActionSpec
+from cpm_app.views.window.dialogs import ALL_FILES, Button, Files, Question
+from cpm_app.views.window.window import Feature
+from cpm_core.formats import CONTOURS_READABLE, FOR_CENTERLINES, READABLE, SURFACES_READABLE
+from cpm_core.shapes import Points
+
+
+class ExportFeature(Feature):
+    """Export of what has been found, and of pictures and animations, to files."""
+
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        self.dialog: ExportDialog | None = None
+        self._last: tuple[ExportOrder, AnimationPlan] | None = None
+        self._written: set[Path] = set()
+        self.session.listen(Opened, self._forget)
+        self.actions = (
+            ActionSpec("export", "File", "&Export…", "Export objects, contours, surfaces, pictures and animations.",
+                       self.export, "Ctrl+E Ctrl+Shift+K Ctrl+Shift+A", short=tr("Export"), icon="export", gap=True,
+                       when=_can_export),
+            ActionSpec("export_again", "File", "Export a&gain", "Export the same files again, without a dialog.",
+                       self.export_again, "Ctrl+Shift+E", when=_can_export),
+        )  # fmt: skip
+
+    def export(self) -> None:
+        """Ask what to write."""
+        if self.dialog is None:
+            self.dialog = self._made()
+            self.dialog.finished.connect(self._end)
+            self.dialog.open()
+
+    def export_again(self) -> None:
+        """Write the last files again; of another image those in the same formats."""
+        if self._last is not None:
+            self._write(*self._last)
+        elif self.window.preferences.get(FORMATS, [""]) != [""]:
+            self._made().accept()
+        else:
+            self.export()
+
+    def _made(self) -> ExportDialog:
+        window, workspace = self.window, self.window.workspace
+        navigation, space, pages = workspace.navigation, window.feature(SpaceFeature), workspace.pages.result
+        there = Exportable(
+            self.session.scene.objects.chosen,
+            frozenset(item.measures.number for item in workspace.review.chosen),
+            0 if pages is None else len(pages.results),
+            navigation.last(navigation.place[0]) if has_particles(self.session.situation) else 0,
+            space.panel.contents is not None,
+            window.feature(AnimationFeature).part,
+            self._written,
+        )
+        dialog = ExportDialog(window, self.session, window.preferences, window.files, there)
+        dialog.ordered.connect(self._write)
+        return dialog
+
+    def _write(self, order: ExportOrder, animation: AnimationPlan) -> None:
+        self._last = order, animation
+        workspace, space = self.window.workspace, self.window.feature(SpaceFeature)
+        self.window.files.remember("export", order.files[0].path)
+        found, paths = list[ExportFile](), list[Path]()
+        for file in order.files:
+            self._written.add(file.path)
+            if file.what == "run":
+                self.window.feature(AnimationFeature).write(workspace.navigation.place[0], animation, file.path)
+            elif file.what in ("space", "turntable"):
+                space.write(file.path, file.what == "turntable")
+            elif file.what == "pages":
+                paths.append(file.path)
+            else:
+                found.append(file)
+        if paths:
+            workspace.pages.export(*paths)
+        if found:
+            self.session.export(replace(order, files=tuple(found)))
+
+    def _end(self) -> None:
+        self.dialog = None
+
+    def _forget(self, _: Opened) -> None:
+        self._last = None
+        if self.dialog is not None:
+            self.dialog.reject()
+
+
+def _can_export(situation: Situation) -> bool:
+    return (
+        has_contours(situation)
+        or situation.status.surface is not None
+        or has_objects(situation.document)
+        or has_particles(situation)
+        or has_volume(situation)
+    )
+
+
+_KINDS = ("image/svg+xml", "application/geo+json", "text/csv")
+"""Kinds of contours on the clipboard, the richest first."""
+
+
+class ClipboardFeature(Feature):
+    """Copies for other programs: what has been found, in several formats at once, and the view."""
+
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        self.actions = (
+            ActionSpec("copy", "Edit", "&Copy", "Copy the selection, or everything, as a drawing and as a table.",
+                       self.copy, "Ctrl+C", gap=True,
+                       when=lambda now: has_contours(now) or (has_objects(now.document) and not has_volume(now))),
+            ActionSpec("copy_view", "Edit", "Copy &view as image",
+                       "Copy the visible part of the image with its overlays to the clipboard.", self.copy_view,
+                       "Ctrl+Shift+P", when=has_image),
+        )  # fmt: skip
+
+    def copy(self) -> None:
+        """Copy what is chosen, else all objects, else all contours; programs take the format that suits them."""
+        session = self.session
+        chosen = session.scene.objects.chosen
+        contours = frozenset(item.measures.number for item in self.window.workspace.review.chosen)
+        what: What = "objects" if chosen or (has_objects(session.document) and not contours) else "contours"
+        suffixes = (".svg", ".geojson", ".table.csv" if what == "objects" else ".measures.csv")
+        files = tuple(ExportFile(Path(f"copy{suffix}"), what, suffix) for suffix in suffixes)
+        session.export(ExportOrder(files, chosen or None, contours or None), self._put)
+
+    def copy_view(self) -> None:
+        """Copy what the canvas shows."""
+        QApplication.clipboard().setImage(self.canvas.grab().toImage())
+        self.session.say(tr("The view was copied."), topic=EXPORTING)
+
+    def _put(self, contents: tuple[bytes, ...]) -> None:
+        data = QMimeData()
+        for kind, content in zip(_KINDS, contents, strict=True):
+            data.setData(kind, content)
+        data.setText(contents[-1].decode())  # most programs take text only: the table
+        QApplication.clipboard().setMimeData(data)
+        self.session.say(tr("Copied as a drawing and a table."), topic=EXPORTING)
+
+
+IN_VOLUMES = frozenset((*SURFACES_READABLE, *FOR_CENTERLINES))
+"""Suffixes of files that lie in a volume."""
+
+_FILES_IN_VOLUMES = Files(
+    tr("Surfaces, labels and center lines"), (*SURFACES_READABLE, *FOR_CENTERLINES, *READABLE, ".points.csv")
+)
+_TITLES = {"contours": tr("Use contours"), "surface": tr("Use surface"), "center lines": tr("Use center lines")}
+
+
+class ImportFeature(Feature):
+    """Contours, surfaces and pictures of other programs."""
+
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        self.actions = (
+            ActionSpec("import_contours", "File", "&Import contours…",
+                       "Import contours from another program as a start, as objects or as ground truth.", self._choose,
+                       when=has_image),
+            ActionSpec("paste", "Edit", "&Paste", "Open the picture on the clipboard, or use the contours on it.",
+                       self.paste, "Ctrl+V"),
+        )  # fmt: skip
+
+    def take(self, path: Path) -> None:
+        """Read contours, and ask what they are for."""
+        session = self.session
+        if session.document.image is None:
+            message = tr("Open an image first; then {name} can be drawn.")
+        elif session.scene.slices is None and path.suffix.lower() in IN_VOLUMES:
+            message = tr("{name} belongs to a volume, but an image is open.")
+        else:
+            session.attempt(OPENING)
+            read_file(session, path, partial(self._use, path))
+            return
+        session.say(message.format(name=path.name), True, OPENING)
+
+    def paste(self) -> None:
+        """Open the picture or the files on the clipboard, or read the contours on it."""
+        data, session = QApplication.clipboard().mimeData(), self.session
+        session.attempt(OPENING)
+        kind = next(filter(data.hasFormat, _KINDS), "")
+        text = data.text() if data.hasText() and not data.hasImage() else ""
+        content = bytes(data.data(kind).data()) if kind else text.encode()
+        picture = data.imageData() if data.hasImage() else None
+        if data.hasUrls():
+            self.window.dropped.emit(data.urls())
+        elif content and session.document.image is not None and session.scene.slices is None:
+            read_pasted(session, content, partial(self._use, None))
+        elif isinstance(picture, QImage) and not picture.isNull():
+            keep_picture(session, picture, self.window.open_image)
+        else:
+            trouble = tr("The clipboard contains neither a picture nor contours.")
+            if content and session.scene.slices is not None:
+                trouble = tr("{name} has contours for an image, but a volume is open.")
+                trouble = trouble.format(name=tr("the clipboard"))
+            elif content:
+                trouble = tr("Open an image first; then the contours on the clipboard can be used.")
+            session.say(trouble, True, OPENING)
+
+    def _choose(self) -> None:
+        in_volume = self.session.scene.slices is not None
+        kinds = (_FILES_IN_VOLUMES if in_volume else Files(tr("Contours"), tuple(CONTOURS_READABLE)), ALL_FILES)
+        title = tr("Import surface") if in_volume else tr("Import contours")
+        chosen = self.window.files.ask_for_file("truth", title, kinds)
+        if chosen is not None:
+            self.take(chosen)
+
+    def _use(self, path: Path | None, found: Found) -> None:
+        """Draw points, and ask what contours are for; without a path they come from the clipboard."""
+        session = self.session
+        if isinstance(found, Points):
+            name = tr("draw {name}", name="" if path is None else path.name)
+            session.edit(name, lambda document: edits.add_shape(document, found))
+            return
+        whole = found.kind == "center lines" or not found.count
+        question = tr("Use {name} as a start?") if whole else tr("What should {name} be used for?")
+        buttons = _buttons(found, path is not None)
+        text = question.format(name=found.name)
+        answer = Question(self.window, _TITLES[found.kind], text, _explained(found), buttons).ask()
+        if answer == "start":
+            name = tr("start from {name}", name=found.name)
+            session.edit(name, lambda document: edits.set_shapes(document, (*document.shapes, *found.starts)))
+        elif answer == "objects":
+            name = tr("add objects from {name}", name=found.name)
+            session.edit(name, lambda document: imported.add_objects(document, found.objects, found.classes))
+        elif answer == "truth" and path is not None:
+            self.window.docks.reveal("compare")
+            self.window.workspace.comparison.load(path)
+
+
+def _explained(found: Imported) -> str:
+    sentences = [tr("Particles flow from a start to the edges; objects stay as they are.")]
+    if found.kind == "surface" and not found.objects:
+        sentences.append(tr("The surface is not closed, so it encloses no object."))
+    if found.open and found.objects:
+        sentences.append(tr("Open contours are not objects."))
+    return " ".join([*sentences, *map(from_core, found.notes)])
+
+
+def _buttons(found: Imported, of_file: bool) -> Sequence[Button]:
+    buttons = [Button("start", tr("&Start"), "accept")]
+    if found.objects:
+        buttons.append(Button("objects", tr("&Objects"), "accept"))
+    enclosing = found.kind != "surface" or bool(found.objects)
+    if found.count and of_file and found.kind != "center lines" and enclosing:
+        buttons.append(Button("truth", tr("Ground &truth"), "accept"))
+    return [*buttons, Button("cancel", tr("Cancel"), "cancel")]
+
+
+class BatchFeature(Feature):
+    """Applies the session to the images of a folder, one folder at a time."""
+
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        self._task: Task | None = None
+        self.actions = (
+            ActionSpec("apply_to_folder", "File", "Apply this session to a &folder…",
+                       "Run every image in a folder with the current starts and settings, and export the "
+                       "contours.",
+                       self._apply, "Ctrl+Alt+E",
+                       when=lambda situation: has_image(situation) and (self._task is None or self._task.over)),
+        )  # fmt: skip
+
+    def _apply(self) -> None:
+        folder = self.window.files.ask_for_folder(tr("Folder of the images"))
+        if folder:
+            self._task = apply_to_folder(self.session, Path(folder), self._report)
+            self.window.refresh()
+
+    def _report(self, done: BatchDone) -> None:
+        text = tr("{done} of {count} images finished.", done=done.images - done.failed, count=done.images)
+        more = tr("{failed} could not be used.", failed=done.failed)
+        table = tr("The table is in {path}.", path=done.table)
+        words = " ".join((text, more, table) if done.failed else (text, table))
+        self.session.say(words, done.failed > 0, TOPIC)
+        self.window.refresh()

@@ -1,0 +1,453 @@
+"""Opening and saving: files, folders, the start screen, and work left by a crash."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+
+from PySide6.QtCore import QDateTime, QLocale, Qt, QTimer, QUrl
+from PySide6.QtGui import QImage
+from PySide6.QtWidgets import QHBoxLayout, QToolButton, QWidget
+
+from cpm_app.model.document.document import Document
+from cpm_app.model.document.samples import sample_at, samples
+from cpm_app.model.preferences.table import SAVE_IN_FOLDER
+from cpm_app.model.state.situation import has_image
+from cpm_app.model.text.language import shortened, tr
+from cpm_app.session.exchange.messages import ImageReady, NotOpened, Opened
+from cpm_app.session.signals import JOURNAL, OF_THE_PROGRAM, OPENING, RECOVERY
+from cpm_app.session.storage.pictures import SIZE, Pictures, folder_of_pictures, middle
+from cpm_app.session.storage.recovery import Journal, Leftover, folder_of_journals, left_behind
+from cpm_app.session.storage.session_file import Written
+from cpm_app.views.features.exchange import ImportFeature
+from cpm_app.views.files.recent_files import RecentFiles
+from cpm_app.views.files.start_screen import Entry, StartScreen
+from cpm_app.views.widgets.actions import Actions, ActionSpec, Submenu
+from cpm_app.views.widgets.containers import arrange, dim_label
+from cpm_app.views.window import dialogs
+from cpm_app.views.window.dialogs import ALL_FILES, SESSIONS, Button, Files, Question
+from cpm_app.views.window.window import Feature
+from cpm_core.formats import CONTOURS_READABLE, FOR_CENTERLINES, READABLE, SUFFIX, SURFACES_READABLE, Reading
+
+CONTOURS = frozenset((*CONTOURS_READABLE, *SURFACES_READABLE, *FOR_CENTERLINES)) - frozenset(READABLE)
+"""Suffixes of files that are no documents, but contours or points for the one that is open."""
+
+
+_SEGMENTS = (".seg.nrrd", ".seg.dcm")
+"""Ends of names of files that lie in a volume, where one is open."""
+
+
+class OpenSaveFeature(Feature):
+    """Opening of images, sessions, points and presets, and the session file."""
+
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        window = self.window
+        self.document_file = window.document_file
+        self.recent = RecentFiles(window.preferences, window.open_image)
+        self._left: tuple[Document, int] | None = None
+        """Document and number of the image that the user has agreed to close."""
+        session = self.session
+        session.may_replace = self._may_replace
+        window.files_wanted.connect(self.take)
+        window.dropped.connect(self.take_dropped)
+        self.document_file.changed.connect(self._name_window)
+        self.document_file.restored.connect(window.workspace.slices.use_view_state)
+        self.document_file.restored.connect(self.canvas.use_view_state)  # in the slice chosen before
+        session.document_changed.connect(lambda _: self._name_window())
+        session.listen(Opened, self._take_opened)
+        session.listen(Written, lambda written: self._remember(written.path))
+        self._name_window()
+        self.actions = (
+            ActionSpec("open", "File", "&Open…", "Open an image or a session.", self.ask_for_file, "Ctrl+O",
+                       short=tr("Open"), icon="open"),
+            Submenu("recent", "File", "Open &recent", self.recent.fill),
+            ActionSpec("save", "File", "&Save session", "Save everything: drawing, runs, contours, objects and view.",
+                       self.save, "Ctrl+S", short=tr("Save"), icon="save", gap=True, when=has_image),
+            ActionSpec("save_as", "File", "Save session &as…",
+                       "Save the session to another file and continue with it.", self.save_as, "Ctrl+Shift+S",
+                       when=has_image),
+            ActionSpec("quit", "File", "&Quit", "Quit the program.", window.close, "Ctrl+Q", gap=True),
+        )  # fmt: skip
+
+    def take(self, paths: Sequence[Path], resumes: bool = False) -> None:
+        """Open files by their kind: images, sessions, contours and points.
+
+        Contours and points are used in the image that is open.
+
+        An image that `resumes` is opened with the session next to it. Of a recent file that part is opened which was
+        chosen last.
+        """
+        self.window.canvas_area.messages.keep_only(*OF_THE_PROGRAM)
+        documents = []
+        for path in paths:
+            segments = path.name.lower().endswith(_SEGMENTS) and self.session.scene.slices is not None
+            if path.suffix.lower() in CONTOURS or segments:
+                self.window.feature(ImportFeature).take(path)
+            else:
+                documents.append(path)
+        if documents and self._may_open():
+            as_volume, reading = self.recent.part_of(documents[0])
+            self.session.open(documents[0], resumes=resumes, as_volume=as_volume, reading=reading)
+            if len(documents) > 1:
+                message = tr("Only one image can be open at a time: of {count} files, {name} is opened.")
+                self.session.say(message.format(count=len(documents), name=documents[0].name), topic=OPENING)
+
+    def take_part(self, path: Path, as_volume: bool, reading: Reading) -> None:
+        """Open a part of a file, as a volume or as an image."""
+        self.window.canvas_area.messages.keep_only(*OF_THE_PROGRAM)
+        if self._may_open():
+            self.session.open(path, as_volume=as_volume, reading=reading)
+
+    def take_dropped(self, urls: Sequence[QUrl]) -> None:
+        """Open files that were dropped on the window."""
+        elsewhere = [url for url in urls if not url.isLocalFile()]
+        self.take([Path(url.toLocalFile()) for url in urls if url.isLocalFile()])
+        if elsewhere:
+            place = elsewhere[0].toDisplayString()
+            message = tr("{place} is not a file on this computer. Save it first, then open it.", place=place)
+            self.session.say(message, True, OPENING)
+
+    def ask_for_file(self) -> None:
+        """Ask for a file and open it."""
+        both, images = Files(tr("Images and sessions"), (*READABLE, SUFFIX)), Files(tr("Images"), tuple(READABLE))
+        chosen = self.window.files.ask_for_file("open", tr("Open"), (both, images, SESSIONS, ALL_FILES))
+        if chosen is not None:
+            self.take([chosen])
+
+    def save(self) -> None:
+        """Save to the present file, or ask for one."""
+        if self.document_file.path is None:
+            self.save_as()
+        else:
+            self.document_file.save(self.document_file.path)
+
+    def save_as(self) -> None:
+        """Ask for a file and save to it."""
+        path = self._ask_where()
+        if path is not None:
+            self.document_file.save(path)
+
+    def close(self) -> bool:
+        """Whether the document may be closed; asks about unsaved work and saves it if the user agrees."""
+        self.document_file.finish()
+        if not self.document_file.unsaved:
+            return True
+        answer = dialogs.ask_about_unsaved(self.window, self.document_file.name, self.document_file.lost)
+        if answer != "save":
+            return answer == "discard"
+        path = self.document_file.path or self._ask_where()
+        return path is not None and self.document_file.save_at_once(path)
+
+    # Internal
+
+    @property
+    def _work(self) -> tuple[Document, int]:
+        """What would be lost."""
+        return self.session.document, self.session.generation
+
+    def _may_open(self) -> bool:
+        """Whether another image may be opened; not asked again while one is being opened and nothing has changed."""
+        if not (self.session.opening and self._left == self._work):
+            if not self.close():
+                return False
+            self._left = self._work
+        return True
+
+    def _may_replace(self, opened: Opened) -> bool:
+        """Whether an image that has been prepared may replace this one; work done meanwhile is asked about.
+
+        When a page is turned nothing is lost.
+        """
+        turned = opened.saved is not None and opened.saved.turned
+        if turned or not self.document_file.unsaved or self._left == self._work:
+            return True
+        QTimer.singleShot(0, self.window, lambda: self._ask_again(opened))
+        return False
+
+    def _ask_again(self, opened: Opened) -> None:
+        if self.close():
+            self.session.use(opened)
+        else:
+            self.session.say(tr("{name} was not opened, and your work stays open.", name=opened.path.name))
+
+    def _ask_where(self) -> Path | None:
+        path, name = self.document_file.path, self.document_file.name
+        folder = path.parent if path is not None else None
+        return self.window.files.ask_where_to_save("session", tr("Save session"), name, [SESSIONS], folder)
+
+    def _take_opened(self, opened: Opened) -> None:
+        self._left = None
+        path = opened.saved.path if opened.saved and opened.saved.path else opened.path
+        if opened.saved is not None and opened.saved.file.truth is not None:
+            self.window.workspace.comparison.restore(opened.saved.file.truth, path.absolute().parent)
+        if sample_at(opened.path) is None or opened.saved:
+            self._remember(path)
+            self.recent.keep_part(opened)
+
+    def _remember(self, path: Path) -> None:
+        self.recent.add(path)
+        self.window.files.remember("open", path)
+
+    def _name_window(self) -> None:
+        image = self.session.document.image
+        name = self.document_file.path.name if self.document_file.path else image.name if image else ""
+        title = f"{name}[*] – CPM" if name else "CPM"
+        if self.window.windowTitle() != title:
+            self.window.setWindowTitle(title)
+        self.window.setWindowModified(self.document_file.unsaved)
+
+
+class StartFeature(Feature):
+    """Shows the start screen, and keeps a picture of each image and session that has been open."""
+
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        window = self.window
+        self.pictures = Pictures(folder_of_pictures())
+        self.screen = StartScreen(window.canvas_area)
+        self._recent = window.feature(OpenSaveFeature).recent
+        self._recent.cleared.append(self.pictures.clear)
+        self.screen.asked.connect(window.feature(OpenSaveFeature).ask_for_file)
+        self.screen.chosen.connect(window.open_image)
+        self.screen.left.connect(self.leave)
+        session = self.session
+        session.image_changed.connect(self.leave)
+        session.listen(ImageReady, lambda _: self._keep_picture())
+        session.listen(Written, lambda _: self._keep_picture())
+        session.listen(NotOpened, self._stay)
+        self.actions = (
+            ActionSpec("start", "File", "Sa&mples and recent files", "Show samples and recent files as pictures.",
+                       self.toggle, "Alt+Home", short=tr("Start"), icon="home"),
+        )  # fmt: skip
+
+    def close(self) -> bool:
+        """Keep a picture of what is open."""
+        self._keep_picture()
+        return True
+
+    def show(self, trouble: str = "") -> None:
+        """Show the start screen in place of the image, and why a file could not be opened."""
+        shown = [
+            Entry(sample.path, middle(QImage(str(sample.picture)), SIZE), sample.title, "", sample.about)
+            for sample in samples()
+        ]
+        recent = []
+        for path in self._paths:
+            changed = QDateTime.fromSecsSinceEpoch(int(path.stat().st_mtime)).date()
+            below = f"{path.parent.name} · {QLocale().toString(changed, QLocale.FormatType.ShortFormat)}"
+            recent.append(Entry(path, self.pictures.get(path), path.name, below, str(path)))
+        self.screen.show_entries(recent, shown, self.session.document.image is not None, trouble)
+
+    def leave(self) -> None:
+        """Show the image, if there is one."""
+        if self.screen.isVisible() and self.session.document.image is not None:
+            self.screen.hide()
+            self.canvas.setFocus()
+
+    def toggle(self) -> None:
+        """Show the start screen, or the image again."""
+        if self.screen.isVisible():
+            self.leave()
+        else:
+            self.show()
+
+    def welcome(self) -> None:
+        """Offer the newest work when the program begins with a sample."""
+        session = self.session
+
+        def offer(opened: Opened) -> None:
+            session.stop_listening(Opened, offer)
+            newest = next(iter(self._paths), None)
+            if newest is not None and opened.saved is None:
+                self.window.offers.offer(
+                    tr("Continue with {name}?", name=newest.name),
+                    (tr("Open {name}", name=newest.name), partial(self.window.open_image, newest, True)),
+                    (tr("Recent work"), self.show),
+                )
+
+        session.listen(Opened, offer)
+
+    @property
+    def _paths(self) -> list[Path]:
+        """Recent files that are still there."""
+        return [path for path in self._recent.paths if path.is_file()]
+
+    def _stay(self, refused: NotOpened) -> None:
+        """Show what could be opened, unless there is work: an untouched sample would be taken for the file."""
+        image = self.session.document.image
+        if image is None or (sample_at(Path(image.path)) and not self.window.document_file.unsaved):
+            self.show(refused.sentence)
+
+    def _keep_picture(self) -> None:
+        """Keep what the canvas shows as the picture of the image, and of its session if there is one."""
+        image = self.session.document.image
+        if image is None:
+            return
+        picture = self.canvas.grab().toImage()
+        for path in (Path(image.path), self.window.document_file.path):
+            if path is not None and sample_at(path) is None:
+                self.pictures.put(path, picture)
+
+
+class FolderBar(QWidget):
+    """Shows "3 of 24"; hidden where an image is the only one of its folder."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.back, self.forward, self._place = QToolButton(), QToolButton(), dim_label()
+        for button in (self.back, self.forward):
+            button.setObjectName("quiet")
+            button.setAutoRaise(True)
+            button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonIconOnly)
+        arrange(QHBoxLayout(self), self.back, self._place, self.forward, margins=(6, 0, 6, 0), spacing=2)
+        self.hide()
+
+    def use_actions(self, actions: Actions) -> None:
+        """Let the buttons be those of the actions of the menu."""
+        self.back.setDefaultAction(actions["previous_image"])
+        self.forward.setDefaultAction(actions["next_image"])
+
+    def show_place(self, index: int, count: int, folder: str) -> None:
+        """Show that an image is one of the images of a folder; the first one has index 0."""
+        self._place.setText(tr("{number} of {count}", number=index + 1, count=count))
+        self._place.setToolTip(tr("Images in {folder}", folder=folder))
+        self.setVisible(count > 1)
+
+
+class FolderFeature(Feature):
+    """Opens the previous and the next image of a folder, each with the session next to it."""
+
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        window = self.window
+        self.bar = FolderBar()
+        window.shortcuts.changed.connect(lambda: self.bar.use_actions(window.actions_by_name))
+        window.statusBar().addPermanentWidget(self.bar)
+        self._images: tuple[Path, ...] = ()
+        self._here = self._ahead = 0
+        self.session.listen(Opened, self._take)
+        self.session.listen(NotOpened, self._stay)
+        self.actions = (
+            ActionSpec("previous_image", "File", "Pre&vious image in the folder",
+                       "Open the previous image in the folder, with its session.", partial(self.go, -1),
+                       "Alt+Left", "back", gap=True, when=lambda _: self._here > 0),
+            ActionSpec("next_image", "File", "Ne&xt image in the folder",
+                       "Open the next image in the folder, with its session.", partial(self.go, 1),
+                       "Alt+Right", "forward", when=lambda _: self._here + 1 < len(self._images)),
+        )  # fmt: skip
+
+    def go(self, by: int) -> None:
+        """Open the next image (1) or the previous one (-1) that is still there."""
+        begin = self._ahead if self.session.opening else self._here
+        ahead = range(begin + by, len(self._images) if by > 0 else -1, by)
+        place = next((place for place in ahead if self._images[place].is_file()), None)
+        if place is not None and self._saved():
+            self._ahead = place
+            self.window.open_image(self._images[place], True)
+
+    def _saved(self) -> bool:
+        """Save without a question, where the user wants that and nothing is overwritten; False when it fails."""
+        file, image = self.window.document_file, self.session.document.image
+        if image is None or not file.unsaved or not self.window.preferences.value(SAVE_IN_FOLDER):
+            return True
+        beside = Path(image.path).with_suffix(SUFFIX)
+        if file.path is None and beside.exists():
+            return True  # the usual question follows
+        return file.save_at_once(file.path or beside)
+
+    def _take(self, opened: Opened) -> None:
+        known = opened.path in opened.folder and sample_at(opened.path) is None
+        self._images = opened.folder if known else ()
+        self._here = self._ahead = opened.folder.index(opened.path) if known else 0
+        self.bar.show_place(self._here, len(self._images), opened.path.parent.name)
+        self.window.refresh()
+
+    def _stay(self, _: NotOpened) -> None:
+        self._ahead = self._here
+
+
+_PATH = 300
+"""Letters of a path that are shown in a question."""
+
+
+class RecoveryFeature(Feature):
+    """Recovery of unsaved work after the program has ended unexpectedly."""
+
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        self._folder = folder_of_journals()
+        self.journal = Journal(self.window.document_file, self._folder, self.window.preferences)
+        self.journal.put.connect(lambda trouble: self.session.trouble(trouble, JOURNAL))
+        self.box: Question | None = None
+        self._waiting: list[Leftover] = []
+        self._restoring: Leftover | None = None
+        self.session.listen(Opened, self._use_opened)
+
+    def offer(self) -> None:
+        """Offer to restore the unsaved work of earlier windows, and say what of it cannot be read."""
+        self._waiting, troubles = left_behind(self._folder)
+        if troubles:
+            self.session.say(" ".join(troubles), True, RECOVERY)
+        self._ask()
+
+    def close(self) -> bool:
+        """Remove the journal of this window; keep work that the user has not decided on."""
+        for leftover in self._waiting:
+            leftover.keep()
+        if self._restoring is not None:
+            self._restoring.keep()
+        self._waiting, self._restoring = [], None
+        if self.box is not None:
+            self.box.close()
+        self.journal.close()
+        return True
+
+    def _ask(self) -> None:
+        if not self._waiting:
+            return
+        leftover = self._waiting[0]
+        buttons = (
+            Button("restore", tr("&Restore"), "accept"),
+            Button("discard", tr("&Discard this work"), "discard"),
+            Button("later", tr("Ask me &later"), "cancel"),
+        )
+        text = tr("CPM ended unexpectedly. Restore “{name}”?", name=shortened(leftover.name, _PATH))
+        details = "\n".join(_details(leftover))
+        self.box = box = Question(self.window, tr("Restore unsaved work"), text, details, buttons)
+        box.buttonClicked.connect(lambda _: self._act_on(box.given()))
+        box.open()
+
+    def _act_on(self, answer: str) -> None:
+        if answer == "restore":
+            if self._restoring is not None:  # its image was not found, and it waits for another time
+                self._restoring.keep()
+            self._restoring = self._waiting.pop(0)
+            self.session.begin(self._restoring.wanted)
+        elif answer == "discard":
+            self._waiting.pop(0).discard()
+            self._ask()
+
+    def _use_opened(self, opened: Opened) -> None:
+        """Write a restored document to the new journal, and delete the old one only when that is on the disk."""
+        saved, restoring = opened.saved, self._restoring
+        if saved is not None and restoring is not None and saved.file is restoring.file:
+            self.journal.write()
+            if self.journal.flush() and self.journal.path.exists():
+                restoring.discard()
+                self._restoring = None
+
+
+def _details(leftover: Leftover) -> Sequence[str]:
+    when = QLocale().toString(
+        QDateTime.fromSecsSinceEpoch(int(leftover.when.timestamp())), QLocale.FormatType.ShortFormat
+    )
+    image, objects, shapes = leftover.file.image, len(leftover.file.objects.items), len(leftover.file.shapes)
+    session = shortened(str(leftover.path), _PATH) if leftover.path else tr("never saved")
+    return (
+        tr("Last changed: {when}", when=when),
+        tr("Image: {path}", path=shortened(image.path, _PATH) if image else "–"),
+        tr("Session file: {path}", path=session),
+        tr("Objects: {objects}, shapes: {shapes}", objects=objects, shapes=shapes),
+    )

@@ -1,0 +1,126 @@
+"""Menu Help, and the preferences."""
+
+from __future__ import annotations
+
+import html
+
+from PySide6.QtCore import Qt
+from PySide6.QtWidgets import QApplication, QMessageBox
+
+from cpm_app.model.document.samples import sample_called
+from cpm_app.model.text.about import LICENSE, PAPER, PURPOSE, versions
+from cpm_app.model.text.keys import with_keys
+from cpm_app.model.text.language import tr
+from cpm_app.session.exchange.messages import Opened
+from cpm_app.views.theme.icons import program_icon
+from cpm_app.views.widgets.actions import ActionSpec
+from cpm_app.views.window.guide import KEYS, Guide
+from cpm_app.views.window.preferences import PreferencesDialog
+from cpm_app.views.window.window import Feature
+from cpm_core import __version__
+
+SEEN = "guide/seen"
+"""Preference: whether the guide has been shown."""
+
+
+class HelpFeature(Feature):
+    """Help on the program."""
+
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        self.guide: Guide | None = None
+        """The guide, while it is open."""
+        self.actions = (
+            ActionSpec(KEYS, "Help", "&Keys", "Show all keys.", self._show_keys, "?"),
+            ActionSpec("guide", "Help", "&Guide", "First steps, examples step by step, and the use of the canvas.",
+                       self.show_guide, "F1", icon="guide"),
+            ActionSpec("about", "Help", "&About CPM",
+                       "Version, license, the paper, and the libraries in use.",
+                       self._show_about, gap=True),
+        )  # fmt: skip
+
+    def welcome(self) -> None:
+        """Offer the guide when the first image is open, at the first start of the program."""
+        if self.window.preferences.get(SEEN, False):
+            return
+        self.window.preferences.put(SEEN, True)
+        session = self.session
+
+        def offer(_: Opened) -> None:
+            session.stop_listening(Opened, offer)
+            question = tr("New here? The guide ({key:guide}) has four examples, step by step.")
+            self.window.offers.offer(with_keys(question), (tr("&Guide"), self.show_guide))
+
+        session.listen(Opened, offer)
+
+    def show_guide(self, page: str = "") -> None:
+        """Open the guide, at a named page if given, or bring it to the front."""
+        if self.guide is None:
+            self.guide = Guide(self.window, self.window.shortcuts, self._open_sample)
+            self.guide.finished.connect(self._forget_guide)
+        self.guide.show()
+        self.guide.raise_()
+        self.guide.activateWindow()
+        if page:
+            self.guide.turn_to(page)
+
+    def close(self) -> bool:
+        """Close the guide."""
+        if self.guide is not None:
+            self.guide.close()
+        return True
+
+    def _forget_guide(self) -> None:
+        self.guide = None
+
+    def _show_keys(self) -> None:
+        if self.guide is not None and self.guide.page == KEYS:
+            self.guide.close()
+        else:
+            self.show_guide(KEYS)
+
+    def _show_about(self) -> None:
+        """Show versions, license and paper; a button copies them."""
+        rows = "".join(f"<tr><td>{name} </td><td>{version}</td></tr>" for name, version in versions()[1:])
+        text = "".join(f"<p>{html.escape(text)}</p>" for text in (PURPOSE, PAPER, LICENSE))
+        box = QMessageBox(
+            self.window,
+            iconPixmap=program_icon().pixmap(64, 64),
+            text=" ".join(versions()[0]),
+            informativeText=f"{text}<table>{rows}</table>",
+            textInteractionFlags=Qt.TextInteractionFlag.TextBrowserInteraction,
+        )
+        box.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        box.setWindowTitle(tr("About CPM"))
+        copy = box.addButton(tr("&Copy this text"), QMessageBox.ButtonRole.ActionRole)
+        copy.setToolTip(tr("Copy it to the clipboard, for example for a bug report."))
+        copy.clicked.disconnect()  # it does not close the box
+        listed = "\n".join(f"{name}: {version}" for name, version in versions())
+        plain = f"CPM {__version__}\n{PURPOSE}\n\n{PAPER}\n\n{LICENSE}\n\n{listed}\n"  # as for a report of an error
+        copy.clicked.connect(lambda: QApplication.clipboard().setText(plain))
+        box.addButton(QMessageBox.StandardButton.Close)
+        box.open()
+
+    def _open_sample(self, file: str) -> None:
+        sample = sample_called(file)
+        if sample is not None:
+            self.window.open_image(sample.path)
+
+
+class PreferencesFeature(Feature):
+    """Opens the dialog of the preferences."""
+
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        self.actions = (
+            ActionSpec("preferences", "Edit", "&Preferences…", "Change the settings of the program.", self.show,
+                       "Ctrl+,", gap=True),
+        )  # fmt: skip
+
+    def show(self) -> PreferencesDialog:
+        """Open the dialog; the window stays usable."""
+        window = self.window
+        dialog = PreferencesDialog(window, window.preferences, window.shortcuts)
+        dialog.finished.connect(dialog.deleteLater)
+        dialog.open()
+        return dialog

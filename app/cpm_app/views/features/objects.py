@@ -1,0 +1,236 @@
+"""Menu Objects: what is done to objects, proposals and contours, and their panel."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QCursor, QKeyEvent
+from PySide6.QtWidgets import QMenu
+
+from cpm_app.model.document.modes import use_skeleton
+from cpm_app.model.document.objects import as_barriers, as_regions, as_starts, class_title, listed_classes
+from cpm_app.model.preferences.table import UNIT
+from cpm_app.model.state.situation import Situation, has_contours, has_image, has_volume
+from cpm_app.model.text.language import tr
+from cpm_app.session.features.object_list import Key, Kind
+from cpm_app.views.panels.objects import ObjectPanel
+from cpm_app.views.theme.icons import fill_colors, swatch
+from cpm_app.views.widgets.actions import ActionSpec, Submenu, add_choice
+from cpm_app.views.window.docks import Panel
+from cpm_app.views.window.keyboard import Keys
+from cpm_app.views.window.window import Feature, MainWindow
+from cpm_core.medial_axis import Outlined
+
+_ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
+_DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
+_SELECTING = ("objects", "select", "mend")
+"""Tools with which keys act on what is selected."""
+
+
+class ObjectsFeature(Feature):
+    """Objects, proposals and contours by menu and keys, and their panel."""
+
+    def __init__(self, window: MainWindow) -> None:
+        super().__init__(window)
+        area, session = window.canvas_area, window.session
+        self._list = objects = window.workspace.object_list
+        self._selection = selection = window.workspace.object_selection
+        self._editing = editing = window.workspace.hand_editing
+        layer = area.canvas.layers.contours
+        self.panel = ObjectPanel(session, objects, lambda name: window.actions_by_name.get(name))  # noqa: PLW0108  # made later
+        self.panels = (Panel("objects", "Objects", self.panel, "Ctrl+Shift+O"),)
+        window.preferences.follow(UNIT, self.panel.table.show_items)
+        Keys(area.canvas, self.take_key)
+        area.canvas.pointer.doubled.connect(self._open)
+        self.panel.table.zoom_wanted.connect(area.zoom_to_selection)
+        area.tool_changed.connect(lambda: self.panel.brush.setVisible(area.canvas.hold.tool.name == "mend"))
+        area.canvas.pointed.connect(lambda at: objects.hover(None) if at is None else None)
+        for changed in (objects.selection_changed, objects.brush_changed):
+            changed.connect(lambda *_: window.refresh())
+        selection.changed.connect(window.refresh)
+
+        def selects(*kinds: Kind, least: int = 1) -> bool:
+            return sum(row.kind in kinds for row in objects.selected_rows) >= least
+
+        def some(_: Situation) -> bool:
+            return bool(objects.selected)
+
+        def has_objects(_: Situation) -> bool:
+            return bool(objects.chosen)
+
+        def all_are(state: str) -> bool:
+            return bool(objects.items) and all(getattr(item, state) for item in objects.items)
+
+        def ask_color() -> None:
+            menu = QMenu(window)
+            fill_colors(menu, window, objects.paint, True)
+            menu.aboutToHide.connect(menu.deleteLater)
+            menu.popup(QCursor.pos())
+
+        def merge() -> None:
+            if selects("object", "proposal", "closed", least=2):
+                objects.merge()
+            else:
+                editing.join_selected(closing=False)
+
+        objects.class_begun.connect(self.ask_name)
+        self.actions = (
+            ActionSpec("accept", "Objects", "&Accept",
+                       "Accept proposals and closed contours as objects, and keep open contours; Enter "
+                       "does the same.",
+                       objects.accept,
+                       when=lambda _: bool(selection.proposals) or selects("proposal", "closed", "open", "rejected")),
+            ActionSpec("reject", "Objects", "&Reject",
+                       "Dismiss proposals, remove objects, and exclude contours from exports; none is "
+                       "proposed again.",
+                       objects.reject, "X", when=lambda _: bool(objects.selected or selection.proposals)),
+            ActionSpec("name_object", "Objects", "&Name…", "Name the selected object or contour.",
+                       self.ask_name, "F2", gap=True, when=some),
+            Submenu("object_class", "Objects", "C&lass", self._fill_classes),
+            ActionSpec("object_color", "Objects", "C&olor…", "Give objects and contours a color of their own.",
+                       ask_color, when=lambda _: selects("object", "closed", "open")),
+            ActionSpec("merge_objects", "Objects", "&Merge",
+                       "Merge the selected objects into one; open contours are joined along the edges.", merge, "M",
+                       gap=True, when=lambda _: len(objects.selected) > 1),
+            ActionSpec("close_contours", "Objects", "Clos&e",
+                       "Close the selected open contour along the edge between its ends; several are joined first.",
+                       partial(editing.join_selected, closing=True), "Shift+C",
+                       when=lambda _: any(not item.contour.closed for item in window.workspace.review.chosen)),
+            ActionSpec("fill_between", "Objects", "Fill &between slices",
+                       "Fill the slices between those in which the selected object has been painted.",
+                       objects.fill_between, "Shift+I", short=tr("Fill gaps"), there=has_volume,
+                       when=lambda _: len(objects.items) == 1 and not objects.items[0].frozen),
+            ActionSpec("paint_in_space", "Objects", "&Paint in space",
+                       "Paint balls through all slices with the brush, or disks in one slice.",
+                       partial(objects.turn_brush, "ball"), "Shift+J", short=tr("In space"), there=has_volume,
+                       holds=lambda _: objects.ball),
+            ActionSpec("paint_over", "Objects", "Paint &over others",
+                       "Take what the brush goes over from other objects that are not frozen, or leave it to them.",
+                       partial(objects.turn_brush, "over_others"), short=tr("Over others"), there=has_volume,
+                       holds=lambda _: objects.over_others),
+            ActionSpec("objects_alike", "Objects", "All li&ke this", "Find all objects like the selected one.",
+                       lambda: selection.find_like(objects.items[0].number), "Ctrl+L",
+                       when=lambda _: len(objects.items) == 1),
+            ActionSpec("change_object", "Objects", "Change by &clicks",
+                       "Select the object again, beginning with what it is.", self._change,
+                       when=lambda _: len(objects.items) == 1),
+            ActionSpec("fit_objects", "Objects", "F&it to the contours",
+                       "Select the objects again by their own clicks, on the contours of the last run.",
+                       lambda: selection.fit(objects.chosen),
+                       when=lambda _: any(item.clicks for item in objects.items)),
+            ActionSpec("freeze_object", "Objects", "&Freeze",
+                       "Keep the objects as they are, and keep particles from crossing their boundaries.",
+                       partial(objects.toggle, "frozen"), gap=True, when=has_objects,
+                       worded=lambda _: tr("Unfreeze") if all_are("frozen") else tr("&Freeze")),
+            ActionSpec("hide_object", "Objects", "&Hide", "Hide the objects, or show them again.",
+                       partial(objects.toggle, "hidden"), when=has_objects,
+                       worded=lambda _: tr("Show") if all_are("hidden") else tr("&Hide")),
+            Submenu("use_as", "Objects", "&Use as", self._fill_uses),
+            ActionSpec("skeleton", "Objects", "Ske&leton",
+                       "Find the center lines of the selected objects or closed contours, or of all closed "
+                       "contours.",
+                       self._find_skeleton, icon="mode_skeleton",
+                       when=lambda now: bool(objects.chosen) or has_contours(now)),
+            ActionSpec("delete_object", "Objects", "&Delete", "Remove the selection; the key Delete does the same.",
+                       objects.delete, gap=True, when=some),
+            ActionSpec("all_objects", "Objects", "Select &all", "Select all rows of the table that are not rejected.",
+                       lambda: objects.select(self._shown()), "Ctrl+A", gap=True, when=has_image),
+            ActionSpec("other_objects", ">" + tr("Objects"), "In&vert the selection",
+                       "Select everything that is not selected.",
+                       lambda: objects.select(self._shown() - objects.selected), "Ctrl+I",
+                       when=has_image),
+            ActionSpec("next_object", ">" + tr("Objects"), "Select ne&xt",
+                       "Select one row of the table after the other.",
+                       self.select_next, "Shift+N", when=has_image),
+            ActionSpec("show_rejected", "Objects", "&Show rejected",
+                       "Show rejected objects and contours faintly, or hide them.",
+                       lambda: layer.choose("rejected", not layer.chosen["rejected"]), gap=True,
+                       holds=lambda _: bool(layer.chosen["rejected"])),
+            ActionSpec("drop_missed_edits", "Objects", "Remove outdated edits",
+                       "Remove manual edits that no longer match a contour, with their lines.",
+                       lambda: editing.drop(editing.missed), when=lambda _: bool(editing.missed)),
+            ActionSpec("image_skeleton", "Run", "Skeleton of the &whole image",
+                       "Find center lines in the image again, not only in objects or closed contours.",
+                       lambda: self._skeletonize(tr("skeleton of the image"), Outlined()),
+                       when=lambda now: bool(now.document.outlines or now.document.outlined_surfaces)),
+        )  # fmt: skip
+
+    def select_next(self) -> None:
+        """Select the row after the selected ones."""
+        keys = [row.key for row in self.panel.table.listed]
+        at = max((keys.index(key) for key in self._list.selected if key in keys), default=-1)
+        if keys:
+            self._list.select((keys[(at + 1) % len(keys)],))
+
+    def ask_name(self, category: int = 0) -> None:
+        """Ask for the name of the selected row, or of a class."""
+        self.window.docks.reveal("objects")
+        self.panel.ask_name(category)
+
+    def take_key(self, event: QKeyEvent) -> bool:
+        """Handle the keys for what is selected on the canvas; return whether the key was one of them."""
+        tool = self.window.canvas_area.canvas.hold.tool
+        if tool is None or event.modifiers() & ~Qt.KeyboardModifier.KeypadModifier:
+            return False
+        key, selecting = event.key(), tool.name in _SELECTING
+        if selecting and 1 <= key - Qt.Key.Key_0 <= len(self._list.objects.classes):
+            self._list.classify(key - Qt.Key.Key_0)
+        elif key in _DELETE and len(self._editing.marked) == 2:
+            self._editing.delete_stretch()
+        elif selecting and key in _DELETE and self._list.selected and not tool.drafting:
+            self._list.delete()
+        else:
+            return False
+        return True
+
+    def _shown(self) -> frozenset[Key]:
+        """Keys of the rows in the table, without rejected ones unless there are only these."""
+        listed = self.panel.table.listed
+        return frozenset(row.key for row in [row for row in listed if row.kind != "rejected"] or listed)
+
+    def _open(self) -> None:
+        """Rename what has been clicked twice with the tool that selects."""
+        if self.window.canvas_area.canvas.hold.tool.name == "select" and len(self._list.selected) == 1:
+            self.ask_name()
+
+    def _change(self) -> None:
+        self.window.canvas_area.use_tool("objects")
+        self._selection.correct(self._list.items[0].number)
+
+    def _fill_classes(self, menu: QMenu) -> None:
+        objects = self._list.objects
+        for category in listed_classes(objects):
+            text = f"{class_title(objects, category)}\t{category}"
+            action = add_choice(
+                menu, text, partial(self._list.classify, category), checked=category == objects.category
+            )
+            action.setIcon(swatch(objects.classes[category - 1].color))
+
+    def _fill_uses(self, menu: QMenu) -> None:
+        for text, words, edit in (
+            (tr("&Start of the next run"), tr("start from {what}"), as_starts),
+            (tr("Region of &interest"), tr("region of interest of {what}"), as_regions),
+            (tr("&Barrier"), tr("barrier around {what}"), as_barriers),
+        ):
+            add_choice(menu, text, partial(self._list.do, words, edit)).setEnabled(bool(self._list.chosen))
+
+    def _find_skeleton(self) -> None:
+        """Find the skeleton of the chosen objects, or of the chosen closed contours or all that are not rejected."""
+        chosen, review = self._list.chosen, self.window.workspace.review
+        if chosen:
+            self._skeletonize(tr("skeleton of objects"), Outlined(objects=tuple(sorted(chosen))))
+            return
+        items = review.chosen or [item for item in review.items if not item.reviewed.rejected]
+        lines = tuple(tuple(map(tuple, item.contour.points.tolist())) for item in items if item.contour.closed)
+        if lines:
+            self._skeletonize(tr("skeleton of contours"), Outlined(contours=lines))
+        else:
+            self.window.session.say(tr("There is no closed contour to find a skeleton in."))
+
+    def _skeletonize(self, name: str, outlined: Outlined) -> None:
+        """Find center lines in what is outlined, or in the image."""
+        session = self.window.session
+        session.edit(name, lambda document: use_skeleton(document, outlined))
+        if session.status.phase != "running":
+            session.run()

@@ -1,0 +1,230 @@
+"""What is offered for an image when it has been opened: other parts of its file, its size, settings that suit it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+
+from cpm_app.model.display.lengths import size_text
+from cpm_app.model.document import edits
+from cpm_app.model.document.document import Document
+from cpm_app.model.document.modes import ADVICE, use_mode
+from cpm_app.model.document.samples import sample_like
+from cpm_app.model.preferences.table import KEEP_PARAMETERS, OFFER_SETTINGS
+from cpm_app.model.state.situation import has_image, has_volume
+from cpm_app.model.text.language import from_core, tr, written
+from cpm_app.model.volume.parts import Parts
+from cpm_app.session.exchange.messages import Finished, Opened
+from cpm_app.session.features.background import LatestOnlyWorker
+from cpm_app.session.tasks.opening import parts_of
+from cpm_app.session.worker.commands import Command, CommandContext
+from cpm_app.views.features.files import OpenSaveFeature
+from cpm_app.views.files.part_dialog import PartDialog
+from cpm_app.views.files.pixel_size_dialog import PixelSizeDialog
+from cpm_app.views.widgets.actions import ActionSpec
+from cpm_app.views.window.window import Feature
+from cpm_core import PRESETS
+from cpm_core.formats import Reading
+from cpm_core.image import Kind, guessed_kind
+from cpm_core.segmentation import LargeImageSettings, large_image_settings
+
+
+class BeginningFeature(Feature):
+    """The parameters that an image begins with, and what is offered for it: earlier work, and settings that suit it."""
+
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        self.session.listen(Opened, self._look)
+        self.window.preferences.follow(KEEP_PARAMETERS, self._use)
+
+    def _look(self, opened: Opened) -> None:
+        """Find out what suits the image, which is shown meanwhile."""
+
+        def work(context: CommandContext) -> None:
+            kind, settings, image = None, None, opened.image
+            if image.ndim == 2:
+                kind, settings = guessed_kind(image.values), large_image_settings(image.values)
+            context.report(Finished(partial(self._offer, opened, kind, settings)))
+
+        if opened.saved is None:
+            self.session.post(Command(work, tr("looking at the image"), "kind"))
+
+    def _offer(self, opened: Opened, kind: Kind | None, settings: LargeImageSettings | None) -> None:
+        session, offers, beside = self.session, self.window.offers, opened.beside
+        if session.image is not opened.image or session.status.started:
+            return
+        of_sample = sample_like(opened.path) is not None
+        if beside is not None and not of_sample:
+            earlier = tr("{name} contains earlier work on this image. Continue it?", name=beside.name)
+            offers.offer(earlier, (tr("Open session"), partial(self.window.open_image, beside)))
+        elif (
+            kind is not None
+            and kind in ADVICE
+            and not of_sample
+            and session.document.mode != "skeleton"
+            and self.window.preferences.value(OFFER_SETTINGS)
+        ):
+            preset, words = PRESETS[kind], tr("settings for the kind of image")
+            take = partial(
+                session.edit, words, lambda document: edits.use_preset(use_mode(document, "automatic"), preset)
+            )
+            offers.offer(ADVICE[kind], (tr("Use these settings"), take))
+        document = session.document
+        if settings is not None and _with_settings(document, settings) != document:
+            sentence = tr(
+                "This image is large: {scales} scales and smoothing {smoothing} find its objects more "
+                "reliably. Use them?",
+                scales=settings.scales,
+                smoothing=written(f"{settings.smoothing:g}"),
+            )
+            enlarge = partial(_with_settings, settings=settings)
+            offers.offer(sentence, (tr("Use them"), partial(session.edit, tr("settings for a large image"), enlarge)))
+
+    def _use(self) -> None:
+        self.session.keeps_parameters = self.window.preferences.value(KEEP_PARAMETERS)
+
+
+def _with_settings(document: Document, settings: LargeImageSettings) -> Document:
+    """The document with settings for a large image, and with no less of either than it has."""
+    now = document.parameters
+    smoothing = now.smoothing if now.smoothing == "auto" else max(now.smoothing, settings.smoothing)
+    return edits.set_parameters(document, replace(now, scales=max(now.scales, settings.scales), smoothing=smoothing))
+
+
+class StackFeature(Feature):
+    """Says what else a file holds when a part of it is opened, and opens another part."""
+
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        self.dialog: PartDialog | None = None
+        self._opened: Opened | None = None
+        self._looking = LatestOnlyWorker(self.session, "cpm-parts", tr("inspecting the file"))
+        self.session.listen(Opened, self._offer)
+        self.actions = (
+            ActionSpec("parts", "File", "&Parts of the file…",
+                       "Open all pages as a volume or one as an image, another channel, time or series.", self.ask,
+                       when=lambda _: self._parts is not None
+                       and (self._parts.several or self._parts.series_around is not None)),
+        )  # fmt: skip
+
+    def close(self) -> bool:
+        """End the thread."""
+        self._looking.close()
+        return True
+
+    def ask(self) -> None:
+        """Ask which part is to be opened."""
+        opened, parts = self._opened, self._parts
+        if opened is None or parts is None:
+            return
+        image = opened.image
+        colored = image.colors is not None or opened.reading.color != "luminance"
+        self.dialog = dialog = PartDialog(
+            self.window, opened.path.name, parts, opened.reading, image.ndim == 3, colored
+        )
+
+        def look(series: int) -> None:
+            self._looking.ask(lambda: parts_of(opened.path, Reading(series=series))[0], show)
+
+        def show(found: object) -> None:
+            if isinstance(found, Parts):
+                dialog.show_parts(found)
+
+        dialog.asked.connect(look)
+        dialog.chosen.connect(self._open)
+        dialog.finished.connect(self._looking.forget)
+        dialog.finished.connect(dialog.deleteLater)
+        dialog.open()
+
+    # Internal
+
+    @property
+    def _parts(self) -> Parts | None:
+        return None if self._opened is None else self._opened.parts
+
+    def _offer(self, opened: Opened) -> None:
+        """Say what the file holds, and offer other parts of it."""
+        self._opened, parts = opened, opened.parts
+        if parts is None or opened.saved is not None:
+            return
+        offer, volume = self.window.offers.offer, opened.image.ndim == 3
+        answers = [(tr("Choose…"), self.ask)]
+        if parts.series_around is not None:
+            sentence = tr(
+                "{name} seems to be one slice of a series in the folder {folder}.",
+                name=opened.path.name,
+                folder=parts.series_around.name,
+            )
+            offer(sentence, (tr("Open the series"), partial(self._open, None, opened.reading)))
+        elif parts.doubts and (volume or not parts.fit_a_volume):
+            # What is wrong with a volume is reported as long as nobody works on it.
+            if parts.planes == parts.pages:  # all were taken, and only how far apart they are is in doubt
+                answers.insert(0, (tr("Voxel size…"), partial(self.window.do, "pixel_size")))
+            offer(f"{opened.path.name}: {' '.join(map(from_core, parts.doubts))}", *answers)
+        elif parts.several_volumes or (parts.several and not volume):
+            if parts.fit_a_volume and not volume:
+                answers.insert(0, (tr("Open as volume"), partial(self._open, True, replace(opened.reading, page=None))))
+            sentence = tr(
+                "{name} contains {parts}. Open now: {open}.",
+                name=opened.path.name,
+                parts=parts.counted,
+                open=parts.taken(opened.reading, volume),
+            )
+            offer(sentence, *answers)
+
+    def _open(self, as_volume: bool | None, reading: Reading) -> None:
+        """Open a part as a volume or as an image, or, for None, the series in the folder."""
+        if self._opened is None or self._parts is None:
+            return
+        if as_volume is None:
+            self.window.open_image(self._parts.series_around or self._opened.path)
+            return
+        if as_volume != (self._opened.image.ndim == 3):  # a size by hand has as many numbers as there are axes
+            reading = replace(reading, spacing=None, unit=None)
+        self.window.feature(OpenSaveFeature).take_part(self._opened.path, as_volume, reading)
+
+
+class PixelSizeFeature(Feature):
+    """Asks for the size, offers to where a volume has none, and makes it an edit that can be undone."""
+
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        self.dialog: PixelSizeDialog | None = None
+        self._told: tuple[tuple[float, ...], str | None] | None = None
+        self.session.listen(Opened, self._offer)
+        self.actions = (
+            ActionSpec("pixel_size", "Edit", "P&ixel size…",
+                       "Set the distance between rows, columns and planes, and its unit.", self.ask,
+                       gap=True, when=has_image,
+                       worded=lambda situation: tr("Vo&xel size…") if has_volume(situation)
+                       else tr("P&ixel size…")),
+        )  # fmt: skip
+
+    def _offer(self, opened: Opened) -> None:
+        """Offer to set the size where a volume has none: the particles take its voxels for cubes."""
+        parts, ndim = opened.parts, opened.image.ndim
+        self._told = None if parts is None else (parts.spacing[-ndim:], parts.unit)
+        if ndim == 3 and opened.image.unit is None and opened.saved is None:
+            name = opened.path.name
+            sentence = tr("{name} contains no voxel size: its voxels are assumed to be cubes. Set the size?", name=name)
+            self.window.offers.offer(sentence, (tr("Set the size…"), self.ask))
+
+    def ask(self) -> None:
+        """Ask for the size."""
+        image = self.session.document.image
+        if image is None:
+            return
+        stated = "" if self._told is None or self._told[1] is None else size_text(*self._told)
+        self.dialog = PixelSizeDialog(self.window, image.spacing, image.unit, stated)
+        self.dialog.reset_button.setEnabled(self._told is not None and image.reading.spacing is not None)
+        self.dialog.chosen.connect(self._use)
+        self.dialog.reset.connect(lambda: self._use(*self._told, by_hand=False) if self._told else None)
+        self.dialog.finished.connect(self.dialog.deleteLater)
+        self.dialog.open()
+
+    def _use(self, spacing: tuple[float, ...], unit: str | None, by_hand: bool = True) -> None:
+        name = tr("voxel size") if len(spacing) == 3 else tr("pixel size")
+        self.session.edit(
+            name if by_hand else tr("size in the file"),
+            lambda document: edits.set_pixel_size(document, spacing, unit, by_hand=by_hand),
+        )

@@ -1,0 +1,129 @@
+"""Menu View: layers, gray values, a close look, and going by keys."""
+
+from __future__ import annotations
+
+import json
+from functools import partial
+
+from PySide6.QtWidgets import QApplication
+
+from cpm_app.model.state.situation import has_image
+from cpm_app.model.text.language import tr, written
+from cpm_app.session.storage.preferences import Preferences
+from cpm_app.views.canvas.canvas import ZOOM
+from cpm_app.views.layers.image_layer import AUTOMATIC, WHOLE, named
+from cpm_app.views.layers.layer import Layer
+from cpm_app.views.panels.layer_list import LayersPanel
+from cpm_app.views.widgets.actions import LAYER, ActionSpec
+from cpm_app.views.window.docks import Panel
+from cpm_app.views.window.window import Feature
+
+_LAYERS, _AREAS = ">" + tr("Layers"), ">" + tr("Panels")
+"""Groups in the list of keys."""
+
+_KEY = "layers/{layer}"
+"""Preference: the settings of a layer."""
+
+_LEGEND = "legend/folded"
+"""Preference: whether the legend is folded away."""
+
+
+class LayersFeature(Feature):
+    """Zoom, layers and their settings."""
+
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        window = self.window
+        area, canvas, workspace = window.canvas_area, self.canvas, window.workspace
+        layers, legend = canvas.layers, area.strip.legend
+        panel = LayersPanel(layers)
+        self.panels = (Panel("layers", "Layers", panel, "F8"),)
+        canvas.pointed.connect(layers.forces.point_at)
+        for layer in layers:
+            layer.use_view_state(_kept(window.preferences, layer))
+            layer.changed.connect(window.refresh)
+        area.level_drag.moved.connect(self._say_range)
+        area.level_drag.ended.connect(window.refresh)
+        legend.fold(bool(window.preferences.get(_LEGEND, False)))
+        legend.folded_changed.connect(lambda folded: window.preferences.put(_LEGEND, folded))
+        legend.folded_changed.connect(window.refresh)
+        window.shortcuts.changed.connect(lambda: panel.use_actions(window.actions_by_name))
+        workspace.review.selection_changed.connect(window.refresh)
+        workspace.object_list.selection_changed.connect(window.refresh)
+
+        def toggle(layer: Layer) -> ActionSpec:
+            tip = tr("Show or hide: {layer}", layer=layer.tip)
+            return ActionSpec(f"{LAYER}{layer.name}", _LAYERS, layer.title, tip,
+                              lambda: layer.set_shown(not layer.shown), layer.shortcut,
+                              holds=lambda _: layer.shown)  # fmt: skip
+
+        self.actions = (
+            ActionSpec("fit", "View", "&Fit to window", "Show the whole image.", canvas.fit, "F Ctrl+0",
+                       short=tr("Fit"), icon="fit", when=has_image),
+            ActionSpec("actual_size", "View", "&Actual size",
+                       "Show one pixel of the image on one pixel of the screen.", partial(canvas.zoom_to, 1.0),
+                       "Ctrl+1", when=has_image),
+            ActionSpec("zoom_to_selection", "View", "Zoom to the &selection",
+                       "Show the selected contours, objects or shape as large as possible.", area.zoom_to_selection,
+                       "Shift+F", when=lambda now: now.selected is not None or bool(workspace.object_list.selected)),
+            ActionSpec("zoom_in", "View", "Zoom &in", "Zoom in.", partial(canvas.zoom, ZOOM), "+ = Ctrl++"),
+            ActionSpec("zoom_out", "View", "Zoom &out", "Zoom out.", partial(canvas.zoom, 1.0 / ZOOM), "- Ctrl+-"),
+            ActionSpec("legend", "View", "Le&gend", "Show or hide what the lines and dots mean.",
+                       lambda: legend.fold(not legend.folded), "Alt+L", gap=True, holds=lambda _: not legend.folded),
+            *map(toggle, layers),
+            ActionSpec("levels_full", _LAYERS, "&All gray values",
+                       "Show all gray values, from the smallest (black) to the largest (white).",
+                       partial(self._choose_range, WHOLE), "Alt+Shift+W", when=has_image,
+                       holds=lambda _: layers.image.word("range") == WHOLE),
+            ActionSpec("levels_auto", _LAYERS, "A&utomatic range",
+                       "Show all gray values except 0.1 % at either end. Drag with Ctrl and the right "
+                       "button to change the range.",
+                       partial(self._choose_range, AUTOMATIC), "Alt+W", when=has_image,
+                       holds=lambda _: layers.image.word("range") == AUTOMATIC),
+        )  # fmt: skip
+
+    def close(self) -> bool:
+        """Keep the settings of layers for the next start; their visibility is not kept."""
+        for layer in self.canvas.layers:
+            chosen = {name: value for name, value in layer.chosen.items() if value != "hand"}
+            if layer.options:
+                self.window.preferences.put(_KEY.format(layer=layer.name), json.dumps(chosen))
+        return True
+
+    def _choose_range(self, value: str) -> None:
+        self.canvas.layers.image.choose("range", value)
+        self.window.refresh()
+
+    def _say_range(self) -> None:
+        low, high = self.canvas.layers.image.window
+        text = tr("Black {low}, white {high}", low=written(f"{low:.4g}"), high=written(f"{high:.4g}"))
+        self.window.canvas_area.strip.say_next(f"{text}: {named((low, high))}")
+
+
+def _kept(preferences: Preferences, layer: Layer) -> dict[str, object]:
+    """The stored settings of a layer; empty if they cannot be read."""
+    try:
+        return dict(json.loads(preferences.get(_KEY.format(layer=layer.name), "{}")))
+    except (TypeError, ValueError):
+        return {}
+
+
+class KeyboardFeature(Feature):
+    """Gives the keyboard to the sliders, and to one area of the window after the other."""
+
+    def set_up(self) -> None:
+        """Make its actions, and follow what they depend on."""
+        window = self.window
+        self.actions = (
+            ActionSpec("go_to_sliders", _AREAS, "&Go to the sliders",
+                       "Move the keyboard focus to the sliders; Enter or Esc returns it to the image.",
+                       lambda: window.docks.enter("run"), "Q"),
+            ActionSpec("next_area", _AREAS, "Go to the ne&xt area",
+                       "Move the keyboard focus to the image, the panel and the timeline in turn.",
+                       lambda: window.docks.go_on(1), "F6"),
+            ActionSpec("previous_area", _AREAS, "Go to the pre&vious area", "The same in the other direction.",
+                       lambda: window.docks.go_on(-1), "Shift+F6"),
+            ActionSpec("open_menu", _AREAS, "Context &menu",
+                       "Open the menu of a right click.",
+                       lambda: window.context_menus.open_at(QApplication.focusWidget()), "Shift+F10 Menu"),
+        )  # fmt: skip

@@ -1,0 +1,303 @@
+"""Volumes and stacks: slices, pages, and the view in space."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+from PySide6.QtCore import QPoint
+from PySide6.QtWidgets import QWidget
+
+from cpm_app.model.preferences.table import UNIT
+from cpm_app.model.state.situation import Situation, has_volume
+from cpm_app.model.text.language import tr
+from cpm_app.model.volume.slices import AXES, Slices
+from cpm_app.session.exchange.messages import Exported, Report
+from cpm_app.session.features.background import AsyncCache
+from cpm_app.session.scene import Scene
+from cpm_app.session.tasks.tasks import Task
+from cpm_app.views.canvas.image_view import ImageView
+from cpm_app.views.canvas.side_view import Cross, SideView
+from cpm_app.views.canvas.slice_bar import SliceBar
+from cpm_app.views.features.animation import begin_animation, begin_writing, comment_on
+from cpm_app.views.panels.pages import PageBar, PagePanel
+from cpm_app.views.volume.seen_in_space import SeenInSpace
+from cpm_app.views.volume.space_clicks import draw_at, select_at
+from cpm_app.views.volume.space_marks import FRAMES, FRAMES_PER_SECOND, animation_size, picture_of, turn
+from cpm_app.views.volume.space_panel import SpacePanel, specs
+from cpm_app.views.widgets.actions import ActionSpec
+from cpm_app.views.window.docks import Panel
+from cpm_app.views.window.window import Feature, MainWindow
+from cpm_core import Image
+from cpm_core.formats import write_picture
+from cpm_core.numerics import Place
+
+_MENU = ">" + tr("Slices and pages")
+_JUMP = 10
+
+_SIDES = "volumes/three_slices"
+"""Preference: whether the slices across the other axes are shown."""
+
+
+class SlicesFeature(Feature):
+    """The line below the canvas, keys and wheel that go through a volume."""
+
+    def __init__(self, window: MainWindow) -> None:
+        super().__init__(window)
+        area = window.canvas_area
+        self.bar = SliceBar()
+        self._shown: tuple[Slices | None, Image | None] = (None, None)
+        self._slices = slices = window.workspace.slices
+        pages = window.workspace.pages
+        self.bar.moved.connect(slices.at)
+        self.bar.turned.connect(slices.turn)
+        self.bar.size_wanted.connect(partial(window.do, "pixel_size"))
+        area.controls.addWidget(self.bar)
+        self.sides: tuple[SideView, ...] = ()
+        """Views of the slices across the other axes, made when they are first shown."""
+        self.space: QWidget | None = None
+        """The view in space, which is shown with them."""
+        self._wanted = bool(window.preferences.get(_SIDES, True))
+        self._cross = Cross(area.canvas)
+        self._later: list[AsyncCache] = []
+        self._draw_later(area.canvas)
+        area.canvas.slice_wanted.connect(slices.go)
+        window.session.scene_changed.connect(self._show)
+        window.preferences.follow(UNIT, self.show_place)
+        window.shortcuts.changed.connect(self.bar.show_keys)
+
+        def several(situation: Situation) -> bool:
+            return has_volume(situation) or pages.count > 1
+
+        def go(by: int) -> Callable[[], None]:
+            return lambda: (pages if pages.count else slices).go(by)
+
+        def turn_to(axis: int) -> None:
+            slices.turn(axis)
+            window.refresh()
+
+        def across(axis: int) -> ActionSpec:
+            name = AXES[axis]
+            return ActionSpec(f"slices_across_{axis}", _MENU, tr("Across the &{axis}").format(axis=name),
+                              tr("Show slices across this axis: {axis}.").format(axis=name), partial(turn_to, axis),
+                              f"Ctrl+Shift+{axis + 1}", there=has_volume,
+                              holds=lambda _: slices.now is not None and slices.now.axis == axis)  # fmt: skip
+
+        self.actions = (
+            ActionSpec("previous_slice", _MENU, "&Previous slice or page", "Show the slice or page before this one.",
+                       go(-1), "PgUp", there=several),
+            ActionSpec("next_slice", _MENU, "&Next slice or page", "Show the slice or page after this one.", go(1),
+                       "PgDown", there=several),
+            ActionSpec("slices_back", _MENU, "Ten &back", "Show the slice or page ten before this one.", go(-_JUMP),
+                       "Shift+PgUp", there=several),
+            ActionSpec("slices_on", _MENU, "Ten &on", "Show the slice or page ten after this one.", go(_JUMP),
+                       "Shift+PgDown", there=several),
+            *map(across, range(3)),
+            ActionSpec("three_slices", "View", "&Three slices and space",
+                       "Show the slices across the other axes and the view in space, or one slice alone.",
+                       self.toggle_sides,
+                       "Shift+Q", gap=True, there=has_volume, holds=lambda _: self._wanted),
+        )  # fmt: skip
+
+    def close(self) -> bool:
+        """End the threads that make parts of slices."""
+        for later in self._later:
+            later.close()
+        return True
+
+    def _draw_later(self, view: ImageView) -> None:
+        """Draw what takes long of the slices of a view when it has been made on another thread."""
+        view.sections.later = later = AsyncCache(self.window.session)
+        later.completed.connect(view.draw_again)
+        self._later.append(later)
+
+    def _open_menu(self, point: QPoint) -> None:
+        """Open the menu of what lies at a point of the screen; where nothing lies, the cross alone has moved."""
+        area = self.window.canvas_area
+        thing, _ = area.menu_at(area.mapFromGlobal(point))
+        if thing != "image":
+            area.canvas.pointer.menu_wanted.emit(point)
+
+    def toggle_sides(self) -> None:
+        """Show or hide the slices across the other axes, and the view in space."""
+        self._wanted = not self._wanted
+        self.window.preferences.put(_SIDES, self._wanted)
+        self._show()
+        self.window.refresh()
+
+    def _show(self) -> None:
+        scene = self.window.session.scene
+        self._show_sides(scene)
+        if (scene.slices, scene.whole) != self._shown:
+            self._shown = scene.slices, scene.whole
+            self.show_place()
+            self.window.canvas_area.canvas.point_again()
+
+    def show_place(self) -> None:
+        """Show where the slice is, in the unit that is preferred."""
+        self.bar.show_slices(*self._shown)
+
+    def _show_sides(self, scene: Scene) -> None:
+        """Draw the other two slices, and where all three meet."""
+        shown = scene.slices is not None and self._wanted
+        self._cross.show(scene.slices if shown else None)
+        if len(self.sides) < 2:
+            if shown:
+                self.window.turns.ask(self._make_side)
+            return
+        if self.sides[0].isVisibleTo(self.window.canvas_area) != shown:
+            grid = self.window.canvas_area.views
+            for stretch in (grid.setColumnStretch, grid.setRowStretch):
+                stretch(0, 3)
+                stretch(1, 2 if shown else 0)
+            for view in (*self.sides, self.space):
+                if view is not None:
+                    view.setVisible(shown)
+        if shown and scene.slices is not None:
+            others = [axis for axis in range(3) if axis != scene.slices.axis]
+            for view, axis in zip(self.sides, others, strict=True):
+                view.show_slice(scene, axis)
+
+    def _make_side(self) -> None:
+        """Make the view of a further slice, the next one below the first; both are shown at once."""
+        area, row = self.window.canvas_area, len(self.sides)
+        view = SideView(area.canvas, area)
+        view.hide()
+        area.level_drag.watch(view.viewport())
+        area.views.addWidget(view, row, 1)
+        self._draw_later(view)
+        view.pointer.menu_wanted.connect(self._open_menu)
+        view.went.connect(self._slices.through)
+        view.passed.connect(self._slices.pass_on)
+        self.sides += (view,)
+        self.window.turns.ask(self._show)
+
+
+class PagesFeature(Feature):
+    """The line that chooses a page, the actions for all pages, and their table."""
+
+    def __init__(self, window: MainWindow) -> None:
+        super().__init__(window)
+        self._pages = pages = window.workspace.pages
+        followed = window.workspace.followed_objects
+        self.bar = PageBar()
+        self.panel = PagePanel(pages, pages.show)
+        self.panels = (Panel("pages", "Pages", self.panel, "Shift+F11", shown=False),)
+        self.bar.moved.connect(pages.open)
+        self.bar.asked.connect(lambda: pages.cancel() if pages.running else pages.run())
+        self.bar.followed.connect(self._follow)
+        self.panel.export.clicked.connect(partial(window.do, "export"))
+        window.canvas_area.controls.addWidget(self.bar)
+        pages.set_session_file(window.document_file)
+        pages.changed.connect(self._show)
+        pages.found.connect(window.refresh)
+        window.session.document_changed.connect(lambda _: self._show_bar())
+        window.preferences.follow(UNIT, self.panel.show_rows)
+        window.shortcuts.changed.connect(self.bar.show_keys)
+
+        def stacked(_: Situation) -> bool:
+            return pages.count > 1
+
+        def can_run(situation: Situation) -> bool:
+            return not pages.running and situation.document.mode != "skeleton"
+
+        self.actions = (
+            ActionSpec("run_pages", "Run", "Run all &pages",
+                       "Run every page of the stack, one after the other, in the background.", pages.run,
+                       "Ctrl+Shift+Return", gap=True, when=can_run, there=stacked),
+            ActionSpec("run_pages_on", "Run", "Run from this page &on",
+                       "Run this page and all pages after it, one after the other, in the background.",
+                       lambda: pages.run(pages.number), when=can_run, there=stacked),
+            ActionSpec("follow_pages", "Run", "&Follow from page to page",
+                       "Start each page from the contours of the previous one.",
+                       lambda: self._follow(not pages.following), there=stacked,
+                       holds=lambda _: pages.following),
+            ActionSpec("follow_objects", "Objects", "Follow on all &pages",
+                       "Find the accepted objects again on all pages after this one, in the background; pages with "
+                       "objects stay as they are.", followed.run, "Ctrl+Shift+F", gap=True, there=stacked,
+                       when=lambda now: not followed.running and bool(now.document.objects.items)),
+        )  # fmt: skip
+
+    # Internal
+
+    def _follow(self, following: bool) -> None:
+        self._pages.following = following
+        self._show()
+
+    def _show(self) -> None:
+        self._show_bar()
+        self.window.docks.offer("pages", self._pages.count > 1)
+        self.window.refresh()
+
+    def _show_bar(self) -> None:
+        pages, document = self._pages, self.window.session.document
+        possible = document.mode != "skeleton" and bool(document.starts)
+        self.bar.show_pages(
+            pages.number, pages.count, following=pages.following, running=pages.running, possible=possible
+        )
+
+
+class SpaceFeature(Feature):
+    """Shows volume, particles and surface in space, and writes what is seen as a picture or a full turn."""
+
+    def __init__(self, window: MainWindow) -> None:
+        super().__init__(window)
+        self.panel = SpacePanel(window.session)
+        self.panels = (Panel("space", "In space", self.panel, "Shift+F9", shown=False),)
+        self._seen, self._objects = SeenInSpace(), window.workspace.object_list
+        self.panel.view.hide()
+        window.feature(SlicesFeature).space = self.panel.view
+        window.canvas_area.views.addWidget(self.panel.view, 1, 0)
+        self._layers = layers = window.canvas_area.canvas.layers
+        window.session.scene_changed.connect(self._show)
+        window.workspace.object_list.changed.connect(self._show)
+        window.session.image_changed.connect(self.reveal)
+        self.panel.view.picked.connect(self._pick)
+        self.panel.bar.changed.connect(window.refresh)
+        window.canvas_area.level_drag.watch(self.panel.view)
+        for layer in (layers.particles, layers.image, layers.drawing, layers["objects"], layers["truth"]):
+            layer.changed.connect(self._show)
+        self.actions = tuple(specs(self.panel, window.session))
+
+    def close(self) -> bool:
+        """End the thread that draws."""
+        self.panel.view.close_thread()
+        return True
+
+    def write(self, path: Path, turning: bool) -> None:
+        """Write what is seen as a picture, or a full turn of it."""
+        room, seen, camera = self.panel.view.room, self.panel.contents, self.panel.view.camera
+        if seen is None or camera is None:
+            return
+        session, size = self.window.session, animation_size(room)
+        comment = comment_on(session)
+
+        def work(_: Task) -> Report:
+            write_picture(picture_of(seen, camera, room), path, comment)
+            return Exported(path)
+
+        if turning:
+            frames = turn(seen, camera.enlarged(size[0] / room[0]), size)
+            begin_animation(session, path, lambda _: frames, FRAMES, FRAMES_PER_SECOND)
+        else:
+            begin_writing(session, path, work)
+
+    # Internal
+
+    def _pick(self, place: Place) -> None:
+        """Move the slices there, and draw there what the tool in use draws without a slice."""
+        self.window.workspace.slices.through(place)
+        tool = self.window.canvas_area.canvas.hold.tool
+        camera, image = self.panel.view.camera, self.window.session.image
+        if tool is not None and tool.name == "objects" and camera is not None and image is not None:
+            select_at(self.window.workspace.object_selection, camera, image.spacing, place)
+        elif tool is not None:
+            draw_at(self.window.session, tool.name, place)
+
+    def reveal(self) -> None:
+        """An image has no space."""
+        self.window.docks.offer("space", self.window.session.scene.slices is not None)
+
+    def _show(self, *_: object) -> None:
+        self.panel.show_contents(self._seen.of(self.window.session.scene, self._layers, self._objects.bodies))

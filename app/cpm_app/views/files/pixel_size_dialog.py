@@ -1,0 +1,72 @@
+"""The dialog that asks for the size of a pixel or of a voxel."""
+
+from __future__ import annotations
+
+from PySide6.QtCore import Signal
+from PySide6.QtWidgets import (
+    QComboBox,
+    QDialog,
+    QDialogButtonBox,
+    QDoubleSpinBox,
+    QFormLayout,
+    QWidget,
+)
+
+from cpm_app.model.text.language import tr
+from cpm_app.views.widgets.containers import AcceptButtons, lay_out_form
+from cpm_app.views.widgets.fields import DecimalField
+
+UNITS = ("nm", "µm", "mm", "cm", "m")
+_SIDES = (tr("Distance between planes"), tr("Distance between rows"), tr("Distance between columns"))
+_LEAST, _MOST = 1e-6, 1e6
+
+
+class PixelSizeDialog(QDialog):
+    """Takes a size along each axis, and a unit.
+
+    Parameters
+    ----------
+    parent : QWidget
+        The window.
+    spacing : tuple of float
+        Size of a pixel along each axis now.
+    unit : str or None
+        Its unit; None where it is not known.
+    stated : str
+        The size in the file, in words; empty where it has none.
+    """
+
+    chosen = Signal(object, str)
+    """The user has chosen: a size along each axis, and the unit."""
+    reset = Signal()
+    """The user wants the size in the file."""
+
+    def __init__(self, parent: QWidget, spacing: tuple[float, ...], unit: str | None, stated: str) -> None:
+        super().__init__(parent)
+        volume = len(spacing) == 3
+        self.setWindowTitle(tr("Voxel size") if volume else tr("Pixel size"))
+        self.sides = tuple(_field(side) for side in spacing)
+        self.unit = QComboBox()
+        self.unit.addItems(UNITS)
+        self.unit.setCurrentText(unit if unit in UNITS else "mm" if volume else "µm")
+        form = QFormLayout()
+        for label, field in zip(_SIDES[-len(spacing) :], self.sides, strict=True):
+            form.addRow(label, field)
+        form.addRow(tr("Unit"), self.unit)
+        buttons = AcceptButtons(self, tr("Use"))
+        self.use_button = buttons.accept_button
+        self.reset_button = buttons.addButton(tr("As in the file"), QDialogButtonBox.ButtonRole.ResetRole)
+        self.reset_button.clicked.connect(self.reset)
+        self.reset_button.clicked.connect(self.reject)
+        self.accepted.connect(
+            lambda: self.chosen.emit(tuple(field.value() for field in self.sides), self.unit.currentText())
+        )
+        text = tr("Size in the file: {size}.", size=stated) if stated else tr("The file does not contain the size.")
+        lay_out_form(self, text, form, buttons)
+
+
+def _field(size: float) -> QDoubleSpinBox:
+    field = DecimalField(_LEAST, _MOST, decimals=6)
+    field.setStepType(QDoubleSpinBox.StepType.AdaptiveDecimalStepType)
+    field.setValue(size)
+    return field

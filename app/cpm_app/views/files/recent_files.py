@@ -1,0 +1,91 @@
+"""The recent files."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from PySide6.QtWidgets import QMenu
+
+from cpm_app.model.text.language import tr
+from cpm_app.session.exchange.messages import Opened
+from cpm_app.session.storage.preferences import Preferences
+from cpm_app.views.widgets.actions import add_choice
+from cpm_core.formats import Reading, from_plain
+from cpm_core.formats.images.reading import DEFAULT
+
+MOST = 12
+"""Largest number of files in the list."""
+
+_KEY = "files/recent"
+_LONGEST_PATH = 4096
+"""Letters that a path may have."""
+
+_PARTS = "files/parts"
+"""For each file of which a part was chosen whether it is a volume, and the reading, as JSON."""
+
+
+class RecentFiles:
+    """Their list in the preferences, the newest first, and its menu; `open_file` is called with a chosen path."""
+
+    def __init__(self, preferences: Preferences, open_file: Callable[[Path], None]) -> None:
+        self._preferences = preferences
+        self._open_file = open_file
+        self.cleared: list[Callable[[], None]] = []
+        """Called when the list has been cleared."""
+
+    @property
+    def paths(self) -> list[Path]:
+        """The files."""
+        return [Path(path) for path in self._preferences.get(_KEY, [""]) if 0 < len(path) <= _LONGEST_PATH]
+
+    def add(self, path: Path) -> None:
+        """Put a file first that has been opened or saved."""
+        path = path.absolute()
+        others = [other for other in self.paths if other != path]
+        self._preferences.put(_KEY, [str(each) for each in (path, *others)][:MOST])
+
+    def keep_part(self, opened: Opened) -> None:
+        """Keep which part of a file has been opened, where it holds several."""
+        if opened.saved is not None or opened.parts is None or not opened.parts.several:
+            return
+        parts = self._kept | {str(opened.path.absolute()): (opened.image.ndim == 3, opened.reading.arguments)}
+        self._preferences.put(_PARTS, json.dumps({path: parts[path] for path in map(str, self.paths) if path in parts}))
+
+    def part_of(self, path: Path) -> tuple[bool | None, Reading]:
+        """Whether a file was opened as a volume last, None where that is not known, and its reading."""
+        try:
+            as_volume, reading = self._kept[str(path.absolute())]
+            return bool(as_volume), from_plain(Reading, reading, "reading")
+        except (KeyError, TypeError, ValueError):
+            return None, DEFAULT
+
+    def fill(self, menu: QMenu) -> None:
+        """Fill a menu with the files; missing ones are disabled."""
+        paths = self.paths
+        for number, path in enumerate(paths, start=1):
+            name = path.name.replace("&", "&&")
+            key = f"&{number} " if number < 10 else f"{number} "
+            there = path.is_file()
+            tip = str(path) if there else tr("{path} no longer exists.", path=path)
+            add_choice(menu, f"{key}{name}", partial(self._open_file, path), tip).setEnabled(there)
+        menu.addSeparator()
+        add_choice(menu, tr("&Clear this list"), self.clear).setEnabled(bool(paths))
+
+    @property
+    def _kept(self) -> dict[str, Any]:
+        """What is kept of parts; nothing where that cannot be read."""
+        try:
+            return dict(json.loads(self._preferences.get(_PARTS, "{}")))
+        except (TypeError, ValueError):
+            return {}
+
+    def clear(self) -> None:
+        """Forget all files."""
+        self._preferences.put(_KEY, [""])
+        self._preferences.put(_PARTS, "{}")
+        for follow in self.cleared:
+            follow()

@@ -1,0 +1,146 @@
+"""The start screen: recent work and samples as pictures, in place of the image."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
+from PySide6.QtGui import QImage, QKeyEvent, QPixmap
+from PySide6.QtWidgets import QHBoxLayout, QLabel, QListWidgetItem, QPushButton, QVBoxLayout, QWidget
+
+from cpm_app.model.text.language import tr
+from cpm_app.views.theme.theme import Theme
+from cpm_app.views.widgets.containers import PictureGrid, Scrolled, arrange, dim_label, keep_escape, wrapped
+
+_PICTURE, _CELL = QSize(192, 120), QSize(212, 172)
+_MARGIN = 32
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Entry:
+    """A file that can be opened: its picture, which may be null, its name, a line below it, and what it is."""
+
+    path: Path
+    picture: QImage
+    name: str
+    below: str
+    about: str
+
+
+class StartScreen(QWidget):
+    """Covers `parent` while it is shown."""
+
+    chosen = Signal(Path)
+    """The user chooses a file."""
+    asked = Signal()
+    """The user wants another file."""
+    left = Signal()
+    """The user goes back to the image."""
+
+    def __init__(self, parent: QWidget) -> None:
+        super().__init__(parent)
+        self.setObjectName("start")
+        self.setAttribute(Qt.WidgetAttribute.WA_StyledBackground)
+        self._covered = parent
+        keep_escape(self)
+        self.open_button, self.back_button = QPushButton(tr("&Open…")), QPushButton(tr("&Back to the image"))
+        self.open_button.clicked.connect(self.asked)
+        self.back_button.clicked.connect(self.left)
+        self.recent, self.samples = PictureGrid(_PICTURE, _CELL), PictureGrid(_PICTURE, _CELL)
+        self.recent.setAccessibleName(tr("Recent work"))
+        self.samples.setAccessibleName(tr("Samples"))
+        self.trouble = wrapped()
+        self._nothing = dim_label(tr("Files that you open or save appear here."))
+        self._lay_out()
+        for grid in (self.recent, self.samples):
+            grid.setVerticalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+            grid.setTextElideMode(Qt.TextElideMode.ElideMiddle)
+            grid.chosen.connect(self._choose)
+        parent.installEventFilter(self)
+        self.hide()
+
+    def show_entries(self, recent: Sequence[Entry], samples: Sequence[Entry], leaves: bool, trouble: str = "") -> None:
+        """Show files in place of the image; `leaves` is whether there is one to go back to, `trouble` comes first."""
+        self.trouble.setText(trouble)
+        self.trouble.setVisible(bool(trouble))
+        for grid, entries in ((self.recent, recent), (self.samples, samples)):
+            grid.clear()
+            for entry in entries:
+                grid.add(_shown(entry.picture), f"{entry.name}\n{entry.below}", entry.path, entry.about)
+            grid.setVisible(bool(entries))
+        self._nothing.setVisible(not recent)
+        self.back_button.setVisible(leaves)
+        self._cover()
+        self.show()
+        self.raise_()
+        first = self.recent if recent else self.samples
+        first.setCurrentRow(0)
+        first.setFocus(Qt.FocusReason.OtherFocusReason)
+
+    def use_theme(self, theme: Theme) -> None:
+        """Color the background."""
+        self.setStyleSheet(
+            f"QWidget#start {{ background: {theme.window}; }}"
+            f"QWidget#start QListView {{ background: transparent; border: none; color: {theme.text}; }}"
+            f"QWidget#start QListView::item {{ border: 2px solid transparent; border-radius: 6px; padding: 4px; }}"
+            f"QWidget#start QListView::item:hover {{ background: {theme.button}; }}"
+            f"QWidget#start QListView::item:selected {{ background: {theme.button}; color: {theme.text}; }}"
+            f"QWidget#start QListView::item:selected:focus {{ background: {theme.chosen}; color: {theme.text};"
+            f" border-color: {theme.accent}; }}"
+        )
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Leave on Esc."""
+        if event.key() == Qt.Key.Key_Escape:
+            self.left.emit()
+        else:
+            super().keyPressEvent(event)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Stay as large as what it covers."""
+        if event.type() == QEvent.Type.Resize and self.isVisible():
+            self._cover()
+        return super().eventFilter(watched, event)
+
+    def _lay_out(self) -> None:
+        content = QWidget()
+        arrange(
+            QVBoxLayout(content),
+            self.trouble,
+            arrange(QHBoxLayout(), _heading(tr("Recent work")), None, self.back_button, self.open_button, spacing=6),
+            self._nothing,
+            self.recent,
+            _heading(tr("Samples")),
+            self.samples,
+            None,
+            margins=(_MARGIN, _MARGIN // 2, _MARGIN, _MARGIN // 2),
+            spacing=10,
+        )
+        arrange(QVBoxLayout(self), Scrolled(content, _MARGIN))
+
+    def _cover(self) -> None:
+        """Take the size of the parent, and give each grid the height of all its rows."""
+        self.setGeometry(self._covered.rect())
+        columns = max(1, (self.width() - 2 * _MARGIN - 20) // _CELL.width())
+        for grid in (self.recent, self.samples):
+            grid.setFixedHeight(-(-grid.count() // columns) * _CELL.height() + 4)
+
+    def _choose(self, item: QListWidgetItem) -> None:
+        self.chosen.emit(item.data(Qt.ItemDataRole.UserRole))
+
+
+def _heading(text: str) -> QLabel:
+    label = QLabel(text)
+    label.setObjectName("heading")
+    return label
+
+
+def _shown(picture: QImage) -> QPixmap:
+    """A picture in the size of the grid; a dark one where there is none."""
+    if picture.isNull():
+        blank = QPixmap(_PICTURE)
+        blank.fill(Qt.GlobalColor.black)
+        return blank
+    return QPixmap.fromImage(picture)

@@ -1,0 +1,142 @@
+"""Many discs on the canvas, drawn fast because they change in every frame."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from pyqtgraph.Qt import internals
+from PySide6.QtCore import QPointF, Qt
+from PySide6.QtGui import QColor, QPainter, QPen, QPixmap
+from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
+
+from cpm_app.views.items.item import OverImage, to_xy
+from cpm_app.views.theme.theme import look
+from cpm_core.numerics import Array
+
+_SMALLEST = 2.4
+"""Least diameter of a disc [px of the screen]."""
+
+_SPAN = 2.4
+"""Diameter of a disc [px of the image], slightly larger than the spacing of the particles."""
+
+Marks = NDArray[np.uint8]
+
+NO_POSITIONS: Array = np.empty((0, 2))
+
+_RIM = 16.0
+"""Margin around the image for particles on its border [px of the image]."""
+
+
+class Discs(OverImage):
+    """Discs of one color or of a palette; their size follows the zoom within bounds.
+
+    All are drawn by a single call of the painter from one pixmap that contains the colors side by side. A scatter plot
+    of pyqtgraph does the same, but needs several milliseconds of preparation because its symbols may differ.
+
+    Parameters
+    ----------
+    color : str
+        Color.
+    diameter : float
+        Largest diameter [px of the screen].
+    z : float
+        Place in the stack of layers.
+
+    Attributes
+    ----------
+    position : ndarray, shape (N, 2)
+        Centers (row, col) [px of the image].
+    """
+
+    count = 0
+
+    def __init__(self, color: str, diameter: float, z: float) -> None:
+        super().__init__(z, _RIM)
+        self._own = (color,)
+        self._colors: Sequence[str] = self._own
+        self._diameter = diameter
+        self._shrunk = 1.0
+        self.position: Array = np.empty((0, 2))
+        self._marks: Marks | None = None
+        self._opacity: Array | None = None
+        self._stamps = internals.PrimitiveArray(QPainter.PixmapFragment, 10)
+        self._stamp = QPixmap()
+        self._stamped: tuple[object, ...] = ()
+
+    def use_palette(self, colors: Sequence[str] = ()) -> None:
+        """Set the palette, by default the own color; call `show` afterwards."""
+        self._colors = tuple(colors) or self._own
+        self.update()
+
+    def shrink(self, factor: float) -> None:
+        """Draw the discs smaller by a factor, 1 for their own size."""
+        if factor != self._shrunk:
+            self._shrunk = factor
+            self.update()
+
+    def show(self, position: Array, color: Marks | None = None, opacity: Array | None = None) -> None:
+        """Show discs at (row, col), shape (N, 2); `color`, shape (N,), holds indices into the palette.
+
+        `opacity`, shape (N,), is by default 1 for each. Where nothing has moved, as in a slice far from those that do,
+        nothing is drawn again.
+        """
+        shown = zip((position, color, opacity), (self.position, self._marks, self._opacity), strict=True)
+        if all(one is other or np.array_equal(one, other) for one, other in shown):  # type: ignore[arg-type]  # None
+            return
+        self.position, self._marks, self._opacity = position, color, opacity
+        self.renew(len(position))
+
+    def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
+        """Draw all discs."""
+        device = painter.device()
+        ratio = device.devicePixelRatioF()
+        transform = painter.worldTransform()
+        stamp = self._stamp_for(ratio, abs(transform.m11()))
+        origin = transform.map(QPointF(0.0, 0.0))
+        x, y = to_xy(self.position)
+        x, y = origin.x() + x * transform.m11(), origin.y() + y * transform.m22()
+        # A disc outside the visible part takes the painter as long as one inside.
+        side = stamp.height()
+        reach = side / ratio
+        seen = (x > -reach) & (x < device.width() + reach) & (y > -reach) & (y < device.height() + reach)
+        marks, opacity = self._marks, self._opacity
+        if not seen.all():
+            x, y, marks = x[seen], y[seen], marks if marks is None else marks[seen]
+            opacity = opacity if opacity is None else opacity[seen]
+        self._stamps.resize(len(x))
+        table = self._stamps.ndarray()
+        table[:, 0] = x
+        table[:, 1] = y
+        table[:, 2] = 0.0 if marks is None else marks * float(side)
+        table[:, 3] = 0.0
+        table[:, 4:6] = side
+        table[:, 6:8] = 1.0 / ratio
+        table[:, 8] = 0.0
+        table[:, 9] = 1.0 if opacity is None else opacity
+        painter.save()
+        painter.resetTransform()
+        painter.drawPixmapFragments(*self._stamps.drawargs(), stamp)  # type: ignore[call-arg]  # pointer and length
+        painter.restore()
+
+    def _stamp_for(self, ratio: float, zoom: float) -> QPixmap:
+        """Pixmap of the discs of all colors, for `ratio` device pixels per point and an image enlarged by `zoom`."""
+        diameter = round(ratio * self._shrunk * look().points * min(self._diameter, max(_SMALLEST, _SPAN * zoom)), 1)
+        colors = tuple(look().color(color) for color in self._colors)
+        if self._stamped != (diameter, ratio, colors):
+            self._stamped = (diameter, ratio, colors)
+            side = math.ceil(diameter + 2.0 * ratio)
+            self._stamp = QPixmap(side * len(colors), side)
+            self._stamp.fill(Qt.GlobalColor.transparent)
+            painter = QPainter(self._stamp)
+            painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+            # A rim separates large discs from each other; around small ones it would hide the color.
+            strength = round(190 * min(1.0, max(0.0, (diameter / ratio - _SMALLEST) / 3.0)))
+            painter.setPen(QPen(QColor(0, 0, 0, strength), 0.9 * ratio) if strength else Qt.PenStyle.NoPen)
+            for index, color in enumerate(colors):
+                painter.setBrush(QColor(color))
+                painter.drawEllipse(QPointF((index + 0.5) * side, side / 2), diameter / 2, diameter / 2)
+            painter.end()
+        return self._stamp

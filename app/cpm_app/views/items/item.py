@@ -1,0 +1,205 @@
+"""Common parts of items on the canvas: places, pens, caching, markers, names, and what does not move with the image."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from typing import Any
+
+import numpy as np
+import pyqtgraph as pg
+from numpy.typing import NDArray
+from pyqtgraph.Qt import QtWidgets
+from PySide6.QtCore import QPointF, QRectF, Qt
+from PySide6.QtGui import QColor, QFont, QFontMetricsF, QPainter, QPen
+from PySide6.QtWidgets import QGraphicsItem, QStyleOptionGraphicsItem, QWidget
+
+from cpm_app.views.theme import theme
+from cpm_app.views.theme.theme import Kind, look
+from cpm_core.numerics import Array, Place, Position
+
+
+def to_xy(positions: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """X and y on the canvas of positions (row, col), shape (N, 2)."""
+    return positions[:, 1], positions[:, 0]
+
+
+def to_position(point: QPointF) -> Position:
+    """Position (row, col) of a point on the canvas."""
+    return (point.y(), point.x())
+
+
+def image_rectangle(shape: tuple[int, ...]) -> QRectF:
+    """Rectangle of an image on the canvas; it begins half a pixel before the center of the first pixel."""
+    rows, cols = shape
+    return QRectF(-0.5, -0.5, cols, rows)
+
+
+def line_pen(color: str, width: float, kind: Kind = "fixed") -> QPen:
+    """A pen whose width does not change with the zoom; color and width are as preferred for this kind of line."""
+    pen = QPen(QColor(look().color(color)), width * look().width(kind))
+    pen.setCosmetic(True)
+    return pen
+
+
+def cached(item: QGraphicsItem) -> None:
+    """Cache the rendered item until it changes: the items above it change much more often."""
+    item.setCacheMode(QGraphicsItem.CacheMode.DeviceCoordinateCache)
+
+
+class OverImage(QtWidgets.QGraphicsObject):  # type: ignore[misc]  # `show` of its kinds takes what they draw
+    """An item that covers the image and a rim around it.
+
+    It is an item of Qt: one of pyqtgraph follows each change of its view and of itself, which none of these needs.
+
+    Parameters
+    ----------
+    z : float
+        Place in the stack of layers.
+    rim : float
+        Default width of the rim [px of the image].
+    """
+
+    count = 1
+    """Number of things shown; without any the item is hidden and costs nothing in a frame."""
+
+    def __init__(self, z: float, rim: float) -> None:
+        super().__init__()
+        self._room = QRectF()
+        self._rim = rim
+        self.setZValue(z)
+        self.setVisible(True)
+
+    def use_shape(self, shape: tuple[int, ...], rim: float | None = None) -> None:
+        """Cover an image of this shape and a rim around it."""
+        width = self._rim if rim is None else rim
+        self.prepareGeometryChange()
+        self._room = image_rectangle(shape).adjusted(-width, -width, width, width)
+
+    def setVisible(self, shown: bool) -> None:
+        """Show or hide the item."""
+        self._shown = shown
+        super().setVisible(shown and self.count > 0)
+
+    def renew(self, count: int) -> None:
+        """Draw again, so many things."""
+        self.count = count
+        self.update()
+        self.setVisible(self._shown)
+
+    def boundingRect(self) -> QRectF:
+        """The area that may be drawn on."""
+        return self._room
+
+
+class Markers(pg.ScatterPlotItem):  # type: ignore[misc]  # pyqtgraph has no type hints
+    """A few symbols of one size; `z` is the place in the stack of layers, the rest is as in `pg.ScatterPlotItem`."""
+
+    _shown = True
+
+    def __init__(self, z: float, **look: Any) -> None:
+        super().__init__(**look)
+        self.setZValue(z)
+
+    def show(self, positions: Collection[Place] | Array, **look: Any) -> None:
+        """Show them at (row, col), with a look of their own."""
+        x, y = to_xy(np.array([*positions], dtype=float).reshape(-1, 2))
+        self.setData(x=x, y=y, **look)
+        self.setVisible(self._shown)
+
+    def setVisible(self, shown: bool) -> None:
+        """Show or hide them; without any the item is hidden and costs nothing in a frame."""
+        self._shown = shown
+        super().setVisible(shown and len(self.data) > 0)
+
+
+_NAME_PAD = 4.0
+_NAME_RIM = 300.0
+"""Margin around the image for text beyond its border [px of the image]."""
+
+
+class Names(OverImage):
+    """Texts at positions of the image, or `above` them, of the same size at any zoom."""
+
+    count = 0
+
+    def __init__(self, z: float, *, above: bool = False) -> None:
+        super().__init__(z, _NAME_RIM)
+        self._above = above
+        self.texts: Sequence[tuple[Position, str, str]] = ()
+
+    def show(self, texts: Sequence[tuple[Position, str, str]]) -> None:
+        """Show texts, each given by position (row, col), text and color."""
+        if texts or self.texts:
+            self.texts = texts
+            self.renew(len(texts))
+
+    def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
+        """Draw each text on a dark background."""
+        transform = painter.worldTransform()
+        font = QFont(painter.font())
+        font.setWeight(QFont.Weight.DemiBold)
+        metrics = QFontMetricsF(font)
+        painter.save()
+        painter.resetTransform()
+        painter.setFont(font)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        for (row, col), text, color in self.texts:
+            at = transform.map(QPointF(col, row))
+            width, height = metrics.horizontalAdvance(text) + 2 * _NAME_PAD, metrics.height() + _NAME_PAD
+            top = at.y() - (height + _NAME_PAD if self._above else height / 2)
+            room = QRectF(at.x() - width / 2, top, width, height)
+            background = QColor(theme.HALO)
+            background.setAlpha(205)
+            painter.setPen(Qt.PenStyle.NoPen)
+            painter.setBrush(background)
+            painter.drawRoundedRect(room, 4.0, 4.0)
+            painter.setPen(QColor(color))
+            painter.drawText(room, Qt.AlignmentFlag.AlignCenter, text)
+        painter.restore()
+
+
+MARGIN = 12.0
+"""Distance from the border of the canvas [px of the screen]."""
+
+BACKGROUND, INK, FAINT = "#cc101216", "#f2f4f7", "#b6bec9"
+"""Colors behind text, of text, and of less important text."""
+
+_Z = 20.0
+
+
+class Pinned(pg.TextItem):  # type: ignore[misc]  # pyqtgraph has no type hints
+    """Text on a dark ground near the edge of a view, which does not move with the image.
+
+    Parameters
+    ----------
+    view : pg.ViewBox
+        Its parent.
+    edge : tuple of float
+        Which of its points lies at which of the view: fractions of width and height.
+    gap : float
+        Distance from the border of the view [px of the screen].
+    """
+
+    def __init__(self, view: pg.ViewBox, edge: tuple[float, float], gap: float = MARGIN) -> None:
+        super().__init__(color=INK, fill=QColor(BACKGROUND), anchor=edge)
+        self._view, self._edge, self._gap = view, edge, gap
+        self.html = ""
+        """What is shown."""
+        self.setParentItem(view)
+        self.setZValue(_Z)
+        self.setVisible(False)
+        view.sigResized.connect(self._place)
+        self._place()
+
+    def show_html(self, html: str) -> None:
+        """Show another text."""
+        if html != self.html:
+            self.html = html
+            self.setHtml(html)
+            self.textItem.setTextWidth(-1.0)
+            self.setTextWidth(self.textItem.document().idealWidth())  # without a width nothing is centered
+
+    def _place(self, *_: object) -> None:
+        room = self._view.boundingRect().adjusted(self._gap, self._gap, -self._gap, -self._gap)
+        x, y = self._edge
+        self.setPos(round(room.left() + x * room.width()), round(room.top() + y * room.height()))

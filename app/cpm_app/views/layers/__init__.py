@@ -1,0 +1,74 @@
+"""The layers of the canvas, from the image below to the drawing on top."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TypeVar
+
+import pyqtgraph as pg
+
+from cpm_app.session.scene import Scene
+from cpm_app.views.layers.annotations import OrientationLayer, ScaleBarLayer
+from cpm_app.views.layers.contours import ContourLayer, TruthLayer
+from cpm_app.views.layers.drawing import DrawingLayer
+from cpm_app.views.layers.fields import EdgeMapLayer, FieldLayer, PotentialLayer
+from cpm_app.views.layers.forces import ForceLayer
+from cpm_app.views.layers.image_layer import ImageLayer
+from cpm_app.views.layers.layer import Layer, LegendEntry, Requests
+from cpm_app.views.layers.objects import ObjectLayer
+from cpm_app.views.layers.particles import ParticleLayer
+from cpm_app.views.layers.skeleton import SkeletonLayer
+
+L = TypeVar("L", bound=Layer)
+
+LAYERS: tuple[type[Layer], ...] = (
+    ParticleLayer,
+    ForceLayer,
+    ContourLayer,
+    ObjectLayer,
+    TruthLayer,
+    SkeletonLayer,
+    DrawingLayer,
+    EdgeMapLayer,
+    PotentialLayer,
+    FieldLayer,
+    ImageLayer,
+    ScaleBarLayer,
+    OrientationLayer,
+)
+"""All layers in the order of panel and menu; each defines its own place in the stack."""
+
+
+class Layers:
+    """The layers of one canvas by name; `view` is the parent of their items, `requests` asks the worker for data."""
+
+    def __init__(self, view: pg.ViewBox, requests: Requests) -> None:
+        self._layers = {kind.name: kind(view, requests) for kind in LAYERS}
+        self.particles = self._of(ParticleLayer)
+        self.forces = self._of(ForceLayer)
+        self.contours = self._of(ContourLayer)
+        self.drawing = self._of(DrawingLayer)
+        self.image = self._of(ImageLayer)
+
+    def __getitem__(self, name: str) -> Layer:
+        return self._layers[name]
+
+    def __iter__(self) -> Iterator[Layer]:
+        return iter(self._layers.values())
+
+    def draw(self, scene: Scene) -> None:
+        """Draw a scene; layers that show nothing in slices draw the image alone there."""
+        bare = scene if scene.slices is None else Scene(scene.image, scene.display)
+        for layer in self:
+            layer.draw(scene if layer.in_slices else bare)
+
+    def legend(self) -> list[LegendEntry]:
+        """What is shown: what has been found first, then the particles."""
+        first = (self.contours, self["truth"])
+        rest = [layer for layer in self if layer not in first]
+        return [entry for layer in (*first, *rest) if layer.shown for entry in layer.legend_entries()]
+
+    def _of(self, kind: type[L]) -> L:
+        layer = self._layers[kind.name]
+        assert isinstance(layer, kind)
+        return layer

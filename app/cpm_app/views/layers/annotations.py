@@ -1,0 +1,101 @@
+"""The layers of the scale bar, and of the letters at the edges that say how an image lies."""
+
+from __future__ import annotations
+
+from cpm_app.model.display.lengths import bar, shown_in
+from cpm_app.model.text.language import tr
+from cpm_app.model.volume.slices import edges_of
+from cpm_app.session.scene import Scene
+from cpm_app.views.items.item import INK, Pinned
+from cpm_app.views.layers.layer import Layer, Switch
+from cpm_core.image import Bar
+
+LONGEST = 160.0
+"""Largest length of the bar [px of the screen]; it is never shorter than 2/5 of it."""
+
+_LEAST, _BESIDE = 40.0, 70.0
+"""The same in a narrow view, and what is left in half its width for the letter in the middle [px of the screen]."""
+
+_LETTER_GAP = 4.0
+
+_BAR = (
+    "<div align='center'>{label}</div><table align='center' cellspacing='0' cellpadding='0'><tr>"
+    f"<td width='{{length}}' bgcolor='{INK}' style='font-size:2px'>&nbsp;</td></tr></table>"
+)
+
+
+class ScaleBarLayer(Layer):
+    """A bar of round length in the unit of the image; for an image without a unit it is optional."""
+
+    name = "scale_bar"
+    title = tr("Scale bar")
+    tip = tr("A bar of round length, if the pixel size is known.")
+    shortcut = "Alt+Shift+0"
+    in_slices = True
+    options = (Switch("pixels", tr("In px if the pixel size is unknown"), False, tr("Show the bar for any image.")),)
+
+    def make(self) -> None:
+        """Make its items."""
+        self.item = Pinned(self.view, (0.0, 1.0))
+        self.add(self.item)
+        self.bar: Bar | None = None
+        """The bar shown."""
+        self.view.sigRangeChanged.connect(self._fit)
+        self.view.sigResized.connect(self._fit)
+
+    def show_or_hide(self) -> None:
+        """Show the bar where the size of a pixel is known, or on request."""
+        self._fit()
+
+    def follow(self, before: Scene) -> None:
+        """Measure another image."""
+        if self.scene.image is not before.image:
+            self._fit()
+
+    def _fit(self, *_: object) -> None:
+        image = self.scene.image
+        shown = self.shown and image is not None and (image.unit is not None or bool(self.chosen["pixels"]))
+        self.item.setVisible(shown)
+        if shown and image is not None:
+            pixel = float(self.view.viewPixelSize()[0])
+            size = shown_in(image.spacing, image.unit)
+            longest = min(LONGEST, max(0.5 * self.view.boundingRect().width() - _BESIDE, _LEAST))
+            self.bar = bar(longest * pixel, size.spacing[1], size.unit)
+            self.item.show_html(_BAR.format(label=self.bar.label, length=round(self.bar.pixels / pixel)))
+
+
+class OrientationLayer(Layer):
+    """A letter in the middle of each edge: R, L, A, P, S or I where the file states how the image lies."""
+
+    name = "orientation"
+    title = tr("Orientation")
+    tip = tr("Directions at the edges: right, left, anterior, posterior, superior, inferior; or the axes.")
+    in_slices = True
+
+    _EDGES = ((0.5, 0.0), (0.5, 1.0), (0.0, 0.5), (1.0, 0.5))
+    """Top, bottom, left and right, as fractions of width and height."""
+
+    def make(self) -> None:
+        """Make its items."""
+        self.letters: tuple[str, ...] = ("",) * 4
+        """What is shown at the top, the bottom, the left and the right."""
+        self._letters = [Pinned(self.view, edge, _LETTER_GAP) for edge in self._EDGES]
+        self.add(*self._letters)
+        self._draw()
+
+    def show_or_hide(self) -> None:
+        """Show the letters that there are."""
+        self._draw()
+
+    def follow(self, before: Scene) -> None:
+        """Show how another image, or another slice, lies."""
+        if self.scene.ground != before.ground:
+            self._draw()
+
+    def _draw(self) -> None:
+        whole = self.scene.whole
+        edges = None if whole is None or not self.shown else edges_of(whole, self.scene.slices)
+        self.letters = ("",) * 4 if edges is None else (*edges[0], *edges[1])
+        for item, text in zip(self._letters, self.letters, strict=True):
+            item.setVisible(bool(text))
+            item.show_html(text)

@@ -1,0 +1,175 @@
+"""The layers of the contours and of the ground truth."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import pyqtgraph as pg
+
+from cpm_app.model.text.language import tr
+from cpm_app.session.scene import Item, Scene
+from cpm_app.views.items.curves import Curves
+from cpm_app.views.items.item import Markers, Names
+from cpm_app.views.layers.layer import Layer, LegendEntry, Sign, Switch
+from cpm_app.views.theme import theme
+from cpm_core import Truth
+from cpm_core.contours import middle
+from cpm_core.numerics import Array
+
+_SHORT = 0.06
+"""Length of a short open contour, as a fraction of the diagonal of the image."""
+
+_SHORT_OPACITY = 0.6
+"""Opacity of short open contours: noise and texture recede behind outlines."""
+
+_KINDS: tuple[tuple[str, str, str, Sign], ...] = (
+    (tr("found"), tr("Lines that particles have found, closed and open ones; short open ones are pale."),
+     theme.CONTOUR, "line"),
+    (tr("bridged"), tr("Gaps in edges that contours bridge."), theme.CONTOUR, "dashed"),
+    (tr("by hand"), tr("Segments drawn by hand."), theme.BY_HAND, "dashed"),
+    (tr("kept"), tr("Contours that are kept through all slider changes and runs."), theme.CONTOUR, "check"),
+    (tr("rejected"), tr("Contours that are not exported."), theme.REJECTED, "dashed"),
+)  # fmt: skip
+"""Text, tip, color and sign of each kind of contour in the legend."""
+
+
+class ContourLayer(Layer):
+    """Shows contours as reviewed, in thin lines of one neutral color; short open ones recede.
+
+    Rejected contours are faint and dashed or hidden, selected ones have a bright rim. Where a contour bridges a gap,
+    its line is dashed.
+    """
+
+    name = "contours"
+    title = tr("Contours")
+    tip = tr("Closed, open, and drawn by hand.")
+    shortcut = "Alt+4"
+    in_slices = True
+    colors = (theme.CONTOUR, theme.BY_HAND)
+    options = (
+        Switch("rejected", tr("Rejected ones, dashed"), True, tr("Show rejected contours, faint and dashed.")),
+        Switch("names", tr("Names"), True, tr("Show the names of contours.")),
+        Switch("junctions", tr("Junctions"), False, tr("Mark the points where contours meet.")),
+    )
+
+    def make(self) -> None:
+        """Make its items."""
+        self._hovered = Curves(theme.HOVERED, 3.7, width=7.0, halo=0.0)
+        self._chosen = Curves(theme.CHOSEN, 3.8, width=6.5, halo=8.5)
+        self.rejected = Curves(theme.REJECTED, 3.9, width=1.2, halo=0.0, dashed=True)
+        self.short = Curves(theme.CONTOUR, 3.95, width=1.0, halo=0.0)
+        self._curves, self._other = Curves(theme.CONTOUR, 4.1, width=1.5, halo=3.2), Curves(theme.CONTOUR, 4.12)
+        self.bridges = Curves(theme.HALO, 4.2, width=1.5, halo=0.0, dashed=True)
+        self.by_hand = Curves(theme.BY_HAND, 4.25, halo=0.0, dashed=True)
+        self._names = Names(5.7)
+        self.junctions = Markers(5.5, size=8.0, symbol="d", pen=pg.mkPen(theme.HALO), brush=pg.mkBrush(theme.JUNCTION))
+        self.add(self._hovered, self._chosen, self.short, self._curves, self._other, self.bridges, self.by_hand)
+        self.add(self.rejected, switch="rejected")
+        self.add(self._names, switch="names")
+        self.add(self.junctions, switch="junctions")
+        self.show_or_hide()
+        self.fade()
+
+    @property
+    def counts(self) -> tuple[int, int]:
+        """Numbers of closed and of open contours that are not rejected."""
+        closed = [item.contour.closed for item in self._counting]
+        return sum(closed), len(closed) - sum(closed)
+
+    def legend_entries(self) -> Sequence[LegendEntry]:
+        """Kinds of contours."""
+        kept = sum(item.reviewed.verdict == "kept" for item in self.scene.contours.items)
+        rejected = self.rejected.count if self.chosen["rejected"] else 0
+        counts = (sum(self.counts), self.bridges.count, self.by_hand.count, kept, rejected)
+        return [LegendEntry(count, *kind) for count, kind in zip(counts, _KINDS, strict=True)]
+
+    def fade(self) -> None:
+        """Set the opacity; short open contours are paler."""
+        super().fade()
+        self.short.setOpacity(_SHORT_OPACITY * self.opacity)
+
+    def follow(self, before: Scene) -> None:
+        """Show other contours, or another selection."""
+        scene = self.scene
+        other = scene.contours is not before.contours
+        if other:
+            self._show()
+        if other or scene.selected_contours is not before.selected_contours:
+            self._chosen.show(_paths([item for item in scene.contours.items if item.key in scene.selected_contours]))
+        if other or scene.hovered_contour != before.hovered_contour:
+            self._hovered.show(_paths([item for item in scene.contours.items if item.key == scene.hovered_contour]))
+
+    def _show(self) -> None:
+        items, counting = self.scene.contours.items, self._counting
+        self.rejected.show(_paths([item for item in items if item.reviewed.rejected]))
+        for curves in (self.short, self._curves):
+            curves.show(_paths([item for item in counting if self._curves_of(item) is curves]))
+        other = [item for item in counting if self._curves_of(item) is self._other]
+        self._other.show(_paths(other), [item.contour.color or theme.CONTOUR for item in other])
+        result = self.scene.contours.result
+        self.bridges.show([bridge.points for bridge in result.bridges] if result is not None else [])
+        self.by_hand.show([stretch for item in counting for stretch in item.contour.by_hand])
+        named = [item.contour for item in counting if item.contour.name]
+        self._names.show([(middle(c), c.name, c.color or "#ffffff") for c in named])
+        ends = [item.contour.points[end] for item in items for end in (0, -1) if item.contour.junctions[end]]
+        self.junctions.show({(float(row), float(col)) for row, col in ends})
+
+    def _curves_of(self, item: Item) -> Curves:
+        """Where a contour is drawn: with a color or edited by hand, open, short and without a name, or else."""
+        contour, image = item.contour, self.scene.image
+        if contour.color or contour.by_hand:
+            return self._other
+        wanted = contour.closed or contour.name or item.reviewed.verdict == "kept"
+        if wanted or image is None or contour.length >= _SHORT * math.hypot(*image.shape):
+            return self._curves
+        return self.short
+
+    @property
+    def _counting(self) -> list[Item]:
+        """The contours that are not rejected."""
+        return [item for item in self.scene.contours.items if not item.reviewed.rejected]
+
+
+def _paths(items: Sequence[Item]) -> list[Array]:
+    return [item.contour.path for item in items]
+
+
+class TruthLayer(Layer):
+    """Shows the ground truth, and the differences by color and line style."""
+
+    name = "truth"
+    title = tr("Ground truth")
+    tip = tr("True boundaries; missing contours dashed, wrong contours wide.")
+    in_slices = True
+    colors = (theme.TRUTH, theme.MISSING, theme.WRONG)
+
+    def make(self) -> None:
+        """Make its items."""
+        self._boundary = Curves(theme.TRUTH, 3.95, width=1.6, halo=0.0)
+        self._missing = Curves(theme.MISSING, 4.3, width=3.4, halo=5.0, dashed=True)
+        self._wrong = Curves(theme.WRONG, 4.4, width=5.0, halo=7.0)
+        self.add(self._boundary, self._missing, self._wrong)
+
+    @property
+    def counts(self) -> tuple[int, int, int]:
+        """Numbers of boundaries, missing and wrong pieces shown."""
+        return self._boundary.count, self._missing.count, self._wrong.count
+
+    def legend_entries(self) -> Sequence[LegendEntry]:
+        """Boundaries and differences."""
+        true, missing, wrong = self.counts
+        return (
+            LegendEntry(true, tr("true"), tr("Boundaries of the ground truth."), theme.TRUTH),
+            LegendEntry(missing, tr("missing"), tr("True boundaries without a contour."), theme.MISSING, "dashed"),
+            LegendEntry(wrong, tr("wrong"), tr("Contours away from true boundaries."), theme.WRONG),
+        )
+
+    def follow(self, before: Scene) -> None:
+        """Show another truth, or other differences."""
+        truth = self.scene.truth
+        if truth is not before.truth:
+            self._boundary.show([contour.path for contour in truth.contours] if isinstance(truth, Truth) else [])
+        if self.scene.differences is not before.differences:
+            for curves, kind in ((self._missing, "missing"), (self._wrong, "wrong")):
+                curves.show([each.points for each in self.scene.differences if each.kind == kind])

@@ -1,0 +1,321 @@
+"""The drawing layer: starts with their particles and handles, limits, placed charges, and the current draft."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import lru_cache
+
+import numpy as np
+import pyqtgraph as pg
+from PySide6.QtCore import Qt, Signal
+from PySide6.QtGui import QColor, QPainter, QPainterPath
+from PySide6.QtWidgets import QStyleOptionGraphicsItem, QWidget
+
+from cpm_app.model.text.language import tr
+from cpm_app.model.volume.shape_sections import ChargeSection, Section, StartSection, circle_in
+from cpm_app.session.scene import Scene
+from cpm_app.views.items.curves import Curves
+from cpm_app.views.items.discs import NO_POSITIONS, Discs
+from cpm_app.views.items.item import Markers, OverImage, cached, line_pen, to_xy
+from cpm_app.views.layers.layer import Layer
+from cpm_app.views.theme import theme
+from cpm_core.field import RADIUS, REACH
+from cpm_core.numerics import Array, Place
+from cpm_core.shapes import (
+    Barrier,
+    Charge,
+    Circle,
+    Ellipse,
+    Everywhere,
+    Grid,
+    Kind,
+    Limit,
+    Points,
+    Polygon,
+    Region,
+    Sphere,
+    Start,
+    Stroke,
+    Threshold,
+)
+
+_DIM_Z, _LINE_Z, _Z, _CHARGE_Z, _DRAFT_Z = 2.5, 6.5, 7.0, 7.6, 8.0
+"""Places in the stack: the veil lies below particles and contours, the lines above them."""
+
+_FAINT, _LIGHT = 0.45, 0.55
+"""Opacity of the drawing behind a run, and of particles that are computed from the image."""
+
+_DISC, _STRONGER, _SIGN = 18.0, 2.0, 11.0
+"""Diameter of a disc of strength 0, increase per unit of strength, and diameter of a sign [px of the screen]."""
+
+_DIAMETERS: dict[Kind | None, float] = {"grid": 4.0, "gradient": 3.0, "centers": 6.0, None: 3.0}
+"""Diameters of computed particles [px of the screen], smaller for kinds with many; None stands for areas."""
+
+_Line = Circle | Ellipse | Polygon | Stroke | StartSection
+"""Starts that are shown as lines with their particles."""
+
+_AnyCharge = Charge | ChargeSection
+
+# pyqtgraph keeps a picture of a symbol for every brush and pen: the same ones for the same colors
+_brush, _pen = lru_cache(pg.mkBrush), lru_cache(pg.mkPen)
+
+
+class Dim(OverImage):
+    """A veil over the image outside the regions of interest."""
+
+    count = 0
+
+    def __init__(self) -> None:
+        super().__init__(_DIM_Z, 0.0)
+        self._veil = QPainterPath()
+        cached(self)
+
+    def show(self, regions: list[Region]) -> None:
+        """Dim everything outside the regions; without regions, nothing."""
+        if not regions and not self.count:
+            return
+        self._veil = QPainterPath()
+        if regions:
+            self._veil.addRect(self._room)
+            for outline in _outlines(regions):
+                inside = pg.arrayToQPath(*map(np.ascontiguousarray, to_xy(outline)))
+                # A path that crosses itself has no holes: with this rule, all that it winds around is inside.
+                inside.setFillRule(Qt.FillRule.WindingFill)
+                self._veil = self._veil.subtracted(inside)
+        self.renew(len(regions))
+
+    def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, widget: QWidget | None = None) -> None:
+        """Draw the veil."""
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.fillPath(self._veil, QColor(theme.DIMMED))
+
+
+class Draft:
+    """A path with its corners, the closing segment of a closed path, and the ring of a tool."""
+
+    def __init__(self, view: pg.ViewBox) -> None:
+        self.path, self._closing, self._ring = (pg.PlotCurveItem(antialias=True) for _ in range(3))
+        self._corners = Markers(_DRAFT_Z + 0.5, size=6.0, symbol="s", pen=pg.mkPen(theme.HALO), brush=pg.mkBrush("w"))
+        for item in (self.path, self._closing, self._ring):
+            item.setZValue(_DRAFT_Z)
+        for item in (self.path, self._closing, self._ring, self._corners):
+            view.addItem(item, ignoreBounds=True)
+
+    def show(self, corners: Array, path: Array, color: str, closed: bool) -> None:
+        """Show a path with corners, each of shape (K, 2)."""
+        _draw(self.path, path, color, 2.0, 4.0)
+        dashed = line_pen(color, 1.4, "shapes")
+        dashed.setStyle(Qt.PenStyle.DashLine)
+        self._closing.setPen(dashed)
+        self._closing.setData(*to_xy(path[[-1, 0]] if closed and len(path) > 2 else path[:0]))
+        self._corners.show(corners)
+
+    def show_ring(self, rim: Array, color: str) -> None:
+        """Show the ring of a tool, shape (K, 2); an empty one hides it."""
+        _draw(self._ring, rim, color, 1.6, 3.4)
+
+
+def _draw(item: pg.PlotCurveItem, path: Array, color: str, width: float, halo: float) -> None:
+    """Draw a path, shape (K, 2), with a halo."""
+    item.setPen(line_pen(color, width, "shapes"))
+    item.setShadowPen(line_pen(theme.HALO, halo, "shapes"))
+    item.setData(*to_xy(path))
+
+
+class DrawingLayer(Layer):
+    """Shapes of the document; starts are opaque before a run and faint behind one.
+
+    Limits and placed charges stay visible during a run, because they always act. The disc of a charge grows with its
+    strength; a thin ring shows where the force is largest, a dashed one, around the selected charge, where it vanishes.
+    """
+
+    name = "drawing"
+    title = tr("Drawing")
+    tip = tr("What a run starts from, regions of interest, barriers and placed charges.")
+    shortcut = "Alt+6"
+    in_slices = True
+    draft_shown = Signal(object, object, str, bool)
+    """Another draft is shown: what `show_draft` takes."""
+    ring_shown = Signal(object, float, str, object)
+    """Another ring is shown: what `show_ring` takes."""
+    colors = (theme.DRAWING, theme.REGION, theme.BARRIER, theme.ATTRACTING, theme.REPELLING)
+
+    def make(self) -> None:
+        """Make its items."""
+        self._lines = _shapes(theme.DRAWING, _Z, 1.4)
+        self._chosen = _shapes(theme.CHOSEN, _Z + 0.1, 2.2)
+        self._areas = _shapes(theme.DRAWING, _Z, 1.2, dashed=True)
+        self.computed = {kind: Discs(theme.MOVING, diameter, _Z + 0.2) for kind, diameter in _DIAMETERS.items()}
+        self._seeds = Discs(theme.MOVING, 6.0, _Z + 0.6)
+        self._chosen_points = Discs(theme.CHOSEN, 9.0, _Z + 0.7)
+        self._handles = Markers(
+            _Z + 0.8, size=10.0, symbol="s", pen=pg.mkPen(theme.HALO, width=1.2), brush=pg.mkBrush(theme.CHOSEN)
+        )
+        self._starts = (self._lines, self._areas, self._seeds, self._chosen_points)
+        self._dim = Dim()
+        self._regions = _shapes(theme.REGION, _LINE_Z, 1.8)
+        self._barriers = _shapes(theme.BARRIER, _LINE_Z + 0.1, 3.6, halo=5.6)
+        self._rings = _shapes(theme.ATTRACTING, _CHARGE_Z - 0.2, 1.8)
+        self._reach = _shapes(theme.CHOSEN, _CHARGE_Z - 0.1, 1.2, halo=2.6, dashed=True)
+        self._charges = Markers(_CHARGE_Z, size=_DISC)
+        self._signs = Markers(_CHARGE_Z + 0.1, size=_SIGN, pen=None, brush=pg.mkBrush("w"))
+        self.add(self._lines, self._areas, self._chosen, *self.computed.values(), self._seeds, self._chosen_points)
+        self.add(self._handles, self._dim, self._regions, self._barriers, self._rings, self._reach)
+        self.add(self._charges, self._signs)
+        self._draft = Draft(self.view)
+
+    @property
+    def selected(self) -> Section | None:
+        """The shape that is selected, as it is shown."""
+        shapes, index = self._shapes, self.scene.selected
+        return shapes[index] if index is not None and index < len(shapes) else None
+
+    @property
+    def _shapes(self) -> tuple[Section, ...]:
+        """The shapes: of a volume, their sections."""
+        return self.scene.document.shapes
+
+    def use_shape(self, shape: tuple[int, ...]) -> None:
+        """Cover an image of this shape; shapes may lie next to it."""
+        for item, _ in self._items:
+            if isinstance(item, OverImage):
+                item.use_shape(shape, 0.0 if item is self._dim else float(max(shape)) + REACH)
+
+    def follow(self, before: Scene) -> None:
+        """Show other shapes, another selection, or the shapes behind a run."""
+        scene = self.scene
+        others = scene.document.shapes is not before.document.shapes
+        if others or (scene.selected, scene.has_particles) != (before.selected, before.has_particles):
+            self._show_starts()
+            self._show_limits_and_charges()
+            self.fade()
+        elif scene.image_seeds is not before.image_seeds:
+            self._show_computed()
+
+    def show_draft(
+        self,
+        corners: Sequence[Place] = (),
+        path: Sequence[Place] | Array = (),
+        color: str = theme.DRAWING,
+        closed: bool = False,
+    ) -> None:
+        """Show the draft of a path; without arguments, none."""
+        self._draft.show(self._flat(corners), self._flat(path), color, closed)
+        self.draft_shown.emit(corners, path, color, closed)
+
+    def show_ring(
+        self,
+        center: Place | None = None,
+        radius: float = 0.0,
+        color: str = theme.DRAWING,
+        axis: int | None = None,
+    ) -> None:
+        """Show the ring of a tool, in a volume that of a ball in sides of the smallest voxel; None hides it.
+
+        With an axis only slices across it show the ring.
+        """
+        here = None if self.scene.slices is None else self.scene.slices.axis
+        self._draft.show_ring(self._ring(center if axis in (None, here) else None, radius), color)
+        self.ring_shown.emit(center, radius, color, axis)
+
+    def _flat(self, places: Sequence[Place] | Array) -> Array:
+        """Places as (row, col) in the slice that is shown, shape (K, 2)."""
+        if not len(places):
+            return NO_POSITIONS
+        slices, flat = self.scene.slices, np.array(places, dtype=float)
+        return flat if slices is None or flat.shape[1] == 2 else slices.current.flattened(flat)
+
+    def _ring(self, center: Place | None, radius: float) -> Array:
+        """The line of a ring, shape (K, 2)."""
+        if center is None:
+            return NO_POSITIONS
+        slices, volume = self.scene.slices, self.scene.volume
+        if slices is None or volume is None or len(center) == 2:
+            return Circle(center, radius).outline
+        line = circle_in(Sphere.round(center, radius, volume.spacing), slices.current)
+        return NO_POSITIONS if line is None else line.outline
+
+    def _show_starts(self) -> None:
+        """Show lines, areas and handles; during a run, the particles that it started from would only hide its own."""
+        chosen, shapes = self.selected, self._shapes
+        rest = [shape for shape in shapes if shape is not chosen]
+        self._lines.show([shape.outline for shape in rest if isinstance(shape, _Line) and not _is_area(shape)])
+        self._areas.show([shape.outline for shape in rest if _is_area(shape)])
+        self._chosen.show(_outlines([chosen] if isinstance(chosen, _Line | Grid | Threshold | Limit) else []))
+        # A selected circle shows its handles; a selected stroke is recognized only by its particles.
+        pointed = [chosen] if isinstance(chosen, Points | Stroke) else []
+        self._chosen_points.show(_particles(pointed))
+        seen = () if self.scene.has_particles else rest if pointed else shapes
+        self._seeds.show(_particles([shape for shape in seen if isinstance(shape, _Line | Points | Grid)]))
+        self._handles.show(chosen.handles() if chosen else ())
+        self._show_computed()
+
+    def _show_computed(self) -> None:
+        """Show the particles that are computed from the image."""
+        seeds = {} if self.scene.has_particles else self.scene.image_seeds
+        starts = [start for start in self.scene.document.image_starts if start in seeds]
+        for kind, discs in self.computed.items():
+            discs.show(_joined([seeds[start] for start in starts if getattr(start, "kind", None) == kind]))
+
+    def _show_limits_and_charges(self) -> None:
+        """Show what acts."""
+        chosen, shapes = self.selected, self._shapes
+        regions = [shape for shape in shapes if isinstance(shape, Region)]
+        self._dim.show(regions)
+        self._regions.show(_outlines(regions))
+        self._barriers.show(_outlines([shape for shape in shapes if isinstance(shape, Barrier)]))
+        charges = [shape for shape in shapes if isinstance(shape, _AnyCharge)]
+        self._rings.show([_ring(charge, RADIUS) for charge in charges], [_color(charge) for charge in charges])
+        self._reach.show([_ring(chosen, REACH)] if isinstance(chosen, _AnyCharge) else [])
+        charges = [charge for charge in charges if not isinstance(charge, ChargeSection) or charge.in_slice]
+        places = [charge.position for charge in charges]
+        rims = [_pen(theme.CHOSEN, width=2.6) if each is chosen else _pen(theme.HALO, width=1.4) for each in charges]
+        self._charges.show(
+            places,
+            size=[_DISC + _STRONGER * abs(charge.strength) for charge in charges],
+            brush=[_brush(_color(charge)) for charge in charges],
+            pen=rims,
+        )
+        self._signs.show(places, symbol=["+" if charge.strength > 0.0 else "_" for charge in charges])
+
+    def fade(self) -> None:
+        """Set the opacity; starts are faint behind a run."""
+        super().fade()
+        chosen = self.selected
+        if self.scene.has_particles and not isinstance(chosen, Start | StartSection):
+            for item in self._starts:
+                item.setOpacity(self.opacity * _FAINT)
+        for kind, discs in self.computed.items():
+            strong = isinstance(chosen, Threshold) if kind is None else chosen == Everywhere(kind)
+            discs.setOpacity(self.opacity * (1.0 if strong else _LIGHT))
+
+
+def _shapes(color: str, z: float, width: float, halo: float = 3.6, dashed: bool = False) -> Curves:
+    """Lines of the widths that are preferred for shapes."""
+    return Curves(color, z, width, halo, dashed, "shapes")
+
+
+def _is_area(shape: Section) -> bool:
+    """Whether a start is shown as an area with its particles."""
+    return isinstance(shape.line if isinstance(shape, StartSection) else shape, Grid | Threshold)
+
+
+def _outlines(shapes: Sequence[_Line | Grid | Threshold | Limit]) -> list[Array]:
+    """The lines of shapes; a region that lies in other slices of a volume has none."""
+    return [np.array(shape.outline) for shape in shapes if len(shape.outline)]
+
+
+def _ring(charge: _AnyCharge, radius: float) -> Array:
+    return charge.ring(radius) if isinstance(charge, ChargeSection) else Circle(charge.position, radius).outline
+
+
+def _color(charge: _AnyCharge) -> str:
+    return theme.ATTRACTING if charge.strength > 0.0 else theme.REPELLING
+
+
+def _particles(shapes: Sequence[_Line | Points | Grid]) -> Array:
+    return _joined([shape.seeds() for shape in shapes])
+
+
+def _joined(positions: Sequence[Array]) -> Array:
+    return np.concatenate([NO_POSITIONS, *positions])

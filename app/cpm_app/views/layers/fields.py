@@ -1,0 +1,203 @@
+"""The layers of edge map, potential and electric field."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+import numpy as np
+import pyqtgraph as pg
+from PySide6.QtCore import QRectF
+
+from cpm_app.model.display.display_image import DisplayImage, Shades
+from cpm_app.model.text.language import tr
+from cpm_app.session.scene import Scene
+from cpm_app.views.items.item import cached, line_pen, to_xy
+from cpm_app.views.items.tiled_image import TiledImage
+from cpm_app.views.layers.layer import Choice, Layer
+from cpm_app.views.theme import color_maps, theme
+from cpm_core.numerics import Array
+
+_STRONGEST = 235
+"""Opacity of the strongest edges, out of 255."""
+
+_VEIL = 0.75
+"""Opacity of the potential over the image where the layer itself is fully opaque."""
+
+
+def _maps(names: Sequence[str], tip: str) -> Choice:
+    return Choice("map", tr("Colors"), {name: color_maps.MAPS[name] for name in names}, names[0], tip)
+
+
+class ScalarOverlay(Layer):
+    """An overlay of the worker, shape (H, W), in the colors of a map; it is requested only while shown."""
+
+    initially = False
+    in_slices = True
+    z: ClassVar[float]
+    """Place in the stack of layers."""
+
+    def make(self) -> None:
+        """Make its items."""
+        self._item = TiledImage(self.z)
+        self._item.setVisible(False)
+        cached(self._item)
+        self.add(self._item)
+
+    @property
+    def shades(self) -> Shades | None:
+        """Shades shown, before the color map is applied; None while nothing is shown."""
+        return self._item.display.shades if self._item.display is not None and self._item.isVisible() else None
+
+    def show_or_hide(self) -> None:
+        """Request the overlay only while it is shown."""
+        self.requests.want_overlay(self.name, self.shown)
+        self.follow_choice("map")
+        self._show()
+
+    def follow(self, before: Scene) -> None:
+        """Show newer values, or none."""
+        if self.scene.overlays is not before.overlays:
+            self._show()
+
+    def _show(self) -> None:
+        shades = self.scene.overlays.get(self.name) if self.shown else None
+        # hidden, not cleared: the cached image of an item would stay on screen when its extent vanishes
+        self._item.setVisible(isinstance(shades, DisplayImage))
+        if isinstance(shades, DisplayImage):
+            self._item.show_image(shades)
+
+    def follow_choice(self, name: str) -> None:
+        """Change the colors, which take long to read, once they are seen."""
+        if self.shown:
+            self._item.use_table(self.table())
+
+    def table(self) -> np.ndarray:
+        """Colors of the 256 shades."""
+        return color_maps.table(self.word("map"))
+
+
+class EdgeMapLayer(ScalarOverlay):
+    """The edge map, half transparent, and fully transparent where there is no edge."""
+
+    name = "edge_map"
+    title = tr("Edge map")
+    tip = tr("Strength of the edges that attract the particles.")
+    shortcut = "Alt+7"
+    colors = ("#f98c0a",)
+    options = (
+        _maps(
+            ("inferno", "magma", "plasma", "viridis", "cividis", color_maps.GRAY),
+            tr("Colors from weak to strong edges."),
+        ),
+    )
+    z = 1.0
+
+    def table(self) -> np.ndarray:
+        """Colors whose opacity grows with the strength of the edge."""
+        return np.column_stack([super().table(), np.linspace(0, _STRONGEST, 256).astype(np.uint8)])
+
+
+class PotentialLayer(ScalarOverlay):
+    """The potential in colors."""
+
+    name = "potential"
+    title = tr("Potential")
+    tip = tr("Potential of the edges and of placed charges: particles slide down, from bright to dark.")
+    shortcut = "Alt+8"
+    colors = ("#7c7b78",)
+    options = (
+        _maps(
+            ("cividis", "viridis", "magma", "plasma", color_maps.GRAY),
+            tr("Colors from low to high potential."),
+        ),
+    )
+    z = 0.9
+
+    def fade(self) -> None:
+        """Set the opacity; the image always remains visible below the colors."""
+        self._item.setOpacity(_VEIL * self.opacity)
+
+
+ARROW_SPACING = 22.0
+"""Least distance between two arrows of the field [px of the screen]."""
+
+
+class FieldLayer(Layer):
+    """Arrows along the Lorentz force; their density follows the zoom, and their length shows its strength."""
+
+    name = "field"
+    title = tr("Field")
+    tip = tr("Direction in which edges pull.")
+    shortcut = "Alt+9"
+    initially = False
+    in_slices = True
+    colors = (theme.FIELD,)
+
+    def make(self) -> None:
+        """Make its items."""
+        self._item = pg.PlotCurveItem(pen=line_pen(theme.FIELD, 1.0), antialias=True, connect="pairs")
+        self._item.setZValue(2)
+        cached(self._item)
+        self.add(self._item)
+        self.view.sigRangeChanged.connect(self._draw)
+
+    @property
+    def drawn(self) -> Array:
+        """Ends of the lines drawn (row, col), shape (N, 2)."""
+        x, y = self._item.getData()
+        return np.empty((0, 2)) if x is None else np.stack([y, x], axis=1)
+
+    def show_or_hide(self) -> None:
+        """Request the field only while it is shown."""
+        self.requests.want_overlay("field", self.shown)
+        self._draw()
+
+    def follow(self, before: Scene) -> None:
+        """Show another field, or none."""
+        if self.scene.overlays is not before.overlays:
+            self._draw()
+
+    def _draw(self, *_: object) -> None:
+        field = self.scene.overlays.get("field") if self.shown else None
+        self._item.setVisible(field is not None)
+        if field is not None:
+            pixel = float(self.view.viewPixelSize()[0])
+            self._item.setData(*to_xy(arrow_lines(*arrows(np.asarray(field), self.view.viewRect(), pixel))))
+
+
+def arrows(field: Array, seen: QRectF, pixel: float) -> tuple[Array, Array]:
+    """Starts and ends of arrows, evenly spaced within the visible part.
+
+    Parameters
+    ----------
+    field : ndarray, shape (2, H, W)
+        Vectors of at most unit length.
+    seen : QRectF
+        Visible part of the canvas.
+    pixel : float
+        Size of a pixel of the screen [px of the image].
+
+    Returns
+    -------
+    starts, ends : ndarray, shape (N, 2)
+        (row, col).
+    """
+    stride = max(1, int(np.ceil(ARROW_SPACING * pixel)))
+    rows = np.arange(stride // 2, field.shape[1], stride)
+    cols = np.arange(stride // 2, field.shape[2], stride)
+    rows = rows[(rows >= seen.top()) & (rows <= seen.bottom())]
+    cols = cols[(cols >= seen.left()) & (cols <= seen.right())]
+    grid = np.stack(np.meshgrid(rows, cols, indexing="ij"), axis=-1).reshape(-1, 2)
+    vectors = field[:, grid[:, 0], grid[:, 1]].T * (0.85 * stride)
+    starts = grid - 0.5 * vectors
+    return starts, starts + vectors
+
+
+def arrow_lines(starts: Array, ends: Array) -> Array:
+    """Pairs of points, shape (6 N, 2), that draw a shaft and two barbs for each arrow."""
+    vectors = ends - starts
+    across = np.stack([vectors[:, 1], -vectors[:, 0]], axis=1)
+    left = ends - 0.30 * vectors + 0.18 * across
+    right = ends - 0.30 * vectors - 0.18 * across
+    return np.stack([starts, ends, left, ends, right, ends], axis=1).reshape(-1, 2)

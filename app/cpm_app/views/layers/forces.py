@@ -1,0 +1,140 @@
+"""The layer of the forces on the particle under the pointer."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pyqtgraph as pg
+
+from cpm_app.model.text.language import tr, written
+from cpm_app.session.scene import Scene
+from cpm_app.session.worker.requests import Probed, probe
+from cpm_app.views.items.item import FAINT, Markers, Pinned, line_pen, to_xy
+from cpm_app.views.layers.fields import arrow_lines
+from cpm_app.views.layers.layer import Amount, Layer
+from cpm_app.views.theme import theme
+from cpm_core.numerics import Position
+
+KINDS = {
+    "coulomb": (tr("Coulomb"), theme.COULOMB),
+    "lorentz": (tr("Lorentz"), theme.LORENTZ),
+    "placed": (tr("Placed charges"), theme.REGION),
+    "friction": (tr("Friction"), theme.JUNCTION),
+    "damping": (tr("Damping"), theme.DAMPING),
+    "total": (tr("Total"), theme.CHOSEN),
+}
+"""Names and colors of the forces, in the order of the legend."""
+
+_ALWAYS = ("coulomb", "lorentz", "damping", "total")
+"""Forces that are listed even where they are zero."""
+
+_REACH = 24.0
+"""Largest distance of the particle from the pointer [px of the screen]."""
+
+_NOTHING = 5e-4
+"""Force below which none is shown."""
+
+_WEAK = 0.2
+"""Force from which the longest arrow has its full length; where all forces are weaker, all arrows are shorter."""
+
+_Z = 19.0
+
+
+class ForceLayer(Layer):
+    """Arrows for all forces on one particle, and a legend with their names and magnitudes in the upper right corner.
+
+    The particle is the one nearest to the pointer or, without a pointer, to the center of the visible part.
+    """
+
+    name = "forces"
+    title = tr("Forces under the pointer")
+    tip = tr("Coulomb, Lorentz and damping force on the particle nearest to the pointer.")
+    shortcut = "Alt+3"
+    initially = False
+    in_slices = True
+    colors = (theme.COULOMB, theme.LORENTZ, theme.DAMPING)
+    options = (Amount("length", tr("Length"), 20, 200, 5, 80, tr("Length of the longest arrow, in px of the screen.")),)
+
+    def make(self) -> None:
+        """Make its items."""
+        self._ring = Markers(_Z, size=15.0, symbol="o", brush=None, pen=pg.mkPen(theme.CHOSEN, width=1.6))
+        halo = line_pen(theme.HALO, 4.6)
+        self._arrows = {
+            name: pg.PlotCurveItem(pen=line_pen(color, 2.2), shadowPen=halo, antialias=True, connect="pairs")
+            for name, (_, color) in KINDS.items()
+        }
+        self.legend = Pinned(self.view, (1.0, 0.0))
+        for item in self._arrows.values():
+            item.setZValue(_Z)
+        self.add(self._ring, *self._arrows.values(), self.legend)
+        self.probed: Probed | None = None
+        """The forces shown."""
+        self.lines: list[tuple[str, str, str]] = []
+        """Name, color and magnitude of each force in the legend."""
+        self._pointer: Position | None = None
+        self._draw()
+        self.view.sigRangeChanged.connect(self._draw)
+
+    def point_at(self, place: Position | None) -> None:
+        """Set the position (row, col) of the pointer, None when it has left."""
+        self._pointer = place
+        self._ask()
+
+    def show_or_hide(self) -> None:
+        """Request forces only while the layer is shown."""
+        self._use(None)
+        self._ask()
+
+    def follow_choice(self, name: str) -> None:
+        """Change the length of the arrows."""
+        self._draw()
+
+    def follow(self, before: Scene) -> None:
+        """Show the forces that were requested; request them again when the particles have moved."""
+        snapshot, probed = self.scene.snapshot, self.scene.probed
+        if snapshot is not before.snapshot:
+            if snapshot is None:
+                self._use(None)
+            self._ask()
+        answered = self.shown and probed is not before.probed
+        if answered and probed is not None and snapshot is not None and probed.generation == snapshot.generation:
+            self._use(probed if probed.identity >= 0 else None)
+
+    def _ask(self) -> None:
+        """Request the forces."""
+        snapshot = self.scene.snapshot
+        if not self.shown or snapshot is None:
+            return
+        seen = self.view.viewRect().center()
+        place = (seen.y(), seen.x()) if self._pointer is None else self._pointer
+        reach = math.inf if self._pointer is None else _REACH * float(self.view.viewPixelSize()[0])
+        here = None if self.scene.slices is None else self.scene.slices.current
+        self.requests.post(probe(snapshot.generation, place if here is None else here.lifted(place), reach))
+
+    def _use(self, probed: Probed | None) -> None:
+        self.probed = probed
+        if probed is not None:
+            sizes = probed.sizes
+            listed = [name for name in KINDS if name in _ALWAYS or sizes[name] >= _NOTHING]
+            self.lines = [(*KINDS[name], written(f"{sizes[name]:.3f}")) for name in listed]
+            title = tr("Particle {number}", number=written(f"{probed.identity:,}"))
+            rows = (
+                f"<tr><td style='color:{color}'>━ </td><td>{name} </td><td align='right'>&nbsp;{size}</td></tr>"
+                for name, color, size in self.lines
+            )
+            self.legend.show_html(f"<div style='color:{FAINT}'>{title}</div><table>{''.join(rows)}</table>")
+        self._draw()
+
+    def _draw(self, *_: object) -> None:
+        probed = self.probed if self.shown else None
+        for item in (self._ring, *self._arrows.values(), self.legend):
+            item.setVisible(probed is not None)
+        if probed is None:
+            return
+        longest = max(_WEAK, *(probed.sizes[name] for name in KINDS))
+        at, pixel = np.array([probed.position]), np.array(self.view.viewPixelSize()[::-1])
+        for name, item in self._arrows.items():
+            way = probed.forces[name] * (probed.sizes[name] >= _NOTHING)
+            item.setData(*to_xy(arrow_lines(at, at + self.number("length") / longest * way * pixel)))
+        self._ring.show(at)

@@ -1,0 +1,278 @@
+"""The layer of the image itself, and the drag that changes its window of gray values."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from PySide6.QtCore import QEvent, QObject, QPointF, Qt, Signal
+from PySide6.QtGui import QCursor, QMouseEvent
+from PySide6.QtWidgets import QWidget
+
+from cpm_app.model.display.display_image import (
+    DisplayImage,
+    IntensityWindow,
+    Shades,
+    apply_window,
+    color_curve,
+    percentile_window,
+)
+from cpm_app.model.text.language import tr, written
+from cpm_app.session.scene import Scene
+from cpm_app.session.worker.requests import shade
+from cpm_app.views.items.item import cached
+from cpm_app.views.items.tiled_image import TiledImage
+from cpm_app.views.layers.layer import Amount, Choice, Layer
+from cpm_app.views.theme import color_maps
+
+WHOLE, AUTOMATIC, _HAND = "0", "0.1", "hand"
+"""Ranges of gray values: all, all but the most extreme, and one chosen by hand."""
+
+WidthAndLevel = tuple[float, float]
+
+CT_WINDOWS: Mapping[str, WidthAndLevel] = MappingProxyType(
+    {
+        tr("Soft tissue"): (400.0, 50.0),
+        tr("Mediastinum"): (350.0, 50.0),
+        tr("Lung"): (1500.0, -600.0),
+        tr("Bone"): (1800.0, 400.0),
+        tr("Brain"): (80.0, 40.0),
+        tr("Liver"): (150.0, 30.0),
+    }
+)
+"""Width and level of the usual windows of CT, in Hounsfield units: radiopaedia.org, "Windowing (CT)"."""
+
+_IN_COLOR, _CHANNEL = "colors", "channel"
+
+_AT_ONCE = 1 << 22
+"""Largest number of pixels for which shades are made at once, within two frames; otherwise the worker makes them."""
+
+
+class ImageLayer(Layer):
+    """The image in a window of gray values, given by percentiles or chosen by hand."""
+
+    name = "image"
+    title = tr("Image")
+    tip = tr("The image itself.")
+    shortcut = "Alt+0"
+    in_slices = True
+    options = (
+        Choice(
+            "shown",
+            tr("Shown"),
+            {_IN_COLOR: tr("In color"), _CHANNEL: tr("Channel of the run")},
+            _IN_COLOR,
+            tr("A color image in its colors, or the channel in which a run finds edges."),
+        ),
+        Choice("map", tr("Colors"), color_maps.MAPS, color_maps.GRAY, tr("Colors from dark to bright.")),
+        Choice(
+            "range",
+            tr("Range"),
+            {
+                WHOLE: tr("All gray values"),
+                AUTOMATIC: tr("All except 0.1 % at either end"),
+                "1": tr("All except 1 % at either end"),
+                "5": tr("All except 5 % at either end"),
+                _HAND: tr("By hand"),
+            },
+            WHOLE,
+            tr("Range of gray values; values below are black, values above are white."),
+        ),
+        Amount(
+            "gamma",
+            tr("Gamma"),
+            0.2,
+            3.0,
+            0.05,
+            1.0,
+            tr("Smaller values bring out dark areas, larger ones bright areas."),
+        ),
+    )
+
+    def make(self) -> None:
+        """Make its items."""
+        self._item = TiledImage(0.0)
+        cached(self._item)
+        self.add(self._item)
+        self.ends = self.window = (0.0, 1.0)
+        """Least and largest gray value of the image; gray values shown black and white."""
+        self.reach = self.ends
+        """Within which a window may be chosen: the ends, of CT also the usual windows."""
+
+    @property
+    def shades(self) -> Shades | None:
+        """Shades shown, before the color map is applied."""
+        return self._item.display.shades if self._item.display is not None else None
+
+    @property
+    def shown_window(self) -> IntensityWindow:
+        """The window with gamma, as it is shown."""
+        return IntensityWindow(*self.window, self.number("gamma"))
+
+    def choose_window(self, low: float, high: float) -> None:
+        """Show gray values from `low`, black, to `high`, white."""
+        if math.isfinite(low) and math.isfinite(high) and low <= high and (low, high) != self.window:
+            self.chosen["range"] = _HAND
+            self._use_window(low, high)
+
+    def follow_choice(self, name: str) -> None:
+        """Change colors or window."""
+        if name == "map":
+            name = self.word("map")
+            self._item.use_table(None if name == color_maps.GRAY else color_maps.table(name))
+        elif name == "range":
+            self._find_window()
+        else:  # what is shown, or gamma
+            self._shade()
+
+    def acts(self, name: str) -> bool:
+        """Whether an option has an effect: gray images have no channels, and colors no color map."""
+        colored = self.scene.image is not None and self.scene.image.colors is not None
+        return {"shown": colored, "map": not colored or self.word("shown") == _CHANNEL}.get(name, True)
+
+    def view_state(self) -> dict[str, object]:
+        """Its state, with the window where it is chosen by hand."""
+        state = super().view_state()
+        return {**state, "low": self.window[0], "high": self.window[1]} if state["range"] == _HAND else state
+
+    def use_view_state(self, state: dict[str, object]) -> None:
+        """Restore the state and the window."""
+        super().use_view_state(state)
+        low, high = state.get("low"), state.get("high")
+        if self.word("range") == _HAND and isinstance(low, int | float) and isinstance(high, int | float):
+            self.choose_window(float(low), float(high))
+
+    def follow(self, before: Scene) -> None:
+        """Show another image, or shades that were requested."""
+        scene, image, shaded = self.scene, self.scene.image, self.scene.shaded
+        if image is None or scene.display is None:
+            return
+        channel, last = scene.document.parameters.channel, before.document.parameters.channel
+        whole, former = scene.whole or image, before.whole
+        if image is not before.image and (former is None or whole.values is not former.values):
+            self.ends = self.reach = self.window = whole.gray_range
+            if whole.is_ct:
+                low, high = zip(self.ends, *map(window_at, CT_WINDOWS.values()), strict=True)
+                self.reach = min(low), max(high)
+            if self.word("range") == _HAND:
+                # a window chosen for another image does not apply to this one
+                self.chosen["range"] = WHOLE
+            self._find_window()
+        elif (image, scene.display, channel) != (before.image, before.display, last):
+            self._shade()  # another slice of the same volume, pixels of another size, or a preview is completed
+        # of two pending requests, the older one may not win
+        wanted = image, self.shown_window, self._channel
+        if shaded not in (None, before.shaded) and (shaded.image, shaded.window, shaded.channel) == wanted:
+            self._item.show_image(shaded.display)
+
+    def _find_window(self) -> None:
+        """Use the chosen window."""
+        way, image = self.word("range"), self.scene.whole
+        if image is not None and way != _HAND:
+            self._use_window(*(self.ends if way == WHOLE else percentile_window(image.values, float(way))))
+
+    def _use_window(self, low: float, high: float) -> None:
+        self.window = (low, high)
+        self._shade()
+        self.changed.emit()
+
+    def _shade(self) -> None:
+        image, whole, channel = self.scene.image, self.scene.display, self._channel
+        if image is None or whole is None:
+            return
+        window, all_of_it = self.shown_window, self.shown_window == IntensityWindow(*self.ends)
+        if image.colors is not None and channel is None:
+            self._item.use_curve(None if all_of_it else color_curve(window, image.colors.white))
+            self._item.show_image(whole)
+        elif image.colors is None and all_of_it:
+            self._item.show_image(whole)
+        elif image.colors is None and image.values.size <= _AT_ONCE:
+            self._item.show_image(DisplayImage.of(apply_window(image.values, window)))
+        elif channel is not None:
+            self.requests.post(shade(image, window, channel))
+
+    @property
+    def _channel(self) -> str | None:
+        """Channel that is shown; None for an image in its colors."""
+        image = self.scene.image
+        if image is None or (image.colors is not None and self.word("shown") == _IN_COLOR):
+            return None
+        return image.channel(self.scene.document.parameters.channel)
+
+
+_DRAG_REACH = 400.0
+"""A drag by so much changes width or middle by the whole range [px of the screen]."""
+
+_NARROWEST = 1e-3
+"""Least width of the window, as a part of the range."""
+
+Window = tuple[float, float]
+
+
+def window_at(width_and_level: WidthAndLevel) -> Window:
+    """The window of gray values of a width around a level."""
+    width, level = width_and_level
+    return level - 0.5 * width, level + 0.5 * width
+
+
+def named(window: Window) -> str:
+    """Width and level of a window, as radiologists name it."""
+    low, high = window
+    return f"W {written(f'{high - low:.4g}')}  L {written(f'{0.5 * (low + high):.4g}')}"
+
+
+def dragged(window: Window, ends: Window, right: float, down: float) -> Window:
+    """The window of gray values after a drag to the right and down [px of the screen], within the whole range."""
+    span = ends[1] - ends[0]
+    width = window[1] - window[0] + span * right / _DRAG_REACH
+    width = min(max(width, _NARROWEST * span), span)
+    middle = 0.5 * (window[0] + window[1]) - span * down / _DRAG_REACH
+    middle = min(max(middle, ends[0]), ends[1])
+    return max(middle - 0.5 * width, ends[0]), min(middle + 0.5 * width, ends[1])
+
+
+class LevelDrag(QObject):
+    """Takes such drags from a widget, and others that it watches, and moves the window of a layer."""
+
+    moved = Signal()
+    """The window follows the pointer."""
+    ended = Signal()
+    """The button has been released."""
+
+    def __init__(self, layer: ImageLayer, widget: QWidget) -> None:
+        super().__init__(widget)
+        self.watch(widget)
+        self._layer = layer
+        self._from: QPointF | None = None
+        self._window: Window = (0.0, 1.0)
+        self._cursor = QCursor()
+
+    def watch(self, widget: QWidget) -> None:
+        """Take the drags of a widget that shows the image."""
+        widget.installEventFilter(self)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Begin, follow and end a drag."""
+        if not isinstance(event, QMouseEvent) or not isinstance(watched, QWidget):
+            return False
+        kind, right = event.type(), Qt.MouseButton.RightButton
+        begins = event.button() == right and bool(event.modifiers() & Qt.KeyboardModifier.ControlModifier)
+        if kind == QEvent.Type.MouseButtonPress and begins and self._layer.scene.image is not None:
+            self._from, self._window = event.position(), self._layer.window
+            self._cursor = watched.cursor()
+            watched.setCursor(Qt.CursorShape.SizeAllCursor)
+            return True
+        if self._from is None:
+            return False
+        if kind == QEvent.Type.MouseMove:
+            way = event.position() - self._from
+            self._layer.choose_window(*dragged(self._window, self._layer.reach, way.x(), way.y()))
+            self.moved.emit()
+            return True
+        if kind == QEvent.Type.MouseButtonRelease and event.button() == right:
+            self._from = None
+            watched.setCursor(self._cursor)
+            self.ended.emit()
+            return True
+        return False

@@ -1,0 +1,211 @@
+"""The forms for the options of layers; that of the image has a histogram."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pyqtgraph as pg
+from PySide6.QtCore import QSignalBlocker, QSize, Qt, Signal
+from PySide6.QtGui import QIcon, QPalette
+from PySide6.QtWidgets import (
+    QCheckBox,
+    QComboBox,
+    QFormLayout,
+    QHBoxLayout,
+    QLabel,
+    QSizePolicy,
+    QVBoxLayout,
+    QWidget,
+)
+
+from cpm_app.model.text.language import tr, written
+from cpm_app.views.layers.image_layer import CT_WINDOWS, ImageLayer, named, window_at
+from cpm_app.views.layers.layer import Choice, Layer, Option, Switch
+from cpm_app.views.theme import color_maps
+from cpm_app.views.widgets.containers import arrange, dim_label
+from cpm_app.views.widgets.fields import ChoiceBox, DecimalField, MarkedSlider
+from cpm_core import Image
+
+
+class LayerForm(QWidget):
+    """A row for each option of a layer; it also follows changes that are made elsewhere."""
+
+    def __init__(self, layer: Layer) -> None:
+        super().__init__()
+        self.layer = layer
+        self.fields: dict[str, QWidget] = {}
+        self._shows: dict[str, Callable[[Any], object]] = {}
+        """What shows the value of an option in its field."""
+        grows = QFormLayout.FieldGrowthPolicy.AllNonFixedFieldsGrow
+        self.rows = QFormLayout(self, horizontalSpacing=8, verticalSpacing=4, fieldGrowthPolicy=grows)
+        self.rows.setContentsMargins(0, 0, 0, 0)
+        self.levels: Levels | None = None
+        self._image: Image | None = None
+        for option in layer.options:
+            field, self._shows[option.name] = self._field(option)
+            self.fields[option.name] = field
+            field.setToolTip(option.tip)
+            field.setAccessibleName(option.title)
+            if isinstance(field, QCheckBox):
+                self.rows.addRow(field)
+            else:
+                self.rows.addRow(dim_label(option.title, option.tip), field)
+        layer.changed.connect(self.show_chosen)
+        self.show_chosen()
+
+    def show_chosen(self) -> None:
+        """Show the values of the options, and the window of an image."""
+        if isinstance(self.layer, ImageLayer):
+            self._show_levels(self.layer)
+        for name, field in self.fields.items():
+            self._shows[name](self.layer.chosen[name])
+            field.setEnabled(self.layer.acts(name))
+
+    def _show_levels(self, layer: ImageLayer) -> None:
+        image = layer.scene.whole
+        if image is not self._image and image is not None:
+            self._image = image
+            if self.levels is not None:
+                self.rows.removeRow(self.levels)
+            self.levels = Levels(image, layer.reach)
+            self.levels.moved.connect(layer.choose_window)
+            self.rows.insertRow(0, self.levels)
+        if self.levels is not None:
+            self.levels.show_window(*layer.window)
+
+    def _field(self, option: Option) -> tuple[QWidget, Callable[[Any], object]]:
+        """The field of an option, and what shows a value in it."""
+        choose = partial(self.layer.choose, option.name)
+        if isinstance(option, Switch):
+            switch = QCheckBox(option.title)
+            switch.toggled.connect(choose)
+            return switch, switch.setChecked
+        if isinstance(option, Choice):
+            box = ChoiceBox(option.ways)
+            box.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+            box.setIconSize(QSize(36, 12))
+            for index, name in enumerate(option.ways):
+                box.setItemIcon(index, color_maps.icon(name) if name in color_maps.MAPS else QIcon())
+            box.chosen.connect(choose)
+            return box, box.show_value
+        slider = MarkedSlider(option.low, option.high, option.step, option.first)
+        slider.moved_to.connect(choose)
+        slider.restored.connect(lambda: choose(option.first))
+        figure = QLabel(alignment=Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter)
+        figure.setMinimumWidth(figure.fontMetrics().horizontalAdvance("0.000"))
+        both = QWidget()
+        both.setFocusProxy(slider)
+        arrange(QHBoxLayout(both), slider, figure, wide=slider)
+
+        def show(value: float) -> None:
+            slider.show_value(value)
+            figure.setText(written(f"{value:g}"))
+
+        return both, show
+
+
+_BINS = 128
+_MOST = 100_000
+"""Largest number of pixels counted; more would not visibly change the histogram."""
+
+_NARROW, _AROUND = 0.1, 2.0
+"""Part of the range below which a window is shown enlarged, and the margin next to it, in window widths."""
+
+_HEIGHT = 72
+
+
+class Levels(QWidget):
+    """Histogram of the gray values on a logarithmic scale, and their window: two lines to drag, and two fields.
+
+    Of CT it has the usual windows as well.
+
+    Parameters
+    ----------
+    image : Image
+        The image.
+    ends : tuple of float
+        Within which the window may be chosen.
+    """
+
+    moved = Signal(float, float)
+    """The user has chosen another window."""
+
+    def __init__(self, image: Image, ends: tuple[float, float]) -> None:
+        super().__init__()
+        values = image.values
+        stride = max(1, int((values.size / _MOST) ** (1.0 / values.ndim)))
+        self._sample = values[(slice(None, None, stride),) * values.ndim].ravel()
+        self._ends = ends
+        self.histogram = pg.PlotWidget(background=None, enableMenu=False)
+        self.histogram.setFixedHeight(_HEIGHT)
+        self.histogram.setMinimumWidth(100)
+        self.histogram.hideAxis("left")
+        self.histogram.hideAxis("bottom")
+        self.histogram.hideButtons()
+        self.histogram.setMouseEnabled(False, False)
+        self.histogram.setToolTip(
+            tr("Histogram of the gray values. Drag the two lines: black to the left, white to the right.")
+        )
+        color = self.palette().color
+        self._bars = self.histogram.plot(
+            stepMode="center", fillLevel=0.0, pen=None, brush=color(QPalette.ColorRole.PlaceholderText)
+        )
+        line = pg.mkPen(color(QPalette.ColorRole.Highlight), width=3)
+        self._lines = pg.LinearRegionItem(ends, pen=line, brush=(128, 128, 128, 40), swapMode="block", bounds=ends)
+        self.histogram.addItem(self._lines)
+        self._lines.sigRegionChanged.connect(lambda lines: self.moved.emit(*lines.getRegion()))
+        self._lines.sigRegionChangeFinished.connect(lambda lines: self._show_axis(*lines.getRegion()))
+        whole, span = bool((self._sample == np.rint(self._sample)).all()), max(ends[1] - ends[0], 1e-12)
+        decimals = 0 if whole else min(max(3 - math.floor(math.log10(span)), 0), 12)
+        step = max(1.0, round(span / 256.0)) if whole else 10.0 ** math.floor(math.log10(span / 50.0))
+        self.low, self.high = DecimalField(*ends, step, decimals), DecimalField(*ends, step, decimals)
+        self.low.valueChanged.connect(lambda value: self.moved.emit(value, max(value, self.high.value())))
+        self.high.valueChanged.connect(lambda value: self.moved.emit(min(value, self.low.value()), value))
+        row = arrange(QHBoxLayout(), spacing=6)
+        for title, tip, field in (
+            (tr("Black"), tr("Gray value shown as black."), self.low),
+            (tr("White"), tr("Gray value shown as white."), self.high),
+        ):
+            field.setAccessibleName(title)
+            field.setToolTip(tip)
+            row.addWidget(dim_label(title))
+            row.addWidget(field, 1)
+        tip = tr("Width and level of the range: white minus black, and the middle between them.")
+        self.figures = dim_label(tip=tip)
+        usual = {name: f"{name}  {named(window_at(window))}" for name, window in CT_WINDOWS.items()}
+        self.usual = ChoiceBox(usual)
+        self.usual.setPlaceholderText(tr("CT window"))
+        self.usual.setSizeAdjustPolicy(QComboBox.SizeAdjustPolicy.AdjustToMinimumContentsLengthWithIcon)
+        self.usual.setMinimumContentsLength(10)
+        self.usual.setAccessibleName(tr("CT window"))
+        self.usual.setToolTip(tr("The usual windows of CT, in Hounsfield units."))
+        self.usual.chosen.connect(lambda name: self.moved.emit(*window_at(CT_WINDOWS[name])))
+        self.usual.setVisible(image.is_ct)
+        below = arrange(QHBoxLayout(), self.figures, self.usual, wide=self.usual)
+        arrange(QVBoxLayout(self), self.histogram, row, below, spacing=4)
+
+    def show_window(self, low: float, high: float) -> None:
+        """Show a window without emitting a signal; the lines and their axis do not change while one is held."""
+        self.low.show_value(low)
+        self.high.show_value(high)
+        self.figures.setText(named((low, high)))
+        usual = (name for name, window in CT_WINDOWS.items() if window_at(window) == (low, high))
+        self.usual.show_value(next(usual, ""))
+        if not (self._lines.moving or any(line.moving for line in self._lines.lines)):
+            with QSignalBlocker(self._lines):
+                self._lines.setRegion((low, high))
+            self._show_axis(low, high)
+
+    def _show_axis(self, low: float, high: float) -> None:
+        """Show the whole range, or the surroundings of a narrow window."""
+        begin, end = self._ends
+        if high - low < _NARROW * (end - begin):
+            reach = _AROUND * max(high - low, 1e-3 * (end - begin))
+            begin, end = max(begin, low - reach), min(end, high + reach)
+        counts, edges = np.histogram(self._sample, _BINS, range=(begin, end if end > begin else begin + 1.0))
+        self._bars.setData(edges, np.log1p(counts))
+        self.histogram.setXRange(edges[0], edges[-1], padding=0.02)

@@ -1,0 +1,193 @@
+"""The layer of the objects: those accepted, by class, those that are offered, and what a click would change."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+import pyqtgraph as pg
+from PySide6.QtCore import Qt
+
+from cpm_app.model.text.language import tr
+from cpm_app.session.features.object_selection import DOUBTFUL, percent
+from cpm_app.session.scene import Scene
+from cpm_app.views.items.curves import Area, Curves, Fills
+from cpm_app.views.items.item import Markers, Names
+from cpm_app.views.layers.layer import Amount, Layer, LegendEntry, Switch
+from cpm_app.views.theme import theme
+from cpm_core import Selection
+from cpm_core.numerics import Array
+from cpm_core.objects.segmented import CLASSES, Line
+
+_OFFERED, _DOUBTFUL, _CHANGED = 0.2, 0.08, 0.4
+"""Opacity of the area of what is offered, of what is doubtful, and of what a click would change."""
+
+_SPARSE = 2.5, 5.0
+"""Dashes around what is doubtful."""
+
+_FEW = 12
+"""Number of proposals up to which those that are doubtful are marked with their probability."""
+
+_MOST_MARKS = 60
+"""Largest number of places of one click that are marked."""
+
+
+class ObjectLayer(Layer):
+    """Shows objects with area and outline in the color of their class; stretches that follow no contour are dashed.
+
+    Proposals are dashed, in one color; those that are doubtful are sparse and pale. What a click would take away is
+    hatched.
+    """
+
+    name = "objects"
+    title = tr("Objects")
+    tip = tr("Accepted objects by class, and proposals, dashed.")
+    shortcut = "Alt+5"
+    in_slices = True
+    colors = (CLASSES[0].color, theme.PROPOSAL)
+    options = (
+        Amount("fill", tr("Area"), 0.0, 1.0, 0.05, 0.25, tr("Opacity of the areas.")),
+        Switch("names", tr("Names"), True, tr("Show the names of objects.")),
+    )
+
+    def make(self) -> None:
+        """Make its items."""
+        self.fills = Fills(3.0)
+        self._outlines = Curves(theme.CHOSEN, 4.3)
+        self._gaps = Curves(theme.HALO, 4.35, halo=0.0, dashed=True)
+        self._chosen = Curves(theme.CHOSEN, 4.25, width=5.0, halo=7.0)
+        self._hovered = Curves(theme.HOVERED, 4.24, width=5.0, halo=0.0)
+        self.offered_fill, self._offered = Fills(4.4), Curves(theme.PROPOSAL, 4.55, width=2.2, halo=4.0, dashed=True)
+        self._doubtful = Curves(theme.PROPOSAL, 4.5, width=1.4, halo=2.8, dashed=_SPARSE)
+        self.added, self.removed = Fills(4.6), Fills(4.65, Qt.BrushStyle.BDiagPattern)
+        self._clicks = Markers(6.9, size=9.0, pen=pg.mkPen(theme.HALO, width=1.2))
+        self._paths: dict[int, tuple[tuple[Line, ...], list[Array]]] = {}
+        """Boundaries of the objects that are shown, by their numbers, and what is drawn of them."""
+        self._names, self._likely = Names(5.8), Names(5.85, above=True)
+        self.add(self.fills, self._outlines, self._gaps, self._chosen, self._hovered, self.offered_fill)
+        self.add(self._offered, self._doubtful, self.added, self.removed, self._clicks, self._likely)
+        self.add(self._names, switch="names")
+
+    def legend_entries(self) -> Sequence[LegendEntry]:
+        """Objects, and those that are offered."""
+        offered, objects = self._proposals, self.scene.document.objects
+        color = objects.color(objects.items[0]) if objects.items else theme.PROPOSAL
+        return (
+            LegendEntry(
+                len(objects.items), tr("accepted"), tr("Objects, in the colors of their classes."), color, "area"
+            ),
+            LegendEntry(len(offered), tr("proposed"), tr("Objects that can be accepted."), theme.PROPOSAL, "dashed"),
+        )
+
+    def follow_choice(self, name: str) -> None:
+        """Show areas in another opacity, or show or hide names."""
+        if name == "fill":
+            self._show_objects()
+        else:
+            super().follow_choice(name)
+
+    def follow(self, before: Scene) -> None:
+        """Show other objects, another selection, or another proposal."""
+        scene, shown, last = self.scene, self.scene.objects, before.objects
+        of, last_of = scene.document.objects, before.document.objects
+        other = (of.items, of.classes, of.edited) != (last_of.items, last_of.classes, last_of.edited)
+        if other:
+            self._show_objects()
+        other_offer = shown.proposals is not last.proposals
+        if other or other_offer or shown.chosen != last.chosen:
+            self._chosen.show(self._paths_of(shown.chosen))
+        if other or other_offer or shown.hovered != last.hovered:
+            self._hovered.show(self._paths_of({shown.hovered}))
+        if other_offer:
+            self._show_proposals()
+        if other_offer or (shown.chosen, shown.hovered) != (last.chosen, last.hovered):
+            self._show_likely()
+        if shown.preview is not last.preview:
+            self._show_preview()
+        if of.clicks != last_of.clicks:
+            self._show_clicks()
+
+    def _show_objects(self) -> None:
+        objects = self.scene.document.objects
+        seen = [item for item in objects.items if not item.hidden and item.number != objects.edited]
+        fill = self.number("fill")
+        known = self._paths
+        self._paths = {
+            item.number: made if (made := known.get(item.number)) and made[0] is item.boundary else
+            (item.boundary, [np.array((*curve, curve[0])) for curve in item.boundary])
+            for item in seen
+        }  # fmt: skip
+        paths = [(self._paths[item.number][1], objects.color(item)) for item in seen]
+        self.fills.show([(own, color, fill) for own, color in paths])
+        outlines = [(path, color) for own, color in paths for path in own]
+        self._outlines.show([path for path, _ in outlines], [color for _, color in outlines])
+        self._gaps.show([np.array(gap) for item in seen for gap in item.gaps])
+        self._names.show([(item.center, item.name, objects.color(item)) for item in seen if item.name])
+
+    @property
+    def _proposals(self) -> list[tuple[int, Selection]]:
+        """What is offered and can be drawn, with its keys."""
+        offered = ((each.key, each.selection) for each in self.scene.objects.proposals)
+        return [(key, found) for key, found in offered if isinstance(found, Selection) and found.found]
+
+    def _paths_of(self, numbers: Iterable[int]) -> list[Array]:
+        """The boundaries of the objects of some numbers, and of proposals of some keys."""
+        wanted = set(numbers)
+        chosen = [found for key, found in self._proposals if key and key in wanted]
+        own = [path for number, (_, paths) in self._paths.items() if number in wanted for path in paths]
+        return [*own, *_outlines(chosen)]
+
+    def _show_proposals(self) -> None:
+        found = [selection for _, selection in self._proposals]
+        sure = [each for each in found if each.confidence >= DOUBTFUL]
+        doubtful = [each for each in found if each.confidence < DOUBTFUL]
+        areas = [(_curves_of(each), theme.PROPOSAL, _OFFERED) for each in sure]
+        self.offered_fill.show([*areas, *((_curves_of(each), theme.PROPOSAL, _DOUBTFUL) for each in doubtful)])
+        self._offered.show(_outlines(sure))
+        self._doubtful.show(_outlines(doubtful))
+
+    def _show_likely(self) -> None:
+        """Show how probable proposals are: of many only that under the pointer and chosen ones."""
+        shown, offered = self.scene.objects, self._proposals
+        few = len(offered) <= _FEW
+        offered = offered if self.scene.volume is None else []  # how probable bodies are is not known
+        marked = [
+            found for key, found in offered
+            if key in {*shown.chosen, shown.hovered, 0} or len(offered) == 1 or (few and found.confidence < DOUBTFUL)
+        ]  # fmt: skip
+        texts = (f"{'? ' * (found.confidence < DOUBTFUL)}{percent(found)}" for found in marked)
+        highest = (tuple(min(np.concatenate(_curves_of(found)).tolist())) for found in marked)
+        self._likely.show([(place, text, "#ffffff") for place, text in zip(highest, texts, strict=True)])
+
+    def _show_preview(self) -> None:
+        """Show what a click would add, or take away: where the boundaries before and after it enclose an odd number."""
+        preview = self.scene.objects.preview
+        changed: list[Area] = []
+        if preview is not None and isinstance(preview.after, Selection):
+            curves = _curves_of(preview.after)
+            if isinstance(preview.before, Selection):
+                curves += _curves_of(preview.before)
+            color, opacity = (theme.PROPOSAL, _CHANGED) if preview.adds else (theme.REMOVED, 1.0)
+            changed = [(curves, color, opacity)] if curves else []  # none in a slice beside it
+        adds = preview is not None and preview.adds
+        self.added.show(changed if adds else [])
+        self.removed.show([] if adds else changed)
+
+    def _show_clicks(self) -> None:
+        """Mark the places of all clicks, of a long stroke only some."""
+        clicks = self.scene.document.objects.clicks
+        marks = [(at, each.inside) for each in clicks for at in each.places[:: 1 + len(each.places) // _MOST_MARKS]]
+        brushes = {True: pg.mkBrush(theme.RESTING), False: pg.mkBrush(theme.BARRIER)}
+        self._clicks.show(
+            [at for at, _ in marks],
+            symbol=["o" if inside else "x" for _, inside in marks],
+            brush=[brushes[inside] for _, inside in marks],
+        )
+
+
+def _curves_of(selection: Selection) -> list[Array]:
+    return [contour.points for contour in selection.contours]
+
+
+def _outlines(selections: Iterable[Selection]) -> list[Array]:
+    return [contour.path for selection in selections for contour in selection.contours]

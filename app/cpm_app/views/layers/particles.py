@@ -1,0 +1,178 @@
+"""The layer of the particles, and the legend of their colors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+import numpy as np
+from PySide6.QtCore import QUrl
+from PySide6.QtGui import QColor, QTextDocument
+
+from cpm_app.model.display.coloring import QUANTITIES, SHADES, colored
+from cpm_app.model.text.language import tr, written
+from cpm_app.session.exchange.messages import Snapshot
+from cpm_app.session.scene import Scene
+from cpm_app.views.items.discs import NO_POSITIONS, Discs
+from cpm_app.views.items.item import Pinned
+from cpm_app.views.layers.layer import Choice, Layer, LegendEntry
+from cpm_app.views.theme import color_maps, theme
+from cpm_core.numerics import Array
+
+BEGIN = 0.18
+"""Part of the maps that is too dark to be distinguished from a dark image."""
+
+UNKNOWN = theme.JUNCTION
+"""Color of particles whose quantity is not known yet; no map contains it."""
+
+_WIDTH, _STRIP = 154, 8
+
+_LEGEND = (
+    f"<table width='{_WIDTH}' cellspacing='0' cellpadding='1'><tr><td colspan='3' align='center'>{{title}}</td></tr>"
+    f"<tr><td colspan='3'><img src='{{map}}' width='{_WIDTH}' height='{_STRIP}'></td></tr><tr><td>0</td>"
+    f"<td align='center' style='color:{UNKNOWN}'>{{unknown}}</td><td align='right'>{{high}}</td></tr></table>"
+)
+"""Title, a strip of colors, and the values at its ends."""
+
+
+_SMALL, _SAME, _HIDDEN = "small", "same", "hidden"
+_RECEDING, _PALE = 0.55, 0.4
+"""Factors of the diameter and of the opacity of particles after the end of a run."""
+
+_ABOVE, _BELOW = 6.0, 3.1
+"""Places in the stack of the moving particles: above the contours during a run, and below them after its end."""
+
+_FADED = 0.85
+"""How much of its opacity a particle has lost where it is so far from a slice that it is not shown any more."""
+
+_STATE = "state"
+_COLORS = ("viridis", "cividis", "magma")
+
+
+class ParticleLayer(Layer):
+    """The particles, colored by state (moving or at rest) or by a quantity.
+
+    They lead during a run; after its end they recede behind what has been found.
+    """
+
+    name = "particles"
+    title = tr("Particles")
+    tip = tr("Moving, and nearly at rest.")
+    shortcut = "Alt+1"
+    in_slices = True
+    colors = (theme.MOVING, theme.RESTING)
+    ways: ClassVar = {_STATE: tr("Moving or at rest"), **{name: kind.title for name, kind in QUANTITIES.items()}}
+    """Names and titles of what the color can show."""
+    options = (
+        Choice("colour", tr("Color by"), ways, _STATE, " ".join(quantity.tip for quantity in QUANTITIES.values())),
+        Choice(
+            "map",
+            tr("Colors"),
+            {name: color_maps.MAPS[name] for name in _COLORS},
+            "viridis",
+            tr("Colors from low to high."),
+        ),
+        Choice(
+            "done",
+            tr("After a run"),
+            {_SMALL: tr("Small and pale"), _SAME: tr("As during the run"), _HIDDEN: tr("Hidden")},
+            _SMALL,
+            tr("How particles are shown when a run has ended."),
+        ),
+    )
+
+    def make(self) -> None:
+        """Make its items."""
+        # Contours lie above the particles at rest and below those that still move.
+        self._resting = Discs(theme.RESTING, 7.0, 3.0)
+        self._moving = Discs(theme.MOVING, 6.0, _ABOVE)
+        self.legend = Pinned(self.view, (1.0, 1.0))
+        self._discs = (self._resting, self._moving)
+        self.add(*self._discs, self.legend)
+
+    @property
+    def position(self) -> Array:
+        """Where particles are shown (row, col), shape (N, 2)."""
+        return np.concatenate([discs.position for discs in self._discs])
+
+    @property
+    def count(self) -> int:
+        """Number of particles shown."""
+        return sum(discs.count for discs in self._discs)
+
+    def size_of(self, snapshot: Snapshot | None) -> float:
+        """Factor for the diameter of the particles of a snapshot; 0 where they are hidden after its run."""
+        ended = snapshot is not None and snapshot.state.stop_reason
+        return {_SAME: 1.0, _SMALL: _RECEDING, _HIDDEN: 0.0}[self.word("done")] if ended else 1.0
+
+    def legend_entries(self) -> Sequence[LegendEntry]:
+        """Particles by state during a run; those colored by a quantity have a legend on the canvas."""
+        snapshot = self.scene.snapshot
+        if self.word("colour") != _STATE or (snapshot is not None and snapshot.state.stop_reason):
+            return ()
+        kinds = (
+            (self._moving, tr("moving"), tr("Particles that move."), theme.MOVING),
+            (self._resting, tr("at rest"), tr("Particles that hardly move."), theme.RESTING),
+        )
+        return [LegendEntry(discs.count, text, tip, color, "dot") for discs, text, tip, color in kinds]
+
+    def show_or_hide(self) -> None:
+        """Show or hide the particles and the legend."""
+        snapshot = self.scene.snapshot
+        for discs in self._discs:
+            discs.setVisible(self.shown and self.size_of(snapshot) > 0.0)
+        self.legend.setVisible(self.shown and snapshot is not None and self.word("colour") != _STATE)
+
+    def fade(self) -> None:
+        """Set opacity, size and place in the stack."""
+        recede = self.size_of(self.scene.snapshot) < 1.0
+        for discs in self._discs:
+            discs.setOpacity(self.opacity * (_PALE if recede else 1.0))
+            discs.shrink(_RECEDING if recede else 1.0)
+        self._moving.setZValue(_BELOW if recede else _ABOVE)
+
+    def acts(self, name: str) -> bool:
+        """Colors from low to high act only where a quantity is shown."""
+        return name != "map" or self.word("colour") != _STATE
+
+    def follow_choice(self, _: str) -> None:
+        """Change the colors, or how the particles are shown after a run."""
+        palette: list[str] = []
+        if self.word("colour") != _STATE:
+            palette, strip = _palette(name := self.word("map")), color_maps.strip(name, 2 * _WIDTH, 2 * _STRIP, BEGIN)
+            self.legend.textItem.document().addResource(QTextDocument.ResourceType.ImageResource, QUrl(name), strip)
+        for discs in self._discs:
+            discs.use_palette(palette)
+        self._show()
+
+    def follow(self, before: Scene) -> None:
+        """Show the newest particles."""
+        if self.scene.snapshot is not before.snapshot:  # another slice shows others of the same particles
+            self._show()
+
+    def _show(self) -> None:
+        snapshot, near, marks = self.scene.snapshot, self.scene.near, None
+        opacity = None if near is None else 1.0 - _FADED * near.away
+        if snapshot is not None and self.word("colour") != _STATE:
+            quantity = QUANTITIES[self.word("colour")]
+            shown = colored(quantity, snapshot.state, snapshot.metrics)
+            marks = shown.marks if near is None else shown.marks[near.index]
+            high = written(f"{shown.high:g}")
+            unknown = tr("● too new") if (shown.marks == SHADES).any() else ""
+            self.legend.show_html(
+                _LEGEND.format(title=quantity.title, map=self.word("map"), high=high, unknown=unknown)
+            )
+        for discs in self._discs:
+            if snapshot is None:
+                discs.show(NO_POSITIONS)
+            else:
+                which = snapshot.resting if discs is self._resting else ~snapshot.resting
+                color = None if marks is None else marks[which]
+                discs.show(snapshot.position[which], color, None if opacity is None else opacity[which])
+        self.fade()
+        self.show_or_hide()
+
+
+def _palette(name: str) -> list[str]:
+    """Colors from low to high, and one for unknown values."""
+    return [QColor(*map(int, row)).name() for row in color_maps.table(name, SHADES, BEGIN)] + [UNKNOWN]

@@ -1,0 +1,98 @@
+"""The layer of the skeleton: branches colored by the local thickness of the object, and inscribed disks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+
+import numpy as np
+
+from cpm_app.model.text.language import tr
+from cpm_app.session.scene import Scene
+from cpm_app.views.items.curves import Curves
+from cpm_app.views.layers.layer import Layer
+from cpm_app.views.theme import theme
+from cpm_core import Skeleton
+from cpm_core.numerics import Array
+
+_THICK = 95.0
+"""Percentile of the radii from which all are shown as thick, so that one wide place does not make all others thin."""
+
+_DISK_EVERY, _CORNERS = 1.0, 48
+"""Distance of two disks along a branch in radii, and number of corners of the polygon that represents a disk."""
+
+
+class SkeletonLayer(Layer):
+    """Shows branches and radii."""
+
+    name = "skeleton"
+    title = tr("Skeleton")
+    tip = tr("Center lines, colored from thin to thick, and inscribed disks.")
+    in_slices = True
+    colors = (theme.THICKNESSES[0], theme.THICKNESSES[-1])
+
+    def make(self) -> None:
+        """Make its items."""
+        self.branches = Curves(theme.THICKNESSES[0], 4.6, width=2.6, halo=4.4)
+        self.disks = Curves(theme.DISK, 4.5, width=1.0, halo=0.0)
+        self.add(self.disks, self.branches)
+
+    def follow(self, before: Scene) -> None:
+        """Show another skeleton, or none."""
+        found = self.scene.skeleton
+        if found is before.skeleton:
+            return
+        pieces: list[tuple[int, Array]] = []
+        circles: list[Array] = []
+        if found is not None and found.contours:
+            pieces += banded(found, len(theme.THICKNESSES))
+            for contour, radii in zip(found.contours, found.radii, strict=True):
+                along = np.append(radii, radii[0]) if contour.closed else radii
+                circles += disks(contour.path, along, _sides(self.scene))
+        self.branches.show([piece for _, piece in pieces], [theme.THICKNESSES[band] for band, _ in pieces])
+        self.disks.show(circles)
+
+
+def banded(found: Skeleton, bands: int) -> Iterator[tuple[int, Array]]:
+    """Pieces of all branches of a skeleton, each with the index of its band of thickness."""
+    thickest = max(float(np.percentile(np.concatenate(found.radii), _THICK)), 1e-9)
+    for contour, radii in zip(found.contours, found.radii, strict=True):
+        along = np.append(radii, radii[0]) if contour.closed else radii
+        yield from by_thickness(contour.path, along / thickest, bands)
+
+
+def by_thickness(path: Array, share: Array, bands: int) -> list[tuple[int, Array]]:
+    """Pieces of a path, each with the index of its band of thickness.
+
+    Parameters
+    ----------
+    path : ndarray, shape (K, 2)
+        Branch.
+    share : ndarray, shape (K,)
+        Thickness at its vertices as a fraction of the largest, from 0 to 1.
+    bands : int
+        Number of bands.
+    """
+    band = np.minimum((share * bands).astype(int), bands - 1)
+    cuts = [0, *(np.flatnonzero(np.diff(band)) + 1).tolist(), len(path)]
+    return [(int(band[a]), path[a : min(b + 1, len(path))]) for a, b in pairwise(cuts)]
+
+
+def _sides(scene: Scene) -> tuple[float, ...]:
+    """Sides of a pixel in the unit of the radii: in a slice of a volume that is the smallest side of a voxel."""
+    if scene.volume is None or scene.image is None:
+        return 1.0, 1.0
+    return tuple(side / min(scene.volume.spacing) for side in scene.image.spacing)
+
+
+def disks(path: Array, radii: Array, sides: tuple[float, ...] = (1.0, 1.0)) -> list[Array]:
+    """Outlines of inscribed disks along a branch, at least a radius apart; `sides` are those of a pixel."""
+    angle = np.linspace(0.0, 2.0 * np.pi, _CORNERS)
+    around = np.stack([np.sin(angle), np.cos(angle)], axis=1) / np.array(sides)
+    found, room = [], 0.0
+    for index, (place, radius) in enumerate(zip(path, radii, strict=True)):
+        room -= float(np.hypot(*(place - path[index - 1]))) if index else 0.0
+        if room <= 0.0 and radius >= 1.0:
+            found.append(place + radius * around)
+            room = _DISK_EVERY * float(radius)
+    return found

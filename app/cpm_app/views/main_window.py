@@ -1,0 +1,41 @@
+"""The window with all its features, and how it begins."""
+
+from __future__ import annotations
+
+from cpm_app.model.document.samples import samples
+from cpm_app.session.features.workspace import Workspace
+from cpm_app.session.storage.preferences import Preferences
+from cpm_app.views.features import FEATURES
+from cpm_app.views.features.files import RecoveryFeature, StartFeature
+from cpm_app.views.window.window import MainWindow
+
+
+def make_window(workspace: Workspace, preferences: Preferences | None = None) -> MainWindow:
+    """A window of a session, with all features.
+
+    Parameters
+    ----------
+    workspace : Workspace
+        Session and features; closed together with the window.
+    preferences : Preferences, optional
+        Settings that are stored between sessions.
+
+    Returns
+    -------
+    MainWindow
+        The window, not yet shown.
+    """
+    return MainWindow(workspace, FEATURES, preferences)
+
+
+def open_window(path: str | None = None) -> MainWindow:
+    """Open a window with an image, by default with the first sample."""
+    workspace = Workspace()
+    window, session = make_window(workspace), workspace.session
+    session.open(path or samples()[0].path)
+    session.warm_up()
+    window.show()
+    if path is None:
+        window.feature(StartFeature).welcome()
+    window.feature(RecoveryFeature).offer()
+    return window

@@ -1,0 +1,101 @@
+"""The panel of the layers, which is also their legend: a row for each, its settings folded away."""
+
+from __future__ import annotations
+
+from functools import partial
+
+from PySide6.QtCore import QPoint, QSize, Qt, QTimer
+from PySide6.QtWidgets import QCheckBox, QHBoxLayout, QVBoxLayout, QWidget
+
+from cpm_app.model.text.language import tr
+from cpm_app.views.layers import Layers
+from cpm_app.views.layers.layer import Layer
+from cpm_app.views.layers.layer_form import LayerForm
+from cpm_app.views.theme.icons import swatch
+from cpm_app.views.theme.theme import Theme
+from cpm_app.views.widgets.actions import LAYER, Actions, add_choice
+from cpm_app.views.widgets.containers import Fold, Scrolled, arrange
+from cpm_app.views.widgets.fields import MarkedSlider
+
+_FOLD, _LEAST = 18, 60
+"""Width of the button that unfolds, and least height of the panel [px]."""
+
+_LOWEST_OPACITY, _OPACITY_STEP = 0.05, 0.05
+
+
+class LayersPanel(Scrolled):
+    """One row per layer."""
+
+    def __init__(self, layers: Layers) -> None:
+        self.rows = {layer.name: LayerRow(layer) for layer in layers}
+        self.boxes: dict[str, QCheckBox] = {name: row.box for name, row in self.rows.items()}
+        content = QWidget()
+        arrange(QVBoxLayout(content), *self.rows.values(), None, margins=(6, 8, 8, 4), spacing=2)
+        super().__init__(content, _LEAST)
+        self.setFocusProxy(next(iter(self.boxes.values())))
+        for row in self.rows.values():
+            # the position of the settings is known only after the layout has been updated
+            row.fold.toggled.connect(
+                lambda _, row=row: QTimer.singleShot(0, row, partial(self.ensureWidgetVisible, row, 0, 4))
+            )
+
+    def use_theme(self, theme: Theme) -> None:
+        """Show the colors of layers in use, which the preferences change."""
+        for row in self.rows.values():
+            row.show_color()
+
+    def use_actions(self, actions: Actions) -> None:
+        """Give the rows the tooltips of the actions that show or hide layers, with their keys."""
+        for name, box in self.boxes.items():
+            box.setToolTip(actions[f"{LAYER}{name}"].toolTip())
+
+
+class LayerRow(QWidget):
+    """Check box of a layer, with opacity and settings below."""
+
+    def __init__(self, layer: Layer) -> None:
+        super().__init__()
+        self.layer = layer
+        self.box = QCheckBox(layer.title)
+        self.box.setIconSize(QSize(16 * max(len(layer.colors), 1), 14))
+        self.box.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.box.toggled.connect(layer.set_shown)
+        self.show_color()
+        self.fold = Fold()
+        self.fold.setFixedWidth(_FOLD)
+        self.fold.setAccessibleName(tr("Settings: {layer}", layer=layer.title))
+        self.fold.setToolTip(tr("Settings of this layer."))
+        self.fold.toggled.connect(self._unfold)
+        self.opacity = MarkedSlider(_LOWEST_OPACITY, 1.0, _OPACITY_STEP)
+        self.opacity.setAccessibleName(tr("Opacity: {layer}", layer=layer.title))
+        self.opacity.setToolTip(tr("Opacity; double-click to restore."))
+        self.opacity.moved_to.connect(layer.set_opacity)
+        self.opacity.restored.connect(partial(layer.set_opacity, 1.0))
+        self.settings: QWidget | None = None
+        head = arrange(QHBoxLayout(), self.fold, self.box, spacing=2, wide=self.box)
+        self._column = arrange(QVBoxLayout(self), head, spacing=2)
+        add_choice(self, tr("Restore the &opacity"), partial(layer.set_opacity, 1.0))
+        layer.changed.connect(self._show)
+        self._show()
+
+    def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
+        """The layer. See `MenuOwner`."""
+        return f"{LAYER}{self.layer.name}", point if point is not None else self.box.geometry().center()
+
+    def show_color(self) -> None:
+        """Show the colors in use."""
+        if self.layer.colors:
+            self.box.setIcon(swatch(*self.layer.colors))
+
+    def _show(self) -> None:
+        self.box.setChecked(self.layer.shown)
+        self.opacity.show_value(self.layer.opacity)
+
+    def _unfold(self, unfolded: bool) -> None:
+        if unfolded and self.settings is None:
+            self.settings = LayerForm(self.layer)
+            self.settings.setContentsMargins(_FOLD + 4, 0, 0, 8)
+            self.settings.rows.insertRow(0, tr("Opacity"), self.opacity)
+            self._column.addWidget(self.settings)
+        if self.settings is not None:
+            self.settings.setVisible(unfolded)

@@ -1,0 +1,460 @@
+"""The panel of the objects: a form of the chosen one, the classes, and the table of objects, proposals and contours."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+from PySide6.QtCore import QRectF, QSize, Qt
+from PySide6.QtGui import (
+    QAction,
+    QColor,
+    QFont,
+    QGuiApplication,
+    QKeyEvent,
+    QPainter,
+    QPaintEvent,
+    QPalette,
+    QShowEvent,
+)
+from PySide6.QtWidgets import (
+    QComboBox,
+    QGridLayout,
+    QHBoxLayout,
+    QLineEdit,
+    QMenu,
+    QSizePolicy,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from cpm_app.model.display.lengths import shown_in
+from cpm_app.model.document.objects import class_title, listed_classes
+from cpm_app.model.text.keys import with_keys
+from cpm_app.model.text.language import tr
+from cpm_app.session.features.object_list import BRUSH, KINDS, Figures, Key, Kind, ObjectList, Row, histogram
+from cpm_app.session.session import Session
+from cpm_app.views.panels.tables import Column, ItemTable, Role, TableModel
+from cpm_app.views.theme import theme
+from cpm_app.views.theme.icons import fill_colors, swatch
+from cpm_app.views.widgets.containers import arrange, wrapped
+from cpm_app.views.widgets.fields import DecimalField
+from cpm_core import Image
+from cpm_core.contours import Measures
+from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects
+
+REACHED: Mapping[str, str] = {
+    "flight": tr("in free flight"), "weak": tr("beyond a weak edge"), "junction": tr("over a junction"),
+    "launched": tr("inserted elsewhere"), "": "–",
+}  # fmt: skip
+"""Words for the ways in which particles come to a contour, the nearest first."""
+
+_KIND: Mapping[Kind, str] = {
+    "object": tr("object"), "proposal": tr("proposal"), "closed": tr("closed"), "open": tr("open"),
+    "rejected": tr("rejected"),
+}  # fmt: skip
+
+
+def _figure(get: Callable[[Figures], float | None]) -> Callable[[Row], float | None]:
+    """A figure of an object; None while it is not known."""
+    return lambda row: None if row.figures is None else get(row.figures)
+
+
+def _measure(get: Callable[[Measures], float | str | None]) -> Callable[[Row], float | str | None]:
+    """A measure of a contour; None for an object."""
+    return lambda row: None if row.contour is None else get(row.contour.measures)
+
+
+def _of(
+    item: Callable[[SegmentedObject], float | None], measures: Callable[[Measures], float | None]
+) -> Callable[[Row], float | str | None]:
+    """A number of an object, or of a contour."""
+    return lambda row: item(row.item) if row.item is not None else _measure(measures)(row)
+
+
+def _state(row: Row) -> str | None:
+    """Whether it is frozen, hidden or kept, in words."""
+    if row.item is None:
+        return tr("kept") if row.contour is not None and row.contour.reviewed.verdict == "kept" else None
+    words = ((row.item.frozen, tr("frozen")), (row.item.hidden, tr("hidden")))
+    return ", ".join(word for holds, word in words if holds) or None
+
+
+CONFIDENCE = tr("Confidence: the estimated probability that the object covers most of the true one and little else.")
+
+
+def columns_of(objects: SegmentedObjects, spacing: tuple[float, ...] = (1.0, 1.0)) -> tuple[Column[Row], ...]:
+    """The columns, those that matter most first, with the classes of the objects and the size of a pixel."""
+    pixel = float(np.prod(spacing))
+    solid = len(spacing) == 3
+
+    def kind(row: Row) -> str:
+        if row.kind != "object" or row.item is None:
+            return _KIND[row.kind]
+        named = bool(objects.classes[row.item.category - 1].name)
+        return f"{row.item.category} " * named + class_title(objects, row.item.category)
+
+    def number(row: Row) -> int | None:
+        return row.contour.measures.number if row.contour else abs(row.key[1]) or None
+
+    return (
+        Column("number", tr("#"), tr("Number; it stays the same."),
+               number, "000", form=".0f", key=lambda row: KINDS.index(row.kind) * 1e7 + (number(row) or 0)),
+        Column("name", tr("Name"), tr("Name and color; double-click or press {key:name_object} to rename."),
+               lambda row: row.name, "name"),
+        Column("class", tr("Class"), tr("Class of an object, which the digits 1 to 9 set, or what else the "
+                                        "row is."), kind,
+               "proposal",
+               key=lambda row: 10 * KINDS.index(row.kind) + (row.item.category if row.item else 0)),
+        Column("area", tr("Volume"), tr("Volume without hollows."), _figure(lambda found: found.volume),
+               "00,000", 3)
+        if solid else
+        Column("area", tr("Area"), tr("Area without holes."),
+               _of(lambda item: item.area * pixel, lambda found: found.net_area_in_units if found.closed else None),
+               "00,000", 2),
+        Column("confidence", tr("%"), CONFIDENCE,
+               lambda row: row.item.confidence * 100 if row.item is not None and row.item.confidence else None,
+               "00 %", form=".0f", suffix=" %"),
+        Column("length", tr("Area"), tr("Area of the surface, including hollows."),
+               _figure(lambda found: found.area), "00,000", 2)
+        if solid else
+        Column("length", tr("Length"),
+               tr("Length of the boundary including holes, or of the contour."),
+               _of(lambda item: item.perimeter(spacing), lambda found: found.length_in_units), "0,000", 1),
+        Column("gray", tr("Mean gray"), tr("Mean gray value inside."), _figure(lambda found: found.gray), "000.0"),
+        Column("strength", tr("Strength"), tr("Mean edge strength along the boundary or contour [gray levels/px]."),
+               _of(lambda item: item.strength or None, lambda found: found.strength), "000.0"),
+        Column("state", tr("State"), tr("Frozen objects stop particles and are not found again; kept "
+                                        "contours stay through slider changes and runs."), _state, "frozen"),
+        Column("gaps", tr("Surfaces"), tr("Number of closed surfaces that bound it: one more for each hollow."),
+               _figure(lambda found: found.parts), "0,000", form=".0f")
+        if solid else
+        Column("gaps", tr("Bridged"), tr("Length of the boundary that follows no contour; dashed."),
+               lambda row: row.item.bridged(spacing) if row.item is not None and row.item.gaps else None, "0,000", 1),
+        Column("euler", tr("Euler number"),
+               tr("Euler characteristic of its surface: 2 for a sphere, 2 less for each handle."),
+               _figure(lambda found: found.euler if solid else None), "000", form=".0f"),
+        Column("inside", tr("Inside"), tr("Number of the closed contour that encloses it."),
+               _measure(lambda found: found.inside or None), "0000", form=".0f"),
+        Column("junctions", tr("Junctions"), tr("Number of ends at which it meets other contours."),
+               _measure(lambda found: None if found.closed else found.junctions), "0", form=".0f"),
+        Column("contrast", tr("Contrast"), tr("Contrast between both sides, 0 to 1; measured at rest."),
+               _measure(lambda found: found.contrast), "0.00", form=".2f"),
+        Column("by_hand", tr("By hand"), tr("Length that was drawn by hand."),
+               _measure(lambda found: found.by_hand * found.length_in_units / found.length if found.by_hand else None),
+               "000.0", 1),
+        Column("reached", tr("Reached"), tr("How particles reached it: in free flight from the start, "
+                                            "beyond a weak edge, along edges over a junction, or by "
+                                            "insertion elsewhere."),
+               _measure(lambda found: REACHED[found.reached]), "beyond a weak edge"),
+    )  # fmt: skip
+
+
+class ObjectTable(ItemTable):
+    """Shows the rows of a list, those of some kinds, selects, names, classifies and removes them."""
+
+    item = "object"
+
+    def __init__(self, session: Session, object_list: ObjectList) -> None:
+        self._session, self._list = session, object_list
+        self._kinds: tuple[Kind, ...] = ()
+        rows = TableModel[Row](columns_of(object_list.objects), lambda row: row.key, self._look,
+                               object_list.rename)  # fmt: skip
+        super().__init__(rows, tr("Objects and contours"))
+        object_list.changed.connect(self.show_items)
+        object_list.selection_changed.connect(self.show_selection)
+        session.image_changed.connect(self.show_items)
+        self.show_items()
+
+    @property
+    def chosen(self) -> frozenset[Key]:
+        """Keys of the selected rows."""
+        return self._list.selected
+
+    def choose(self, keys: Sequence[Key]) -> None:
+        """Select rows."""
+        self._list.select(keys)
+
+    def remove(self) -> None:
+        """Delete the selected rows."""
+        self._list.delete()
+
+    def hover(self, key: Key | None) -> None:
+        """Highlight a row, or nothing."""
+        self._list.hover(key)
+
+    def show_only(self, kinds: tuple[Kind, ...]) -> None:
+        """Show the rows of some kinds, or of all for none."""
+        self._kinds = kinds
+        self.show_items()
+
+    @property
+    def listed(self) -> list[Row]:
+        """The rows that it shows."""
+        return [row for row in self._list.rows if not self._kinds or row.kind in self._kinds]
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Set the class by digits."""
+        digit = event.key() - Qt.Key.Key_0
+        if 1 <= digit <= len(self._list.objects.classes):
+            self._list.classify(digit)
+        else:
+            super().keyPressEvent(event)
+
+    def refresh(self) -> None:
+        """Show the rows in the size of a pixel."""
+        image = self._session.image
+        spacing, unit = (image.spacing, image.unit) if image is not None else ((1.0, 1.0), None)
+        self.rows.update(self.listed, shown_in(spacing, unit), columns_of(self._list.objects, spacing))
+
+    def _look(self, row: Row, role: int, of_name: bool) -> Any:
+        """The color of a row next to its name; hidden and rejected ones are pale, names of the latter struck out."""
+        match role:
+            case Role.DecorationRole if of_name:
+                return swatch(color_of(self._list, row))
+            case Role.ForegroundRole if row.kind == "rejected" or (row.item is not None and row.item.hidden):
+                return QColor(QGuiApplication.palette().color(QPalette.ColorRole.PlaceholderText))
+            case Role.FontRole if row.kind == "rejected":
+                font = QFont()
+                font.setStrikeOut(of_name)
+                return font
+        return None
+
+
+def color_of(object_list: ObjectList, row: Row) -> str:
+    """The color of a row: of an object that of its class, unless it has its own."""
+    if row.item is not None:
+        return theme.PROPOSAL if row.kind == "proposal" else object_list.objects.color(row.item)
+    assert row.contour is not None
+    contour = row.contour.contour
+    return contour.color or theme.CONTOUR
+
+
+class Histogram(QWidget):
+    """Gray values inside an object, in its color, in front of those of the whole image, each up to its own maximum."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+        self.setAccessibleName(tr("Gray values"))
+        self.setToolTip(tr("Gray values inside the object, in its color, and of the whole image, in gray."))
+        self._image: Image | None = None
+        self._whole: tuple[int, ...] = ()
+        self._counts: tuple[int, ...] = ()
+        self._color = ""
+
+    def show_counts(self, image: Image | None, counts: tuple[int, ...], color: str) -> None:
+        """Show the numbers of pixels of an object in an image."""
+        if image is not self._image and image is not None:
+            self._whole = histogram(image.values.ravel()[:: max(1, image.values.size >> 18)], image)
+        self._image, self._counts, self._color = image, counts, color
+        self.setVisible(bool(counts))
+        self.update()
+
+    def sizeHint(self) -> QSize:
+        """Low."""
+        return QSize(120, 36)
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Draw both as bars."""
+        painter = QPainter(self)
+        pale = QColor(self.palette().color(QPalette.ColorRole.PlaceholderText))
+        pale.setAlphaF(0.4)
+        for counts, color in ((self._whole, pale), (self._counts, QColor(self._color))):
+            wide, most = self.width() / max(len(counts), 1), max((*counts, 1))
+            for place, count in enumerate(counts):
+                high = self.height() * count / most
+                painter.fillRect(QRectF(place * wide, self.height() - high, wide - 1.0, high), color)
+        painter.end()
+
+
+class ClassRow(QWidget):
+    """A class: its color, which a menu changes, its digit, which sets it, and its name."""
+
+    def __init__(self, object_list: ObjectList, number: int) -> None:
+        super().__init__()
+        self._list, self._number = object_list, number
+        instant = QToolButton.ToolButtonPopupMode.InstantPopup
+        self.color, self.digit = QToolButton(autoRaise=True, popupMode=instant), QToolButton()
+        self.name = QLineEdit(frame=False)
+        self.color.setToolTip(tr("Color of the class"))
+        menu = QMenu(self.color)
+        fill_colors(menu, self, lambda color: object_list.name_class(number, self.name.text(), color), True)
+        self.color.setMenu(menu)
+        self.digit.setText(str(number))
+        self.digit.setCheckable(True)
+        self.digit.setToolTip(
+            tr("Set the class of the selection and of the next objects ({number}).").format(number=number)
+        )
+        self.digit.clicked.connect(partial(object_list.classify, number))
+        self.name.setAccessibleName(tr("Name of class {number}").format(number=number))
+        self.name.editingFinished.connect(self._rename)
+        arrange(QHBoxLayout(self), self.color, self.digit, self.name, spacing=4, wide=self.name)
+
+    def show_class(self) -> None:
+        """Show the class as it is now."""
+        objects = self._list.objects
+        known = objects.classes[self._number - 1]
+        self.color.setIcon(swatch(known.color))
+        self.digit.setChecked(objects.category == self._number)
+        self.name.setPlaceholderText(class_title(objects, self._number))
+        if not self.name.isModified():
+            self.name.setText(known.name)
+
+    def _rename(self) -> None:
+        if self.name.isModified():
+            self.name.setModified(False)
+            self._list.name_class(self._number, self.name.text())
+
+
+_FILTERS: tuple[tuple[str, tuple[Kind, ...]], ...] = (
+    (tr("All"), ()),
+    (tr("Objects"), ("object",)),
+    (tr("Proposals"), ("proposal",)),
+    (tr("Contours"), ("closed", "open")),
+    (tr("Rejected"), ("rejected",)),
+)
+"""What the table can be limited to."""
+
+BUTTONS = ("shrink", "enlarge", "split", "merge_objects", "objects_alike", "freeze_object", "fill_between",
+           "paint_in_space", "paint_over")  # fmt: skip
+"""Actions with a button, where there are such."""
+
+
+class ObjectPanel(QWidget):
+    """Shows the chosen row as a form, and the table; `action` returns an action by its name, or None."""
+
+    def __init__(self, session: Session, object_list: ObjectList, action: Callable[[str], QAction | None]) -> None:
+        super().__init__()
+        self._session, self._list, self._action = session, object_list, action
+        self.table = ObjectTable(session, object_list)
+        self.setFocusProxy(self.table)
+        self.name = QLineEdit()
+        self.name.setAccessibleName(tr("Name"))
+        self.name.editingFinished.connect(self._rename)
+        self.figures, self.histogram = wrapped(), Histogram()
+        self.figures.setToolTip(CONFIDENCE)
+        self.classes: dict[int, ClassRow] = {}
+        self._classes = QVBoxLayout()
+        self._classes.setSpacing(0)
+        self.buttons: dict[str, QToolButton] = {}
+        self._grid = QGridLayout()
+        self._grid.setSpacing(4)
+        self.brush = DecimalField(*BRUSH, suffix=" px")
+        self.brush.setPrefix(tr("Brush") + " ")
+        self.brush.setToolTip(tr("Radius of the brush; the keys [ and ] change it."))
+        self.brush.setVisible(False)
+        self.brush.valueChanged.connect(object_list.set_brush)
+        object_list.brush_changed.connect(self.brush.show_value)
+        self.shown = QComboBox()
+        self.shown.setAccessibleName(tr("Rows in the table"))
+        self.shown.setToolTip(tr("Which rows the table shows."))
+        self.shown.addItems([text for text, _ in _FILTERS])
+        self.shown.currentIndexChanged.connect(lambda place: self.table.show_only(_FILTERS[place][1]))
+        self.summary = wrapped(dim=True)
+        row = arrange(QHBoxLayout(), self.summary, self.shown, spacing=6, wide=self.summary)
+        arrange(QVBoxLayout(self), self.name, self.figures, self.histogram, self._classes, self._grid, self.brush, row,
+                self.table, margins=(2, 6, 2, 6), spacing=6, wide=self.table)  # fmt: skip
+        session.image_changed.connect(lambda: self.name.setModified(False))  # what is typed names nothing of the next
+        for changed in (object_list.changed, object_list.selection_changed, session.image_changed):
+            changed.connect(self.show_chosen)
+        self.show_chosen()
+
+    def show_chosen(self) -> None:
+        """Show what is chosen, or else the only proposal, the classes, and how many rows there are."""
+        if not self.isVisible():
+            return
+        row = self._row
+        self.name.setVisible(row is not None)
+        self.figures.setVisible(row is not None)
+        self.name.setPlaceholderText(row.title if row else "")
+        if row is not None and not self.name.isModified():
+            self.name.setText(row.name)
+        self.figures.setText(self._said(row) if row else "")
+        counts = row.figures.counts if row is not None and row.figures is not None else ()
+        self.histogram.show_counts(self._session.image, counts, color_of(self._list, row) if row else "")
+        self.brush.show_value(self._list.brush)
+        self._show_classes()
+        found = Counter(each.kind for each in self._list.rows)
+        words: tuple[tuple[Kind, str, str], ...] = (
+            ("object", tr("1 object"), tr("{count} objects")), ("proposal", tr("1 proposal"), tr("{count} proposals")),
+            ("closed", tr("1 closed contour"), tr("{count} closed contours")),
+            ("open", tr("1 open contour"), tr("{count} open contours")),
+            ("rejected", tr("1 rejected"), tr("{count} rejected")),
+        )  # fmt: skip
+        said = [one if found[kind] == 1 else many.format(count=found[kind]) for kind, one, many in words if found[kind]]
+        nothing = with_keys(tr("Nothing yet. Click an object with the Objects tool ({key:objects}), or run."))
+        self.summary.setText(", ".join(said) or nothing)
+
+    def ask_name(self, category: int) -> None:
+        """Ask for the name of a class, or for 0 of the chosen row: in the table for several, or if it has the focus."""
+        self.show_chosen()
+        field = self.classes[category].name if category else self.name
+        if not category and (self._row is None or self.table.hasFocus()):
+            for index in self.table.selectionModel().selectedRows()[:1]:
+                self.table.edit_name(index.row())
+        else:
+            field.setFocus()
+            field.selectAll()
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Make the buttons of the actions, which come after the panels, and show what has changed meanwhile."""
+        super().showEvent(event)
+        for name in BUTTONS if not self.buttons else ():
+            action = self._action(name)
+            if action is not None:
+                button = self.buttons[name] = QToolButton(self)
+                button.setDefaultAction(action)
+                button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextOnly)
+                button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+                action.visibleChanged.connect(self._arrange_buttons)
+        self._arrange_buttons()
+        self.show_chosen()
+
+    def sizeHint(self) -> QSize:
+        """As narrow as the other panels on the right."""
+        return QSize(330, 500)
+
+    def _arrange_buttons(self) -> None:
+        """Place the buttons of the actions that there are in this image, or in this volume, without holes."""
+        there = [button for button in self.buttons.values() if button.defaultAction().isVisible()]
+        for button in self.buttons.values():
+            self._grid.removeWidget(button)
+            button.setVisible(button in there)
+        for place, button in enumerate(there):
+            self._grid.addWidget(button, *divmod(place, 3))
+
+    def _show_classes(self) -> None:
+        listed = listed_classes(self._list.objects)
+        for number in [*self.classes]:
+            if number not in listed:
+                self.classes.pop(number).deleteLater()
+        for place, number in enumerate(listed):
+            if number not in self.classes:
+                self.classes[number] = ClassRow(self._list, number)
+                self._classes.insertWidget(place, self.classes[number])
+            self.classes[number].show_class()
+
+    def _said(self, row: Row) -> str:
+        """What a row is, its area, length and confidence."""
+        columns = {column.name: column for column in self.table.rows.columns}
+        said = [columns["class"].text(row, 1.0), *(self.table.said(row, columns[name]) for name in ("area", "length"))]
+        if row.item is not None and row.item.confidence:
+            said.append(tr("Confidence: {share}").format(share=columns["confidence"].text(row, 1.0)))
+        return " · ".join(filter(None, said))
+
+    @property
+    def _row(self) -> Row | None:
+        """The chosen row, or the only proposal; None for several."""
+        rows = self._list.selected_rows or [row for row in self._list.rows if row.kind == "proposal"]
+        return rows[0] if len(rows) == 1 else None
+
+    def _rename(self) -> None:
+        row = self._row
+        if self.name.isModified() and row is not None:
+            self.name.setModified(False)
+            self._list.rename(row.key, self.name.text())

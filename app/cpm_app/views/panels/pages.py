@@ -1,0 +1,197 @@
+"""The pages of a stack: the line that chooses one, and the table of what was found on all."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from PySide6.QtCore import QItemSelection, QSignalBlocker, Qt, Signal
+from PySide6.QtGui import QKeyEvent
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QCheckBox,
+    QComboBox,
+    QHBoxLayout,
+    QLabel,
+    QPushButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from cpm_app.model.display.lengths import shown_in
+from cpm_app.model.display.page_rows import PageRow
+from cpm_app.model.display.plots import PageMetrics, plots_of_pages, plotted
+from cpm_app.model.text.keys import with_keys
+from cpm_app.model.text.language import tr
+from cpm_app.session.features.stack_pages import StackPages
+from cpm_app.views.panels.run import Chart
+from cpm_app.views.panels.tables import Column, Index, Table, TableModel
+from cpm_app.views.widgets.containers import ENTER, arrange, wrapped
+from cpm_app.views.widgets.fields import PlaceBar
+from cpm_core.contours import Measures
+
+_JUMP = 10
+
+
+def _measured(get: Callable[[Measures], float | None]) -> Callable[[PageRow], float | None]:
+    """A measure, which a row without a contour does not have."""
+    return lambda row: None if row.measures is None else get(row.measures)
+
+
+COLUMNS: tuple[Column[PageRow], ...] = (
+    Column("page", tr("Page"), tr("Page of the stack; a click opens it."), lambda row: row.page, "0000",
+           form=".0f"),
+    Column("track", tr("Track"), tr("Number of the object, which it keeps from page to page."),
+           lambda row: row.track or None, "0000", form=".0f"),
+    Column("happens", tr("What happens"), tr("What happens to the object here, or why the page could not be used."),
+           lambda row: row.happens, "splits off track 12"),
+    Column("area", tr("Area [{unit}²]"), tr("Gross area, including contours inside."),
+           _measured(lambda found: found.area_in_units if found.closed else None), "00,000,000", 2),
+    Column("gray", tr("Mean gray"), tr("Mean gray value inside."), lambda row: row.gray, "000.0"),
+    Column("length", tr("Length [{unit}]"), tr("Length along the contour: the perimeter of a closed one."),
+           _measured(lambda found: found.length_in_units), "000,000", 1),
+    Column("row", tr("Row [px]"), tr("Row of its center of area; of an open contour, that of its length."),
+           lambda row: None if row.measures is None else row.row, "0000.0", form=".1f"),
+    Column("col", tr("Column [px]"), tr("Column of its center of area; of an open contour, that of its length."),
+           lambda row: None if row.measures is None else row.col, "0000.0", form=".1f"),
+    Column("net", tr("Net area [{unit}²]"), tr("Area without the closed contours inside, as in label stacks."),
+           _measured(lambda found: found.net_area_in_units if found.closed else None), "00,000,000", 2),
+    Column("strength", tr("Strength"), tr("Mean edge strength along the contour [gray levels/px]."),
+           _measured(lambda found: found.strength), "000.0"),
+    Column("contrast", tr("Contrast"), tr("Contrast between both sides, 0 to 1."),
+           _measured(lambda found: found.contrast), "0.00"),
+    Column("kind", tr("Kind"), tr("Closed, or open with two ends."),
+           lambda row: None if row.measures is None else tr("closed") if row.measures.closed else tr("open"),
+           "closed"),
+)  # fmt: skip
+"""All columns in the order shown."""
+
+
+class PageTable(Table):
+    """Shows the rows; a click or Enter goes to the object or contour of a row, if no other is selected too."""
+
+    wanted = Signal(object)
+    """The user wants to see what a row is about: a PageRow."""
+    selected = Signal()
+    """Other rows are selected."""
+
+    def __init__(self) -> None:
+        rows = TableModel[PageRow](COLUMNS, key=lambda row: (row.page, row.track, row.row, row.col))
+        super().__init__(rows, "happens", tr("Contours on all pages"))
+        self.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
+        self.setEditTriggers(QAbstractItemView.EditTrigger.NoEditTriggers)
+        self.clicked.connect(self._go)
+
+    @property
+    def chosen(self) -> tuple[PageRow, ...]:
+        """The selected rows."""
+        return tuple(self.rows.items[self.row_at(index)] for index in self.selectionModel().selectedRows())
+
+    def selectionChanged(self, selected: QItemSelection, deselected: QItemSelection) -> None:
+        """Report that other rows are selected."""
+        super().selectionChanged(selected, deselected)
+        self.selected.emit()
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Go to the contour of the row on Enter."""
+        if event.key() in ENTER and self.currentIndex().isValid():
+            self._go(self.currentIndex())
+        else:
+            super().keyPressEvent(event)
+
+    def _go(self, index: Index) -> None:
+        if len(self.chosen) < 2:
+            self.wanted.emit(self.rows.items[self.row_at(index)])
+
+
+class PagePanel(QWidget):
+    """Shows what was found on all pages of a stack, and plots it; `show` goes to what a row is about."""
+
+    def __init__(self, pages: StackPages, show: Callable[[PageRow], None]) -> None:
+        super().__init__()
+        self._pages = pages
+        self._plotted: tuple[tuple[int, ...], str] = ((), "")
+        self.table, self.summary, self.export = PageTable(), wrapped(dim=True), QPushButton(tr("Export all pages…"))
+        self.kind, self.chart = QComboBox(), Chart((), tr("Plot over the pages"))
+        for name, title in (("objects", tr("Objects")), ("contours", tr("Contours"))):
+            self.kind.addItem(title, name)
+        self.setFocusProxy(self.table)
+        parts = self.summary, self.kind, self.export, self.table, self.chart
+        arrange(QVBoxLayout(self), *parts, margins=(4, 6, 4, 6), wide=self.table)
+        self.table.wanted.connect(show)
+        self.table.selected.connect(self.show_plots)
+        self.chart.clicked.connect(lambda place: pages.open(round(place)))
+        self.kind.activated.connect(lambda _: pages.show_kind(self.kind.currentData()))
+        pages.found.connect(self.show_rows)
+        pages.changed.connect(self.show_plots)
+        self.show_rows()
+
+    def show_rows(self) -> None:
+        """Show what is known of the pages."""
+        found = self._pages.result
+        first = None if found is None or not found.results else found.results[0][1]
+        size = shown_in((1.0, 1.0), None) if first is None else shown_in(first.spacing, first.unit)
+        self.table.rows.update(self._pages.table[1], size)
+        self.export.setEnabled(first is not None)
+        self.kind.setVisible(len(self._pages.tables) > 1)
+        self.show_plots()
+        text = tr("No page of the stack has been run yet: run this page or all pages.")
+        if found is not None and found.pages:
+            text = tr("{done} of {count} pages finished; tracks: {tracks}.").format(
+                done=len(found.results), count=found.count, tracks=len(found.tracks)
+            )
+            if failed := len(found.pages) - len(found.results):
+                text += " " + tr("{failed} could not be used.").format(failed=failed)
+        self.summary.setText(text)
+
+    def show_plots(self) -> None:
+        """Plot the selected objects, or the first ones, over the pages."""
+        pages, (found, rows), size = self._pages, self._pages.table, self.table.rows
+        tracks = plotted(rows, {row.track for row in self.table.chosen if row.track})
+        area = tr("Area [{unit}²]").format(unit=size.unit)
+        if (tracks, area) != self._plotted:
+            self._plotted = tracks, area
+            self.chart.show_plots(plots_of_pages(tracks, area))
+        self.chart.setVisible(bool(tracks))
+        count = 0 if found is None else found.count
+        self.chart.show_metrics(PageMetrics.of(rows, count, pages.number, size.factor))
+
+
+class PageBar(PlaceBar):
+    """Slider and number of the page, whether pages follow each other, and a button that runs all."""
+
+    asked = Signal()
+    """The user wants to run all pages, or to stop that."""
+    followed = Signal(bool)
+    """The user has chosen whether each page starts from the contours of the one before."""
+
+    def __init__(self) -> None:
+        super().__init__(tr("Page"), tr("Number of the page"), _JUMP)
+        self.follow, self.run = QCheckBox(tr("Follow")), QPushButton()
+        self.slider.setTracking(False)
+        self.follow.setToolTip(
+            tr("Start each page from the contours of the previous one instead of from the same drawing.")
+        )
+        self.follow.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.run.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        fields = (QLabel(tr("Page")), self.slider, self.number, self.of, self.follow, self.run)
+        arrange(QHBoxLayout(self), *fields, margins=(10, 3, 10, 3), spacing=4, wide=self.slider).insertSpacing(4, 8)
+        self.follow.toggled.connect(self.followed)
+        self.run.clicked.connect(self.asked)
+
+    def show_keys(self) -> None:
+        """Name the keys as they are now."""
+        self.slider.setToolTip(with_keys(tr("Move through the pages: {key:previous_slice} and {key:next_slice}.")))
+
+    def show_pages(self, number: int, count: int, *, following: bool, running: bool, possible: bool) -> None:
+        """Show which page is open; hidden where there are not several."""
+        self.setVisible(count > 1)
+        self.show_place(number, 1, max(count, 1))
+        with QSignalBlocker(self.follow):
+            self.follow.setChecked(following)
+        self.run.setText(tr("Stop") if running else tr("Run all pages"))
+        self.run.setToolTip(
+            tr("Stop; finished pages are kept.")
+            if running
+            else tr("Run every page of the stack, one after the other, in the background.")
+        )
+        self.run.setEnabled(running or possible)

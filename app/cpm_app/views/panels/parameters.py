@@ -1,0 +1,304 @@
+"""The parameters in the tab of the run: the preset, the sliders that matter, and the others folded away."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from PySide6.QtCore import QEvent, QObject, QPoint, Qt, Signal
+from PySide6.QtWidgets import (
+    QApplication,
+    QCheckBox,
+    QGridLayout,
+    QHBoxLayout,
+    QLabel,
+    QToolButton,
+    QVBoxLayout,
+    QWhatsThis,
+    QWidget,
+)
+
+from cpm_app.model.display.effects import FILTERS, contours_left, effects
+from cpm_app.model.document import edits
+from cpm_app.model.document.document import Document
+from cpm_app.model.document.modes import acting_in, fresh_parameters
+from cpm_app.model.parameters.controls import (
+    BY_ITSELF,
+    CHANNEL,
+    MAIN,
+    ChoiceControl,
+    Control,
+    adapted,
+    choice_controls,
+    controls,
+    value_of,
+)
+from cpm_app.model.text.language import tr, written
+from cpm_app.model.text.wording import FORMULAS
+from cpm_app.session.scene import NO_CONTOURS, ReviewedContours
+from cpm_app.session.session import Session
+from cpm_app.views.theme.icons import icon
+from cpm_app.views.theme.theme import Theme
+from cpm_app.views.widgets.actions import add_choice
+from cpm_app.views.widgets.containers import Section, arrange, dim_label
+from cpm_app.views.widgets.fields import ChoiceBox, DecimalField, MarkedSlider
+from cpm_core import Parameters
+
+_SAME = 1e-9
+
+_WIDTH = 64
+"""Width of the field of a number [px]."""
+
+
+def tip(control: Control) -> str:
+    """The explanation of a control."""
+    place = f" ({control.equation})" if control.equation else ""
+    lines = (
+        f"<b>{control.title}</b> {control.facts}",
+        control.meaning,
+        f"{FORMULAS[control.name]}{place}",
+        f"{control.more} {control.acts}",
+    )
+    return "".join(f"<p style='margin: 3px 0'>{line}</p>" for line in lines)
+
+
+class ChoiceRow(QWidget):
+    """Shows one choice and reports what the user takes to `change`, by the name of the parameter."""
+
+    def __init__(self, control: ChoiceControl, change: Callable[[str, str], None]) -> None:
+        super().__init__()
+        self.control = control
+        self.box = ChoiceBox({value: title for value, title, _ in control.choices})
+        for index, (_, _, about) in enumerate(control.choices):
+            self.box.setItemData(index, about, Qt.ItemDataRole.ToolTipRole)
+        self.box.setAccessibleName(control.title)
+        self.box.setAccessibleDescription(" ".join(control.lines))
+        self.box.chosen.connect(partial(change, control.name))
+        label = QLabel(control.title)
+        label.setBuddy(self.box)
+        self.setToolTip("".join(f"<p>{line}</p>" for line in control.lines))
+        arrange(QHBoxLayout(self), label, self.box, margins=(0, 2, 0, 2), wide=label)
+
+
+class ParameterRow(QWidget):
+    """One parameter: label, number, slider, and a button that restores its default; reports what the user changes."""
+
+    changed = Signal(str, object)
+    """Name of the control and its new value."""
+    released = Signal()
+    """The user has finished one change."""
+
+    def __init__(self, control: Control) -> None:
+        super().__init__()
+        self.control = self._general = control
+        self._label, self.effect = QLabel(control.label), dim_label()
+        limits = control.low, control.high, control.step
+        self.number = DecimalField(*limits, control.decimals, words=control.words)
+        self.slider = MarkedSlider(control.slider_low, control.slider_high, control.step)
+        self._automatic = QCheckBox(tr("auto")) if control.automatic else None
+        self._restore = QToolButton()
+        self._label.setBuddy(self.number)
+        self._label.installEventFilter(self)
+        self.number.setAlignment(Qt.AlignmentFlag.AlignRight)
+        self.number.setButtonSymbols(DecimalField.ButtonSymbols.NoButtons)
+        self.number.setFixedWidth(_WIDTH)
+        self.number.valueChanged.connect(self._report)
+        self.number.editingFinished.connect(self.released)
+        self.slider.moved_to.connect(self._report)
+        self.slider.sliderReleased.connect(self.released)
+        self.slider.restored.connect(self._reset)
+        for field in (self.number, self.slider):
+            field.setAccessibleName(control.title)
+            field.installEventFilter(self)
+            if control.by_hand is not None:
+                field.show_value(control.by_hand)
+        self._restore.setObjectName("restore")
+        self._restore.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self._restore.setAccessibleName(tr("{parameter}: restore the default", parameter=control.title))
+        self._restore.clicked.connect(self._reset)
+        if self._automatic is not None:
+            self._automatic.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+            self._automatic.setToolTip(BY_ITSELF.get(control.name, ""))
+            self._automatic.clicked.connect(lambda on: self._finish("auto" if on else self.number.value()))
+        self._lay_out()
+        self.adapt(control)
+        add_choice(self, tr("&Restore the default"), self._reset)
+        add_choice(self, tr("&Copy the value"), lambda: QApplication.clipboard().setText(f"{self.number.exact:.10g}"))
+        add_choice(
+            self,
+            tr("&Explain"),
+            lambda: QWhatsThis.showText(self.mapToGlobal(QPoint(0, 0)), tip(self.control), self),
+        )
+
+    def show_value(self, value: float | str) -> None:
+        """Show a value or ``"auto"``."""
+        control, default = self.control, self.control.default
+        by_hand = not isinstance(value, str)
+        if self._automatic is not None:
+            self._automatic.setChecked(not by_hand)
+        self.number.setEnabled(by_hand)
+        self.slider.setEnabled(by_hand)
+        same = value == default
+        if not isinstance(value, str):
+            self.slider.show_value(value)
+            self.number.setSuffix(f" {control.unit}" if control.unit and value not in dict(control.words) else "")
+            self.number.show_value(value)
+            same = not isinstance(default, str) and abs(value - default) < _SAME
+        self._restore.setVisible(not same)
+
+    def use(self, usual: Parameters, ndim: int, contrast: float) -> None:
+        """Use range, default and explanation as they are for an image; see `adapted`."""
+        self.adapt(adapted(self._general, usual, ndim, contrast))
+
+    def adapt(self, control: Control) -> None:
+        """Use range, default and explanation of a control."""
+        self.control, default = control, control.default
+        numeric = None if isinstance(default, str) else default
+        self.slider.set_range(control.slider_low, control.slider_high, control.step, numeric)
+        for field in (self.number, self.slider):
+            field.setAccessibleDescription(f"{control.facts}. {control.meaning} {control.more}")
+        self.setToolTip(tip(control))
+        restore = tr("Restore the default, {default} (or double-click the slider or its name).")
+        self._restore.setToolTip(restore.format(default=default if numeric is None else written(f"{numeric:.4g}")))
+
+    def show_effect(self, words: str) -> None:
+        """Show what the present value changes, below the slider."""
+        self.effect.setText(words)
+        self.effect.setVisible(bool(words))
+
+    def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
+        """The parameter. See `MenuOwner`."""
+        return "parameter", point if point is not None else self.slider.geometry().center()
+
+    def use_theme(self, theme: Theme) -> None:
+        """Color the button."""
+        self._restore.setIcon(icon("restore", theme.accent, faded=theme.line))
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """End a change with the focus, and restore the default on a double click on the name."""
+        if watched is self._label:
+            if event.type() == QEvent.Type.MouseButtonDblClick:
+                self._reset()
+        elif event.type() == QEvent.Type.FocusOut:
+            self.released.emit()
+        return False
+
+    def _lay_out(self) -> None:
+        grid = QGridLayout(self)
+        grid.setContentsMargins(0, 2, 0, 2)
+        grid.setVerticalSpacing(0)
+        grid.setHorizontalSpacing(4)
+        grid.addWidget(self._label, 0, 0)
+        grid.addWidget(self.slider, 1, 0, 1, 4)  # before the number, so that Tab reaches it first
+        if self._automatic is not None:
+            grid.addWidget(self._automatic, 0, 1)
+        grid.addWidget(self._restore, 0, 2)
+        grid.addWidget(self.number, 0, 3)
+        grid.addWidget(self.effect, 2, 0, 1, 4)
+        grid.setColumnStretch(0, 1)
+        self.effect.hide()
+
+    def _report(self, value: float) -> None:
+        self.changed.emit(self.control.name, int(value) if self.control.whole else value)
+
+    def _reset(self) -> None:
+        self._finish(self.control.default)
+
+    def _finish(self, value: float | str) -> None:
+        """Report a value that is a change of its own."""
+        self.released.emit()
+        self.changed.emit(self.control.name, value)
+        self.released.emit()
+
+
+class ParametersPanel(QWidget):
+    """Shows the parameters of the document and the presets, and edits them through the session."""
+
+    def __init__(self, session: Session, presets: QToolButton) -> None:
+        super().__init__()
+        self._session = session
+        self._contours: ReviewedContours = NO_CONTOURS
+        self._length = 0.0
+        """Length of all contours [px]."""
+        self._before: dict[str, int] = {}
+        """Number of contours before a slider that is held was moved, by parameter."""
+        self.rows = {control.name: ParameterRow(control) for control in controls()}
+        self.choices = {control.name: ChoiceRow(control, self.change) for control in choice_controls()}
+        self.presets = presets
+        self._acting: frozenset[str] = frozenset((*self.rows, *self.choices))
+        self.more = self._lay_out()
+        for name, row in self.rows.items():
+            row.changed.connect(self.change)
+            row.released.connect(session.seal)
+            row.slider.sliderPressed.connect(partial(self._hold, name, True))
+            row.slider.sliderReleased.connect(partial(self._hold, name, False))
+        session.scene_changed.connect(self._follow)
+        session.document_changed.connect(self.show_document)
+        self.show_document(session.document)
+
+    def show_document(self, document: Document) -> None:
+        """Show the parameters of a document, of which only those are seen that act in its mode."""
+        contrast = document.image.contrast if document.image else 0.0
+        usual = document.fitting(fresh_parameters(document.mode, document.image))
+        dimension = len(document.image.shape) if document.image else 2
+        acting = acting_in(document.mode, dimension)
+        image = self._session.image
+        if image is None or image.colors is None:
+            acting = acting - {CHANNEL}
+        for name, row in (*self.rows.items(), *self.choices.items()):
+            if (name in acting) != (name in self._acting):  # to show a row again takes long
+                row.setVisible(name in acting)
+        self._acting = acting
+        for name, row in self.rows.items():
+            row.use(usual, dimension, contrast)
+            row.show_value(value_of(document.parameters, name))
+        self._show_effects()
+        for name, choice in self.choices.items():
+            choice.box.show_value(str(value_of(document.parameters, name)))
+
+    def _lay_out(self) -> Section:
+        more = QWidget()
+        others = (choice for name, choice in self.choices.items() if name != CHANNEL)
+        arrange(QVBoxLayout(more), *others, *(row for name, row in self.rows.items() if name not in MAIN), spacing=0)
+        section = Section(tr("More parameters"), more)
+        heading = QLabel(tr("Preset"))
+        heading.setObjectName("heading")
+        heading.setBuddy(self.presets)
+        head = arrange(QHBoxLayout(), heading, self.presets, wide=self.presets)
+        # the channel is not folded away: a color image needs it first
+        shown = self.choices[CHANNEL], *(self.rows[name] for name in MAIN)
+        arrange(QVBoxLayout(self), head, *shown, section, spacing=2)
+        return section
+
+    def change(self, name: str, value: float | str) -> None:
+        """Set a parameter of the document."""
+        title = (self.rows.get(name) or self.choices[name]).control.title
+        change = tr("change of {parameter}", parameter=title.lower())
+        before = self._session.document
+        self._session.edit(change, lambda document: edits.set_parameter(document, name, value), f"parameter {name}")
+        # A rejected value must not stay visible; an accepted one is shown through the signal.
+        if self._session.document is before:
+            self.show_document(before)
+
+    def _follow(self) -> None:
+        """Show what the parameters change, and count the contours of the scene when they are others."""
+        scene = self._session.scene
+        if scene.contours is not self._contours:
+            self._contours = scene.contours
+            self._length = sum(item.measures.length for item in scene.contours.items)
+            self._show_effects()
+        state = None if scene.snapshot is None else scene.snapshot.state
+        for name, words in effects(state, scene.document.parameters, self._length, scene.document.image).items():
+            self.rows[name].show_effect(words)
+
+    def _show_effects(self) -> None:
+        rows = [item.measures for item in self._contours.items]
+        for name in FILTERS:
+            value = float(getattr(self._session.document.parameters, name))
+            self.rows[name].show_effect(contours_left(rows, name, value, self._before.get(name)))
+
+    def _hold(self, name: str, held: bool) -> None:
+        """Remember the number of contours while a slider is held."""
+        self._before = {name: len(self._contours.items)} if held else {}
+        if not held:
+            self._show_effects()

@@ -1,0 +1,118 @@
+"""Presets: a button with the name of the one in use, whose menu offers all of them and what can be done with them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+from PySide6.QtCore import QPoint, Qt
+from PySide6.QtGui import QAction, QKeyEvent
+from PySide6.QtWidgets import QMenu, QSizePolicy, QToolButton
+
+from cpm_app.model.document import edits
+from cpm_app.model.document.document import Document
+from cpm_app.model.parameters.presets import Preset
+from cpm_app.model.text.language import reason, tr
+from cpm_app.session.storage.presets import PresetStore
+from cpm_app.views.widgets.actions import add_choice
+from cpm_app.views.window.dialogs import Button, Question, ask_for_text
+from cpm_app.views.window.window import MainWindow
+from cpm_core import PRESETS
+
+_TOPIC = "preset"
+
+
+class Presets(QToolButton):
+    """Shows the preset in use; a click, Enter or the arrow key opens a menu to choose, save and delete presets."""
+
+    def __init__(self, window: MainWindow, store: PresetStore) -> None:
+        super().__init__()
+        self._window, self._session = window, window.session
+        self.store = store
+        self.current: Preset | None = None
+        """The preset whose parameters are in use."""
+        self._compared: tuple[object, object] | None = None
+        self.setObjectName("preset")
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setSizePolicy(QSizePolicy.Policy.Ignored, QSizePolicy.Policy.Fixed)
+        self.setAccessibleName(tr("Preset"))
+        self.setToolTip(tr("Parameters that suit a kind of image, and your own presets."))
+        self.popup = QMenu(self, toolTipsVisible=True)
+        self.clicked.connect(self.open)
+        self.save = self._make(tr("&Save as…"), self._save, tr("Save the current parameters under a name."))
+        self.delete = self._make(tr("&Delete…"), self._delete, tr("Delete the preset in use, if it is your own."))
+        store.changed.connect(self._list)
+        window.session.document_changed.connect(self._show)
+        self._list()
+
+    def open(self) -> None:
+        """Open the menu below the button."""
+        self.popup.clear()
+        self.fill(self.popup)
+        self.popup.popup(self.mapToGlobal(QPoint(0, self.height() + 2)))
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Open on the arrow key as well."""
+        if event.key() == Qt.Key.Key_Down:
+            self.open()
+        else:
+            super().keyPressEvent(event)
+
+    def use(self, preset: Preset) -> None:
+        """Set the parameters of a preset."""
+        name = tr("preset “{name}”", name=preset.name)
+        self._session.edit(name, lambda document: edits.use_preset(document, preset.parameters))
+
+    def fill(self, menu: QMenu) -> None:
+        """Fill a menu with the presets and the actions on them."""
+        for preset in self.store.presets:
+            current = self.current is not None and preset.name == self.current.name
+            add_choice(menu, preset.name.replace("&", "&&"), partial(self.use, preset), preset.about, current)
+        menu.addSeparator()
+        menu.addActions([self.save, self.delete])
+
+    def _make(self, text: str, do: Callable[[], None], tip: str) -> QAction:
+        action = QAction(text, self, toolTip=tip, statusTip=tip)
+
+        def attempt() -> None:
+            self._session.attempt(_TOPIC)
+            try:
+                do()
+            except (ValueError, OSError) as error:
+                self._session.say(reason(error), True, _TOPIC)
+
+        action.triggered.connect(attempt)
+        return action
+
+    def _list(self) -> None:
+        self._compared = None
+        self._show(self._session.document)
+
+    def _show(self, document: Document) -> None:
+        # most changes of a document are of its shapes, and to compare all presets takes milliseconds
+        if self._compared == (document.parameters, document.image):
+            return
+        self._compared = document.parameters, document.image
+        same = (one for one in self.store.presets if edits.use_preset(document, one.parameters) == document)
+        self.current = next(same, None)
+        self.delete.setEnabled(self.current is not None and self.current.own)
+        whole = document.parameters == PRESETS["volume"]  # it suits no image, and is in no menu
+        otherwise = tr("Volume") if whole else tr("Custom parameters")
+        name = otherwise if self.current is None else self.current.name.replace("&", "&&")
+        self.setText(f"{name}  ▾")
+
+    def _save(self) -> None:
+        session, suggested = self._session, self.current.name if self.current is not None and self.current.own else ""
+        name = ask_for_text(self._window, tr("Name of the preset"), tr("Name:"), tr("Use this name"), suggested)
+        if name:
+            about = tr("Created for {image}.", image=session.document.image.name) if session.document.image else ""
+            kept = self.store.save(Preset(name, session.document.parameters, about))
+            session.say(tr("The parameters were saved as “{name}”.", name=kept.name))
+
+    def _delete(self) -> None:
+        assert self.current is not None
+        text = tr("Delete the preset “{name}”?", name=self.current.name)
+        buttons = Button("keep", tr("&Keep"), "cancel"), Button("delete", tr("&Delete"), "discard")
+        question = Question(self._window, tr("Delete preset"), text, tr("This cannot be undone."), buttons)
+        if question.ask() == "delete":
+            self.store.delete(self.current.name)

@@ -1,0 +1,258 @@
+"""The tab of the run: its state, the numbers that matter, preset and sliders; more numbers and plots folded away."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pyqtgraph as pg
+from PySide6.QtCore import QEvent, QPoint, Qt, QTimer, Signal
+from PySide6.QtGui import QColor, QPalette, QShowEvent
+from PySide6.QtWidgets import QGridLayout, QLabel, QVBoxLayout, QWidget
+
+from cpm_app.model.display.plots import PLOTS, Metrics, Plot, RunMetrics, Series
+from cpm_app.model.state.resolve import LEADING, Resolved
+from cpm_app.model.state.surface_figures import SURFACE
+from cpm_app.model.text.language import tr
+from cpm_app.views.panels.parameters import ParametersPanel
+from cpm_app.views.widgets.containers import ElidedLabel, Scrolled, Section, arrange, dim_label
+
+_WIDE = (tr("Contours"), tr("Bridged"), tr("Skeleton of"), SURFACE)
+"""Numbers that need a row of their own."""
+
+_LOWEST = 120
+"""Minimum height of the panel, in which its content scrolls [px]."""
+
+_LOWEST_PLOT = 72
+"""Minimum height of a plot [px]."""
+
+Number = tuple[str, str, str]
+"""Name, value and explanation."""
+
+
+class Numbers(QWidget):
+    """Names and values in a grid, two in a row, the wide ones last; only texts that differ are updated."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._values: dict[str, QLabel] = {}
+        self._grid = QGridLayout(self)
+        self._grid.setContentsMargins(0, 0, 0, 0)
+        self._grid.setHorizontalSpacing(8)
+        self._grid.setVerticalSpacing(3)
+        self._grid.setColumnStretch(1, 3)
+        self._grid.setColumnStretch(3, 2)
+
+    def show_numbers(self, numbers: Sequence[Number]) -> None:
+        """Show these numbers."""
+        ordered = sorted(numbers, key=lambda number: number[0] in _WIDE)
+        if [name for name, _, _ in ordered] != list(self._values):
+            self._lay_out(ordered)
+        for name, value, _ in ordered:
+            if self._values[name].text() != value:
+                self._values[name].setText(value)
+
+    def _lay_out(self, numbers: Sequence[Number]) -> None:
+        for label in self.findChildren(QLabel):
+            label.hide()
+            self._grid.removeWidget(label)
+            label.deleteLater()
+        self._values = {}
+        place = 0
+        for name, _, explanation in numbers:
+            label, value = dim_label(name, explanation), ElidedLabel()
+            value.setToolTip(explanation)
+            value.setAccessibleName(name)
+            wide = name in _WIDE
+            place += place % 2 if wide else 0
+            row, column = place // 2, 2 * (place % 2)
+            place += 2 if wide else 1
+            self._grid.addWidget(label, row, column)
+            self._grid.addWidget(value, row, column + 1, 1, 3 if wide else 1)
+            self._values[name] = value
+
+
+class Chart(pg.GraphicsLayoutWidget):  # type: ignore[misc]  # pyqtgraph has no types
+    """Plots metrics over steps or pages."""
+
+    clicked = Signal(float)
+    """A place along the steps has been clicked."""
+
+    def __init__(self, plots: Sequence[Plot], name: str) -> None:
+        self._items: list[pg.PlotItem] = []
+        self._curves: list[tuple[Plot, Series, pg.PlotDataItem]] = []
+        self._marks: list[pg.VTickGroup] = []
+        """The plots, their curves, and the lines at the marks of the metrics."""
+        self._plots = plots
+        super().__init__()
+        self._metrics: Metrics | None = None
+        self.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        self.setAccessibleName(name)
+        self.scene().sigMouseClicked.connect(self._click)
+        self.ci.setContentsMargins(0, 0, 0, 0)
+        self.ci.setSpacing(0)
+
+    def show_metrics(self, metrics: Metrics | None) -> None:
+        """Show metrics, or none."""
+        self._metrics = metrics = metrics if metrics is not None and len(metrics.step) else None
+        if metrics is not None and self._plots and not self._items:
+            self._draw()
+            return
+        for plot, series, curve in self._curves:
+            if metrics is None:
+                curve.clear()
+            else:
+                values = np.asarray(series.of(metrics), float)
+                known = np.isfinite(values) if plot.points else slice(None)
+                curve.setData(metrics.step[known], values[known])
+        for marks in self._marks:
+            marks.setXVals([] if metrics is None else list(metrics.marks))
+
+    def show_plots(self, plots: Sequence[Plot]) -> None:
+        """Show these plots, once they are unfolded for the first time."""
+        self._plots = plots
+        if self._items or self.isVisible():
+            self._draw()
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Draw the plots."""
+        super().showEvent(event)
+        if not self._items:
+            self._draw()
+
+    def _draw(self) -> None:
+        self.clear()
+        self._items, self._curves, self._marks = [], [], []
+        pale = self._color(QPalette.ColorRole.PlaceholderText)
+        for row, plot in enumerate(self._plots):
+            item = self.addPlot(row=row, col=0)
+            item.setToolTip(plot.tip)
+            item.setMouseEnabled(False, False)
+            item.setMenuEnabled(False)
+            item.hideButtons()
+            item.setLogMode(y=plot.kind == "logarithmic")
+            item.setDownsampling(auto=True, mode="subsample")
+            for side in ("left", "bottom"):
+                item.getAxis(side).setPen(self._color(QPalette.ColorRole.Mid))
+                item.getAxis(side).setTextPen(pale)
+            item.getAxis("left").setWidth(self.fontMetrics().horizontalAdvance("0000000"))
+            item.getAxis("bottom").setStyle(showValues=plot is self._plots[-1])
+            if plot.kind == "from zero":
+                item.getViewBox().setLimits(yMin=0.0)
+            if plot.line is not None:
+                item.addLine(y=float(np.log10(plot.line)), pen=pg.mkPen(pale, style=Qt.PenStyle.DashLine))
+            self._items.append(item)
+            if row:
+                item.setXLink(self._items[0])
+            marks = pg.VTickGroup(yrange=(0.0, 1.0), pen=pg.mkPen(pale, style=Qt.PenStyle.DotLine))
+            item.addItem(marks, ignoreBounds=True)
+            self._marks.append(marks)
+            titles = []
+            for series in plot.series:
+                # the darker of two colors on a light background, the brighter on a dark one
+                color = series.colors[self._color(QPalette.ColorRole.Base).lightness() < 128]
+                curve = item.plot(pen=pg.mkPen(color, width=1.4), connect="finite", symbol="o" if plot.points else None)
+                curve.setSymbolBrush(color)
+                curve.setSymbolPen(None)
+                curve.setSymbolSize(4)
+                self._curves.append((plot, series, curve))
+                titles.append(f"<span style='color: {color}'>{series.title}</span>")
+            item.setTitle(" &nbsp; ".join(titles), size="8pt")
+        self.setMinimumHeight(_LOWEST_PLOT * max(len(self._plots), 1))
+        self.setBackground(self._color(QPalette.ColorRole.Base))
+        self.show_metrics(self._metrics)
+
+    def _click(self, event: Any) -> None:
+        if self._items:
+            place = self._items[0].getViewBox().mapSceneToView(event.scenePos()).x()
+            # later, as what follows may draw the plots anew, whose scene still handles the event
+            QTimer.singleShot(0, self, partial(self.clicked.emit, place))
+
+    def changeEvent(self, event: QEvent) -> None:
+        """Draw in the colors of another theme."""
+        super().changeEvent(event)
+        if event.type() == QEvent.Type.PaletteChange and self._items:
+            # Later, since Qt is going through the items of the scene when it reports another palette.
+            QTimer.singleShot(0, self, self._draw)
+
+    def _color(self, role: QPalette.ColorRole) -> QColor:
+        return QColor(self.palette().color(role))
+
+
+class StatusPanel(QWidget):
+    """The state of the run and the numbers that matter."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._label = ElidedLabel()
+        self._label.setObjectName("state")
+        self.leading, self.others = Numbers(), Numbers()
+        arrange(QVBoxLayout(self), self._label, self.leading, spacing=4)
+
+    def show_resolved(self, resolved: Resolved, frames_per_second: str) -> None:
+        """Show a state and its numbers."""
+        if resolved.state != self.state:
+            # what follows a colon explains the rest, and is in the tip
+            self._label.setText(resolved.state.partition(": ")[0])
+            self._label.setToolTip(resolved.state)
+            self._label.setAccessibleName(resolved.state)
+        self.leading.show_numbers([number for number in resolved.numbers if number[0] in LEADING])
+        others = [number for number in resolved.numbers if number[0] not in LEADING]
+        tip = tr("Drawn frames per second.")
+        self.others.show_numbers([*others, (tr("Frames/s"), frames_per_second, tip)])
+
+    @property
+    def state(self) -> str:
+        """The state in words."""
+        return self._label.accessibleName()
+
+
+class RunPanel(Scrolled):
+    """State, preset and sliders; further numbers and plots folded away."""
+
+    folded = Signal()
+    """A section has been folded or unfolded."""
+
+    def __init__(self, parameters: ParametersPanel) -> None:
+        self.status, self.parameters, self.plot = (
+            StatusPanel(),
+            parameters,
+            Chart(PLOTS, tr("Plot of the run over its steps")),
+        )
+        further = QWidget()
+        arrange(QVBoxLayout(further), self.status.others, self.plot, spacing=4, wide=self.plot)
+        self.plots = Section(tr("Numbers and plots"), further)
+        self.sections = {"parameters": parameters.more, "plots": self.plots}
+        self._metrics: RunMetrics | None = None
+        content = QWidget()
+        parts = self.status, parameters, self.plots, None
+        arrange(QVBoxLayout(content), *parts, margins=(8, 8, 6, 6), spacing=8)
+        super().__init__(content, _LOWEST)
+        for section in self.sections.values():
+            section.fold.toggled.connect(partial(self._fold, section))
+
+    @property
+    def unfolded(self) -> list[str]:
+        """Names of the sections that are unfolded."""
+        return [name for name, section in self.sections.items() if section.fold.isChecked()]
+
+    def unfold(self, names: list[str]) -> None:
+        """Unfold the sections with these names, and fold the others."""
+        for name, section in self.sections.items():
+            section.fold.setChecked(name in names)
+
+    def show_metrics(self, metrics: RunMetrics | None) -> None:
+        """Show a run, or none; nothing is drawn while the plots are folded."""
+        self._metrics = metrics
+        if self.plots.fold.isChecked():
+            self.plot.show_metrics(metrics)
+
+    def _fold(self, section: Section, unfolded: bool) -> None:
+        """Scroll an unfolded section into view, after the layout has placed it."""
+        self.show_metrics(self._metrics)
+        self.folded.emit()
+        if unfolded and self.isVisible():
+            scroll = self.verticalScrollBar().setValue
+            QTimer.singleShot(0, self, lambda: scroll(section.mapTo(self._content, QPoint()).y()))

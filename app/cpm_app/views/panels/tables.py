@@ -1,0 +1,487 @@
+"""Tables of items: columns as data, rows that stay in place, and a selection that is shared with the canvas."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence, Set
+from dataclasses import dataclass
+from functools import partial
+from itertools import groupby
+from typing import Any, Generic, TypeVar
+
+from PySide6.QtCore import (
+    QAbstractTableModel,
+    QEvent,
+    QItemSelection,
+    QItemSelectionModel,
+    QModelIndex,
+    QPersistentModelIndex,
+    QPoint,
+    QSortFilterProxyModel,
+    Qt,
+    QTimer,
+    Signal,
+)
+from PySide6.QtGui import QKeyEvent, QResizeEvent, QShowEvent
+from PySide6.QtWidgets import (
+    QAbstractItemView,
+    QHeaderView,
+    QLineEdit,
+    QMenu,
+    QSizePolicy,
+    QStyledItemDelegate,
+    QTableView,
+    QToolButton,
+    QWidget,
+)
+
+from cpm_app.model.display.lengths import PixelSize
+from cpm_app.model.text.keys import with_keys
+from cpm_app.model.text.language import tr, written
+from cpm_app.views.widgets.actions import add_choice
+from cpm_app.views.widgets.containers import ENTER, takes_key
+
+Row = TypeVar("Row")
+Index = QModelIndex | QPersistentModelIndex
+Role = Qt.ItemDataRole
+
+NONE = "–"
+"""Text of a cell without a value."""
+
+_DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
+_ALONG = (Qt.Key.Key_Up, Qt.Key.Key_Down)
+
+_LEAST, _PAD = 48, 12
+"""Minimum height of a table, and margins of a column [px]."""
+
+
+def _blocks(rows: Sequence[int]) -> Iterator[tuple[int, int]]:
+    """First and last of the rows in a row: Qt is slow with many ranges."""
+    for _, block in groupby(enumerate(rows), lambda pair: pair[1] - pair[0]):
+        found = [row for _, row in block]
+        yield found[0], found[-1]
+
+
+@dataclass(frozen=True)
+class Column(Generic[Row]):
+    """One column of a table.
+
+    Attributes
+    ----------
+    name : str
+        Name in code.
+    title : str
+        Heading, with ``{unit}`` for the unit of lengths.
+    tip : str
+        Tooltip of the heading.
+    value : callable
+        Number or text of a row; None where there is none.
+    sample : str
+        The widest usual text.
+    power : int
+        1 for lengths, 2 for areas, 3 for volumes, which are shown in the preferred unit.
+    form, suffix : str
+        Format of a number, empty for three significant digits, and what follows it.
+    key : callable, optional
+        What rows are sorted by if not by the value.
+    """
+
+    name: str
+    title: str
+    tip: str
+    value: Callable[[Row], float | str | None]
+    sample: str
+    power: int = 0
+    form: str = ""
+    suffix: str = ""
+    key: Callable[[Row], float] | None = None
+
+    @property
+    def numeric(self) -> bool:
+        """Whether it holds numbers, which are aligned to the right."""
+        return not any(map(str.isalpha, self.sample))
+
+    def text(self, row: Row, factor: float) -> str:
+        """Its text for a row; lengths are multiplied by a factor."""
+        value = self.value(row)
+        if isinstance(value, str):
+            return value
+        if value is None or not math.isfinite(value):
+            return NONE
+        value *= factor**self.power
+        if self.form:
+            return written(format(value, self.form)) + self.suffix
+        return written(f"{value:,.0f}" if value >= 1000 else f"{value:.0f}" if value >= 100 else f"{value:.3g}")
+
+    def sort_key(self, row: Row) -> float | str:
+        """What a row is sorted by; rows without a number come first, those without a text last."""
+        value = self.value(row) if self.key is None else self.key(row)
+        if isinstance(value, str) or (not self.numeric and value is None):
+            return (value or "\uffff").casefold()
+        return -math.inf if value is None or math.isnan(value) else float(value)
+
+
+class TableModel(QAbstractTableModel, Generic[Row]):
+    """Rows that are identified by the keys of their items: an update preserves selection, order and a name in work.
+
+    Parameters
+    ----------
+    columns : sequence of Column
+        The columns.
+    key : callable
+        What identifies an item.
+    look : callable, optional
+        Icon, color or font of a cell of an item for a role, and whether it is that of the name.
+    rename : callable, optional
+        Gives the item of a key another name, which is typed into the column ``name``.
+    """
+
+    def __init__(
+        self,
+        columns: Sequence[Column[Row]],
+        key: Callable[[Row], Hashable],
+        look: Callable[[Row, int, bool], Any] = lambda *_: None,
+        rename: Callable[[Any, str], None] | None = None,
+    ) -> None:
+        super().__init__()
+        self.columns = columns
+        self.items: list[Row] = []
+        self._key, self._look, self._rename = key, look, rename
+        self.unit, self.factor = "px", 1.0
+
+    def key(self, row: int) -> Any:
+        """Key of the item in a row."""
+        return self._key(self.items[row])
+
+    def update(
+        self, items: Iterable[Row], size: PixelSize | None, columns: Sequence[Column[Row]] | None = None
+    ) -> None:
+        """Show these items, new ones at the end, with lengths in the unit of a size of a pixel."""
+        if size is not None:
+            square = set(size.spacing) == {1.0}
+            self.unit, self.factor = size.unit or ("px" if square else tr("units")), size.factor
+        self.columns = columns or self.columns
+        present = {self._key(item): item for item in items}
+        gone = [row for row in range(len(self.items)) if self.key(row) not in present]
+        for first, last in reversed([*_blocks(gone)]):
+            self.beginRemoveRows(QModelIndex(), first, last)
+            del self.items[first : last + 1]
+            self.endRemoveRows()
+        self.items = [present.pop(self._key(item)) for item in self.items]
+        if self.items:
+            self.dataChanged.emit(self.index(0, 0), self.index(len(self.items) - 1, len(self.columns) - 1))
+        self.headerDataChanged.emit(Qt.Orientation.Horizontal, 0, len(self.columns) - 1)
+        if present:
+            self.beginInsertRows(QModelIndex(), len(self.items), len(self.items) + len(present) - 1)
+            self.items += present.values()
+            self.endInsertRows()
+
+    def unit_of(self, column: Column[Row]) -> str:
+        """Unit of the numbers in a column, with a space before it; empty for what has none."""
+        return f" {self.unit}{('', '', '²', '³')[column.power]}" if column.power else ""
+
+    # Qt interface
+
+    def rowCount(self, parent: Index = QModelIndex()) -> int:  # noqa: B008  # as Qt declares it
+        """Number of items."""
+        return 0 if parent.isValid() else len(self.items)
+
+    def columnCount(self, parent: Index = QModelIndex()) -> int:  # noqa: B008  # as Qt declares it
+        """Number of columns."""
+        return 0 if parent.isValid() else len(self.columns)
+
+    def headerData(self, section: int, orientation: Qt.Orientation, role: int = Role.DisplayRole) -> Any:
+        """Headings with the unit of lengths, and their tooltips."""
+        if orientation == Qt.Orientation.Vertical:
+            return None
+        if role == Role.DisplayRole:
+            return self.columns[section].title.format(unit=self.unit)
+        column = self.columns[section]
+        return f"{with_keys(column.tip)}{self.unit_of(column)}" if role == Role.ToolTipRole else None
+
+    def data(self, index: Index, role: int = Role.DisplayRole) -> Any:
+        """The text, sort key, alignment and look of a cell."""
+        item, column = self.items[index.row()], self.columns[index.column()]
+        match role:
+            case Role.DisplayRole | Role.ToolTipRole:
+                return column.text(item, self.factor)
+            case Role.EditRole:
+                return column.value(item)
+            case Role.UserRole:
+                return column.sort_key(item)
+            case Role.TextAlignmentRole if column.numeric:
+                return Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+        return self._look(item, role, column.name == "name")
+
+    def setData(self, index: Index, value: Any, role: int = Role.EditRole) -> bool:
+        """Name an item."""
+        if self._rename is None or role != Role.EditRole:
+            return False
+        self._rename(self.key(index.row()), str(value))
+        return True
+
+    def flags(self, index: Index) -> Qt.ItemFlag:
+        """Names can be edited."""
+        editable = self._rename is not None and self.columns[index.column()].name == "name"
+        return super().flags(index) | (Qt.ItemFlag.ItemIsEditable if editable else Qt.ItemFlag.NoItemFlags)
+
+
+class Table(QTableView):
+    """Shows the rows of a model, which are sorted by a click on a heading.
+
+    Where it is too narrow for all columns, the last are hidden, so that nobody has to scroll sideways; those that the
+    user has shown or hidden by the menu of the header stay so. The column `wide` takes the remaining width.
+    """
+
+    def __init__(self, rows: TableModel[Any], wide: str, name: str) -> None:
+        super().__init__(showGrid=False, wordWrap=False)
+        self.rows = rows
+        rows.setParent(self)
+        self._sorted = QSortFilterProxyModel(self, sortRole=Role.UserRole)
+        self._sorted.setSourceModel(rows)
+        self.setModel(self._sorted)
+        self.setAccessibleName(name)
+        self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
+        self.setSortingEnabled(True)
+        self.sortByColumn(0, Qt.SortOrder.AscendingOrder)
+        self.setAlternatingRowColors(True)
+        self.setTabKeyNavigation(False)
+        self.setMinimumHeight(_LEAST)
+        self.verticalHeader().hide()
+        self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 8)
+        header = self.horizontalHeader()
+        header.setHighlightSections(False)
+        header.setDefaultAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
+        header.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
+        header.customContextMenuRequested.connect(self._open_menu)
+        self._wide = self.number(wide)
+        header.setSectionResizeMode(self._wide, QHeaderView.ResizeMode.Stretch)
+        self._asked: dict[int, bool] = {}
+        self._widths = [self.fontMetrics().horizontalAdvance(column.sample) + _PAD for column in rows.columns]
+        self._widths[self._wide] += _PAD  # the color
+
+    def number(self, column: str) -> int:
+        """Number of a column."""
+        return [known.name for known in self.rows.columns].index(column)
+
+    def column(self, name: str) -> list[str]:
+        """The texts of a column, from top to bottom."""
+        number = self.number(name)
+        return [str(self._sorted.index(row, number).data()) for row in range(self._sorted.rowCount())]
+
+    def said(self, row: Any, column: Column[Any]) -> str:
+        """The text of a column for a row, with its name and the unit; empty where there is none."""
+        text = column.text(row, self.rows.factor)
+        return f"{column.title} {text}{self.rows.unit_of(column)}" if text != NONE else ""
+
+    def row_at(self, index: Index) -> int:
+        """The row of the model in a row of the table."""
+        return self._sorted.mapToSource(index).row()
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Show the columns for which there is room."""
+        self._fit()
+        super().resizeEvent(event)
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Make room for the whole titles, which have a width once the table is seen."""
+        super().showEvent(event)
+        for index, width in enumerate(self._widths):
+            self.setColumnHidden(index, False)
+            self._widths[index] = max(width, self.horizontalHeader().sectionSizeHint(index))
+            self.setColumnWidth(index, self._widths[index])
+        self._fit()
+
+    def _fit(self) -> None:
+        """Show the columns for which there is room."""
+        asked = sum(self._widths[index] for index, on in self._asked.items() if on)
+        room = self.viewport().width() - self._widths[self._wide] - asked
+        for index, needed in enumerate(self._widths):
+            shown = self._asked.get(index, index == self._wide)
+            if not shown and index not in self._asked:
+                room -= needed
+                shown = room >= 0
+            self.setColumnHidden(index, not shown)
+
+    def _open_menu(self, point: QPoint) -> None:
+        """Open the menu of the header, which chooses the columns shown."""
+        menu = QMenu(self, toolTipsVisible=True)
+        for index, column in enumerate(self.rows.columns):
+            title, hidden = str(self.model().headerData(index, Qt.Orientation.Horizontal)), self.isColumnHidden(index)
+            shown = add_choice(menu, title, partial(self._ask, index, hidden), with_keys(column.tip), not hidden)
+            shown.setEnabled(index != self._wide)
+        menu.aboutToHide.connect(menu.deleteLater)
+        menu.popup(self.horizontalHeader().mapToGlobal(point))
+
+    def _ask(self, index: int, shown: bool) -> None:
+        self._asked[index] = shown
+        self._fit()
+
+
+class _NameDelegate(QStyledItemDelegate):
+    """Editor of names that is not disturbed by updates."""
+
+    def setEditorData(self, editor: QWidget, index: Index) -> None:
+        """Start with the present name; text that the user has typed is not overwritten."""
+        if not (isinstance(editor, QLineEdit) and editor.isModified()):
+            super().setEditorData(editor, index)
+
+
+class ItemTable(Table):
+    """Shows the items of a model, selects and names them; subclasses say by keys of items what that does."""
+
+    zoom_wanted = Signal()
+    """The selected items are to be shown as large as possible."""
+
+    _showing = True  # while Qt makes it
+
+    item = ""
+    """What its rows are called in menus."""
+
+    def __init__(self, rows: TableModel[Any], name: str) -> None:
+        super().__init__(rows, "name", name)
+        self._showing = False
+        self._stale = False
+        self._later = QTimer(self, singleShot=True, interval=0)
+        self._later.timeout.connect(self._show_now)
+        self.setItemDelegate(_NameDelegate(self))
+        self.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
+        self.setEditTriggers(QAbstractItemView.EditTrigger.EditKeyPressed)
+        self.setMouseTracking(True)
+        self.entered.connect(lambda index: self.hover(self._key(index)))
+        self.doubleClicked.connect(self._open)
+
+    @property
+    def chosen(self) -> Set[Any]:
+        """The items that are selected."""
+        raise NotImplementedError
+
+    def refresh(self) -> None:
+        """Update the rows."""
+        raise NotImplementedError
+
+    def choose(self, keys: Sequence[Any]) -> None:
+        """Select items."""
+        raise NotImplementedError
+
+    def remove(self) -> None:
+        """Do what the key Delete does with the selected items."""
+        raise NotImplementedError
+
+    def hover(self, key: Any) -> None:
+        """Point at an item, or at none."""
+
+    def show_items(self) -> None:
+        """Show the present items in a turn of its own; a hidden table waits until it is seen, as during a run."""
+        self._stale = True
+        if self.isVisible():
+            self._later.start()
+
+    def _show_now(self) -> None:
+        self._stale, self._showing = False, True
+        self.refresh()
+        self._showing = False
+        self.show_selection()
+
+    def show_selection(self) -> None:
+        """Show which items are selected."""
+        wanted = self.chosen
+        if self._stale or set(self._marked) == wanted:
+            return
+        selection, name = QItemSelection(), self.number("name")
+        rows = [row for row in range(len(self.rows.items)) if self.rows.key(row) in wanted]
+        places = sorted(self._sorted.mapFromSource(self.rows.index(row, 0)).row() for row in rows)
+        for first, last in _blocks(places):
+            selection.select(self._sorted.index(first, 0), self._sorted.index(last, len(self.rows.columns) - 1))
+        self._showing = True
+        self.selectionModel().select(selection, QItemSelectionModel.SelectionFlag.ClearAndSelect)
+        if rows and self.state() != QAbstractItemView.State.EditingState:
+            at = self._sorted.mapFromSource(self.rows.index(rows[0], name))
+            self.selectionModel().setCurrentIndex(at, QItemSelectionModel.SelectionFlag.NoUpdate)
+            self.scrollTo(at)
+        self._showing = False
+
+    def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
+        """The selected rows; a row at a point is selected first. See `MenuOwner`."""
+        inside = self.viewport().mapFrom(self, point) if point is not None else None
+        index = self.indexAt(inside) if inside is not None else self.currentIndex()
+        if index.isValid() and not self.selectionModel().isRowSelected(index.row(), QModelIndex()):
+            self.selectRow(index.row())
+        place = self.viewport().mapTo(self, self.visualRect(index).center()) if point is None else point
+        return self.item if self.chosen else "", place
+
+    # Qt interface
+
+    def event(self, event: QEvent) -> bool:
+        """Handle the keys of the table before they act as shortcuts of the window."""
+        return takes_key(event, _DELETE) or super().event(event)
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Edit the name on Enter, remove on Delete; an arrow key first selects the current row."""
+        if event.key() in ENTER:
+            self.edit_name(self.currentIndex().row())
+        elif event.key() in _DELETE:
+            self.remove()
+        elif event.key() in _ALONG and not self.chosen and self.currentIndex().isValid():
+            self.selectRow(self.currentIndex().row())
+        else:
+            super().keyPressEvent(event)
+
+    def showEvent(self, event: QShowEvent) -> None:
+        """Update the table if items have changed while it was hidden."""
+        super().showEvent(event)
+        if self._stale:
+            self._show_now()
+
+    def selectionChanged(self, selected: QItemSelection, deselected: QItemSelection) -> None:
+        """Report what the user has selected."""
+        super().selectionChanged(selected, deselected)
+        if not self._showing:
+            self.choose(self._marked)
+
+    def leaveEvent(self, event: QEvent) -> None:
+        """Clear the highlight when the pointer leaves."""
+        self.hover(None)
+        super().leaveEvent(event)
+
+    @property
+    def _marked(self) -> list[Any]:
+        """Keys of the rows that Qt shows as selected; its `selectedRows` goes through all ranges for each row."""
+        ranges = self.selectionModel().selection().toList()
+        rows = (row for one in ranges for row in range(one.top(), one.bottom() + 1))
+        return [self._key(self._sorted.index(row, 0)) for row in rows]
+
+    def _key(self, index: Index) -> Any:
+        return self.rows.key(self.row_at(index))
+
+    def _open(self, index: QModelIndex) -> None:
+        if index.column() == self.number("name"):
+            self.edit_name(index.row())
+        else:
+            self.zoom_wanted.emit()
+
+    def edit_name(self, row: int) -> None:
+        """Edit the name in a row."""
+        if row >= 0 and self.state() != QAbstractItemView.State.EditingState:
+            self.edit(self._sorted.index(row, self.number("name")))
+
+
+def wide_button(text: str, do: Callable[[], object] | None = None) -> QToolButton:
+    """A button as wide as its place."""
+    button = QToolButton()
+    button.setText(text)
+    button.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.Fixed)
+    if do is not None:
+        button.clicked.connect(lambda _=False: do())
+    return button
+
+
+def menu_button(text: str, fill: Callable[[QMenu], None]) -> QToolButton:
+    """A wide button that opens a menu, which is filled each time."""
+    button = wide_button(text)
+    menu = QMenu(button)
+    menu.aboutToShow.connect(menu.clear)
+    menu.aboutToShow.connect(partial(fill, menu))
+    button.setMenu(menu)
+    button.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+    return button

@@ -1,0 +1,373 @@
+"""The timeline of a run: one row for each branch over one axis of steps, and a panel with buttons."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from PySide6.QtCore import QEvent, QPoint, QPointF, QRectF, QSignalBlocker, QSize, Qt, QTimer
+from PySide6.QtGui import (
+    QColor,
+    QHelpEvent,
+    QKeyEvent,
+    QMouseEvent,
+    QPainter,
+    QPaintEvent,
+    QPalette,
+    QPen,
+)
+from PySide6.QtWidgets import (
+    QFrame,
+    QHBoxLayout,
+    QScrollArea,
+    QSizePolicy,
+    QSpinBox,
+    QToolButton,
+    QToolTip,
+    QWidget,
+)
+
+from cpm_app.model.display.lengths import round_up
+from cpm_app.model.state.situation import RunStatus
+from cpm_app.model.text.language import tr
+from cpm_app.session.features.timeline import TimelineNavigation
+from cpm_app.session.timeline.stored_runs import Branch
+from cpm_app.views.theme.icons import icon
+from cpm_app.views.theme.theme import Theme
+from cpm_app.views.widgets.actions import Actions, add_choice
+from cpm_app.views.widgets.containers import arrange, dim_label, takes_key
+from cpm_app.views.window.dialogs import ask_for_text
+
+_ROW, _FOOT, _HEAD, _SIDE = 20, 15, 5, 10
+"""Height of a branch, and space below the branches for the axis, above them and next to them [px]."""
+
+_ROWS = 3
+"""Number of branches that are always seen; the track scrolls to further ones."""
+
+_LONGEST_NAME, _TRACK = 130, 120
+"""Greatest width of the names, and least width of the track [px]."""
+
+_SHORTEST = 20
+"""Minimum number of steps of the axis."""
+
+_SLOWLY = 100
+"""Time between two updates during the run [ms]."""
+
+_NARROW = 316
+"""Least width of the panel [px]."""
+
+_STEPS = {
+    Qt.Key.Key_Left: -1,
+    Qt.Key.Key_Right: 1,
+    Qt.Key.Key_PageUp: -10,
+    Qt.Key.Key_PageDown: 10,
+    Qt.Key.Key_Home: -(10**9),
+    Qt.Key.Key_End: 10**9,
+}
+_BRANCHES = {Qt.Key.Key_Up: -1, Qt.Key.Key_Down: 1}
+_KEYS = _STEPS.keys() | _BRANCHES
+"""Keys that move by steps, by branches, and all of them."""
+
+
+class TimelineView(QWidget):
+    """Branches over steps; the pointer and the arrow keys go to any of them."""
+
+    def __init__(self, navigation: TimelineNavigation) -> None:
+        super().__init__()
+        self._navigation = navigation
+        self._dragged: int | None = None
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.setMouseTracking(True)
+        self.setSizePolicy(QSizePolicy.Policy.Expanding, QSizePolicy.Policy.MinimumExpanding)
+        self.setAccessibleName(tr("Timeline"))
+        self.setMinimumWidth(_TRACK)
+
+    def sizeHint(self) -> QSize:
+        """High enough for all branches."""
+        return QSize(420, self.height_of(len(self._navigation.branches)))
+
+    @staticmethod
+    def height_of(branches: int) -> int:
+        """Height that branches need [px]."""
+        return _HEAD + _ROW * max(branches, 1) + _FOOT
+
+    def refresh(self) -> None:
+        """Show the present branches and step."""
+        self.setMinimumHeight(self.sizeHint().height())
+        branch, step = self._navigation.place
+        known = self._navigation.branch(branch)
+        if known is not None:
+            last = self._navigation.last(branch)
+            self.setAccessibleDescription(
+                tr("{branch}, step {step} of {last}", branch=known.name, step=step, last=last)
+            )
+        self.update()
+
+    def point(self, branch: int, step: int) -> QPointF:
+        """Position of a step of a branch."""
+        rows = [known.identity for known in self._navigation.branches]
+        left, width = self._axis()
+        x = left + width * step / self._steps()
+        return QPointF(x, _HEAD + _ROW * (rows.index(branch) + 0.5))
+
+    def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
+        """The step that is shown; the one at a point is shown first. See `MenuOwner`."""
+        branch = self._branch_at(point.y()) if point is not None else None
+        if point is not None and branch is not None:
+            self._request(branch, QPointF(point))
+        shown, step = self._navigation.place
+        if self._navigation.branch(shown) is None:
+            return "", QPoint()
+        return "step", point if point is not None else self.point(shown, step).toPoint()
+
+    # Positions
+
+    def _steps(self) -> int:
+        """Number of steps of the axis."""
+        lasts = [self._navigation.last(branch.identity) for branch in self._navigation.branches]
+        return max(max(lasts, default=0), _SHORTEST)
+
+    def _axis(self) -> tuple[float, float]:
+        """Left end of the axis, right of the names, and its width [px]."""
+        names = [self.fontMetrics().horizontalAdvance(branch.name) for branch in self._navigation.branches]
+        left = _SIDE + min(max(names, default=0), _LONGEST_NAME, self.width() / 3) + 14.0
+        return left, max(self.width() - 2 * _SIDE - left, 1.0)
+
+    def _step_at(self, x: float) -> int:
+        left, width = self._axis()
+        return round((x - left) / width * self._steps())
+
+    def _base(self) -> float:
+        """Vertical position of the axis, at the bottom of the visible part [px]."""
+        seen = self.visibleRegion().boundingRect()
+        return float((self.rect() if seen.isEmpty() else seen).bottom() - _FOOT)
+
+    def _branch_at(self, y: float) -> int | None:
+        """The branch of a row; on the axis, the branch that is shown."""
+        branches = self._navigation.branches
+        if not branches or y > self._base():
+            return self._navigation.place[0] if branches else None
+        return branches[min(max(int((y - _HEAD) / _ROW), 0), len(branches) - 1)].identity
+
+    def _request(self, branch: int, point: QPointF) -> None:
+        on_name = point.x() < self._axis()[0] - _SIDE
+        self._navigation.go(branch, self._navigation.beside(branch) if on_name else self._step_at(point.x()))
+
+    # Qt interface
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Draw the branches, the axis and the shown step."""
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        branches = self._navigation.branches
+        if branches:
+            for branch in branches:
+                self._draw_branch(painter, branch)
+            self._draw_axis(painter)
+            self._draw_place(painter)
+        else:
+            painter.setPen(self._color(QPalette.ColorRole.PlaceholderText))
+            flags = Qt.AlignmentFlag.AlignCenter | Qt.TextFlag.TextWordWrap
+            painter.drawText(self.rect(), flags, tr("A run is recorded here, step by step."))
+        if self.hasFocus():
+            painter.setBrush(Qt.BrushStyle.NoBrush)
+            painter.setPen(self._color(QPalette.ColorRole.Highlight))
+            painter.drawRoundedRect(QRectF(self.visibleRegion().boundingRect()).adjusted(0.5, 0.5, -0.5, -0.5), 4, 4)
+        painter.end()
+
+    def mousePressEvent(self, event: QMouseEvent) -> None:
+        """Start scrubbing along a branch."""
+        self._dragged = self._branch_at(event.position().y()) if event.button() == Qt.MouseButton.LeftButton else None
+        self.mouseMoveEvent(event)
+
+    def mouseMoveEvent(self, event: QMouseEvent) -> None:
+        """Scrub along the branch."""
+        if self._dragged is not None and event.buttons() & Qt.MouseButton.LeftButton:
+            self._request(self._dragged, event.position())
+
+    def keyPressEvent(self, event: QKeyEvent) -> None:
+        """Move along a branch or to the next one by arrow keys."""
+        navigation = self._navigation
+        branch, _ = navigation.place
+        key, branches = Qt.Key(event.key()), [known.identity for known in navigation.branches]
+        if not branches or key not in _KEYS:
+            event.ignore()
+        elif branch not in branches:  # no run is shown, as after a reset
+            self._navigation.go(branches[-1], navigation.last(branches[-1]))
+        elif key in _STEPS:
+            navigation.by(_STEPS[key] * (10 if event.modifiers() & Qt.KeyboardModifier.ShiftModifier else 1))
+        else:
+            row = branches.index(branch) + _BRANCHES[key]
+            other = branches[min(max(row, 0), len(branches) - 1)]
+            navigation.go(other, navigation.beside(other))
+
+    def event(self, event: QEvent) -> bool:
+        """Show the step under the pointer as a tooltip, and keep the keys that move along a branch."""
+        if takes_key(event, _KEYS):
+            return True
+        if event.type() == QEvent.Type.ToolTip and isinstance(event, QHelpEvent):
+            branch = self._navigation.branch(self._branch_at(event.pos().y()) or 0)
+            if branch is not None and event.pos().x() >= self._axis()[0]:
+                step = min(max(self._step_at(event.pos().x()), 0), self._navigation.last(branch.identity))
+                words = tr("{branch}, step {step}", branch=branch.name, step=step)
+                QToolTip.showText(event.globalPos(), words, self)
+            return True
+        return super().event(event)
+
+    # Painting
+
+    def _draw_branch(self, painter: QPainter, branch: Branch) -> None:
+        """Draw its name, where it leaves another branch, its steps, and where its scales begin."""
+        identity = branch.identity
+        here = identity == self._navigation.place[0]
+        color = self._color(QPalette.ColorRole.Highlight if here else QPalette.ColorRole.PlaceholderText)
+        begin = self.point(identity, branch.first)
+        if branch.parent is not None:
+            painter.setPen(QPen(color, 1.6))
+            painter.drawLine(self.point(branch.parent, branch.first), begin)
+        pen = QPen(color, 4.0 if here else 3.0)
+        pen.setCapStyle(Qt.PenCapStyle.RoundCap)
+        painter.setPen(pen)
+        painter.drawLine(begin, self.point(identity, self._navigation.last(identity)))
+        faint, text = self._color(QPalette.ColorRole.PlaceholderText), self._color(QPalette.ColorRole.WindowText)
+        for step, scale in branch.scales:
+            if step or scale:
+                at = self.point(identity, step)
+                painter.setPen(QPen(text, 1.4))
+                painter.drawLine(at - QPointF(0.0, 5.0), at + QPointF(0.0, 5.0))
+                painter.setPen(faint)
+                painter.drawText(at - QPointF(-3.0, 4.0), f"1/{2**scale}")
+        room = self._axis()[0] - _SIDE - 10.0
+        name = self.fontMetrics().elidedText(branch.name, Qt.TextElideMode.ElideRight, int(room))
+        painter.setPen(color if here else text)
+        flags = Qt.AlignmentFlag.AlignVCenter | Qt.AlignmentFlag.AlignLeft
+        painter.drawText(QRectF(_SIDE - 2.0, begin.y() - _ROW / 2, room + 4.0, _ROW), flags, name)
+
+    def _draw_axis(self, painter: QPainter) -> None:
+        """Draw the axis of the steps with labels."""
+        base, (left, width) = self._base(), self._axis()
+        painter.fillRect(QRectF(0.0, base, self.width(), _FOOT + 1), self._color(QPalette.ColorRole.Window))
+        painter.setPen(self._color(QPalette.ColorRole.PlaceholderText))
+        painter.drawLine(QPointF(left, base), QPointF(left + width, base))
+        half = self.fontMetrics().horizontalAdvance("0000000") / 2
+        every = int(round_up(max(self._steps() * 2.4 * half / width, 1.0)))
+        for step in range(0, self._steps() + 1, every):
+            x = left + width * step / self._steps()
+            painter.drawLine(QPointF(x, base), QPointF(x, base + 3.0))
+            painter.drawText(QRectF(x - half, base + 1.0, 2 * half, _FOOT), Qt.AlignmentFlag.AlignHCenter, f"{step}")
+
+    def _draw_place(self, painter: QPainter) -> None:
+        """Mark the step that is shown."""
+        branch, step = self._navigation.place
+        if self._navigation.branch(branch) is None:
+            return
+        at = self.point(branch, step)
+        painter.setPen(QPen(self._color(QPalette.ColorRole.WindowText), 1.4))
+        painter.drawLine(QPointF(at.x(), self.visibleRegion().boundingRect().top()), QPointF(at.x(), self._base()))
+        painter.setPen(QPen(self._color(QPalette.ColorRole.Base), 1.6))
+        painter.setBrush(self._color(QPalette.ColorRole.Highlight))
+        painter.drawEllipse(at, 5.2, 5.2)
+
+    def _color(self, role: QPalette.ColorRole) -> QColor:
+        return self.palette().color(role)
+
+
+class TimelinePanel(QWidget):
+    """Shows the timeline while there is a run and goes to any of its steps; updated less often while that runs."""
+
+    def __init__(self, navigation: TimelineNavigation, status: Callable[[], RunStatus]) -> None:
+        super().__init__()
+        self._navigation = navigation
+        self._status = status
+        self.view = TimelineView(navigation)
+        self.setFocusProxy(self.view)
+        self.buttons = {name: _button(name) for name in ("first", "back", "forward", "last")}
+        self.step = QSpinBox()
+        self.step.setKeyboardTracking(False)
+        self.step.setAccessibleName(tr("Step"))
+        self.step.setToolTip(tr("Shown step; type a number to go there."))
+        self.step.valueChanged.connect(lambda step: navigation.go(navigation.place[0], step))
+        self._of = dim_label()
+        self.parameters = _button("parameters")
+        self.parameters.setToolTip(tr("This step was computed with different parameters. Set them again to repeat it."))
+        self.parameters.clicked.connect(navigation.use_its_parameters)
+        self.rename = add_choice(self.view, tr("Re&name the branch…"), self._rename)
+        self.branch = _button("branch")
+        self.branch.setToolTip(tr("Rename or delete the branch."))
+        self.branch.setPopupMode(QToolButton.ToolButtonPopupMode.InstantPopup)
+        scroll = self._scroll = QScrollArea(widgetResizable=True)
+        scroll.setWidget(self.view)
+        scroll.setFrameShape(QFrame.Shape.NoFrame)
+        scroll.setHorizontalScrollBarPolicy(Qt.ScrollBarPolicy.ScrollBarAlwaysOff)
+        scroll.setFocusPolicy(Qt.FocusPolicy.NoFocus)
+        scroll.setMinimumWidth(_TRACK)
+        scroll.verticalScrollBar().valueChanged.connect(self.view.update)  # the axis does not scroll
+        fields = self.branch, self.step, self._of, self.parameters, scroll
+        arrange(QHBoxLayout(self), *self.buttons.values(), *fields, margins=(8, 1, 8, 1), spacing=2, wide=scroll)
+        self._later = QTimer(self, singleShot=True, interval=_SLOWLY)
+        self._later.timeout.connect(self._show)
+        navigation.changed.connect(self._follow)
+        self._show()
+
+    def use_actions(self, actions: Actions) -> None:
+        """Let the buttons be those of the actions of the menu."""
+        for name, button in self.buttons.items():
+            button.setDefaultAction(actions[f"timeline_{name}"])
+        self.branch.addActions([self.rename, actions["timeline_delete"]])
+
+    def use_theme(self, theme: Theme) -> None:
+        """Color the icons of the buttons that belong to no action."""
+        self.branch.setIcon(icon("branch", theme.text, faded=theme.line))
+        self.parameters.setIcon(icon("restore", theme.text, faded=theme.line))
+
+    @property
+    def _running(self) -> bool:
+        return self._status().phase == "running"
+
+    def show_parameters(self) -> None:
+        """Offer the parameters of the step if they differ from the present ones."""
+        self.parameters.setVisible(self._navigation.other_parameters is not None and not self._running)
+
+    def minimumSizeHint(self) -> QSize:
+        """Room for the buttons and a short track."""
+        hint = super().minimumSizeHint()
+        return QSize(min(hint.width(), _NARROW), hint.height())
+
+    # Internal
+
+    def _follow(self) -> None:
+        if not self._running:
+            self._later.stop()
+            self._show()
+        elif not self._later.isActive():
+            self._later.start()
+
+    def _show(self) -> None:
+        navigation = self._navigation
+        branch, step = navigation.place
+        there, last, count = navigation.branch(branch) is not None, navigation.last(branch), len(navigation.branches)
+        with QSignalBlocker(self.step):
+            self.step.setRange(0, max(last, step))
+            self.step.setValue(step)
+        self.step.setEnabled(there)
+        self._of.setText(tr("of {last}", last=last) if there else "")
+        self.branch.setEnabled(count > 0)
+        self.rename.setEnabled(there)
+        self.show_parameters()
+        self.view.refresh()
+        self._scroll.setFixedHeight(self.view.height_of(min(count, _ROWS)))
+        if there:
+            self._scroll.ensureVisible(0, round(self.view.point(branch, step).y()), 0, _ROW)
+
+    def _rename(self) -> None:
+        known = self._navigation.branch(self._navigation.place[0])
+        if known is not None:
+            title, button = tr("Name of the branch"), tr("Use this name")
+            name = ask_for_text(self.window(), title, tr("Name:"), button, known.name)
+            if name and name.strip() not in ("", known.name):
+                self._navigation.rename(known.identity, name)
+
+
+def _button(name: str) -> QToolButton:
+    button = QToolButton(autoRaise=True)
+    button.setObjectName(f"timeline_{name}")
+    return button

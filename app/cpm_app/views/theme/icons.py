@@ -1,0 +1,127 @@
+"""Icons from the SVG files of the program, in the color of the text around them, swatches, and a menu of colors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+
+from PySide6.QtCore import QByteArray, QRectF, QSize, Qt
+from PySide6.QtGui import QColor, QCursor, QIcon, QPainter, QPixmap
+from PySide6.QtSvg import QSvgRenderer
+from PySide6.QtWidgets import QColorDialog, QMenu, QWidget
+
+from cpm_app.model.text.assets import asset
+from cpm_app.model.text.language import tr
+from cpm_app.views.theme.theme import look
+
+_SIZES = (16, 20, 24, 32, 40, 48)
+
+RIM = "#858b93"
+"""Color around a swatch, which separates any color from a light and from a dark background."""
+
+
+@cache
+def icon(name: str, color: str, faded: str | None = None) -> QIcon:
+    """Icon by name, rendered once.
+
+    Parameters
+    ----------
+    name : str
+        Name of the SVG file without its suffix.
+    color : str
+        Replaces ``currentColor`` in the file.
+    faded : str, optional
+        The same for the disabled icon.
+    """
+    source = asset(f"icons/{name}.svg").read_text(encoding="utf-8")
+    made = QIcon()
+    for mode, tint in ((QIcon.Mode.Normal, color), (QIcon.Mode.Disabled, faded)):
+        if tint is not None:
+            renderer = QSvgRenderer(QByteArray(source.replace("currentColor", tint).encode()))
+            for size in _SIZES:
+                made.addPixmap(_pixmap(renderer, size), mode)
+    return made
+
+
+@cache
+def pointer(name: str) -> QCursor:
+    """A pointer with the picture of an icon, light with a dark rim; it points with the middle."""
+    side = 24
+    pixmap = QPixmap(side, side)
+    pixmap.fill(Qt.GlobalColor.transparent)
+    painter = QPainter(pixmap)
+    rim, picture = (icon(name, color).pixmap(QSize(side, side), 1.0) for color in ("#101216", "#ffffff"))
+    for x, y in ((-1, 0), (1, 0), (0, -1), (0, 1)):
+        painter.drawPixmap(x, y, rim)
+    painter.drawPixmap(0, 0, picture)
+    painter.end()
+    return QCursor(pixmap)
+
+
+@cache
+def program_icon() -> QIcon:
+    """Icon of the program itself."""
+    renderer = QSvgRenderer(str(asset("icons/cpm.svg")))
+    made = QIcon()
+    for size in (*_SIZES, 64, 128, 256):
+        made.addPixmap(_pixmap(renderer, size))
+    return made
+
+
+def swatch(*colors: str) -> QIcon:
+    """Small discs of the given colors side by side, in the look in use, as a legend."""
+    return _discs(*(look().color(color) for color in colors))
+
+
+@cache
+def _discs(*colors: str) -> QIcon:
+    side = 14
+    pixmap = QPixmap(QSize((side + 2) * len(colors), side))
+    pixmap.fill(Qt.GlobalColor.transparent)
+    painter = QPainter(pixmap)
+    painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+    painter.setPen(QColor(RIM))
+    for index, color in enumerate(colors):
+        painter.setBrush(QColor(color))
+        painter.drawEllipse(QRectF(index * (side + 2) + 1.5, 1.5, side - 3, side - 3))
+    painter.end()
+    return QIcon(pixmap)
+
+
+def _pixmap(renderer: QSvgRenderer, size: int) -> QPixmap:
+    pixmap = QPixmap(size, size)
+    pixmap.fill(Qt.GlobalColor.transparent)
+    painter = QPainter(pixmap)
+    renderer.render(painter)
+    painter.end()
+    return pixmap.copy()  # what has been painted on keeps its painter's memory, more than its pixels take
+
+
+PALETTE: tuple[tuple[str, str], ...] = (
+    (tr("Orange"), "#e69f00"),
+    (tr("Sky blue"), "#56b4e9"),
+    (tr("Bluish green"), "#009e73"),
+    (tr("Yellow"), "#f0e442"),
+    (tr("Blue"), "#0072b2"),
+    (tr("Vermilion"), "#d55e00"),
+    (tr("Reddish purple"), "#cc79a7"),
+    (tr("White"), "#ffffff"),
+)
+"""Hues after Okabe and Ito, with white instead of black because the canvas is dark."""
+
+
+def fill_colors(menu: QMenu, parent: QWidget, choose: Callable[[str], None], enabled: bool) -> None:
+    """Fill a menu with colors; `choose` is called with ``"#rrggbb"``, or with an empty text for none."""
+    for title, color in PALETTE:
+        menu.addAction(swatch(color), title).triggered.connect(lambda _=False, color=color: choose(color))
+    menu.addSeparator()
+    menu.addAction(tr("Other color…")).triggered.connect(lambda: _ask(parent, choose))
+    menu.addAction(tr("Color of its kind")).triggered.connect(lambda: choose(""))
+    for action in menu.actions():
+        action.setEnabled(enabled)
+
+
+def _ask(parent: QWidget, choose: Callable[[str], None]) -> None:
+    color = QColorDialog.getColor(parent=parent, title=tr("Color"))
+    if color.isValid():
+        choose(color.name())

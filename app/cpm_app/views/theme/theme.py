@@ -1,0 +1,305 @@
+"""Colors: a light and a dark theme for the window, and the look of the canvas, which color-blind people can read.
+
+Items of the canvas read the look when they paint, so that layers need not know of it; all canvases share it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
+from string import Template
+from typing import Literal
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QColor, QGuiApplication, QPalette
+from PySide6.QtWidgets import QApplication, QWidget
+
+from cpm_app.model.preferences.table import INKS
+
+Kind = Literal["contours", "shapes", "fixed"]
+"""What a line belongs to; the width of fixed ones cannot be chosen."""
+
+
+class Ink(str):
+    """A color that the user can choose, by its name; as a text it is the default."""
+
+    __slots__ = ("name",)
+
+    def __new__(cls, name: str, default: str) -> Ink:
+        """Make the color."""
+        made = super().__new__(cls, default)
+        made.name = name
+        return made
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """Factors for the widths of lines and the size of points, and the colors that were chosen, by name."""
+
+    contours: float = 1.0
+    shapes: float = 1.0
+    points: float = 1.0
+    colors: Mapping[str, str] = field(default_factory=dict)
+
+    def width(self, kind: Kind) -> float:
+        """Factor for the width of lines."""
+        return {"contours": self.contours, "shapes": self.shapes, "fixed": 1.0}[kind]
+
+    def color(self, color: str) -> str:
+        """The chosen color in place of a default one; any other color is unchanged."""
+        return self.colors.get(color.name, str(color)) if isinstance(color, Ink) else color
+
+
+_look = Look()
+
+
+def look() -> Look:
+    """The look in use."""
+    return _look
+
+
+def use_look(wanted: Look) -> None:
+    """Set the look; canvases must be painted again."""
+    global _look  # noqa: PLW0603  # one for all canvases, as the style sheet is one for all widgets
+    _look = wanted
+
+
+# The canvas is dark in both themes, so that the image is the brightest object. Hues after Okabe and Ito.
+CANVAS = "#14161a"
+MOVING, RESTING, CONTOUR, PROPOSAL, BY_HAND, REJECTED = (
+    Ink(name, INKS[name].default) for name in ("moving", "resting", "contour", "proposal", "by_hand", "rejected")
+)
+"""Colors that the preferences can change; use `look` where they do not go through an item of the canvas or a swatch."""
+
+JUNCTION = "#ff7ac6"
+DRAWING = "#c9ced6"
+CHOSEN = "#ffffff"
+REMOVED = "#ff5a36"
+HOVERED = "#90ffffff"
+TRUTH = "#d79bd0"
+MISSING = "#ff5a36"
+WRONG = "#ffe14d"
+REGION = "#b48cff"
+BARRIER = "#f0533a"
+ATTRACTING = "#0072b2"
+REPELLING = "#d55e00"
+DIMMED = "#88101216"
+HALO = "#101216"
+FIELD = "#ff9ad5"
+THICKNESSES = ("#6a7fd1", "#3f9fd0", "#35bcab", "#8ccf5e", "#f3e04b")
+"""From thin to thick: of increasing lightness, distinguishable without distinguishing red from green."""
+DISK = "#70ffffff"
+COULOMB, LORENTZ, DAMPING = "#ff9d1e", "#56b4e9", "#2bd4a4"
+
+
+@dataclass(frozen=True, slots=True)
+class Theme:
+    """Colors of the window."""
+
+    window: str
+    panel: str
+    base: str
+    button: str
+    text: str
+    dim: str
+    line: str
+    accent: str
+    accent_text: str
+    accent_hover: str
+    chosen: str
+    faded: str
+    error: str
+    error_text: str
+    message: str
+    message_text: str
+
+
+_COLORS = {
+    "window": ("#f3f4f6", "#1e2126"),
+    "panel": ("#fafbfc", "#22262c"),
+    "base": ("#ffffff", "#343a43"),
+    "button": ("#eceef1", "#3a414b"),
+    "text": ("#1b1f24", "#e7eaee"),
+    "dim": ("#5a6470", "#a8b2bd"),
+    "line": ("#cfd4da", "#464d58"),
+    "accent": ("#1c69cd", "#4d94ee"),
+    "accent_text": ("#ffffff", "#0c1016"),
+    "accent_hover": ("#185fbb", "#6ba8f5"),
+    "chosen": ("#dbe8fa", "#2c425f"),
+    "faded": ("#858d97", "#757f8b"),
+    "error": ("#fde3e1", "#4d2320"),
+    "error_text": ("#7d1a14", "#ffd9d5"),
+    "message": ("#dff0e6", "#1e3d2c"),
+    "message_text": ("#14532d", "#d4f3e0"),
+}
+"""Light and dark color of each role."""
+
+LIGHT = Theme(**{role: colors[0] for role, colors in _COLORS.items()})
+DARK = Theme(**{role: colors[1] for role, colors in _COLORS.items()})
+
+
+def system_theme() -> Theme:
+    """The theme of the desktop, the light one where it is unknown."""
+    dark = QGuiApplication.styleHints().colorScheme() == Qt.ColorScheme.Dark
+    return DARK if dark else LIGHT
+
+
+def apply_theme(theme: Theme, window: QWidget) -> None:
+    """Set the theme of the application, unless it is set already, because that takes long.
+
+    The style sheet is that of the window and of its dialogs: one of the application is applied to each widget again
+    for each of those around it.
+    """
+    sheet = _STYLE.substitute(asdict(theme))
+    if window.styleSheet() != sheet:
+        QApplication.setPalette(_palette(theme))
+        window.setStyleSheet(sheet)
+
+
+def _palette(theme: Theme) -> QPalette:
+    palette = QPalette()
+    role = QPalette.ColorRole
+    colors = {
+        role.Window: theme.window,
+        role.WindowText: theme.text,
+        role.Base: theme.base,
+        role.AlternateBase: theme.panel,
+        role.Text: theme.text,
+        role.Button: theme.button,
+        role.ButtonText: theme.text,
+        role.BrightText: theme.error_text,
+        role.ToolTipBase: theme.base,
+        role.ToolTipText: theme.text,
+        role.PlaceholderText: theme.dim,
+        role.Highlight: theme.accent,
+        role.HighlightedText: theme.accent_text,
+        role.Link: theme.accent_hover,
+        role.Mid: theme.line,
+    }
+    for key, color in colors.items():
+        palette.setColor(key, QColor(color))
+    disabled = QPalette.ColorGroup.Disabled
+    for key in (role.WindowText, role.Text, role.ButtonText):
+        palette.setColor(disabled, key, QColor(theme.faded))
+    for key in (role.Base, role.Button):
+        palette.setColor(disabled, key, QColor(theme.window))
+    return palette
+
+
+_STYLE = Template("""
+/* Menus, tool bars, status bar */
+QToolTip { color: $text; background: $base; border: 1px solid $line; padding: 4px; }
+QMenuBar { background: $window; }
+QToolBar { background: $window; border: none; border-bottom: 1px solid $line;
+            spacing: 2px; padding: 3px 4px; }
+QToolBar#palette { border-bottom: none; border-right: 1px solid $line; }
+QToolBar::separator { background: $line; width: 1px; height: 1px; margin: 5px; }
+QToolBar QToolButton { padding: 4px 6px; border: 1px solid transparent; border-radius: 5px; }
+QToolBar QToolButton:hover { background: $button; border-color: $line; }
+QToolBar QToolButton:focus { border-color: $accent; }
+QToolBar QToolButton:checked { background: $button; border-color: $accent; }
+QToolBar QToolButton:disabled { color: $faded; }
+QToolBar QToolButton::menu-indicator { subcontrol-origin: padding; subcontrol-position: right center;
+                                        right: 3px; }
+QToolBar QToolButton#tools { padding: 3px 14px 2px 2px; }
+QToolBar QToolButton#tools::menu-button { border: none; width: 14px; }
+QToolBar QToolButton#qt_toolbar_ext_button { padding: 0; background: $button; border-color: $line; }
+QToolBar QToolButton#primary { background: $accent; color: $accent_text; font-weight: 600; }
+QToolBar QToolButton#primary:hover { background: $accent_hover; }
+QToolBar QToolButton#primary:focus { border: 2px solid $text; padding: 3px 5px; }
+QToolBar QToolButton#primary:disabled { background: $button; color: $faded; }
+QWidget#segments QToolButton { background: $base; border: 1px solid $line; border-radius: 0;
+                                padding: 4px 9px; }
+QWidget#segments QToolButton[segment="first"] { border-right: none; border-top-left-radius: 6px;
+                                                 border-bottom-left-radius: 6px; }
+QWidget#segments QToolButton[segment="last"] { border-left: none; border-top-right-radius: 6px;
+                                                border-bottom-right-radius: 6px; }
+QWidget#segments QToolButton:hover { background: $button; }
+QWidget#segments QToolButton:checked { background: $chosen; color: $text; font-weight: 600;
+                                        border: 1px solid $accent; }
+QWidget#segments QToolButton:focus { border: 1px solid $accent; }
+QStatusBar { border-top: 1px solid $line; }
+QStatusBar::item { border: none; }
+
+/* Docks with their headings and tabs.
+   The line between docks is one pixel wide, the separator that is dragged three: for one of a single pixel Qt makes a
+   hidden widget whenever docks are shown, and keeps it until the window is closed. */
+QMainWindow::separator { width: 1px; height: 1px; margin: 1px; background: $line; }
+QMainWindow::separator:hover { background: $accent; }
+QDockWidget { color: $dim; font-weight: 600; }
+QToolButton#quiet { border: 1px solid transparent; border-radius: 4px; padding: 1px; }
+QToolButton#quiet:hover { background: $button; }
+QToolButton#quiet:focus { border-color: $accent; }
+QTabBar::tab { color: $dim; padding: 5px 4px 4px 4px; border: none; border-bottom: 2px solid transparent;
+                background: $window; }
+QTabBar::tab:hover { color: $text; background: $button; }
+QTabBar::tab:selected { color: $text; border-bottom-color: $accent; }
+QTabBar::tab:focus { color: $text; }
+QTabBar QToolButton { background: $button; border: 1px solid $line; }
+QListWidget#contents::item { padding: 6px; }
+QFrame#popup { background: $panel; border: 1px solid $line; }
+QLabel#heading { color: $dim; font-weight: 600; }
+QLabel#dim { color: $dim; }
+QLabel#state { font-weight: 600; }
+QToolButton#fold { border: none; color: $dim; font-weight: 600; padding: 2px 0; }
+QToolButton#fold:hover { color: $text; }
+QToolButton#fold:focus { color: $accent; }
+QToolButton#chip { border: 1px solid $line; border-radius: 4px; padding: 1px 5px; color: $dim; }
+QToolButton#chip:checked { background: $button; color: $text; }
+QToolButton#chip:focus { border-color: $accent; }
+QToolButton#restore { border: 1px solid transparent; border-radius: 3px; padding: 0; }
+QToolButton#restore:focus { border-color: $accent; }
+QScrollArea, QWidget#scrolled { background: transparent; border: none; }
+QScrollBar:vertical { background: transparent; width: 9px; margin: 0; }
+QScrollBar::handle:vertical { background: $line; border-radius: 4px; min-height: 28px; }
+QScrollBar::handle:vertical:hover { background: $dim; }
+QScrollBar:horizontal { background: transparent; height: 9px; margin: 0; }
+QScrollBar::handle:horizontal { background: $line; border-radius: 4px; min-width: 28px; }
+QScrollBar::add-line, QScrollBar::sub-line { width: 0; height: 0; }
+QScrollBar::add-page, QScrollBar::sub-page { background: transparent; }
+QHeaderView::section { color: $dim; background: $window; border: none; padding: 4px 3px;
+                        border-bottom: 1px solid $line; }
+QTableView, QTreeView, QListView { background: $base; alternate-background-color: $panel;
+                                    border: 1px solid $line; gridline-color: $line; }
+
+/* Sliders, fields and buttons in the panels */
+QSlider::groove:horizontal { height: 4px; border-radius: 2px; background: $line; }
+QSlider::sub-page:horizontal { height: 4px; border-radius: 2px; background: $accent; }
+QSlider::handle:horizontal { width: 12px; height: 12px; margin: -5px 0; border-radius: 7px;
+                              background: $base; border: 1px solid $dim; }
+QSlider::handle:horizontal:hover { border-color: $accent; }
+QSlider::handle:horizontal:focus { border: 2px solid $accent; width: 10px; height: 10px; }
+QSlider::sub-page:horizontal:disabled { background: $line; }
+QSlider::handle:horizontal:disabled { background: $window; border-color: $line; }
+QPushButton { background: $button; color: $text; border: 1px solid $line; border-radius: 5px;
+               padding: 4px 12px; }
+QPushButton:hover, QPushButton:focus { border-color: $accent; }
+QPushButton:pressed, QPushButton:checked { background: $chosen; }
+QPushButton:default { border-color: $accent; }
+QPushButton:disabled { color: $faded; border-color: $line; }
+QDockWidget QToolButton#preset, QFrame#popup QToolButton { background: $button; color: $text;
+                            border: 1px solid $line; border-radius: 5px; padding: 4px 8px; }
+QDockWidget QToolButton#preset:hover, QFrame#popup QToolButton:hover,
+QDockWidget QToolButton#preset:focus, QFrame#popup QToolButton:focus { border-color: $accent; }
+QFrame#popup QToolButton:disabled { color: $faded; }
+QPushButton:disabled, QDockWidget QToolButton#preset:disabled, QFrame#popup QToolButton:disabled {
+    background: $window; color: $faded; }
+QDialogButtonBox, QMessageBox { dialogbuttonbox-buttons-have-icons: 0; }
+QMessageBox QLabel#qt_msgbox_label { font-weight: 600; }
+QMessageBox QLabel#qt_msgbox_informativelabel { min-width: 320px; }
+
+/* The line below the canvas */
+QFrame#slices { background: $window; border: none; border-top: 1px solid $line; }
+QFrame#slices QToolButton { padding: 2px 8px; border-radius: 5px; border: 1px solid transparent; }
+QFrame#slices QToolButton:checked { background: $chosen; }
+QFrame#slices QToolButton:focus { border-color: $accent; }
+QFrame#strip { background: $window; border: none; border-top: 1px solid $line; }
+QLabel#over_image { background: rgba(16, 18, 22, 205); color: #f2f4f7; border-radius: 6px; padding: 3px 9px; }
+QFrame#error { background: $error; border: none; }
+QFrame#error QLabel, QFrame#error QToolButton { color: $error_text; }
+QFrame#message { background: $message; border: none; }
+QFrame#message QLabel, QFrame#message QToolButton { color: $message_text; }
+QFrame#offer { background: $panel; border: none; border-bottom: 1px solid $line; }
+""")

@@ -1,0 +1,168 @@
+"""The tools that work within a ring around the pointer: spray and eraser."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import scipy
+
+from cpm_app.model.text.language import tr
+from cpm_app.session.features.object_list import BRUSH, first_radius
+from cpm_app.session.undo_history import Erasure
+from cpm_app.views.theme import theme
+from cpm_app.views.tools.tool import SELECT, STROKE, ShapeTool
+from cpm_core.numerics import Array, Place
+from cpm_core.shapes import Points
+
+_FACTOR = 1.2
+"""Factor by which one key press enlarges the ring."""
+
+_APART = 2.0
+"""Least distance between two points of one gesture [px], equal to that of particles on drawn lines."""
+
+_DENSITY = 0.05
+"""Candidate points per px² of the ring and per radius of movement."""
+
+_MOST_POINTS = 20_000
+"""Largest number of points of one gesture."""
+
+
+class RingTool(ShapeTool):
+    """Works within a ring that follows the pointer and can be made smaller and larger."""
+
+    color: str
+    sized = True
+
+    def set_up(self) -> None:
+        """Set what it keeps between events."""
+        super().set_up()
+        self._chosen: float | None = None
+        self._at: Place | None = None
+        self._last: Place | None = None
+
+    @property
+    def radius(self) -> float:
+        """Radius of the ring [px of the image]."""
+        return self._chosen or first_radius(self._session.document.image)
+
+    def work(self, path: tuple[Place, ...]) -> None:
+        """Apply the tool along a path of the ring, which has one place when the gesture begins."""
+        raise NotImplementedError
+
+    def press(self, at: Place, reach: float) -> None:
+        """Begin a gesture."""
+        self._begin()
+        self._last, self.used = at, True
+        self._session.select(None)
+        self.hover(at)
+        self.work((at,))
+
+    def drag(self, at: Place) -> None:
+        """Continue along the path of the pointer."""
+        self.hover(at)
+        if self._last is not None and at != self._last:
+            path, self._last = (self._last, at), at
+            self.work(path)
+
+    def hover(self, at: Place) -> None:
+        """Move the ring to the pointer."""
+        self._at = at
+        self._drawing.show_ring(at, self.radius, self.color)
+
+    def resize(self, by: float) -> None:
+        """Make the ring larger or smaller."""
+        self.set_radius(min(max(self.radius * _FACTOR**by, BRUSH[0]), BRUSH[1]))
+        if self._at is not None:
+            self.hover(self._at)
+
+    def set_radius(self, radius: float) -> None:
+        """Set the radius of the ring [px of the image]."""
+        self._chosen = radius
+
+    def put_away(self) -> None:
+        """Hide the ring."""
+        self._at = None
+        self._drawing.show_ring()
+
+
+class SprayTool(RingTool):
+    """Scatters points in the ring while the button is down and the pointer moves."""
+
+    name = "spray"
+    text = tr("Spra&y")
+    shortcut = "Y"
+    group = STROKE
+    tip = tr("Drag to scatter points; [ and ] change the ring.")
+    color = theme.DRAWING
+    guidance = tr("Drag to spray points; [ and ] make the ring smaller and larger.")
+    by_keys = tr("Enter begins to spray, arrow keys continue, Enter ends; [ and ] change the ring.")
+
+    def set_up(self) -> None:
+        """Set what it keeps between events."""
+        super().set_up()
+        self._random = np.random.default_rng(0)
+        self._taken: Array = np.empty((0, 2))
+        """The points so far, in sides of the smallest voxel."""
+
+    def work(self, path: tuple[Place, ...]) -> None:
+        """Scatter points along the path of the ring, none too near to another."""
+        image, sides = self._session.document.image, np.array(self.sides)
+        if image is None:
+            return
+        if len(path) == 1:
+            self._taken = np.empty((0, 2))
+        begin, end = (np.array(self.flat(place)) * sides for place in (path[0], path[-1]))
+        far = math.dist(begin, end) / self.radius if len(path) > 1 else 2.0
+        many = self._random.poisson(_DENSITY * math.pi * self.radius**2 * far) + (len(path) == 1)
+        share = self._random.random(many)[:, None]
+        angle, off = 2.0 * math.pi * self._random.random(many), self.radius * np.sqrt(self._random.random(many))
+        places = begin + share * (end - begin) + off[:, None] * np.stack([np.sin(angle), np.cos(angle)], axis=1)
+        last = np.array(image.shape if self.here is None else self.here.within(image.shape)) - 0.5
+        inside = ((places >= -0.5 * sides) & (places <= last * sides)).all(axis=1)
+        points = np.concatenate([self._taken, places[inside]])
+        near = scipy.spatial.cKDTree(points).query_pairs(_APART, output_type="ndarray")
+        self._taken = np.delete(points, near.max(axis=1), axis=0)[:_MOST_POINTS]
+        if len(self._taken):
+            placed = (self.lifted((row, col)) for row, col in (self._taken / sides).tolist())
+            self._put(tr("spray points"), Points(tuple(placed)))
+
+
+class EraserTool(RingTool):
+    """Erases the points in its ring, the other shapes that it touches, and the particles of a run in it."""
+
+    name = "eraser"
+    text = tr("&Eraser")
+    shortcut = "E"
+    group = SELECT
+    tip = tr("Drag to erase points, shapes and particles; [ and ] change its ring.")
+    color = theme.CHOSEN
+    guidance = tr("Drag over points, shapes or particles to erase them; [ and ] make the ring smaller and larger.")
+    by_keys = tr("Enter begins to erase, arrow keys continue, Enter ends; [ and ] change the ring.")
+
+    def set_up(self) -> None:
+        """Set what it keeps between events."""
+        super().set_up()
+        self._erasure: Erasure | None = None
+        self._erased = False
+
+    def work(self, path: tuple[Place, ...]) -> None:
+        """Erase along the path of the ring."""
+        if self._erasure is None:
+            self._erasure, self._erased = self._session.live.begin_erasure(), False
+        before = self._session.document
+        left, run_changed = self._session.live.erase(path, self.radius, self._erasure)
+        self._session.edit(tr("erase"), lambda _: left, self._gesture, self._erasure if run_changed else None)
+        self._erased = self._erased or run_changed or self._session.document is not before
+
+    def release(self) -> None:
+        """Keep what is left."""
+        self._erasure = None
+        super().release()
+
+    def cancel(self) -> None:
+        """Bring back what the gesture has erased."""
+        erased = self._erasure is not None and self._erased
+        self.release()
+        if erased:
+            self._session.undo()

@@ -1,0 +1,202 @@
+"""The tools that draw a shape with one gesture: circle, ellipse, point, and charges."""
+
+from __future__ import annotations
+
+import math
+import operator
+
+import numpy as np
+from PySide6.QtCore import Qt
+
+from cpm_app.model.document.document import ImageReference
+from cpm_app.model.text.language import from_core, tr
+from cpm_app.model.volume.slices import Slice
+from cpm_app.session.signals import EDITING
+from cpm_app.views.tools.tool import CHARGE, CIRCLE, STROKE, ShapeTool
+from cpm_core.numerics import Place, Position
+from cpm_core.shapes import SMALLEST_RADIUS, Box, Charge, Circle, Ellipse, Points, Shape, Sphere
+from cpm_core.shapes.solids import SMALLEST
+
+
+def box_between(one: Position, other: Position, here: Slice, volume: ImageReference) -> tuple[Place, Place]:
+    """Two corners of a box: as deep as the shorter side of its rectangle, half on each side, within the volume."""
+    axis, low, high = here.axis, *np.sort([one, other], axis=0)
+    high = np.maximum(high, low + SMALLEST)
+    depth = ((high - low) * here.within(volume.spacing)).min()
+    half = max(0.5 * float(depth) / volume.spacing[axis], SMALLEST)
+    begin = max(here.index - half, 0.0)
+    # at least so deep, even in a volume of a single slice
+    end = max(min(here.index + half, volume.shape[axis] - 1.0), begin + SMALLEST)
+    first, last = ([*here.lifted(tuple(corner.tolist()))] for corner in (low, high))
+    first[axis], last[axis] = begin, end
+    return tuple(first), tuple(last)
+
+
+class DraggedTool(ShapeTool):
+    """Draws a shape between the place where the button goes down and the pointer."""
+
+    slip: str
+    """Message when the pointer has not been moved."""
+    slip_in_volume: str
+    """The same in a volume."""
+
+    def set_up(self) -> None:
+        """Set what it keeps between events."""
+        super().set_up()
+        self._start: Position = (0.0, 0.0)
+
+    def shape(self, begin: Position, at: Position) -> Shape:
+        """The shape between two places."""
+        raise NotImplementedError
+
+    def press(self, at: Position, reach: float) -> None:
+        """Begin a shape."""
+        self._start = at
+        self._begin()
+
+    def drag(self, at: Position) -> None:
+        """Extend the shape to the pointer."""
+        if self._index is not None and (self._drawn or math.dist(self._start, at) >= SMALLEST_RADIUS):
+            shape = self.shape(self._start, at)
+            self._put(tr("draw {shape}", shape=from_core(shape.title)), shape)
+            self._session.select(self._index)
+
+    def release(self) -> None:
+        """Keep the shape."""
+        if self._index is not None and self._drawn is None:
+            self._session.say(self.slip if self.volume is None else self.slip_in_volume, topic=EDITING)
+        self.used = True
+        super().release()
+
+
+class CircleTool(DraggedTool):
+    """Draws a circle from its center."""
+
+    name = "circle"
+    text = tr("&Circle")
+    shortcut = "C"
+    group = CIRCLE
+    tip = tr("Drag from the center to draw a circle.")
+    slip = tr("Keep the button down and drag to draw a circle from its center.")
+    slip_in_volume = tr("Keep the button down and drag to draw a sphere from its center.")
+    by_keys = tr("Enter begins at the center, arrow keys move the rim, Enter ends.")
+
+    def shape(self, begin: Position, at: Position) -> Circle | Sphere:
+        """The circle around `begin` through the pointer, in a volume the sphere."""
+        if self.volume is not None:
+            return Sphere.round(begin, SMALLEST, self.volume.spacing).with_handle_at(begin, at)
+        return Circle(begin, max(math.dist(begin, at), SMALLEST_RADIUS))
+
+
+class EllipseTool(DraggedTool):
+    """Draws an ellipse from corner to corner of its box; with Ctrl from its center, with Shift as a circle.
+
+    In a volume it draws the box itself, as deep as its shorter side.
+    """
+
+    name = "ellipse"
+    text = tr("E&llipse")
+    shortcut = "L"
+    group = CIRCLE
+    tip = tr("Drag a box to draw an ellipse; Shift makes it round, Ctrl draws it from its center.")
+    slip = tr("Keep the button down and drag to draw an ellipse.")
+    slip_in_volume = tr("Keep the button down and drag from corner to corner to draw a box.")
+    guidance = tr("Drag a box around the ellipse; Shift makes it round, Ctrl draws it from its center.")
+    by_keys = tr("Enter begins at a corner of its box, arrow keys move the opposite one, Enter ends.")
+
+    def shape(self, begin: Position, at: Position) -> Ellipse | Box:
+        """The ellipse in the box, whose first radius lies along the row; in a volume the box."""
+        (top, left), (down, right) = self.flat(begin), map(operator.sub, self.flat(at), self.flat(begin))
+        high, wide = self.sides
+        if self.modifiers & Qt.KeyboardModifier.ShiftModifier:
+            size = max(abs(down) * high, abs(right) * wide)
+            down, right = math.copysign(size / high, down), math.copysign(size / wide, right)
+        centered = bool(self.modifiers & Qt.KeyboardModifier.ControlModifier)
+        if self.volume is not None and self.here is not None:
+            one = (top - down, left - right) if centered else (top, left)
+            return Box(*box_between(one, (top + down, left + right), self.here, self.volume))
+        share, center = 1.0, begin
+        if not centered:
+            share, center = 0.5, (top + 0.5 * down, left + 0.5 * right)
+        return Ellipse(center, (max(share * abs(right), SMALLEST_RADIUS), max(share * abs(down), SMALLEST_RADIUS)))
+
+
+class PointTool(ShapeTool):
+    """Places a point, which follows the pointer while the button is down."""
+
+    name = "points"
+    text = tr("&Points")
+    shortcut = "P"
+    group = STROKE
+    tip = tr("Click to place a point.")
+    clicks = True
+    by_keys = tr("Enter places a point.")
+
+    def press(self, at: Position, reach: float) -> None:
+        """Place a point."""
+        self._begin()
+        self.drag(at)
+        self._session.select(None)
+
+    def drag(self, at: Position) -> None:
+        """Move the point to the pointer."""
+        self._put(tr("place point"), Points((at,)))
+
+
+class ChargeTool(ShapeTool):
+    """Places a charge, or takes hold of an existing one; the charge follows the pointer while the button is down."""
+
+    by_keys = tr("Enter places it or picks one up, arrow keys move it, Enter puts it down.")
+    strength: float
+    """Strength of the charges, above zero for attracting ones."""
+
+    def press(self, at: Place, reach: float) -> None:
+        """Take hold of the charge under the pointer, or place one."""
+        self.used = True
+        self._begin(self._found(at, reach))
+        if self._before is None:
+            self._place(Charge(at, self.strength))
+        self._session.select(self._index)
+
+    def drag(self, at: Place) -> None:
+        """Move the charge to the pointer."""
+        charge = self._drawn
+        if isinstance(charge, Charge):
+            self._place(Charge(at, charge.strength))
+
+    def _place(self, charge: Charge) -> None:
+        verb = tr("drop {charge}") if self._before is None else tr("move {charge}")
+        self._put(verb.format(charge=from_core(charge.title)), charge)
+
+    def _found(self, at: Place, reach: float) -> int | None:
+        """Index of the charge nearest to the pointer, the topmost of equally near ones."""
+        near = [
+            (math.dist(shape.position, at), -index)
+            for index, shape in enumerate(self._session.document.shapes)
+            if isinstance(shape, Charge) and math.dist(shape.position, at) <= reach
+        ]
+        return -min(near)[1] if near else None
+
+
+class AttractTool(ChargeTool):
+    """Places charges that attract particles."""
+
+    name = "attract"
+    text = tr("&Attract")
+    shortcut = "A"
+    group = CHARGE
+    tip = tr("Place a charge that attracts particles, and drag it while they run; [ and ] change its strength.")
+    guidance = tr("Click to place a charge that attracts particles; drag it while they run.")
+    strength = 2.0
+
+
+class RepelTool(ChargeTool):
+    """Places charges that repel particles."""
+
+    name = "repel"
+    text = tr("&Repel")
+    shortcut = "D"
+    group = CHARGE
+    tip = tr("Place a charge that repels particles, and drag it while they run; [ and ] change its strength.")
+    guidance = tr("Click to place a charge that repels particles; drag it while they run.")
+    strength = -2.0

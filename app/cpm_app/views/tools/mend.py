@@ -1,0 +1,284 @@
+"""The tool that mends contours and objects: pulls and joins lines, cuts contours, and paints objects."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QCursor
+
+from cpm_app.model.text.keys import with_keys
+from cpm_app.model.text.language import tr
+from cpm_app.session.features.object_list import ObjectBrush
+from cpm_app.session.signals import EDITING
+from cpm_app.views.theme import theme
+from cpm_app.views.theme.icons import pointer
+from cpm_app.views.tools.brush_tools import RingTool
+from cpm_app.views.tools.tool import MEND, TAKING_AWAY, Cursor
+from cpm_core.contours import HandEdit
+from cpm_core.numerics import Array, Place, Position
+from cpm_core.objects.segmented import SegmentedObject
+from cpm_core.reconstruction import Contact, connect, deletion, pull
+
+_STILL = 0.5
+"""Move of the pointer, in reaches, up to which a press is a click and not a drag."""
+
+_JOINS = tr("Release on another end to join, elsewhere to extend. {key:escape} cancels.")
+_REDRAWS = tr("Release to redraw the line along the edge; Shift only bends it. {key:escape} cancels.")
+_TAKE = tr("Drag to erase from {name}. [ and ] change the brush.")
+_TAKE_LATER = tr("Drag over an object to erase from it. [ and ] change the brush.")
+_ADD = tr("Drag to add to {name}, Shift-drag to erase, Ctrl-drag to paint a new object. [ and ] change the brush.")
+_PAINT = tr("Drag to paint a new object. [ and ] change the brush.")
+
+
+class MendTool(RingTool):
+    """Near a line it pulls it, from an end of a contour it joins; a click marks a place there, with Shift it cuts.
+
+    Away from lines it is a brush that adds to objects, with Shift takes away. What a press would do is shown before it,
+    what a release would do as a preview. In a volume it is the brush alone.
+    """
+
+    name = "mend"
+    text = tr("&Mend")
+    shortcut = "J"
+    group = MEND
+    panel = "objects"
+    tip = tr("Drag a line to pull it, an end of a contour to join it, elsewhere to paint; Shift cuts or erases.")
+    by_keys = tr("Enter picks up or paints, with Shift cuts or erases; arrow keys move, Enter ends.")
+
+    def set_up(self) -> None:
+        """Set what it keeps between events."""
+        super().set_up()
+        self._editing, self._review = self._workspace.hand_editing, self._workspace.review
+        self._list = self._workspace.object_list
+        self._brush = ObjectBrush(self._session, self._list)
+        self._objects = self._session.document.objects
+        self._held: Contact | None = None
+        """The place of a line that is under the pointer, or in hand."""
+        self._item: SegmentedObject | None = None
+        """The object whose boundary that is, or that the brush would paint; None for a contour or a new object."""
+        self._pressed: Position | None = None
+        self._dragged = False
+        self._way = self._editing.way_from((0.0, 0.0))
+        self._reach = 1.0
+        self._editing.changed.connect(self._show)
+        self._list.brush_changed.connect(self._show)
+
+    @property
+    def radius(self) -> float:
+        """Radius of the brush [px of the image]."""
+        return self._list.brush
+
+    def set_radius(self, radius: float) -> None:
+        """Set the radius of the brush [px of the image]."""
+        self._list.set_brush(radius)
+
+    @property
+    def drafting(self) -> bool:
+        """Whether places are marked."""
+        return bool(self._editing.marked)
+
+    @property
+    def advice(self) -> str:
+        """What a press, or a release, does here."""
+        held, item, away = self._held, self._item, self._takes_away
+        name = "" if item is None else self._list.title(item)
+        if held is not None and self._dragged:
+            return with_keys(_JOINS if held.at_end else _REDRAWS)
+        if held is not None and item is not None:
+            words = tr("Drag to bend the boundary of {name}.") if away else tr("Drag to pull the boundary of {name}.")
+        elif held is not None:
+            words = self._on_contour(held)
+        elif self._at is None:
+            words = self.tip
+        elif away:
+            words = _TAKE if item is not None else _TAKE_LATER
+        else:
+            words = _ADD if item is not None else _PAINT
+        return with_keys(words, name=name)
+
+    def _on_contour(self, held: Contact) -> str:
+        """What can be done at a place of a contour."""
+        if held.at_end:
+            return tr("Drag to another end to join them, elsewhere to extend this contour.")
+        if self._takes_away:
+            return tr("Click to cut the contour here, drag to bend it.")
+        if len(self._editing.marked) == 2:
+            return tr("Delete removes the segment between the marks; {key:escape} removes the marks.")
+        if self._editing.marked:
+            return tr("Click a second point to mark a segment.")
+        return tr("Drag to pull the contour, click to mark a place, Shift-click to cut.")
+
+    def press(self, at: Position, reach: float) -> None:
+        """Take hold of the line under the pointer, or begin to paint."""
+        self._find(at, reach)
+        self.used, self._pressed, self._dragged = True, at, False
+        if self._held is None:
+            self._editing.mark(())
+            super().press(at, reach)
+        elif self._held.at_end:
+            self._way = self._editing.way_from_end(self._held)
+
+    def drag(self, at: Position) -> None:
+        """Show what a release here would do, or paint on."""
+        if self._held is None:
+            super().drag(at)
+        elif self._pressed is not None:
+            self._at = at
+            self._dragged = self._dragged or math.dist(self._pressed, at) > _STILL * self._reach
+            self._show()
+
+    def release(self) -> None:
+        """Carry out what the preview shows, mark the place that was clicked, or end the stroke."""
+        held, item = self._held, self._item
+        if held is not None and self._dragged:
+            edits = self._meant(held)[0]
+            if item is None:
+                self._editing.add(edits)
+            elif item.frozen:
+                frozen = tr("{name} is frozen: unfreeze it to change it.").format(name=self._list.title(item))
+                self._session.say(frozen, topic=EDITING)
+            else:
+                self._editing.redraw(item, held, edits[0], not self._takes_away)
+        elif held is not None:
+            self._click(held, item)
+        self._put_down()
+
+    def hover(self, at: Position) -> None:
+        """Show what a press here would take hold of, or paint."""
+        self._at = at
+        if self._pressed is None:
+            self._find(at, self._reach)
+        self._show()
+
+    def work(self, path: tuple[Position, ...]) -> None:
+        """Begin a stroke, or paint on."""
+        if len(path) == 1:
+            self._objects = self._session.document.objects
+            axis = None if self.here is None or self._list.ball else self.here.axis
+            self._brush.begin(path[0], self.radius, not self._takes_away, self._gesture, axis, self._fresh)
+        else:
+            self._brush.paint(path[-1])
+
+    def finish(self) -> None:
+        """Keep the marks: they are what keys and menus act on."""
+
+    def take_back(self) -> None:
+        """Delete the marked stretch, or remove a single mark."""
+        if len(self._editing.marked) == 2:
+            self._editing.delete_stretch()
+        else:
+            self._editing.mark(())
+
+    def cancel(self) -> None:
+        """Give up the drag, restore the objects from before the stroke, or remove the marks."""
+        before = self._objects
+        if self._brush.painting:
+            self._session.edit("", lambda document: replace(document, objects=before), self._gesture)
+        if self._pressed is None:
+            self._editing.mark(())
+        self._put_down()
+
+    def put_away(self) -> None:
+        """Hide the preview, the marks and the ring."""
+        self._at = self._held = None
+        self._review.hover(None)
+        self._drawing.show_draft()
+        self._drawing.show_ring()
+
+    def cursor(self, at: Position, reach: float) -> Cursor | QCursor:
+        """Links over an end, a knife or a hand over a line, the ring of the brush elsewhere."""
+        if self.volume is None:
+            self._editing.prepare()
+        if self._reach != max(reach, 1.0) and self._at is not None:
+            self._find(at, reach)
+            self._show()
+        if self._held is None:
+            return Cursor.CrossCursor
+        if self._held.at_end:
+            return pointer("join")
+        return pointer("knife") if self._takes_away and self._item is None else Cursor.OpenHandCursor
+
+    @property
+    def _takes_away(self) -> bool:
+        return bool(self.modifiers & TAKING_AWAY)
+
+    @property
+    def _fresh(self) -> bool:
+        """Whether a new object is painted."""
+        return bool(self.modifiers & Qt.KeyboardModifier.ControlModifier) and not self._takes_away
+
+    def _find(self, at: Place, reach: float) -> None:
+        """Find what a press at a place means."""
+        self._reach = max(reach, 1.0)
+        self._item = self._held = None
+        if self.volume is None:
+            on = self._editing.boundary(at, self._reach)
+            self._item, self._held = on if on is not None else (None, self._editing.contact(at, self._reach))
+        if self._held is None and not self._fresh:
+            self._item = self._brush.target((at,), self.radius)
+
+    def _click(self, held: Contact, item: SegmentedObject | None) -> None:
+        """Choose the object that was clicked, select the contour and mark the place on it, or cut it there."""
+        key = self._editing.key_of(held)
+        if item is not None:
+            self._list.choose((item.number,))
+        elif self._takes_away:
+            self._editing.cut(held)
+        elif self.modifiers & Qt.KeyboardModifier.ControlModifier:
+            self._review.choose(self._review.selected ^ ({key} if key is not None else set()))
+        else:
+            if key is not None:
+                self._review.choose((key,))
+            marked = self._editing.marked
+            second = len(marked) == 1 and marked[0].same_contour(held) and marked[0].along != held.along
+            self._editing.mark((*marked, held) if second else (held,))
+
+    def _meant(self, held: Contact) -> tuple[Sequence[HandEdit], Array, list[Position]]:
+        """What a release now would do: the edits, the line that they add, and the places that are held and met."""
+        at = self._at
+        assert at is not None
+        if not held.at_end:
+            edit = pull(held, at, None if self._takes_away else self._editing.edges)
+            return (edit,), np.array(edit.added), [held.place]
+        target = self._editing.contact(at, self._reach)
+        if target is not None and target.same_contour(held) and abs(target.along - held.along) <= 2.0 * self._reach:
+            target = None
+        path = self._way(at if target is None else target.place)
+        return connect(path, held, target), path, [held.place, *([] if target is None else [target.place])]
+
+    def _show(self) -> None:
+        """Draw the preview, or the marks, the place under the pointer and the ring."""
+        corners: list[Position] = [mark.place for mark in self._editing.marked]
+        path: Sequence[Position] | Array = ()
+        held, painting = self._held, self._brush.painting
+        if self._dragged and held is not None and self._at is not None:
+            _, path, corners = self._meant(held)
+        elif not painting:
+            on_contour = held is not None and self._item is None
+            self._review.hover(self._editing.key_of(held) if held is not None and on_contour else None)
+            marks = [*self._editing.marked, *([held] if held is not None and on_contour else [])][:2]
+            if len(marks) == 2 and self._editing.marked and marks[0].same_contour(marks[1]):
+                path = deletion(*marks).removed
+            corners += [held.place] if held is not None else []
+        adds = self._brush.adds if painting else not self._takes_away
+        self._drawing.show_draft(corners, path, theme.BY_HAND)
+        self._drawing.show_ring(
+            self._at if held is None else None,
+            self.radius,
+            theme.RESTING if adds else theme.BARRIER,
+            None if self.here is None or self._list.ball else self.here.axis,
+        )
+        self._advised()
+
+    def _put_down(self) -> None:
+        self._brush.end()
+        self._held = self._pressed = None
+        self._dragged = False
+        super().release()
+        if self._at is not None:
+            self._find(self._at, self._reach)
+        self._show()

@@ -1,0 +1,147 @@
+"""The tool that selects objects by clicks."""
+
+from __future__ import annotations
+
+import math
+
+from PySide6.QtCore import Qt
+
+from cpm_app.model.text.keys import with_keys
+from cpm_app.model.text.language import tr
+from cpm_app.views.theme import theme
+from cpm_app.views.tools.tool import OBJECT, TAKING_AWAY, Cursor, Tool
+from cpm_core.numerics import Place
+
+_APART = 3.0
+"""Least distance between two places of a stroke [px]."""
+
+_MOST = 200
+"""Largest number of places of a stroke; a longer one is thinned out."""
+
+
+class ObjectTool(Tool):
+    """Selects the object under the pointer; with Shift a click says what does not belong to it.
+
+    A stroke says the same of all that it crosses. A click in an object, or in one of several proposals, chooses it, and
+    in a chosen one begins to correct it; with Ctrl it selects another object there. Enter accepts what is offered.
+    """
+
+    name = "objects"
+    text = tr("Ob&jects")
+    shortcut = "W"
+    group = OBJECT
+    panel = "objects"
+    tip = tr("Click in an object to select it, Shift-click to remove what does not belong to it; Enter accepts it.")
+    by_keys = tr("Enter clicks, Shift+Enter removes what does not belong to the object; Ctrl+Enter accepts it.")
+    clicks = True
+    lasting = True
+
+    def set_up(self) -> None:
+        """Set what it keeps between events."""
+        self._selection, self._list = self._workspace.object_selection, self._workspace.object_list
+        self._path: list[Place] = []
+
+    @property
+    def drafting(self) -> bool:
+        """Whether an object is being selected."""
+        return self._selection.selecting
+
+    @property
+    def sized(self) -> bool:  # type: ignore[override]
+        """Whether there is something to make smaller or larger."""
+        return self.drafting or bool(self._selection.proposals or self._list.chosen)
+
+    @property
+    def advice(self) -> str:
+        """What to do next."""
+        if not self._selection.ready:
+            return ""
+        if self._list.chosen and not self._selection.selecting:
+            return with_keys(
+                tr(
+                    "Click again: correct · Ctrl-click: another object here · {key:name_object}: rename · "
+                    "1-9: class · Delete: remove"
+                )
+            )
+        return self._selection.advice or tr("Click in an object, or drag across it.")
+
+    def set_in_use(self, in_use: bool) -> None:
+        """Let the image be prepared while the tool is in use."""
+        self._selection.set_in_use(in_use)
+
+    def press(self, at: Place, reach: float) -> None:
+        """Begin a click or a stroke, or choose the object under the pointer; when it is chosen, begin to correct it."""
+        self.used = True
+        existing = self._existing(at)
+        offered = [each.key for each in self._selection.proposals]
+        if existing in self._session.scene.objects.chosen or (existing and offered == [existing]):
+            self._selection.correct(existing)
+        elif existing:
+            self._list.choose((existing,))
+        else:
+            self._path = [at]
+
+    def drag(self, at: Place) -> None:
+        """Continue a stroke."""
+        if self._path and math.dist(self._path[-1], at) >= _APART:
+            self._path.append(at)
+            color = theme.RESTING if self._inside else theme.BARRIER
+            self._drawing.show_draft((), self._path, color)
+
+    def release(self) -> None:
+        """Say that the places of the click or stroke are inside, or outside."""
+        path = tuple(self._path)
+        self._end_stroke()
+        if not path:
+            return
+        if not self._selection.selecting:
+            self._list.choose(())
+        self._selection.click(path[:: math.ceil(len(path) / _MOST)], self._inside)
+
+    def hover(self, at: Place) -> None:
+        """Show what a click would choose, or what it would change."""
+        existing = self._existing(at)
+        self._list.hover(("object" if existing > 0 else "proposal", existing) if existing else None)
+        self._selection.point(None if existing else at, self._inside)
+
+    def resize(self, by: float) -> None:
+        """Take the next larger candidate, or the next smaller one."""
+        self._selection.step(1 if by > 0 else -1)
+
+    def finish(self) -> None:
+        """Accept the object; an Enter right after the click waits for the answer."""
+        self._selection.when_answered(self._list.accept)
+
+    def take_back(self) -> None:
+        """Take back the last click."""
+        self._selection.take_back()
+
+    def cancel(self) -> None:
+        """Drop the stroke, or what is being selected."""
+        if self._path:
+            self._end_stroke()
+        else:
+            self._selection.drop()
+
+    def put_away(self) -> None:
+        """Hide what a click would take."""
+        self._list.hover(None)
+        self._selection.point(None)
+
+    def cursor(self, at: Place, reach: float) -> Cursor:
+        """A hand over an object that a click would choose."""
+        return Cursor.PointingHandCursor if self._existing(at) else Cursor.CrossCursor
+
+    @property
+    def _inside(self) -> bool:
+        """Whether a click adds: with Shift it says what does not belong to the object."""
+        return not self.modifiers & TAKING_AWAY
+
+    def _existing(self, at: Place) -> int:
+        """Number of the object, or key of the proposal, that a click would choose; 0 while one is being selected."""
+        another = self._selection.selecting or self.modifiers & Qt.KeyboardModifier.ControlModifier
+        return 0 if another or not self._inside else self._selection.under(at)
+
+    def _end_stroke(self) -> None:
+        self._path = []
+        self._drawing.show_draft()

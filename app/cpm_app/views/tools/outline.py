@@ -1,0 +1,203 @@
+"""The outline tool: draws objects and contours along the edges, anchor by anchor, or freehand."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from PySide6.QtCore import Qt
+
+from cpm_app.model.text.language import tr
+from cpm_app.session.features.hand_editing import Way
+from cpm_app.session.signals import EDITING
+from cpm_app.views.theme import theme
+from cpm_app.views.tools.tool import OBJECT, Cursor, Tool
+from cpm_core.numerics import Array, Position, polyline
+from cpm_core.reconstruction import Contact, connect, on_ridge
+
+_FINEST = 1.0
+"""Least distance between two corners of a freehand path [px]."""
+
+_SMALLEST = 4.0
+"""Area below which an outline is taken for an accident [px²]."""
+
+
+class _Anchor(NamedTuple):
+    """Where the line is fixed, where the pointer was before it moved onto the edge, and what leads to it."""
+
+    place: Position
+    click: Position
+    piece: Array
+
+    def at(self, place: Position, reach: float) -> bool:
+        """Whether a click at a place means it."""
+        return min(math.dist(place, self.place), math.dist(place, self.click)) <= reach
+
+
+class OutlineTool(Tool):
+    """Draws an object, or an open contour: clicks set anchors, and the line between them follows the edges.
+
+    With Shift the line is straight, a drag draws freehand. A line that begins or ends on a contour joins it there, one
+    between two places of the same contour takes the place of the stretch between them.
+    """
+
+    name = "outline"
+    text = tr("O&utline")
+    shortcut = "U"
+    group = OBJECT
+    panel = "objects"
+    tip = tr("Click along the boundary of an object: the line follows the edges, and becomes an object when closed.")
+    clicks = True
+    by_keys = tr("Enter sets an anchor; Enter once more on the first anchor closes the line, on the last one ends it.")
+
+    def set_up(self) -> None:
+        """Set what it keeps between events."""
+        self._editing = self._workspace.hand_editing
+        self._anchors: list[_Anchor] = []
+        self._freehand: list[Position] = []
+        self._begin: Contact | None = None
+        self._way: Way | None = None
+        self._pointer: Position | None = None
+        self._pressed: Position | None = None
+        self._reach = 1.0
+
+    @property
+    def drafting(self) -> bool:
+        """Whether a line has been begun and not finished."""
+        return bool(self._anchors)
+
+    @property
+    def advice(self) -> str:
+        """One sentence on what to do now."""
+        if not self._anchors:
+            return "" if self.used else self.tip
+        return tr(
+            "Click the first anchor to close the line, Enter or a double click ends it; Shift draws a "
+            "straight line, dragging draws freehand; Backspace removes the last anchor."
+        )
+
+    def press(self, at: Position, reach: float) -> None:
+        """Set an anchor; on the first one close the line, on the last one end it."""
+        self._reach = max(reach, 1.0)
+        if len(self._anchors) > 1 and self._anchors[0].at(at, self._reach):
+            place = self._anchors[0].place
+            self._add(place, at, self._piece(place))
+            self.finish(closed=True)
+        elif self._anchors and self._anchors[-1].at(at, self._reach):
+            self.finish()
+        else:
+            place = self._place(at)
+            if not self._anchors:
+                self._begin = self._contact(at)
+            self._add(place, at, self._piece(place))
+            self._pressed, self._freehand = place, []
+            self._show()
+
+    def drag(self, at: Position) -> None:
+        """Draw freehand after the pointer has left the place of the press."""
+        if self._pressed is None:
+            return
+        if not self._freehand and math.dist(self._pressed, at) > self._reach:
+            self._freehand = [self._pressed]
+        if self._freehand and math.dist(self._freehand[-1], at) >= _FINEST:
+            self._freehand.append(at)
+            self._show()
+
+    def release(self) -> None:
+        """Keep what was drawn freehand, and close it where it has come back to its beginning."""
+        drawn, self._freehand, self._pressed = self._freehand, [], None
+        if len(drawn) < 2:
+            return
+        at, first = drawn[-1], self._anchors[0]
+        closes = first.at(at, self._reach)
+        drawn[-1] = first.place if closes else self._place(at)
+        path = np.array(drawn)
+        edges = None if self._straight else self._editing.edges
+        self._add(drawn[-1], at, path if edges is None else on_ridge(path, edges))
+        if closes:
+            self.finish(closed=True)
+        else:
+            self._show()
+
+    def hover(self, at: Position) -> None:
+        """Lead the line to the pointer."""
+        self._pointer = at
+        if self._anchors:
+            self._show()
+
+    def finish(self, closed: bool = False) -> None:
+        """Make a contour of the line, which ends at its last anchor."""
+        begin, pieces = self._begin, self._pieces
+        last = self._contact(self._anchors[-1].place) if pieces else None
+        self.cancel()
+        if not pieces:
+            return
+        path = np.concatenate([pieces[0], *(piece[1:] for piece in pieces[1:])])
+        if closed and polyline.area(path) < _SMALLEST:
+            self._session.say(tr("That is too small for an outline. {advice}", advice=self.tip), topic=EDITING)
+        elif closed:
+            self._workspace.object_list.choose((self._editing.outline(path[:-1]),))
+        else:
+            self._editing.add(connect(path, begin, last))
+
+    def take_back(self) -> None:
+        """Remove the last anchor."""
+        if self._anchors:
+            self._anchors.pop()
+            self._way = None
+            self._show()
+
+    def cancel(self) -> None:
+        """Discard the line."""
+        self.used = self.used or bool(self._anchors)
+        self._anchors, self._freehand = [], []
+        self._begin = self._way = self._pressed = None
+        self._show()
+
+    def cursor(self, at: Position, reach: float) -> Cursor:
+        """A cross; the edges are prepared as the tool is taken."""
+        self._editing.prepare()
+        return Cursor.CrossCursor
+
+    @property
+    def _straight(self) -> bool:
+        """Whether lines are straight, and freehand ones stay as they are."""
+        return bool(self.modifiers & Qt.KeyboardModifier.ShiftModifier)
+
+    @property
+    def _pieces(self) -> list[Array]:
+        return [anchor.piece for anchor in self._anchors[1:]]
+
+    def _contact(self, at: Position) -> Contact | None:
+        """What a line that begins or ends at a place touches."""
+        return None if self._straight else self._editing.contact(at, 0.5 * self._reach)
+
+    def _place(self, at: Position) -> Position:
+        """Where an anchor is set: on the contour or the edge under the pointer, with Shift at the pointer."""
+        if self._straight:
+            return at
+        contact = self._contact(at)
+        return contact.place if contact is not None else self._editing.snapped(at)
+
+    def _piece(self, place: Position) -> Array:
+        """The line from the last anchor to a place, which keeps off what has been drawn."""
+        begin = self._anchors[-1].place if self._anchors else place
+        if self._straight or not self._anchors:
+            return np.array([begin, place], dtype=float)
+        self._way = self._way or self._editing.way_from(begin, self._pieces)
+        return self._way(place)
+
+    def _add(self, place: Position, click: Position, piece: Array) -> None:
+        self._anchors.append(_Anchor(place, click, piece))
+        self._way = None
+
+    def _show(self) -> None:
+        parts = self._pieces
+        if self._freehand:
+            parts.append(np.array(self._freehand))
+        elif self._anchors and self._pointer is not None and self._pressed is None:
+            parts.append(self._piece(self._place(self._pointer)))
+        path = np.concatenate(parts) if parts else ()
+        self._drawing.show_draft([anchor.place for anchor in self._anchors], path, theme.BY_HAND)
+        self._advised()

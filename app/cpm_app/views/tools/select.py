@@ -1,0 +1,177 @@
+"""The tool that selects: shapes, which it moves and reshapes, objects, proposals and contours."""
+
+from __future__ import annotations
+
+import operator
+
+from PySide6.QtCore import Qt
+
+from cpm_app.model.document.edits import Hit
+from cpm_app.model.text.keys import with_keys
+from cpm_app.model.text.language import from_core, tr
+from cpm_app.session.features.object_list import Key
+from cpm_app.session.features.slices import hit_in
+from cpm_app.views.theme import theme
+from cpm_app.views.tools.tool import SELECT, Cursor, ShapeTool
+from cpm_core.numerics import Place, Position
+from cpm_core.shapes import Circle
+
+_ADDING = Qt.KeyboardModifier.ShiftModifier | Qt.KeyboardModifier.ControlModifier
+_REMOVING = Qt.KeyboardModifier.ControlModifier
+
+
+class SelectTool(ShapeTool):
+    """Selects by a click, or by a frame around what is to be selected.
+
+    A shape moves with the pointer, and reshapes by its handles. Shift adds to the selection, Ctrl removes from it; a
+    click with either of them removes what is selected, and adds what is not. In a volume a click next to all moves
+    the cross.
+    """
+
+    name = "select"
+    text = tr("&Select tool")
+    word = tr("Select")
+    shortcut = "S"
+    group = SELECT
+    panel = "objects"
+    tip = tr(
+        "Click objects, contours or shapes to select them, or drag a frame around them; drag a shape to move it. "
+        "{key:accept} accepts, {key:reject} rejects."
+    )
+    by_keys = tr("Enter picks up what lies under the cross-hair, arrow keys move it, Enter puts it down.")
+
+    def set_up(self) -> None:
+        """Set what it keeps between events."""
+        super().set_up()
+        self._review, self._list = self._workspace.review, self._workspace.object_list
+        self._part = ""
+        self._anchor: Place = (0.0, 0.0)
+        self._crossing = False
+        self._reach = 0.0
+        self._corner: Position | None = None
+        """Where a frame begins."""
+        self._chosen: frozenset[Key] = frozenset()
+        self._found: frozenset[Key] = frozenset()
+        self._removes = False
+
+    @property
+    def advice(self) -> str:
+        """What can be done with what is selected."""
+        if self._corner is not None:
+            return with_keys(tr("Shift adds to the selection, Ctrl removes from it; {key:escape} cancels."))
+        kinds = {row.kind for row in self._list.selected_rows}
+        if kinds == {"object"}:
+            return with_keys(tr("{key:name_object}: rename · 1-9: class · Delete: remove · {key:reject}: reject"))
+        if kinds:
+            return with_keys(tr("Enter accepts · {key:reject} rejects · {key:name_object}: name · 1-9: class"))
+        return tr("Click to select, or drag a frame around several.") if self._list.rows else ""
+
+    def press(self, at: Place, reach: float) -> None:
+        """Select the shape, object or contour under the pointer, or begin a frame."""
+        self._reach, self._chosen = reach, self._list.selected
+        found, key = self._met(at, reach)
+        self._session.select(found.index if found is not None else None)
+        if found is not None:
+            self._begin(found.index)
+            self._part, self._anchor = found.part, found.at or at
+            self._list.select(())
+            return
+        self._crossing = key is None and self.here is not None
+        self._found = frozenset(() if key is None else (key,))
+        self._removes = key in self._chosen if self.modifiers & _ADDING else bool(self.modifiers & _REMOVING)
+        self._corner = self.flat(at) if self.here is None else None
+        if key is not None:
+            self._show()
+        self.drag(at)
+
+    def drag(self, at: Place) -> None:
+        """Move the selected shape, or its handle; or select what lies in the frame."""
+        shape = self._before
+        if self._crossing:
+            self._workspace.slices.through(at)
+        if self._corner is not None:
+            self._draw_frame(self._corner, self.flat(at))
+        if shape is None or at == self._anchor:
+            return
+        if self._part == "handle":
+            self._put(tr("reshape {shape}", shape=from_core(shape.title)), shape.with_handle_at(self._anchor, at))
+        else:
+            by = tuple(map(operator.sub, at, self._anchor))
+            self._put(tr("move {shape}", shape=from_core(shape.title)), shape.moved(by))
+
+    def release(self) -> None:
+        """Keep what is selected; a click next to everything selects nothing."""
+        if self._before is None and not self._found and not self.modifiers & _ADDING:
+            self._list.select(())
+        self._leave()
+        super().release()
+
+    def cancel(self) -> None:
+        """Restore the shape, select what was selected before, and highlight nothing."""
+        if self._corner is not None:
+            known = {row.key for row in self._list.rows}
+            self._list.select(self._chosen & known)
+        self._leave()
+        self._list.hover(None)
+        super().cancel()
+
+    def put_away(self) -> None:
+        """Highlight nothing."""
+        self._list.hover(None)
+
+    def cursor(self, at: Place, reach: float) -> Cursor:
+        """Arrows over a shape, a hand over what can be selected, which is also highlighted."""
+        found, key = self._met(at, reach)
+        self._list.hover(key)
+        if found is None:
+            if key is not None:
+                return Cursor.PointingHandCursor
+            return Cursor.ArrowCursor if self.here is None else Cursor.CrossCursor
+        shape = self._session.document.shapes[found.index]
+        if found.part == "body" or not isinstance(shape, Circle):
+            return Cursor.SizeAllCursor if found.part == "body" else Cursor.PointingHandCursor
+        upright = abs(at[0] - shape.center[0]) > abs(at[1] - shape.center[1])
+        return Cursor.SizeVerCursor if upright else Cursor.SizeHorCursor
+
+    def grips(self, at: Place, reach: float) -> bool:
+        """Whether a handle of the selected shape lies under the pointer."""
+        found = self._hit(at, reach)
+        return found is not None and found.part == "handle"
+
+    def _met(self, at: Place, reach: float) -> tuple[Hit | None, Key | None]:
+        """The shape under a place, or else the row: lines come before areas, and the selected shape first."""
+        found = self._hit(at, reach)
+        if found is not None:
+            shape = self._session.document.shapes[found.index]
+            selected = found.index == self._session.selected
+            if found.part == "handle" or selected or shape.distance(at) <= reach:
+                return found, None
+        key = self._list.at(at, reach)
+        return (None, key) if key is not None else (found, None)
+
+    def _hit(self, at: Place, reach: float) -> Hit | None:
+        return hit_in(self._session.scene, at, reach, self.here)
+
+    def _draw_frame(self, corner: Position, at: Position) -> None:
+        """Select what lies in the frame, once it is larger than a click."""
+        if max(abs(at[0] - corner[0]), abs(at[1] - corner[1])) <= self._reach:
+            return
+        frame = (corner, (corner[0], at[1]), at, (at[0], corner[1]))
+        self._removes = bool(self.modifiers & _REMOVING)
+        self._found = self._list.within(frame)
+        self._drawing.show_draft((), (*frame, corner), theme.CHOSEN)
+        self._show()
+
+    def _show(self) -> None:
+        """Select what has been found, as the modifier keys say."""
+        if self._removes:
+            self._list.select(self._chosen - self._found)
+        else:
+            self._list.select(self._found | self._chosen if self.modifiers & _ADDING else self._found)
+        self._advised()
+
+    def _leave(self) -> None:
+        self._corner = None
+        self._found, self._crossing = frozenset(), False
+        self._drawing.show_draft()
+        self._advised()

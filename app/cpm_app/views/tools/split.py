@@ -1,0 +1,172 @@
+"""The tool that splits objects, the action `split`: an entry of the menu Objects next to merge."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from functools import partial
+
+import numpy as np
+from PySide6.QtCore import QTimer
+from PySide6.QtGui import QCursor
+
+from cpm_app.model.text.keys import with_keys
+from cpm_app.model.text.language import from_core, tr
+from cpm_app.session.signals import EDITING
+from cpm_app.views.theme import theme
+from cpm_app.views.theme.icons import pointer
+from cpm_app.views.tools.tool import MEND, Cursor, Tool
+from cpm_core.numerics import Array, Position, polyline
+from cpm_core.objects.segmented import Halves, SegmentedObject, split, split_along
+
+_FINEST = 1.0
+"""Least distance between two places of a line [px]."""
+
+_PLACES = 16
+"""Places along a line at which is looked for what it crosses."""
+
+_RESTS = 40
+"""Time after which the pointer rests, and a preview is made [ms]."""
+
+
+class SplitTool(Tool):
+    """Splits objects, proposals and closed contours between two clicks or along a line; cuts a contour at a click."""
+
+    name = "split"
+    text = tr("Spli&t")
+    shortcut = "K"
+    group = MEND
+    panel = "objects"
+    tip = tr("Click one half of an object, then the other, or drag a line across it; a click on a contour cuts it.")
+    clicks = True
+    by_keys = tr("Enter in one half, then in the other; Enter on a contour cuts it.")
+
+    def set_up(self) -> None:
+        """Set what it keeps between events."""
+        self._editing, self._list = self._workspace.hand_editing, self._workspace.object_list
+        self._whole: SegmentedObject | None = None
+        """The object of which one half has been clicked."""
+        self._first: Position = (0.0, 0.0)
+        self._path: list[Position] = []
+        self._at: Position | None = None
+        self._reach, self._dragged = 1.0, False
+        self._preview = QTimer(self._list, singleShot=True, interval=_RESTS)
+        self._preview.timeout.connect(self._show)
+
+    @property
+    def drafting(self) -> bool:
+        """Whether one half has been clicked."""
+        return self._whole is not None
+
+    @property
+    def advice(self) -> str:
+        """What the next click does."""
+        if self._dragged:
+            return with_keys(tr("Release to split along the line; {key:escape} cancels."))
+        if self._whole is not None:
+            name = self._list.title(self._whole)
+            return with_keys(tr("Click the other half of {name}; {key:escape} cancels."), name=name)
+        at = self._at
+        if at is not None and self._editing.contact(at, self._reach) is not None and self._whole_at(at) is None:
+            return tr("Click to cut the contour here.")
+        return self.tip
+
+    def press(self, at: Position, reach: float) -> None:
+        """Begin a click or a line."""
+        self.used, self._reach = True, max(reach, 1.0)
+        self._path, self._dragged = [at], False
+
+    def drag(self, at: Position) -> None:
+        """Draw a line."""
+        if self._path and math.dist(self._path[-1], at) >= _FINEST:
+            self._path.append(at)
+            self._dragged = self._dragged or math.dist(self._path[0], at) > self._reach
+            self._show()
+
+    def release(self) -> None:
+        """Split along the line, or use the click."""
+        path, dragged = self._path, self._dragged
+        self._path, self._dragged = [], False
+        if dragged:
+            self._split_along(path)
+        elif path:
+            self._click(path[0])
+        self._show()
+
+    def hover(self, at: Position) -> None:
+        """Show where a click here would split the object, as soon as the pointer rests."""
+        self._at = at
+        self._preview.start()
+        self._advised()
+
+    def take_back(self) -> None:
+        """Forget the first half."""
+        self.cancel()
+
+    def cancel(self) -> None:
+        """Forget the first half, or the line."""
+        self._whole = None
+        self._path, self._dragged = [], False
+        self._show()
+
+    def put_away(self) -> None:
+        """Hide the preview."""
+        self._at = None
+        self._show()
+
+    def cursor(self, at: Position, reach: float) -> Cursor | QCursor:
+        """A knife; the edges are prepared as the tool is taken."""
+        self._reach = max(reach, 1.0)
+        self._editing.prepare()
+        return pointer("knife")
+
+    def _click(self, at: Position) -> None:
+        first, whole = self._whole, self._whole_at(at)
+        if first is not None and first.encloses(np.array([at]))[0]:
+            self._use(first, partial(split, first, self._first, at, self._editing.edges))
+        elif whole is not None:
+            self._whole, self._first = whole, at
+        elif first is None and (contact := self._editing.contact(at, self._reach)) is not None:
+            self._editing.cut(contact)
+        else:
+            self._session.say(tr("There is no object here. {advice}", advice=self.tip), topic=EDITING)
+
+    def _split_along(self, path: list[Position]) -> None:
+        places = polyline.middles(np.array(path), _PLACES).tolist()
+        crossed = [whole for row, col in places if (whole := self._whole_at((row, col))) is not None]
+        if crossed:
+            most = max(crossed, key=lambda one: sum(item.number == one.number for item in crossed))
+            self._use(most, partial(split_along, most, path, self._editing.edges))
+        else:
+            self._session.say(tr("The line crosses no object. {advice}", advice=self.tip), topic=EDITING)
+
+    def _use(self, whole: SegmentedObject, halves: Callable[[], Halves]) -> None:
+        """Put the halves in the place of an object, or report why there are none."""
+        self._whole = None
+        if whole.frozen:
+            name = self._list.title(whole)
+            self._session.say(tr("{name} is frozen: unfreeze it to split it.", name=name), topic=EDITING)
+            return
+        try:
+            self._list.split(whole, halves())
+        except ValueError as error:
+            self._session.say(from_core(str(error)), topic=EDITING)
+
+    def _whole_at(self, at: Position) -> SegmentedObject | None:
+        """The object, proposal or closed contour around a place, a selected one first, then the smallest."""
+        rows, under, place = self._list.selected_rows, ("object", self._list.under(at)), np.array([at])
+        key = under if under[1] else self._list.at(at, 0.0)
+        wholes = [self._list.whole(row) for row in (*rows, *(row for row in self._list.rows if row.key == key))]
+        return next((item for item in wholes if item is not None and item.encloses(place)[0]), None)
+
+    def _show(self) -> None:
+        """Draw the line, or the clicked half and where a click here would split the object."""
+        path: Sequence[Position] | Array = self._path if self._dragged else ()
+        whole, at = self._whole, self._at
+        if not self._dragged and whole is not None and at is not None and whole.encloses(np.array([at]))[0]:
+            with suppress(ValueError):
+                cuts = split(whole, self._first, at, self._editing.edges).cuts
+                path = max(cuts, key=len, default=())
+        self._drawing.show_draft([self._first] if whole is not None else (), path, theme.BARRIER)
+        self._advised()

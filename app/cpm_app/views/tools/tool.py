@@ -1,0 +1,203 @@
+"""The base class of the tools with which the pointer edits the drawing, and the tool in use."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable
+from typing import Literal
+
+from PySide6.QtCore import Qt
+from PySide6.QtGui import QCursor
+
+from cpm_app.model.document import edits
+from cpm_app.model.document.document import ImageReference
+from cpm_app.model.text.language import tr
+from cpm_app.model.volume.slices import Slice
+from cpm_app.session.features.workspace import Workspace
+from cpm_app.views.layers.drawing import DrawingLayer
+from cpm_core.numerics import Place
+from cpm_core.shapes import Shape, sides_of
+
+Cursor = Qt.CursorShape
+
+TAKING_AWAY = Qt.KeyboardModifier.ShiftModifier
+"""The key with which a click cuts or takes away; window managers on Linux keep clicks with Alt for themselves."""
+
+GROUPS = OBJECT, SELECT, MEND, CIRCLE, STROKE, AREA, AUTO, LIMIT, CHARGE = (
+    tr("Objects"),
+    tr("Select"),
+    tr("Mend"),
+    tr("Circle"),
+    tr("Stroke"),
+    tr("Area"),
+    tr("Auto"),
+    tr("Limit"),
+    tr("Charge"),
+)
+"""Groups of tools by purpose, in the order shown; that of starts that need no drawing has no tools."""
+
+_gestures = itertools.count()
+
+
+class Tool:
+    """What a tool does with the pointer; positions are (row, col) in px of the image, or (plane, row, col) in a volume.
+
+    By default a gesture lasts as long as the button is down, and the tool has no size and no draft. `drawing` shows
+    drafts and rings; `advised` is called when the advice of the tool may have changed.
+    """
+
+    name: str
+    """Name in code, and name of its icon."""
+    text: str
+    """Text in the menu."""
+    shortcut: str
+    """Its key."""
+    group: str
+    """Its purpose, one of the groups above."""
+    panel: Literal["objects", "run"] = "run"
+    """The tab of the right column that belongs to it."""
+    tip: str = ""
+    """One sentence on what the tool does."""
+    guidance: str = ""
+    """Advice until the tool has been used."""
+    by_keys: str
+    """One sentence on what Enter does with it at the cross-hair."""
+    clicks = False
+    """Whether Enter is a click; otherwise Enter presses the button, and the next Enter releases it."""
+    sized = False
+    """Whether it works with something that has a size."""
+    lasting = False
+    """Whether its draft stays while another tool is used."""
+    here: Slice | None = None
+    """The slice that the pointer is in; None in an image."""
+    modifiers = Qt.KeyboardModifier.NoModifier
+    """Modifier keys that are held; they may constrain the shape."""
+
+    def __init__(self, workspace: Workspace, drawing: DrawingLayer, advised: Callable[[], None]) -> None:
+        self._workspace, self._drawing, self._advised = workspace, drawing, advised
+        self._session = workspace.session
+        self.used = False
+        self.set_up()
+
+    def set_up(self) -> None:
+        """Set what it keeps between events."""
+
+    @property
+    def volume(self) -> ImageReference | None:
+        """The volume that is open; None for an image."""
+        image = self._session.document.image
+        return image if image is not None and image.is_volume else None
+
+    def flat(self, place: Place) -> Place:
+        """A place as (row, col) in the view that the pointer is in."""
+        return place if self.here is None or len(place) == 2 else self.here.within(place)
+
+    def lifted(self, position: Place) -> Place:
+        """The place in the image or in the volume of (row, col) in the view that the pointer is in."""
+        return position if self.here is None else self.here.lifted(position)
+
+    @property
+    def sides(self) -> tuple[float, float]:
+        """Height and width of a pixel in the view that the pointer is in, in the smallest side of a voxel."""
+        if self.here is None or self.volume is None:
+            return 1.0, 1.0
+        down, right = self.here.within(sides_of(self.volume.spacing))
+        return down, right
+
+    @property
+    def drafting(self) -> bool:
+        """Whether it has an unfinished draft while the button is up."""
+        return False
+
+    @property
+    def advice(self) -> str:
+        """One sentence on what to do with it, or empty."""
+        return "" if self.used else self.guidance
+
+    def press(self, at: Place, reach: float) -> None:
+        """Handle a press of the left button; `reach` is the tolerance for hits [px]."""
+
+    def drag(self, at: Place) -> None:
+        """Handle a move with the button down."""
+
+    def release(self) -> None:
+        """Handle the release of the button."""
+
+    def hover(self, at: Place) -> None:
+        """Handle a move with the button up."""
+
+    def resize(self, by: float) -> None:
+        """Make what it works with larger, or smaller for `by` below 0."""
+
+    def finish(self) -> None:
+        """Finish the draft."""
+
+    def take_back(self) -> None:
+        """Remove the last part of the draft."""
+
+    def cancel(self) -> None:
+        """Undo the gesture."""
+
+    def set_in_use(self, in_use: bool) -> None:
+        """It is the tool in use from now on, or no longer."""
+
+    def put_away(self) -> None:
+        """Hide its marks: the pointer has left, or another tool is used."""
+
+    def cursor(self, at: Place, reach: float) -> Cursor | QCursor:
+        """Shape of the pointer over a position."""
+        return Cursor.CrossCursor
+
+    def grips(self, at: Place, reach: float) -> bool:
+        """Whether a handle of the selected shape lies at a position, so that a press there belongs to this tool."""
+        return False
+
+
+class ShapeTool(Tool):
+    """A tool whose gesture makes or changes one shape of the document, as one step of undo."""
+
+    by_keys = tr("Enter picks up, arrow keys move, Enter puts down.")
+
+    def set_up(self) -> None:
+        """Set what it keeps between events."""
+        self._index: int | None = None
+        self._before: Shape | None = None
+        self._gesture = ""
+
+    def release(self) -> None:
+        """Keep the shape as it is."""
+        self._end()
+
+    def cancel(self) -> None:
+        """Restore the shape, or delete it when the gesture has made it."""
+        index = self._index
+        if self._before is not None:
+            self._put(tr("move"), self._before)
+        elif index is not None and self._drawn is not None:
+            self._session.edit("", lambda document: edits.delete_shape(document, index), self._gesture)
+        self._end()
+
+    @property
+    def _drawn(self) -> Shape | None:
+        """The shape of the gesture, None while the document does not contain it."""
+        shapes = self._session.document.shapes
+        return shapes[self._index] if self._index is not None and self._index < len(shapes) else None
+
+    def _begin(self, index: int | None = None) -> None:
+        """Begin a gesture on a shape of the document, by default on a new one."""
+        shapes = self._session.document.shapes
+        self._index = len(shapes) if index is None else index
+        self._before = None if index is None else shapes[index]
+        self._gesture = f"{self.name} {next(_gestures)}"
+
+    def _end(self) -> None:
+        self._index = self._before = None
+        self._session.seal()
+
+    def _put(self, activity: str, shape: Shape) -> None:
+        """Add the shape of the gesture to the document, or replace it there."""
+        index = self._index
+        if index is not None and self._drawn is not None:
+            self._session.edit(activity, lambda document: edits.replace_shape(document, index, shape), self._gesture)
+        elif index is not None and self._before is None:
+            self._session.edit(activity, lambda document: edits.add_shape(document, shape), self._gesture)

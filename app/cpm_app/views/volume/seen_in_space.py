@@ -1,0 +1,147 @@
+"""What a scene with a volume shows in space; parts are made again only when they have changed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from types import MappingProxyType
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from PySide6.QtGui import QColor
+
+from cpm_app.model.display.coloring import QUANTITIES, SHADES, colored
+from cpm_app.model.space.picture import Colors
+from cpm_app.model.space.triangles import Mesh
+from cpm_app.model.space.view_in_space import ColoredMesh, Particles, ViewInSpace, Wires
+from cpm_app.model.space.voxels import Shaded
+from cpm_app.model.volume.shape_sections import wires
+from cpm_app.session.exchange.messages import Reconstruction, Snapshot
+from cpm_app.session.features.background import IdentityCache
+from cpm_app.session.scene import Proposal, Scene
+from cpm_app.views.layers import Layers
+from cpm_app.views.layers.particles import BEGIN, UNKNOWN
+from cpm_app.views.layers.skeleton import banded
+from cpm_app.views.theme import color_maps, theme
+from cpm_app.views.theme.theme import Ink, look
+from cpm_core import Image, Skeleton, Surface, Truth, VolumeSelection, VolumeTruth
+from cpm_core.contours import PackedVoxels
+from cpm_core.objects.segmented import SegmentedObjects
+from cpm_core.shapes import Charge, Interest, Limit, Shape, sides_of
+
+NOTHING: Mapping[int, Surface] = MappingProxyType({})
+
+
+class SeenInSpace:
+    """Makes the view in space of the scenes of a session."""
+
+    def __init__(self) -> None:
+        self._parts = IdentityCache()
+
+    def of(self, scene: Scene, layers: Layers, bodies: Mapping[int, Surface] = NOTHING) -> ViewInSpace | None:
+        """What a scene shows; particles, gray values and what is drawn as their layers show them on the canvas.
+
+        Painted objects have the surfaces in `bodies`, by their numbers, which are made on another thread.
+        """
+        image, slices, snapshot, found = scene.image, scene.slices, scene.snapshot, scene.reconstruction
+        if image is None or slices is None:
+            self._parts.forget()
+            return None
+        get, layer, spacing = self._parts.get, layers.particles, image.spacing
+        size = 1.0 if snapshot is None else layer.size_of(snapshot)
+        inks = look().color(theme.MOVING), look().color(theme.RESTING)
+        objects = scene.document.objects if layers["objects"].shown else None
+        drawn = scene.document.shapes if layers.drawing.shown else ()
+        return get(
+            ViewInSpace,
+            image,
+            get(Shaded, image.values, layers.image.shown_window),
+            slices,
+            get(_particles, snapshot, size, layer.word("colour"), layer.word("map"), inks),
+            get(_mesh, found),
+            get(_wires, drawn, scene.selected, image, scene.skeleton if layers["skeleton"].shown else None),
+            color_maps.table(layers.image.word("map")),
+            get(_objects, objects, scene.objects.proposals, spacing, bodies),
+            get(_truth, scene.truth if layers["truth"].shown else None, spacing),
+        )
+
+
+def _particles(
+    snapshot: Snapshot | None, size: float, quantity: str, map_name: str, inks: tuple[str, str]
+) -> Particles | None:
+    if snapshot is None or size == 0.0:
+        return None
+    state, palette, marks = snapshot.state, np.array(list(map(_rgb, inks)), np.uint8), snapshot.resting.astype(np.uint8)
+    if quantity in QUANTITIES:
+        marks = colored(QUANTITIES[quantity], state, snapshot.metrics).marks
+        palette = np.vstack([color_maps.table(map_name, SHADES, BEGIN), _rgb(UNKNOWN)]).astype(np.uint8)
+    run = snapshot.generation
+    return Particles(snapshot.position, palette[marks], size, run, state.step, state.particles.identity)
+
+
+def _mesh(found: Reconstruction | None) -> Mesh | None:
+    surface = getattr(found.result, "surface", None) if found is not None else None
+    return None if surface is None or not len(surface.faces) else Mesh(surface)
+
+
+def _objects(
+    objects: SegmentedObjects | None,
+    offered: tuple[Proposal, ...],
+    spacing: tuple[float, ...],
+    bodies: Mapping[int, Surface],
+) -> tuple[ColoredMesh, ...]:
+    """The objects except hidden ones and the one that is being changed, and those that are offered."""
+    if objects is None:
+        return ()
+    seen = [item for item in objects.items if not item.hidden and item.number != objects.edited]
+    shown = (
+        (bodies.get(item.number) if isinstance(item.surface[0], PackedVoxels) else item.body, objects.color(item))
+        for item in seen if item.surface
+    )  # fmt: skip
+    found = [each.selection for each in offered if isinstance(each.selection, VolumeSelection) and each.selection.found]
+    return (
+        *(_colored(body, spacing, look().color(color)) for body, color in shown if body is not None),
+        *(_colored(selection.surface, spacing, look().color(theme.PROPOSAL)) for selection in found),
+    )
+
+
+def _truth(truth: Truth | VolumeTruth | None, spacing: tuple[float, ...]) -> tuple[ColoredMesh, ...]:
+    return (_colored(truth.surface, spacing, look().color(theme.TRUTH)),) if isinstance(truth, VolumeTruth) else ()
+
+
+_MESHES: WeakKeyDictionary[Surface, Mesh] = WeakKeyDictionary()
+"""What has been drawn of surfaces that are there."""
+
+
+def _colored(surface: Surface, spacing: tuple[float, ...], color: str) -> ColoredMesh:
+    """A surface in a color; its mesh is the same as before, with its normals, while others change."""
+    mesh, shade = _MESHES.get(surface), QColor(color)
+    if mesh is None or mesh.surface.spacing != spacing:
+        mesh = _MESHES[surface] = Mesh(replace(surface, spacing=spacing))
+    return ColoredMesh(mesh, (shade.red(), shade.green(), shade.blue()))
+
+
+def _wires(
+    shapes: tuple[Shape, ...], selected: int | None, image: Image, skeleton: Skeleton | None = None
+) -> Wires | None:
+    sides = sides_of(image.spacing)
+    ends = [wires(shape, sides) for shape in shapes]
+    colors = []
+    for index, (shape, each) in enumerate(zip(shapes, ends, strict=True)):
+        ink: Ink | str = theme.REGION if isinstance(shape, Interest) else theme.MOVING
+        if isinstance(shape, Charge):
+            ink = theme.ATTRACTING if shape.strength > 0.0 else theme.REPELLING
+        elif isinstance(shape, Limit) and not isinstance(shape, Interest):
+            ink = theme.BARRIER
+        colors.append(np.tile(_rgb(theme.CHOSEN if index == selected else ink), (len(each), 1)))
+    if skeleton is not None:
+        bands = [_rgb(color) for color in theme.THICKNESSES]
+        for band, piece in banded(skeleton, len(bands)):
+            ends.append(np.stack([piece[:-1], piece[1:]], axis=1))
+            colors.append(np.tile(bands[band], (len(piece) - 1, 1)))
+    return Wires(np.concatenate(ends), np.concatenate(colors).astype(np.uint8)) if any(map(len, ends)) else None
+
+
+def _rgb(ink: Ink | str) -> Colors:
+    color = QColor(look().color(ink))
+    return np.array([color.red(), color.green(), color.blue()], np.uint8)

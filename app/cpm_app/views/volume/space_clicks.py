@@ -1,0 +1,50 @@
+"""What a click on something that is seen in space draws or selects."""
+
+from __future__ import annotations
+
+import numpy as np
+from PySide6.QtGui import QGuiApplication
+
+from cpm_app.model.document import edits
+from cpm_app.model.space.camera import Camera
+from cpm_app.model.text.language import tr
+from cpm_app.session.features.object_selection import ObjectSelection
+from cpm_app.session.session import Session
+from cpm_app.views.tools.tool import TAKING_AWAY
+from cpm_core import VolumePartition
+from cpm_core.numerics import Place
+from cpm_core.shapes import Points, Shape, Sphere
+
+_SMALL, _LEAST = 0.03, 2.0
+"""Radius of a new sphere, as a fraction of the shortest side of the volume, and at least [sides of a voxel]."""
+
+_BEHIND = (0.5, 1.0, 1.5, 2.0, 3.0)
+"""How far behind what is seen the inside of it is looked for [smallest sides of a voxel]."""
+
+
+def draw_at(session: Session, tool: str, at: Place) -> None:
+    """Draw what a tool draws at a place of the volume; most tools need a slice to draw in."""
+    image = session.image
+    if image is None or image.ndim != 3 or tool not in ("circle", "points"):
+        return
+    shape: Shape = Points((at,))
+    name = tr("place point")
+    if tool == "circle":
+        shortest = min(n * side for n, side in zip(image.shape, image.spacing, strict=True)) / min(image.spacing)
+        shape, name = Sphere.round(at, max(_SMALL * shortest, _LEAST), image.spacing), tr("draw sphere")
+    session.edit(name, lambda document: edits.add_shape(document, shape))
+    session.select(len(session.document.shapes) - 1)
+
+
+def select_at(selection: ObjectSelection, camera: Camera, spacing: tuple[float, ...], at: Place) -> None:
+    """Report that the body behind a place on something seen belongs to the object; with Shift, not.
+
+    Where none lies behind it, the place itself is meant.
+    """
+    partition = selection.partitions.partition
+    way = min(spacing) * camera.axes[2] / np.array(spacing)
+    places = np.array(at) + np.outer((0.0, *_BEHIND), way)
+    within = partition.bodies_at(places) > 0 if isinstance(partition, VolumePartition) else np.zeros(len(places))
+    place = places[1 + int(np.argmax(within[1:]))] if np.any(within[1:]) else places[0]
+    inside = not QGuiApplication.keyboardModifiers() & TAKING_AWAY
+    selection.click((tuple(place.tolist()),), inside)

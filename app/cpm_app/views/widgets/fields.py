@@ -1,0 +1,294 @@
+"""Fields for numbers: one to type in, a slider with marks, and the speed of the run."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+
+from PySide6.QtCore import QPointF, QSignalBlocker, Qt, Signal
+from PySide6.QtGui import QMouseEvent, QPainter, QPaintEvent, QPalette, QPolygonF, QValidator, QWheelEvent
+from PySide6.QtWidgets import (
+    QComboBox,
+    QDoubleSpinBox,
+    QFrame,
+    QHBoxLayout,
+    QLabel,
+    QSizePolicy,
+    QSlider,
+    QSpinBox,
+    QStyle,
+    QStyleOptionSlider,
+    QWidget,
+)
+
+from cpm_app.model.state.resolve import FIRST_PACE, PACES, pace_text
+from cpm_app.model.text.language import tr
+from cpm_app.session.session import Session
+from cpm_app.views.widgets.containers import arrange, dim_label
+
+_POINT = "."
+_LARGE = 100.0
+"""From this value on, a whole number has no decimals."""
+
+_GROUP = 3
+"""Digits between separators of groups."""
+
+
+class WheelWithFocus:
+    """A field that the wheel changes only while it has the focus; otherwise the column around it scrolls."""
+
+    def wheelEvent(self, event: QWheelEvent) -> None:
+        """Leave the wheel to what is around the field, unless it has the focus."""
+        if self.hasFocus():  # type: ignore[attr-defined]  # of the widget that it is mixed into
+            super().wheelEvent(event)  # type: ignore[misc]
+        else:
+            event.ignore()
+
+
+class DecimalField(WheelWithFocus, QDoubleSpinBox):
+    """Takes numbers as the language writes them, and with a point where that cannot be meant as a separator.
+
+    Where the language writes a comma, ``0.25`` is a quarter; ``1.250`` is what the language says, unless that is out of
+    range. `words` stand in place of some values.
+    """
+
+    def __init__(
+        self,
+        low: float = 0.0,
+        high: float = 100.0,
+        step: float = 1.0,
+        decimals: int = 2,
+        suffix: str = "",
+        words: Sequence[tuple[float, str]] = (),
+    ) -> None:
+        super().__init__()
+        self._words = dict(words)
+        self._exact = 0.0
+        self.setDecimals(decimals)
+        self.setRange(low, high)
+        self.setSingleStep(step)
+        self.setSuffix(suffix)
+        # Each digit of a number that is typed would be a value of its own, and "1" of "16" may be out of limits.
+        self.setKeyboardTracking(False)
+
+    @property
+    def exact(self) -> float:
+        """Its value, with the digits that are not shown."""
+        return self._exact if self._shows(self._exact) else self.value()
+
+    def show_value(self, value: float) -> None:
+        """Show a value without emitting a signal."""
+        self._exact = value
+        if not self._shows(value):
+            with QSignalBlocker(self):
+                self.setValue(value)
+
+    def move_to(self, value: float) -> None:
+        """Set a value as if the user had set it, and drop what has been typed."""
+        changed = value != self.exact
+        self.setValue(value)
+        if changed:
+            self.valueChanged.emit(value)
+
+    def textFromValue(self, value: float) -> str:
+        """The word for a value, or the number; a large whole one has no decimals."""
+        if value in self._words:
+            return self._words[value]
+        long = self.decimals() and value >= _LARGE and value == round(value)
+        return self.locale().toString(value, "f", 0) if long else super().textFromValue(value)
+
+    def validate(self, text: str, place: int) -> tuple[QValidator.State, str, int]:
+        """Whether a text is a number or a word, or the beginning of one."""
+        if self._word(text) is not None:
+            return QValidator.State.Acceptable, text, place
+        state, _, at = super().validate(self._as_written(text), place)
+        return state, text, at
+
+    def fixup(self, text: str) -> str:
+        """What becomes of the beginning of a number."""
+        return super().fixup(self._as_written(text))
+
+    def valueFromText(self, text: str) -> float:
+        """The number that a text means."""
+        value = self._word(text)
+        return super().valueFromText(self._as_written(text)) if value is None else value
+
+    def _shows(self, value: float) -> bool:
+        return math.isclose(self.value(), value, abs_tol=0.5 * 10.0 ** -self.decimals())
+
+    def _word(self, text: str) -> float | None:
+        """The value of a word."""
+        word = text.removesuffix(self.suffix()).strip()
+        return next((value for value, known in self._words.items() if known == word), None)
+
+    def _as_written(self, text: str) -> str:
+        """The text with the decimal mark of the language."""
+        mark = self.locale().decimalPoint()
+        if mark == _POINT or mark in text or text.count(_POINT) != 1:
+            return text
+        converted = text.replace(_POINT, mark)
+        digits = re.search(r"\.(\d*)", text)
+        if digits is None or len(digits[1]) != _GROUP or self.locale().groupSeparator() != _POINT:
+            return converted
+        state = super().validate(text, len(text))[0]
+        return text if state == QValidator.State.Acceptable else converted
+
+
+class ChoiceBox(WheelWithFocus, QComboBox):
+    """Alternatives, of which `ways` are the names and the titles."""
+
+    chosen = Signal(str)
+    """The user has chosen one, by its name."""
+
+    def __init__(self, ways: Mapping[str, str]) -> None:
+        super().__init__()
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        for name, title in ways.items():
+            self.addItem(title, name)
+        self.activated.connect(lambda index: self.chosen.emit(self.itemData(index)))
+
+    def show_value(self, name: str) -> None:
+        """Show one without emitting a signal; a name that is none of them shows nothing."""
+        self.setCurrentIndex(self.findData(name))
+
+
+_MARK = 3.5
+
+
+class MarkedSlider(WheelWithFocus, QSlider):
+    """Slider in steps of a given size; a double click restores the default.
+
+    Parameters
+    ----------
+    low, high, step : float
+        Range and increment.
+    default : float or None
+        Position of the mark; None for no mark.
+    """
+
+    moved_to = Signal(float)
+    """The user has moved it to a value."""
+    restored = Signal()
+    """The user has asked for the default."""
+
+    def __init__(self, low: float, high: float, step: float, default: float | None = None) -> None:
+        super().__init__(Qt.Orientation.Horizontal)
+        self.exact = low
+        """The value that it was last given, which may lie between two steps."""
+        self.setFocusPolicy(Qt.FocusPolicy.StrongFocus)
+        self.set_range(low, high, step, default)
+        self.valueChanged.connect(self._report)
+
+    def set_range(self, low: float, high: float, step: float, default: float | None) -> None:
+        """Change range, increment and the position of the mark; call `show_value` afterwards."""
+        self._low, self._step, self._default = low, step, default
+        count = max(1, round((high - low) / step))
+        with QSignalBlocker(self):
+            self.setRange(0, count)
+        self.setPageStep(max(1, count // 10))
+        self.update()
+
+    def move_to(self, value: float) -> None:
+        """Move it to a value, as if the user had moved it."""
+        if value != self.exact:
+            self.show_value(value)
+            self.moved_to.emit(value)
+
+    def show_value(self, value: float) -> None:
+        """Show a value without emitting a signal; one outside the range is shown at its end."""
+        self.exact = value
+        with QSignalBlocker(self):
+            self.setValue(round((value - self._low) / self._step))
+
+    def mouseDoubleClickEvent(self, event: QMouseEvent) -> None:
+        """Restore the default."""
+        event.accept()
+        self.restored.emit()
+
+    def paintEvent(self, event: QPaintEvent) -> None:
+        """Draw the mark below the groove."""
+        super().paintEvent(event)
+        if self._default is None:
+            return
+        option = QStyleOptionSlider()
+        self.initStyleOption(option)
+        handle = self.style().subControlRect(
+            QStyle.ComplexControl.CC_Slider, option, QStyle.SubControl.SC_SliderHandle, self
+        )
+        room = self.width() - handle.width()
+        fraction = (self._default - self._low) / (self._step * max(1, self.maximum()))
+        if not 0.0 <= fraction <= 1.0:
+            return
+        x, y = handle.width() / 2 + fraction * room, self.height() - 1.0
+        painter = QPainter(self)
+        painter.setRenderHint(QPainter.RenderHint.Antialiasing)
+        painter.setPen(Qt.PenStyle.NoPen)
+        painter.setBrush(self.palette().color(QPalette.ColorRole.PlaceholderText))
+        painter.drawPolygon(QPolygonF([QPointF(x, y - _MARK), QPointF(x - _MARK, y), QPointF(x + _MARK, y)]))
+        painter.end()
+
+    def _report(self, value: int) -> None:
+        self.exact = round(self._low + value * self._step, 9)
+        self.moved_to.emit(self.exact)
+
+
+class PlaceBar(QFrame):
+    """A line below the canvas with a slider and a number, which choose one of many; `title` and `name` say what."""
+
+    moved = Signal(int)
+    """The user wants another one."""
+
+    def __init__(self, title: str, name: str, jump: int) -> None:
+        super().__init__()
+        self.setObjectName("slices")
+        self.slider, self.number, self.of = QSlider(Qt.Orientation.Horizontal), QSpinBox(), dim_label()
+        self.slider.setAccessibleName(title)
+        self.slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.slider.setPageStep(jump)
+        self.number.setAccessibleName(name)
+        self.number.setKeyboardTracking(False)
+        self.slider.valueChanged.connect(self.moved)
+        self.number.valueChanged.connect(self.moved)
+        self.hide()
+
+    def show_place(self, place: int, first: int, last: int) -> None:
+        """Show which one of which is chosen."""
+        for field in (self.slider, self.number):
+            with QSignalBlocker(field):
+                field.setRange(first, last)
+                field.setValue(place)
+        self.of.setText(tr("of {last}", last=last))
+
+
+class SpeedControl(QWidget):
+    """A slider from one step per second to as many as possible."""
+
+    def __init__(self, session: Session) -> None:
+        super().__init__()
+        self._session = session
+        self.slider = QSlider(Qt.Orientation.Horizontal)
+        self.slider.setRange(0, len(PACES) - 1)
+        self.slider.setPageStep(1)
+        self.slider.setValue(FIRST_PACE)
+        self.slider.setFixedWidth(76)
+        self.slider.setAccessibleName(tr("Speed"))
+        self.slider.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+        self.label = QLabel(pace_text(PACES[FIRST_PACE]))
+        self.label.setMinimumWidth(self.label.fontMetrics().horizontalAdvance(max(map(pace_text, PACES), key=len)) + 8)
+        self.setToolTip(tr("Maximum number of steps per second."))
+        arrange(QHBoxLayout(self), self.slider, self.label, margins=(6, 0, 6, 0))
+        self.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Preferred)
+        self.slider.valueChanged.connect(self._change)
+
+    def faster(self) -> None:
+        """One notch up."""
+        self.slider.setValue(self.slider.value() + 1)
+
+    def slower(self) -> None:
+        """One notch down."""
+        self.slider.setValue(self.slider.value() - 1)
+
+    def _change(self, index: int) -> None:
+        self.label.setText(pace_text(PACES[index]))
+        self._session.set_pace(PACES[index])

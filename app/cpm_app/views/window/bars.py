@@ -1,0 +1,225 @@
+"""The bars of the window: frequent actions, tools, and tasks in the background."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from functools import partial
+from typing import cast
+
+from PySide6.QtCore import QSize, Qt, QTimer
+from PySide6.QtGui import QAction, QContextMenuEvent, QFontMetrics, QResizeEvent
+from PySide6.QtWidgets import (
+    QHBoxLayout,
+    QLabel,
+    QMenu,
+    QProgressBar,
+    QSizePolicy,
+    QToolBar,
+    QToolButton,
+    QVBoxLayout,
+    QWidget,
+)
+
+from cpm_app.model.document.modes import MODES
+from cpm_app.model.state.situation import remaining_text
+from cpm_app.model.text.language import tr
+from cpm_app.session.tasks.tasks import Task, Tasks
+from cpm_app.views.theme.icons import icon
+from cpm_app.views.theme.theme import Theme
+from cpm_app.views.tools import TOOLS
+from cpm_app.views.tools.tool import AUTO, GROUPS
+from cpm_app.views.widgets.actions import PRIMARY, Actions
+from cpm_app.views.widgets.containers import Scrolled, arrange, dim_label, flat_button
+from cpm_core.shapes import KINDS
+
+_BEFORE, _RUN, _AFTER = ("open", "save", "", "undo", "redo"), ("run", "step", "reset"), ("", "fit", "export")
+"""Actions of the tool bar before the modes, after them, and after the speed control; an empty name is a line."""
+
+_ICON_ONLY = ("undo", "redo", "fit")
+"""Buttons that need no text."""
+
+
+class ToolBar(QToolBar):
+    """Buttons for the most frequent actions, without words where the window is narrow, and the speed control."""
+
+    def __init__(self, actions: Actions, speed: QWidget) -> None:
+        super().__init__(tr("Run"))
+        self.setObjectName("bar")
+        self.setMovable(False)
+        self.toggleViewAction().setEnabled(False)
+        self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextBesideIcon)
+        self._worded: list[QToolButton] = []
+        self._words, self._needed = True, 0
+        self._add(actions, _BEFORE)
+        self.addWidget(_modes(actions))
+        self._add(actions, _RUN)
+        self.addWidget(speed)
+        self._add(actions, _AFTER)
+
+    def _add(self, actions: Actions, names: Iterable[str]) -> None:
+        for name in names:
+            if not name:
+                self.addSeparator()
+                continue
+            action = actions[name]
+            self.addAction(action)
+            button = cast("QToolButton", self.widgetForAction(action))
+            button.setFocusPolicy(Qt.FocusPolicy.TabFocus)
+            button.setObjectName("primary" if name == PRIMARY else name)
+            if name in _ICON_ONLY:
+                button.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonIconOnly)
+                button.setAccessibleName(action.iconText())
+            elif name != PRIMARY:
+                self._worded.append(button)
+            if name == PRIMARY:
+                bold = button.font()
+                bold.setBold(True)
+                button.setMinimumWidth(QFontMetrics(bold).horizontalAdvance(tr("Run again")) + 52)
+
+    def resizeEvent(self, event: QResizeEvent) -> None:
+        """Show words where there is room for them."""
+        super().resizeEvent(event)
+        if self._words:
+            self._needed = self.sizeHint().width()
+        words, style = self.width() >= self._needed, Qt.ToolButtonStyle
+        if words != self._words:
+            self._words = words
+            for button in self._worded:
+                button.setToolButtonStyle(style.ToolButtonTextBesideIcon if words else style.ToolButtonIconOnly)
+
+
+def _modes(actions: Actions) -> QWidget:
+    """The modes side by side, as one segmented control."""
+    segments = QWidget()
+    segments.setObjectName("segments")
+    row = arrange(QHBoxLayout(segments), margins=(6, 0, 6, 0), spacing=0)
+    for mode, place in zip(MODES, ("first", "middle", "last"), strict=True):
+        name = f"mode_{mode}"
+        button = QToolButton(toolButtonStyle=Qt.ToolButtonStyle.ToolButtonTextOnly)
+        button.setDefaultAction(actions[name])
+        button.setProperty("segment", place)
+        button.setObjectName(name)
+        row.addWidget(button)
+    return segments
+
+
+_WIDE = 80
+"""Width of a button [px], enough for the longest word."""
+
+
+class ToolPalette(QToolBar):
+    """One button for each group of tools, and one for the starts that need no drawing."""
+
+    def __init__(self, actions: Actions) -> None:
+        super().__init__(tr("Tools"))
+        self.setObjectName("palette")
+        self.setMovable(False)
+        self.toggleViewAction().setEnabled(False)
+        self.setIconSize(QSize(20, 20))
+        names = {group: [tool.name for tool in TOOLS if tool.group == group] for group in GROUPS}
+        names[AUTO] = [f"start_{kind}" for kind in KINDS]
+        self.buttons = {group: ToolButton(group, [actions[name] for name in named]) for group, named in names.items()}
+        case = QWidget()
+        for button in self.buttons.values():
+            button.setIconSize(self.iconSize())
+        arrange(QVBoxLayout(case), *self.buttons.values(), None, spacing=0)
+        scrolled = Scrolled(case, 100)
+        scrolled.setSizePolicy(QSizePolicy.Policy.Fixed, QSizePolicy.Policy.Expanding)
+        self.addWidget(scrolled)
+
+
+class ToolButton(QToolButton):
+    """The action of a group that was used last; its arrow and the right button open a menu of all."""
+
+    def __init__(self, group: str, actions: Sequence[QAction]) -> None:
+        super().__init__()
+        self.setObjectName("tools")
+        self.setToolButtonStyle(Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
+        self.setPopupMode(QToolButton.ToolButtonPopupMode.MenuButtonPopup)
+        self.setFixedWidth(_WIDE)
+        self.setAutoRaise(True)
+        menu = QMenu(self, toolTipsVisible=True)
+        menu.addActions(actions)
+        self.setMenu(menu)
+        actions[0].setIconText(group)
+        self.setDefaultAction(actions[0])
+        for action in actions:
+            action.triggered.connect(partial(self.setDefaultAction, action))
+            action.visibleChanged.connect(self._follow)
+
+    def contextMenuEvent(self, event: QContextMenuEvent) -> None:
+        """Open the menu."""
+        self.showMenu()
+
+    def _follow(self) -> None:
+        """Show an action that there is, or hide where there is none."""
+        shown = [action for action in self.menu().actions() if action.isVisible()]
+        self.setVisible(bool(shown))
+        if shown and not self.defaultAction().isVisible():
+            self.setDefaultAction(shown[0])
+
+
+SHOWN_AFTER = 0.3
+"""Time after which a task is shown, so that short tasks do not flicker [s]."""
+
+_WIDTH = 140
+_FULL = 1000
+
+
+class TaskBar(QWidget):
+    """Shows the oldest running task, and is hidden while none is running."""
+
+    def __init__(self, tasks: Tasks) -> None:
+        super().__init__()
+        self._tasks = tasks
+        self._task: Task | None = None
+        self._name = QLabel()
+        self._left = dim_label()
+        self._bar = QProgressBar(textVisible=False)
+        self._bar.setFixedWidth(_WIDTH)
+        self._bar.setMaximumHeight(self.fontMetrics().height())
+        self._button = flat_button(tr("Cancel"), "", self.cancel)
+        parts = self._name, self._bar, self._left, self._button
+        arrange(QHBoxLayout(self), *parts, margins=(6, 0, 6, 0), spacing=8)
+        self._later = QTimer(self, singleShot=True)
+        self._later.timeout.connect(self._show)
+        tasks.changed.connect(self._show)
+        tasks.advanced.connect(self._show)
+        self.hide()
+
+    @property
+    def text(self) -> str:
+        """The text shown, or empty."""
+        return "" if self.isHidden() else f"{self._name.text()} {self._left.text()}".strip()
+
+    def cancel(self) -> None:
+        """Cancel the task shown, or the first one that will be shown."""
+        task = self._task or next((task for task in self._tasks.current if task.cancellable), None)
+        if task is not None:
+            task.cancel()
+            self._tasks.look()
+
+    def use_theme(self, theme: Theme) -> None:
+        """Tint the button."""
+        self._button.setIcon(icon("close", theme.text))
+
+    def _show(self) -> None:
+        current = self._tasks.current
+        self._task = next((task for task in current if task.seconds >= SHOWN_AFTER), None)
+        if self._task is None:
+            self.hide()
+            if current:
+                self._later.start(int(1000 * SHOWN_AFTER))
+            return
+        task, others = self._task, len(current) - 1
+        more = tr("{name} (and {others} more)", name=task.name, others=others)
+        self._name.setText(more if others else task.name)
+        self._left.setText(remaining_text(task.seconds_left))
+        self._left.setVisible(bool(self._left.text()))
+        self._button.setVisible(task.cancellable)
+        self._button.setToolTip(tr("Cancel: {name}", name=task.name))
+        self.setToolTip("\n".join(each.name for each in current))
+        self._bar.setMaximum(0 if task.fraction is None else _FULL)
+        if task.fraction is not None:
+            self._bar.setValue(round(_FULL * task.fraction))
+        self.show()

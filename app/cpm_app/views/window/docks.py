@@ -1,0 +1,162 @@
+"""The panels: tabs in one column next to the canvas, and those below it; their actions, and the keyboard in them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import partial
+
+from PySide6.QtCore import QByteArray, QEvent, QObject, Qt
+from PySide6.QtGui import QAction, QKeySequence
+from PySide6.QtWidgets import QApplication, QBoxLayout, QDockWidget, QMainWindow, QTabWidget, QWidget
+
+from cpm_app.model.text.language import from_core, tr
+from cpm_app.views.window.keyboard import Keyboard, in_panel, take_keyboard
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Panel:
+    """A panel, as a tab of the column or below the canvas.
+
+    Attributes
+    ----------
+    name : str
+        Name in code.
+    title : str
+        Text of its tab, in English.
+    widget : QWidget
+        Content.
+    shortcut : str
+        Key that gives it the keyboard.
+    shown : bool
+        Whether its tab is there from the start; `Docks.offer` adds others.
+    below : bool
+        Whether it is below the canvas; then the feature shows and hides it.
+    """
+
+    name: str
+    title: str
+    widget: QWidget
+    shortcut: str = ""
+    shown: bool = True
+    below: bool = False
+
+
+_WIDTH, _LEAST, _SHARE = 300, 284, 0.29
+"""Initial and least width of the column [px], and the part of the window that it may have."""
+
+_FIRST = ("objects", "run", "layers")
+"""The tabs that are always there, before those that appear."""
+
+_VERSION = 2
+"""Version of the stored layout."""
+
+
+def _place(panel: Panel) -> int:
+    return _FIRST.index(panel.name) if panel.name in _FIRST else len(_FIRST)
+
+
+class Docks(QObject):
+    """The column of tabs on the right of a window, and the panels in the layout `below` its canvas."""
+
+    def __init__(self, window: QMainWindow, panels: Iterable[Panel], keyboard: Keyboard, below: QBoxLayout) -> None:
+        super().__init__(window)
+        self._window, self._keyboard, self._laid_out = window, keyboard, False
+        self._panels = {panel.name: panel for panel in sorted(panels, key=_place)}
+        self.tabs = QTabWidget(documentMode=True)
+        self.tabs.setMinimumWidth(_LEAST)
+        self.tabs.tabBar().setExpanding(False)
+        self.tabs.tabBar().setDrawBase(False)
+        self.column = QDockWidget(tr("Panels"), window, features=QDockWidget.DockWidgetFeature.DockWidgetClosable)
+        self.column.setObjectName("column")
+        self.column.setTitleBarWidget(QWidget(self.column))
+        self.column.setWidget(self.tabs)
+        self.actions = [self._make_action(panel) for panel in self._panels.values()]
+        for name, panel in self._panels.items():
+            if panel.below:
+                below.addWidget(panel.widget)
+                panel.widget.hide()
+            else:
+                self.tabs.addTab(panel.widget, from_core(panel.title))
+                if not panel.shown:
+                    self.offer(name, False)
+        side = self.column.toggleViewAction()
+        side.setText(tr("Si&de panel"))
+        side.setObjectName("panel_side")
+        side.setStatusTip(tr("Show or hide the panels on the right."))
+        side.setShortcut(QKeySequence("Ctrl+B"))
+        self.actions.append(side)
+        # The column reaches the bottom of the window.
+        window.setCorner(Qt.Corner.BottomRightCorner, Qt.DockWidgetArea.RightDockWidgetArea)
+        window.addDockWidget(Qt.DockWidgetArea.RightDockWidgetArea, self.column)
+        window.installEventFilter(self)
+
+    def bring(self, name: str) -> None:
+        """Bring a tab to the front, without opening the column."""
+        self.tabs.setCurrentWidget(self._panels[name].widget)
+
+    def reveal(self, name: str) -> None:
+        """Open a panel and bring it to the front."""
+        if not self._panels[name].below:
+            self.offer(name, True)
+            self.column.show()
+            self.bring(name)
+
+    def offer(self, name: str, there: bool) -> None:
+        """Add a tab that has something to show, behind the one in front, or remove it."""
+        self.tabs.setTabVisible(self.tabs.indexOf(self._panels[name].widget), there)
+        self.actions[list(self._panels).index(name)].setVisible(there)
+
+    def enter(self, name: str) -> None:
+        """Open a panel, bring it to the front and give it the keyboard."""
+        self.reveal(name)
+        take_keyboard(in_panel(self._panels[name].widget))
+
+    def go_on(self, by: int = 1) -> None:
+        """Give the keyboard to the next area that is seen, or for -1 to the previous one."""
+        seen = {name: panel.widget for name, panel in self._panels.items() if panel.widget.isVisible()}
+        around, focused = ["", *seen], QApplication.focusWidget()
+        here = next((name for name, widget in seen.items() if focused and widget.isAncestorOf(focused)), "")
+        name = around[(around.index(here) + by) % len(around)]
+        if name:
+            self.enter(name)
+        else:
+            self._keyboard.give_back()
+
+    def layout_state(self) -> QByteArray:
+        """The layout, to be stored."""
+        return self._window.saveState(_VERSION)
+
+    def restore_layout(self, layout: QByteArray) -> None:
+        """Use a stored layout."""
+        self._laid_out = self._window.restoreState(layout, _VERSION)
+
+    def eventFilter(self, watched: QObject, event: QEvent) -> bool:
+        """Let the column not take more than its share of a smaller window."""
+        if event.type() == QEvent.Type.Resize:
+            self.tabs.setMaximumWidth(max(round(_SHARE * self._window.width()), _LEAST))
+        if event.type() == QEvent.Type.Show and not self._laid_out:
+            self._laid_out = True
+            self._window.resizeDocks([self.column], [_WIDTH], Qt.Orientation.Horizontal)
+        return False
+
+    def _make_action(self, panel: Panel) -> QAction:
+        """Gives the keyboard to a panel, or back to the canvas where the panel has it."""
+        title = from_core(panel.title)
+        action = QAction(
+            title,
+            self._window,
+            statusTip=tr("Open the panel {title} and move the keyboard focus to it.", title=title),
+            shortcut=QKeySequence(panel.shortcut),
+        )
+        action.setObjectName(f"panel_{panel.name}")
+        action.triggered.connect(partial(self._toggle, panel))
+        self._window.addAction(action)
+        return action
+
+    def _toggle(self, panel: Panel) -> None:
+        focused = QApplication.focusWidget()
+        if panel.widget.isVisible() and focused is not None and panel.widget.isAncestorOf(focused):
+            self._keyboard.give_back()
+        elif not panel.below or panel.widget.isVisible():
+            self.enter(panel.name)

@@ -1,0 +1,119 @@
+"""The guide: pages of ``assets/guide`` that explain real tasks, in a dialog next to the window."""
+
+from __future__ import annotations
+
+import html
+import re
+from collections.abc import Callable
+
+from PySide6.QtCore import QSize, Qt, QUrl
+from PySide6.QtGui import QKeySequence, QShortcut
+from PySide6.QtWidgets import (
+    QDialog,
+    QDialogButtonBox,
+    QHBoxLayout,
+    QTextBrowser,
+    QVBoxLayout,
+    QWidget,
+)
+
+from cpm_app.model.parameters.controls import controls
+from cpm_app.model.text.assets import asset, guide_page
+from cpm_app.model.text.keys import key_of
+from cpm_app.model.text.language import from_core, tr
+from cpm_app.model.text.wording import rich
+from cpm_app.views.widgets.actions import native
+from cpm_app.views.widgets.containers import Contents, arrange
+from cpm_app.views.window.shortcuts import Shortcuts
+
+KEYS = "keys"
+"""Name of the page that lists all keys, and of the action that opens and closes it."""
+
+PAGES = ("first", "artery", "nuclei", "hand", "vessels", "stacks", "further", "canvas", KEYS)
+"""The pages in the order of the table of contents."""
+
+_SIZE = QSize(780, 640)
+_PICTURE = 300
+"""Width of a picture [px]."""
+
+_LABELS = {control.name: f"“{control.title}” ({rich(control.symbol)})" for control in controls()}
+"""Labels of parameters by their names."""
+
+
+class Guide(QDialog):
+    """Shows the pages next to the window; links open samples and other pages.
+
+    `shortcuts` are all actions, whose names and keys the pages mention; `open_sample` opens a sample by its file name.
+    """
+
+    def __init__(self, parent: QWidget, shortcuts: Shortcuts, open_sample: Callable[[str], None]) -> None:
+        super().__init__(parent)
+        self.setAttribute(Qt.WidgetAttribute.WA_DeleteOnClose)
+        self.setWindowTitle(tr("Guide"))
+        self._shortcuts = shortcuts
+        self._open_sample = open_sample
+        for key in shortcuts.keys(KEYS):
+            QShortcut(QKeySequence(key), self, self.close)
+        self.contents = Contents(tr("Pages"), [from_core(guide_page(name)[0].text) for name in PAGES])
+        self.text = QTextBrowser(openLinks=False)
+        self.text.document().setDocumentMargin(14)
+        self.text.anchorClicked.connect(self._follow)
+        buttons = QDialogButtonBox(QDialogButtonBox.StandardButton.Close)
+        buttons.rejected.connect(self.close)
+        beside = arrange(QHBoxLayout(), self.contents, self.text, wide=self.text)
+        layout = QVBoxLayout(self)
+        layout.addLayout(beside, 1)
+        layout.addWidget(buttons)
+        self.contents.currentRowChanged.connect(self._show)
+        shortcuts.changed.connect(self._show)
+        self.resize(_SIZE.boundedTo(self.screen().availableSize()))
+        self.turn_to(PAGES[0])
+
+    @property
+    def page(self) -> str:
+        """Name of the page that is open."""
+        return PAGES[self.contents.currentRow()]
+
+    def turn_to(self, name: str) -> None:
+        """Open a page by its name."""
+        self.contents.setCurrentRow(PAGES.index(name))
+
+    def _show(self, _: int = 0) -> None:
+        parts = []
+        for mark, text, picture in guide_page(self.page):
+            tag = {"# ": "h2", "1. ": "li", "": "p"}[mark]
+            address = QUrl.fromLocalFile(str(asset(f"guide/{picture}"))).toString() if picture else ""
+            image = f"<br><img src='{address}' width='{_PICTURE}'><br>" if picture else ""
+            parts.append(f"<{tag}>{self._named(from_core(text))}{image}</{tag}>")
+        whole = re.sub(r"((?:<li>.*?</li>)+)", r"<ol>\1</ol>", "".join(parts), flags=re.DOTALL)
+        self.text.setHtml(whole + (self._keys() if self.page == KEYS else ""))
+
+    def _follow(self, link: QUrl) -> None:
+        if link.scheme() == "page":
+            self.turn_to(link.path())
+        elif link.scheme() == "sample":
+            self._open_sample(link.path())
+
+    def _named(self, text: str) -> str:
+        """A text with actions in braces replaced by name and key, and parameters (``{=beta}``) by label and symbol."""
+        text = re.sub(r"\{=(\w+)\}", lambda found: _LABELS[found.group(1)], text)
+        text = re.sub(r"\{key:(\w+)\}", lambda found: html.escape(key_of(found.group(1))), text)
+        actions = self._shortcuts.names()
+
+        def named(found: re.Match[str]) -> str:
+            action = actions[found.group(1)]
+            key = f" ({html.escape(action.key)})" if action.key else ""
+            return f"<b>{html.escape(action.title)}</b>{key}"
+
+        return re.sub(r"\{(\w+)\}", named, text)
+
+    def _keys(self) -> str:
+        """All keys of actions and panels, in their groups."""
+        groups: dict[str, str] = {}
+        for action in self._shortcuts.actions:
+            keys = self._shortcuts.keys(action.name)
+            if keys:
+                cells = f"<b>{html.escape('  '.join(map(native, keys[:2])))}</b>", html.escape(action.title)
+                row = "".join(f"<td style='padding: 2px 14px 2px 0'>{cell}</td>" for cell in cells)
+                groups[action.group] = f"{groups.get(action.group, '')}<tr>{row}</tr>"
+        return "".join(f"<h3>{title}</h3><table>{rows}</table>" for title, rows in groups.items())

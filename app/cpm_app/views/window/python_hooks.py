@@ -1,0 +1,81 @@
+"""What a window changes in Python itself: where garbage is collected, and who receives unexpected errors."""
+
+from __future__ import annotations
+
+import gc
+import logging
+import sys
+import threading
+from types import TracebackType
+
+from PySide6.QtCore import QObject, QTimer, Signal
+
+from cpm_app.model.text.language import tr
+from cpm_app.session.exchange.messages import sentence
+from cpm_app.session.session import Session
+from cpm_app.session.signals import UNEXPECTED
+
+_EVERY = 1000
+"""Time between two checks [ms]."""
+
+
+class GarbageCollector(QObject):
+    """Collects reference cycles while a window is open, instead of the automatic collection of Python.
+
+    Python collects on any thread that allocates memory. Widgets and graphics items are often part of reference cycles,
+    and Qt crashes when they are destroyed on another thread than their own, such as that of the worker.
+    """
+
+    def __init__(self, parent: QObject) -> None:
+        super().__init__(parent)
+        self._automatic = gc.isenabled()
+        gc.disable()
+        self._timer = QTimer(self, interval=_EVERY)
+        self._timer.timeout.connect(self.collect)
+        self._timer.start()
+
+    def stop(self) -> None:
+        """Restore the automatic collection."""
+        self._timer.stop()
+        if self._automatic:
+            gc.enable()
+
+    @staticmethod
+    def collect() -> None:
+        """Collect each generation that Python would collect."""
+        for generation, (count, threshold) in enumerate(zip(gc.get_count(), gc.get_threshold(), strict=True)):
+            if count > threshold:
+                gc.collect(generation)
+
+
+_log = logging.getLogger(__name__)
+
+
+class UnexpectedErrors(QObject):
+    """Takes the errors of slots and threads that would otherwise be written to a terminal that nobody sees."""
+
+    happened = Signal(str)
+    """A sentence on an error, from any thread."""
+
+    def __init__(self, session: Session) -> None:
+        super().__init__(session)
+        self._session = session
+        self.happened.connect(self._say)
+        self._before = sys.excepthook, threading.excepthook
+        sys.excepthook = self._take
+        threading.excepthook = lambda given: self._take(given.exc_type, given.exc_value, given.exc_traceback)
+
+    def end(self) -> None:
+        """Take errors no longer."""
+        sys.excepthook, threading.excepthook = self._before
+
+    def _take(self, kind: type[BaseException], error: BaseException | None, trace: TracebackType | None) -> None:
+        if not isinstance(error, Exception):  # Ctrl+C, and the end of the program
+            if error is not None:
+                self._before[0](kind, error, trace)
+            return
+        _log.error("an error that nothing expects", exc_info=(kind, error, trace))
+        self.happened.emit(sentence(error, tr("working")))
+
+    def _say(self, trouble: str) -> None:
+        self._session.trouble(trouble, UNEXPECTED)
