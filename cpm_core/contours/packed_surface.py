@@ -290,7 +290,7 @@ def _any(planes: Sequence[bytes]) -> bool:
 
 def _window(low: Index, high: Index, begin: Corner) -> tuple[slice, ...]:
     """A box in one that begins at a voxel."""
-    return tuple(slice(a, b) for a, b in zip(low - begin, high - begin, strict=True))
+    return tuple(map(slice, low - begin, high - begin))
 
 
 @lru_cache(maxsize=_MOST_KEPT)

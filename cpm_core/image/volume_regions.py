@@ -180,8 +180,8 @@ class Voxels:
         begin = np.array(self.first or (0, 0, 0))
         end = begin + self.mask.shape
         low, high = np.clip(begin, 0, filled.shape), np.clip(end, 0, filled.shape)
-        there = tuple(slice(a, b) for a, b in zip(low, high, strict=True))
-        here = tuple(slice(a, b) for a, b in zip(low - begin, high - begin, strict=True))
+        there = tuple(map(slice, low, high))
+        here = tuple(map(slice, low - begin, high - begin))
         filled[there] |= self.mask[here]
 
 
@@ -374,7 +374,7 @@ def _fill_box(filled: Mask, corners: Pair) -> None:
     low, high = np.sort(corners, axis=0)
     first = np.clip(np.ceil(low), 0, filled.shape).astype(int)
     last = np.clip(np.floor(high) + 1, 0, filled.shape).astype(int)
-    filled[tuple(slice(a, b) for a, b in zip(first, last, strict=True))] = True
+    filled[tuple(map(slice, first, last))] = True
 
 
 def _fill_plane(filled: Mask, plane: Pair) -> None:

@@ -208,7 +208,7 @@ class BoxThreshold(OnStrongEdges, Cuboid):
         whole = strength()
         low = np.clip(np.ceil(self.first), 0, whole.shape).astype(int)
         high = np.clip(np.floor(self.last) + 1, low, whole.shape).astype(int)
-        inside = whole[tuple(slice(a, b) for a, b in zip(low, high, strict=True))]
+        inside = whole[tuple(map(slice, low, high))]
         if not inside.size:
             return np.empty((0, 3))
         return np.argwhere(inside > self.fraction * inside.max()).astype(float) + low

@@ -42,7 +42,7 @@ class Item:
     @property
     def title(self) -> str:
         """Its name, or its number."""
-        return self.contour.name or tr("contour {number}").format(number=self.measures.number)
+        return self.contour.name or tr("contour {number}", number=self.measures.number)
 
 
 @dataclass(frozen=True, eq=False)

@@ -250,7 +250,7 @@ class Board(QObject):
                 if generation == self.image_generation:
                     self._show(image_seeds=image_seeds)
             case Exported(path, counts):
-                written = tr("Written: {path}").format(path=path)
+                written = tr("Written: {path}", path=path)
                 self.say(f"{written} ({counts})" if counts else written, topic=EXPORTING)
             case CommandFailed(sentence, topic):
                 self.say(sentence, True, topic)

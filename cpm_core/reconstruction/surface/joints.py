@@ -224,7 +224,7 @@ def way_between(values: Single, parts: Parts, saddle: Index, one: int, other: in
     Voxels up to `reach` from the saddle are looked at.
     """
     low = np.maximum(saddle - reach, 0)
-    passable = values[tuple(slice(a, b) for a, b in zip(low, saddle + reach + 1, strict=True))] >= values[tuple(saddle)]
+    passable = values[tuple(map(slice, low, saddle + reach + 1))] >= values[tuple(saddle)]
     costs = skimage.graph.MCP_Geometric(np.where(passable, 1.0, -1.0))
     reached, _ = costs.find_costs([tuple(saddle - low)])
     voxels = np.argwhere(passable)

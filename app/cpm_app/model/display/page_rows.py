@@ -70,7 +70,7 @@ def _happens(track: Track, page: int, first: int) -> str:
     """What happens to a track on a page: it comes, goes, or neither."""
     said = []
     if page == track.pages[0] and page != first:
-        split = tr("splits off track {track}").format(track=track.origin)
+        split = tr("splits off track {track}", track=track.origin)
         said.append(split if track.origin else tr("begins"))
     if page == track.pages[-1] and track.end is not None:
         said.append(_ENDS[track.end.kind].format(track=" ".join(map(str, track.end.others))))

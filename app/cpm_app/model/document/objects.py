@@ -284,7 +284,7 @@ def class_title(objects: SegmentedObjects, category: int) -> str:
     name = objects.classes[category - 1].name
     if name:
         return name
-    return tr("object") if category == 1 else tr("class {number}").format(number=category)
+    return tr("object") if category == 1 else tr("class {number}", number=category)
 
 
 def listed_classes(objects: SegmentedObjects) -> tuple[int, ...]:

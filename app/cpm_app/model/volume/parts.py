@@ -111,5 +111,5 @@ class Parts:
         )
         said = [text.format(number=number) for text, count, number in numbers if count > 1 and number is not None]
         if len(self.series) > 1:
-            said.append(tr("series {name}").format(name=self.series[self.number - 1]))
+            said.append(tr("series {name}", name=self.series[self.number - 1]))
         return ", ".join(said)

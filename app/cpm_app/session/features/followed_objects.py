@@ -106,7 +106,7 @@ class FollowedObjects(QObject):
                 before = document
             return happened, 0
 
-        title = tr("Following objects on {count} pages…").format(count=len(numbers))
+        title = tr("Following objects on {count} pages…", count=len(numbers))
         self._task = session.tasks.start(title, work, tr("following objects"), then=self._report)
 
     # Internal
@@ -150,9 +150,7 @@ class FollowedObjects(QObject):
             self._session.edit(tr("follow objects"), lambda document: numbered(document, taken))
         said = [_sentences(events)] if events else []
         if lost:
-            said.append(
-                tr("Page {number}: no object was found again. Accept one there to follow it.").format(number=lost)
-            )
+            said.append(tr("Page {number}: no object was found again. Accept one there to follow it.", number=lost))
         self._session.say(" ".join(said) or tr("The objects were followed through all pages."))
 
 

@@ -149,7 +149,7 @@ class HandEditing(QObject):
         new = redrawn(item, held.line.source, edit, self.edges if snapping else None)
         objects = self._session.document.objects
         self._session.edit(
-            tr("redraw boundary of {what}").format(what=title(objects, item)),
+            tr("redraw boundary of {what}", what=title(objects, item)),
             lambda document: accept(document, (new,), ends=objects.edited == item.number),
         )
 

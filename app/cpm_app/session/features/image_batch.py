@@ -44,7 +44,7 @@ def apply_to_folder(session: Session, folder: Path, then: Callable[[BatchDone], 
     if not document.starts:
         session.say(document.nothing_to_start_from, True, TOPIC)
         return None
-    name = tr("Running the images of {folder}…").format(folder=folder.name)
+    name = tr("Running the images of {folder}…", folder=folder.name)
     work = partial(_apply, to_file(document, {}), folder)
     return session.tasks.start(name, work, tr("running many images"), partial(CommandFailed, topic=TOPIC), then=then)
 

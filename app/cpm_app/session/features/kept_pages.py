@@ -251,7 +251,7 @@ class StoredPages:
 
         def session(entry: Mapping[str, Any]) -> tuple[int, KeptPage]:
             number = _checked(entry["page"], source)
-            file = decode(json.dumps(entry["session"]).encode(), tr("page {number}").format(number=number))
+            file = decode(json.dumps(entry["session"]).encode(), tr("page {number}", number=number))
             image = here.image and replace(here.image, reading=source.reading_of(number))
             if image is None:
                 raise ValueError("there is no image")
@@ -345,10 +345,10 @@ def run_pages(
             raise
         except Exception as error:  # one page must not end the others
             known = isinstance(error, ValueError | MemoryError)
-            trouble = trouble_of(error) if known else sentence(error, tr("running page {number}").format(number=number))
+            trouble = trouble_of(error) if known else sentence(error, tr("running page {number}", number=number))
             yield PageDone(Page(number, None, trouble=trouble), document, given)
             continue
         page = follower.take(number, result)
         placed = [{"number": contour.number, "place": list(middle(contour))} for contour in page.contours]
-        session = with_run(to_file(document, {}), recorder, tr("Run {number}").format(number=1))
+        session = with_run(to_file(document, {}), recorder, tr("Run {number}", number=1))
         yield PageDone(page, document, given, {**session.runs, "numbers": placed})

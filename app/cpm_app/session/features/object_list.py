@@ -245,7 +245,7 @@ class ObjectList(QObject):
 
         rows = [
             *(row("object", one) for one in known.items),
-            *(row("proposal", one, ("proposal", key), tr("proposal {number}").format(number=at))
+            *(row("proposal", one, ("proposal", key), tr("proposal {number}", number=at))
               for (at, key), one in zip(found, offered, strict=True)),
             *(row("rejected", one) for one in known.rejected),
             *(Row(("contour", one.key), "rejected" if one.reviewed.rejected else
@@ -512,7 +512,7 @@ class ObjectList(QObject):
     def split(self, whole: SegmentedObject, halves: Halves) -> None:
         """Put the halves of an object, or of what is not accepted yet, in its place, and choose them."""
         before = {item.number for item in self.objects.items} - {whole.number}
-        words = tr("split {what}").format(what=self.title(whole))
+        words = tr("split {what}", what=self.title(whole))
         self._session.edit(words, lambda document: objects.split(document, whole, halves))
         self.choose(item.number for item in self.objects.items if item.number not in before)
 
@@ -635,11 +635,11 @@ class ObjectList(QObject):
         if not any(known is item for known in self.objects.items):
             self._session.say(tr("The objects changed meanwhile: fill between the slices again."), True)
         elif not count:
-            self._session.say(tr("{name} has no gap between the slices across this axis.").format(name=name))
+            self._session.say(tr("{name} has no gap between the slices across this axis.", name=name))
         else:
-            words = tr("fill {what} between slices").format(what=name)
+            words = tr("fill {what} between slices", what=name)
             self._session.edit(words, partial(paint_in_volume, number=item.number, part=part, over_others=over_others))
-            self._session.say(tr("Slices of {name} that were filled: {count}.").format(name=name, count=count))
+            self._session.say(tr("Slices of {name} that were filled: {count}.", name=name, count=count))
 
 
 _LEAST_MOVE = 0.3

@@ -292,7 +292,7 @@ class StackPages(QObject):
             for done in run_pages(source, numbers, document_of, before, self._core, task):
                 self._session.tasks.call(partial(self._take_page, source.path, kept.get(done.page.number), done))
 
-        title = tr("Running {count} pages…").format(count=len(numbers))
+        title = tr("Running {count} pages…", count=len(numbers))
         self.task = self._session.tasks.start(title, work, tr("running the pages"))
         self.changed.emit()
 
@@ -372,11 +372,9 @@ class StackPages(QObject):
 
         def work(_: Task) -> Report:
             export_stack(result, *paths)
-            return Exported(path, tr("{count} files").format(count=len(paths)) if len(paths) > 1 else "")
+            return Exported(path, tr("{count} files", count=len(paths)) if len(paths) > 1 else "")
 
-        self._session.tasks.start(
-            tr("Writing {name}…").format(name=path.name), work, tr("writing {name}").format(name=path.name)
-        )
+        self._session.tasks.start(tr("Writing {name}…", name=path.name), work, tr("writing {name}", name=path.name))
 
     def _plain(self) -> Mapping[str, Any]:
         """The other pages as a session keeps them."""

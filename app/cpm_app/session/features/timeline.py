@@ -135,7 +135,7 @@ class TimelineNavigation(QObject):
         """Set the parameters of the step that is shown."""
         taken = self.other_parameters
         if taken is not None:
-            name = tr("use the parameters of step {step}").format(step=self._here[1])
+            name = tr("use the parameters of step {step}", step=self._here[1])
             self._session.edit(name, lambda document: replace(document, parameters=taken))
             self.changed.emit()
 

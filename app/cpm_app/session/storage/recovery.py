@@ -110,7 +110,7 @@ class Journal(QObject):
             else:
                 self.path.parent.mkdir(parents=True, exist_ok=True)
                 if not (self._lock.isLocked() or self._lock.tryLock(0)):
-                    raise ValueError(tr("{folder} is not writable.").format(folder=self.path.parent))
+                    raise ValueError(tr("{folder} is not writable.", folder=self.path.parent))
                 save_session(file, self.path)
         except Exception as error:  # the user can still work without a journal
             if file is not None:
@@ -139,7 +139,7 @@ class Leftover:
     def wanted(self) -> Wanted:
         """The request to open it as unsaved work."""
         saved = Saved(self.path, self.file, recovered=True)
-        note = tr("{name} was restored and is not saved yet.").format(name=self.name)
+        note = tr("{name} was restored and is not saved yet.", name=self.name)
         return Wanted(self.path or Path(self.name), self.file.parameters, saved=saved, notes=(note,))
 
     def keep(self) -> None:
@@ -181,7 +181,7 @@ def _read(journal: Path, lock: QLockFile) -> Leftover:
     file, when = load_session(journal), datetime.fromtimestamp(journal.stat().st_mtime)
     named = file.extra.get(KEY)
     if file.image is None or not isinstance(named, dict):
-        raise ValueError(tr("{name} is not a recovery file.").format(name=journal.name))
+        raise ValueError(tr("{name} is not a recovery file.", name=journal.name))
     path, name = str(named.get("session") or ""), str(named.get("name") or journal.name)
     bare = replace(file, extra={key: value for key, value in file.extra.items() if key != KEY})
     return Leftover(journal, name, Path(path) if path else None, when, bare, lock)

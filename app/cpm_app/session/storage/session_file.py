@@ -115,9 +115,9 @@ class DocumentFile(QObject):
             return task
 
         self._saving = self._session.tasks.start(
-            tr("Saving {name}…").format(name=path.name),
+            tr("Saving {name}…", name=path.name),
             work,
-            tr("saving {name}").format(name=path.name),
+            tr("saving {name}", name=path.name),
             partial(CommandFailed, topic=SAVING),
             cancellable=False,
             then=self._announce_written,
@@ -168,7 +168,7 @@ class DocumentFile(QObject):
         if self.is_current(written):
             self.path, self._file, self.known = written.path, written.file, written.document
             self.runs.saved(written.edition)
-        self._session.say(tr("Saved: {path}").format(path=written.path), topic=SAVING)
+        self._session.say(tr("Saved: {path}", path=written.path), topic=SAVING)
         self._announce()
 
     def _announce(self) -> None:

@@ -127,7 +127,7 @@ def prepare(core: Core, wanted: Wanted, check_cancelled: Callable[[], None]) -> 
     if saved is not None:
         parameters, named = saved.file.parameters, saved.file.image
         if named is None:
-            raise ValueError(tr("{name} does not name an image.").format(name=path.name))
+            raise ValueError(tr("{name} does not name an image.", name=path.name))
         path, warnings = find_image(named, path.absolute().parent, check_cancelled)
         notes = (*notes, *saved.file.notes, *warnings)
     parts, reading = parts_of(path, wanted.reading if named is None else named.reading)
@@ -143,7 +143,7 @@ def prepare(core: Core, wanted: Wanted, check_cancelled: Callable[[], None]) -> 
     most, scales = most_scales(image.shape), parameters.scales
     if scales > most:
         parameters = replace(parameters, scales=most)
-        notes = (*notes, tr("The image is small: the scales are set to {most}.").format(most=most))
+        notes = (*notes, tr("The image is small: the scales are set to {most}.", most=most))
     method = core.methods["cpm"](image, parameters, None)
     check_cancelled()
     display = display_of(image) if image.ndim == 2 else None
@@ -217,9 +217,9 @@ class Opener:
             return ImageReady(prepare(self._core, wanted, task.check_cancelled))
 
         self._task = self._tasks.start(
-            tr("Opening {name}…").format(name=name),
+            tr("Opening {name}…", name=name),
             work,
-            tr("opening {name}").format(name=name),
+            tr("opening {name}", name=name),
             NotOpened,
         )
         return self._task

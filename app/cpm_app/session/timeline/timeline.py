@@ -395,7 +395,7 @@ class Timeline:
 
     def _known(self, branch: int) -> _Line:
         if branch not in self._lines:
-            raise ValueError(tr("Branch {number} no longer exists.").format(number=branch))
+            raise ValueError(tr("Branch {number} no longer exists.", number=branch))
         return self._lines[branch]
 
     def _root(self, run: int) -> _Line:

@@ -179,13 +179,13 @@ def write_files(
                 context.report(Finished(partial(then, tuple(content for _, content in contents))))
                 return
             write_together(contents)
-            several = tr("{count} files").format(count=len(contents))
+            several = tr("{count} files", count=len(contents))
             text = ", ".join([several] * (len(contents) > 1) + [*counts.values()])
             context.report(Exported(order.files[0].path, text))
         finally:
             task.end()
 
-    activity = tr("writing {name}").format(name=order.files[0].path.name)
+    activity = tr("writing {name}", name=order.files[0].path.name)
     return Command(work, activity, failed=partial(CommandFailed, topic="exporting"))
 
 
