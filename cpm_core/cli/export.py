@@ -42,6 +42,7 @@ from cpm_core.formats.sessions.recorded_run import shown_state
 from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, load_session
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.centerlines import Centerlines
+from cpm_core.numerics.types import Extent
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import counted
 from cpm_core.segmentation.engine import Engine
@@ -165,7 +166,7 @@ def _in_volume(source: Path, arguments: argparse.Namespace) -> Result | Centerli
     return replace(empty, surface=surface, spacing=surface.spacing, unit=surface.unit)
 
 
-def _read(source: Path, image: Image | None, shape: tuple[int, ...]) -> Result:
+def _read(source: Path, image: Image | None, shape: Extent) -> Result:
     """A result without contours, of what has been read from a file."""
     name, spacing = (source.name, (1.0,) * len(shape)) if image is None else (image.source, image.spacing)
     unit = None if image is None or image.unit is None else known_unit(image.unit)

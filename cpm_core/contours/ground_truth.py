@@ -16,7 +16,7 @@ from cpm_core.contours.rasterize import inside, paint
 from cpm_core.contours.surface import Surface, surface_of_labels
 from cpm_core.image import drawing
 from cpm_core.numerics.real_numbers import real_numbers, voxel_sides
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Extent, Sides
 from cpm_core.parameters.quotation import counted, described, sized
 
 Labels = NDArray[np.int32]
@@ -34,7 +34,7 @@ class _Labeled:
     labels: Labels
 
     @property
-    def shape(self) -> tuple[int, ...]:
+    def shape(self) -> Extent:
         """Shape of the image or volume."""
         return self.labels.shape
 
@@ -223,7 +223,7 @@ class VolumeTruth(_Labeled):
     """
 
     labels: Labels
-    spacing: tuple[float, ...] = (1.0, 1.0, 1.0)
+    spacing: Sides = (1.0, 1.0, 1.0)
     unit: str | None = None
     source: str = "ground truth"
     boundary: Surface | None = None

@@ -22,7 +22,7 @@ from numpy.typing import DTypeLike, NDArray
 from cpm_core.contours.surface import Surface, inside_of
 from cpm_core.image.volume_regions import Voxels
 from cpm_core.numerics.grids import ends, zero_surface
-from cpm_core.numerics.types import Array, Index, Mask, Place
+from cpm_core.numerics.types import Array, Index, Mask, Pixels, Place
 
 _LARGEST = 256 * 2**20
 """Most bytes of an array that is read."""
@@ -259,7 +259,7 @@ class PackedVoxels:
         """The same voxels displaced by about so much along each axis [voxels]."""
         return replace(self, first=tuple(np.rint(np.add(self.first, by)).astype(int).tolist()))
 
-    def _rows(self, plane: int) -> NDArray[np.uint8]:
+    def _rows(self, plane: int) -> Pixels:
         """The bytes of a plane of the box, a row of the array for each of its rows."""
         return np.frombuffer(self.planes[plane], np.uint8).reshape(-1, self.width)
 

@@ -18,7 +18,7 @@ from cpm_core.image import drawing
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Extent, Sides
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.parameters.quotation import counted, described
 
@@ -84,8 +84,8 @@ class Result(drawing.Pictured):
     steps: int
     converged: bool
     stop_reason: str
-    shape: tuple[int, ...]
-    spacing: tuple[float, ...]
+    shape: Extent
+    spacing: Sides
     unit: str | None
     source: str
     bridges: tuple[Bridge, ...] = ()

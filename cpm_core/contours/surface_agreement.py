@@ -26,7 +26,7 @@ from cpm_core.contours.agreement import (
 from cpm_core.contours.ground_truth import VolumeTruth
 from cpm_core.contours.surface import Surface, numbered
 from cpm_core.numerics.real_numbers import checked_number
-from cpm_core.numerics.types import Array, Mask
+from cpm_core.numerics.types import Array, Extent, Mask
 from cpm_core.parameters.quotation import described
 
 _CANDIDATES = 16
@@ -82,7 +82,7 @@ class Triangles:
         return found
 
 
-def triangles_of(surface: Surface, shape: tuple[int, ...]) -> Triangles:
+def triangles_of(surface: Surface, shape: Extent) -> Triangles:
     """Those of a surface, no longer than one and a half of the smallest side of a voxel.
 
     Only those between the centers of the outermost voxels of a volume of this shape: along its border a surface is
@@ -100,7 +100,7 @@ def triangles_of(surface: Surface, shape: tuple[int, ...]) -> Triangles:
     return Triangles(corners[within_border(corners.mean(axis=1) / sides, shape)])
 
 
-def within_border(voxels: Array, shape: tuple[int, ...]) -> Mask:
+def within_border(voxels: Array, shape: Extent) -> Mask:
     """Which of positions, shape (N, 3) [voxels], lie between the centers of the outermost voxels of a volume."""
     return np.all((voxels >= 0.0) & (voxels <= np.array(shape) - 1.0), axis=1)
 

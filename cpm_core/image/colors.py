@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from cpm_core.numerics.grids import in_bands
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Pixels
 from cpm_core.parameters.choices import CHOICES, check_choice
 from cpm_core.parameters.quotation import shown
 
@@ -46,7 +46,7 @@ class Colors:
         Gray level of the image that 255 stands for.
     """
 
-    samples: NDArray[np.uint8]
+    samples: Pixels
     white: float
 
 
@@ -148,7 +148,7 @@ def reduced(samples: NDArray[Any], alpha: NDArray[Any] | None = None, white: flo
 
 
 @compiled
-def _weigh_bytes(samples: NDArray[np.uint8], weights: tuple[float, float, float], gray: Array) -> None:
+def _weigh_bytes(samples: Pixels, weights: tuple[float, float, float], gray: Array) -> None:
     """`luminance` of bytes, in its order."""
     for row in range(samples.shape[0]):
         for col in range(samples.shape[1]):

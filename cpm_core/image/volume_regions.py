@@ -26,7 +26,7 @@ from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import Parts, parts_of
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.real_numbers import checked_number, real_numbers
-from cpm_core.numerics.types import Array, Index, Mask, Position, Voxel
+from cpm_core.numerics.types import Array, Extent, Index, Mask, Position, Voxel
 from cpm_core.numerics.vectors import Vector, row_of
 from cpm_core.parameters.quotation import counted, described, shown, sized
 
@@ -75,16 +75,16 @@ class Walls:
         """
         return self._open.part_at(self._nearest(positions))
 
-    def shut(self, shape: tuple[int, ...], pitch: Vector, positions: Array) -> Mask:
+    def shut(self, shape: Extent, pitch: Vector, positions: Array) -> Mask:
         """Which voxels of the scale, of this shape, are in a wall or in a room without any of the positions."""
         here = self._nearest_to_voxels(shape, pitch)
         return self.closed[here] | ~np.isin(self._open.labels[here] - 1, self.rooms(positions))
 
-    def filled(self, shape: tuple[int, ...], pitch: Vector) -> Mask:
+    def filled(self, shape: Extent, pitch: Vector) -> Mask:
         """Which voxels of the scale, of this shape, have their centers in a wall."""
         return self.closed[self._nearest_to_voxels(shape, pitch)]
 
-    def _nearest_to_voxels(self, shape: tuple[int, ...], pitch: Vector) -> tuple[Index, ...]:
+    def _nearest_to_voxels(self, shape: Extent, pitch: Vector) -> tuple[Index, ...]:
         """Voxels of the volume, along each axis, nearest to the centers of those of the scale."""
         along = self._nearest(np.arange(max(shape))[:, None] * np.array(pitch))
         return np.ix_(*(along[:n, axis] for axis, n in enumerate(shape)))
@@ -237,7 +237,7 @@ class Extrusion:
 
 
 @lru_cache(maxsize=_KEPT)
-def _pixels_on(line: Line, shape: tuple[int, ...]) -> Mask:
+def _pixels_on(line: Line, shape: Extent) -> Mask:
     """The pixels of a slice that a line passes through."""
     pixels = np.rint(polyline.resampled(polyline.corners_of(line), _FINE)).astype(np.int64)
     pixels = pixels[((pixels >= 0) & (pixels < shape)).all(axis=1)]
@@ -296,7 +296,7 @@ class VolumeRegions:
                     f"the direction across barrier {number} is {shown(limit[1])} but must have a length above 0."
                 )
 
-    def check(self, shape: tuple[int, ...]) -> None:
+    def check(self, shape: Extent) -> None:
         """Raise a `ValueError` unless masks have this shape and every region of interest holds one of its voxels."""
         size = sized(shape, "")
         if len(shape) != 3:
@@ -333,11 +333,11 @@ class VolumeRegions:
             allowed &= ~closed[tuple(voxels.T)]
         return allowed
 
-    def voxels(self, shape: tuple[int, ...]) -> Mask | None:
+    def voxels(self, shape: Extent) -> Mask | None:
         """Which voxels of a volume of this shape are of interest; None when all of them are."""
         return _filled(self.interest, shape, _fill_box) if self.interest else None
 
-    def walls(self, shape: tuple[int, ...]) -> Walls:
+    def walls(self, shape: Extent) -> Walls:
         """What no particle crosses in a volume of this shape, at its full size."""
         return _walls(self, shape)
 
@@ -350,7 +350,7 @@ AnyRegions = Regions | VolumeRegions
 
 
 @lru_cache(maxsize=_KEPT)
-def _walls(regions: VolumeRegions, shape: tuple[int, ...]) -> Walls:
+def _walls(regions: VolumeRegions, shape: Extent) -> Walls:
     closed = _filled(regions.barriers, shape, _fill_plane)
     interest = regions.voxels(shape)
     if interest is not None:
@@ -358,7 +358,7 @@ def _walls(regions: VolumeRegions, shape: tuple[int, ...]) -> Walls:
     return Walls(closed, np.ones(3), np.zeros(3))
 
 
-def _filled(limits: tuple[Limit, ...], shape: tuple[int, ...], fill_pair: Callable[[Mask, Pair], None]) -> Mask:
+def _filled(limits: tuple[Limit, ...], shape: Extent, fill_pair: Callable[[Mask, Pair], None]) -> Mask:
     """Which voxels of a volume lie in some limits; what a pair of places fills depends on what it is."""
     filled = np.zeros(shape, np.bool_)
     for limit in limits:

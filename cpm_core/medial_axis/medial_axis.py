@@ -16,7 +16,7 @@ import scipy
 from cpm_core.contours.graph import Graph
 from cpm_core.medial_axis.boundary import Boundary
 from cpm_core.numerics.grids import parts_joined
-from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.numerics.types import Array, Extent, Index, Mask
 
 _FAR = 8.0
 """Distance, in sizes of the image, of the additional points that keep all Voronoi cells bounded."""
@@ -114,7 +114,7 @@ class Axis:
         return clipped.only(edges[kept], alone, self.sides[kept] if len(self.sides) else None)
 
 
-def medial_axis(boundary: Boundary, shape: tuple[int, ...]) -> Axis:
+def medial_axis(boundary: Boundary, shape: Extent) -> Axis:
     """Medial axis of all regions between edges, in objects and in the background.
 
     It covers the image of this shape and a margin around it. Edges are at most a pixel long, and every irregularity of

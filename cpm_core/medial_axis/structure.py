@@ -19,7 +19,7 @@ from cpm_core.field.edge_map import background_strength
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.medial_axis.boundary import Boundary, find_boundary
 from cpm_core.medial_axis.medial_axis import Axis, medial_axis, parts, prune, without_tips
-from cpm_core.numerics.types import Array, Mask
+from cpm_core.numerics.types import Array, Extent, Mask
 from cpm_core.parameters import Parameters
 
 _WIDENED = 1.0 / 3.0 + 1.0 / 12.0
@@ -91,7 +91,7 @@ def common_polarity(
     boundary: Boundary,
     polarity: NDArray[np.int8],
     objects: Mask,
-    shape: tuple[int, ...],
+    shape: Extent,
 ) -> int:
     """Polarity that the objects of an image share; 0 if they do not.
 
@@ -291,7 +291,7 @@ class Structure:
     width: float
     sure: float | None = None
 
-    def pruned(self, axis: Axis, pruning: float, shape: tuple[int, ...]) -> Axis:
+    def pruned(self, axis: Axis, pruning: float, shape: Extent) -> Axis:
         """The part of an axis that remains after pruning in an image of this shape, no wider than allowed."""
         rest = prune(axis, pruning).within(np.full(2, -0.5), np.array(shape) - 0.5)
         if self.sure is not None:

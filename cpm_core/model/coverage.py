@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.numerics.types import Array, Extent, Index, Mask
 
 
 @compiled
@@ -71,7 +71,7 @@ class Coverage(NamedTuple):
     size: int
 
 
-def no_coverage(shape: tuple[int, ...]) -> Coverage:
+def no_coverage(shape: Extent) -> Coverage:
     """Coverage of an image of this shape before any particle has been on an edge."""
     never = np.full(tuple(int(n / CELL) + 1 for n in shape), NEVER, np.int32)
     return Coverage(never, never, 0)

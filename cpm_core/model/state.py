@@ -13,7 +13,7 @@ from cpm_core.image.pyramid import to_image, to_scale
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.coverage import Coverage, SurfaceCoverage
 from cpm_core.numerics.grids import Window
-from cpm_core.numerics.types import Array, Index, Mask, Single
+from cpm_core.numerics.types import Array, Extent, Index, Mask, Single
 from cpm_core.numerics.vectors import Vector
 from cpm_core.parameters.quotation import counted, described
 
@@ -140,7 +140,7 @@ class Particles:
     velocity: Array
     force: Array
     distance: Array
-    identity: NDArray[np.int64]
+    identity: Index
     contact: SurfaceContact | None = None
 
     @classmethod
@@ -160,20 +160,20 @@ class Particles:
         return len(self.position)
 
     @property
-    def young(self) -> NDArray[np.bool_]:
+    def young(self) -> Mask:
         """Which were inserted less than T steps ago, shape (N,)."""
         return np.isnan(self.distance[:, -1])
 
-    def where(self, kept: NDArray[np.bool_]) -> Particles:
+    def where(self, kept: Mask) -> Particles:
         """The particles for which `kept`, shape (N,), is true."""
         return self.taken(np.flatnonzero(kept))
 
-    def taken(self, index: NDArray[np.int64]) -> Particles:
+    def taken(self, index: Index) -> Particles:
         """The particles with the given indices, shape (M,), in this order."""
         arrays: dict[str, Any] = {name: getattr(self, name).take(index, axis=0) for name in _ARRAYS}
         return Particles(**arrays, contact=self.contact and self.contact.taken(index))
 
-    def woken_at(self, step: int, which: NDArray[np.bool_] | None = None) -> Particles:
+    def woken_at(self, step: int, which: Mask | None = None) -> Particles:
         """The same, some of them awake at a step, by default all; in the plane the coverage knows this."""
         return self if self.contact is None else replace(self, contact=self.contact.woken_at(step, which))
 
@@ -187,9 +187,7 @@ class Particles:
         met = contact or more.contact
         return Particles(**arrays, contact=self.contact and met and self.contact.joined(met))
 
-    def renewed(
-        self, stay: NDArray[np.int64], position: Array, parent: NDArray[np.int64], other: NDArray[np.int64], first: int
-    ) -> Particles:
+    def renewed(self, stay: Index, position: Array, parent: Index, other: Index, first: int) -> Particles:
         """The particles with the indices `stay` in this order, and behind them new ones at positions of shape (M, D).
 
         These have the mean velocity and force history of their two parents; `parent` and `other`, shape (M,), are the
@@ -300,7 +298,7 @@ class State:
 
     particles: Particles
     start: Array
-    shape: tuple[int, ...]
+    shape: Extent
     scale: int
     coverage: Coverage
     mesh: MeshForce | None = None

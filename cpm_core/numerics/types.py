@@ -30,3 +30,9 @@ Place = Annotated[tuple[float, ...], 2, 3]
 
 Voxel = Annotated[tuple[float, ...], 3]
 """A position (plane, row, col) [voxels]."""
+
+Extent = tuple[int, ...]
+"""How many pixels or voxels there are along each axis."""
+
+Sides = tuple[float, ...]
+"""Side of a pixel or voxel along each axis."""

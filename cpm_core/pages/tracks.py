@@ -17,7 +17,7 @@ from cpm_core.contours.contour import Contour, neighborhood
 from cpm_core.contours.measurements import containment
 from cpm_core.contours.rasterize import paint
 from cpm_core.numerics.polyline import sampled
-from cpm_core.numerics.types import Array, Index
+from cpm_core.numerics.types import Array, Extent, Index
 from cpm_core.parameters.quotation import described
 
 LEAST_OVERLAP = 0.2
@@ -109,7 +109,7 @@ class Tracker:
         self._begun = tracks > 0
 
     def follow(
-        self, page: int, contours: Sequence[Contour], shape: tuple[int, ...], *, keep: bool = False
+        self, page: int, contours: Sequence[Contour], shape: Extent, *, keep: bool = False
     ) -> tuple[tuple[Contour, ...], tuple[TrackEvent, ...]]:
         """Give the contours of a page of this shape [px] their tracks as numbers, and report what happens to tracks.
 
@@ -138,7 +138,7 @@ class Tracker:
         return numbered, tuple(events)
 
 
-def overlaps_of(before: Sequence[Contour], now: Sequence[Contour], shape: tuple[int, ...]) -> Overlaps:
+def overlaps_of(before: Sequence[Contour], now: Sequence[Contour], shape: Extent) -> Overlaps:
     """Measure how contours of two pages overlap, on an image of this shape [px]."""
     if not (before and now):
         nothing = np.zeros((len(before), len(now)))
@@ -152,7 +152,7 @@ def overlaps_of(before: Sequence[Contour], now: Sequence[Contour], shape: tuple[
     return overlaps
 
 
-def _of_areas(before: Sequence[Contour], now: Sequence[Contour], shape: tuple[int, ...]) -> Overlaps:
+def _of_areas(before: Sequence[Contour], now: Sequence[Contour], shape: Extent) -> Overlaps:
     """Overlap of the areas of closed contours, as the measure of Dice and as a share of the smaller one."""
     one, other = (_regions(contours, shape) for contours in (before, now))
     shared = np.zeros((len(before) + 1, len(now) + 1))
@@ -164,7 +164,7 @@ def _of_areas(before: Sequence[Contour], now: Sequence[Contour], shape: tuple[in
     return Overlaps(2.0 * common / np.maximum(first + second, 1.0), common / np.maximum(least, 1.0))
 
 
-def _regions(contours: Sequence[Contour], shape: tuple[int, ...]) -> Index:
+def _regions(contours: Sequence[Contour], shape: Extent) -> Index:
     """Which contour encloses each pixel, the innermost one, from 1; 0 for none."""
     alone = [replace(contour, group=0, hole=False) for contour in contours]
     places = np.array([0, *(index for index, one in enumerate(contours, 1) if one.closed)])
@@ -228,7 +228,7 @@ def _gone(
     now: Sequence[Contour],
     pairs: dict[int, int],
     part: Array,
-    shape: tuple[int, ...],
+    shape: Extent,
 ) -> Iterable[TrackEvent]:
     """The tracks that merge into others, end, or leave the image."""
     around = containment(before)

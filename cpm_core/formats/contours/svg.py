@@ -10,7 +10,6 @@ from html import escape
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import contour_labels
@@ -72,7 +71,7 @@ def encode(result: Outcome) -> bytes:
     return ("\n".join(lines) + "\n").encode()
 
 
-def _path(contour: Contour, label: int, radii: NDArray[np.float64] | None = None) -> str:
+def _path(contour: Contour, label: int, radii: Array | None = None) -> str:
     vertices = contour.points if len(contour.points) > 1 else contour.points.repeat(2, axis=0)  # a single vertex: a dot
     points = " L".join(f"{col:.3f} {row:.3f}" for row, col in vertices)
     known = "" if radii is None else f'data-radii="{" ".join(f"{radius:.3f}" for radius in radii)}" '

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cpm_core.formats.common.content import UnreadableError
 from cpm_core.image.colors import Colors, reduced
 from cpm_core.image.geometry import Geometry
+from cpm_core.numerics.types import Sides
 
 MAXIMUM_PIXELS = 2**26
 """Most pixels of an image; the field of a larger one exceeds the memory of a common computer."""
@@ -43,7 +44,7 @@ class Decoded:
     """
 
     values: NDArray[Any]
-    spacing: tuple[float, ...] = (1.0, 1.0)
+    spacing: Sides = (1.0, 1.0)
     unit: str | None = None
     notes: tuple[str, ...] = ()
     colors: Colors | None = None

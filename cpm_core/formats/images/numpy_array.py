@@ -16,6 +16,7 @@ from cpm_core.formats.images.decoded import Decoded, check_size, from_bands
 from cpm_core.formats.images.reading import Reading, series_of
 from cpm_core.formats.images.stack import Stack, check_content, check_memory
 from cpm_core.image.image import MINIMUM_SIDE
+from cpm_core.numerics.types import Extent
 
 READS = {".npy": "NumPy array", ".npz": "archive of NumPy arrays"}
 
@@ -95,7 +96,7 @@ def _header(path: Path, reading: Reading, name: str) -> tuple[tuple[int, ...], n
     return shape, kind, names, at
 
 
-def _is_image(shape: tuple[int, ...], kind: np.dtype[Any]) -> bool:
+def _is_image(shape: Extent, kind: np.dtype[Any]) -> bool:
     """Whether an array of an archive may be an image; others are its labels, sizes and the like."""
     return kind.kind in "buif" and len(shape) in (2, 3, 4) and min(shape[:2]) >= MINIMUM_SIDE
 

@@ -21,6 +21,7 @@ from cpm_core.formats.common.printable import printable
 from cpm_core.formats.common.provenance import PROGRAM, Outcome, entries_of, facts_of, text_of
 from cpm_core.formats.images import resolution
 from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.numerics.types import Extent, Pixels
 
 _GOLDEN, _PLASTIC, _SILVER = 0.6180339887, 0.7548776662, 0.4142135624
 """Steps of hue, saturation and brightness from one label to the next; multiples of them are spread evenly."""
@@ -75,9 +76,7 @@ def named_labels(result: Outcome, *, outlines: bool = False) -> tuple[Label, ...
     )
 
 
-def paint_lines(
-    contours: Sequence[Contour], labels: Sequence[int], shape: tuple[int, ...]
-) -> NDArray[np.unsignedinteger]:
+def paint_lines(contours: Sequence[Contour], labels: Sequence[int], shape: Extent) -> NDArray[np.unsignedinteger]:
     """Draw each contour as a line one pixel wide with its label; where they meet, the first one is on top."""
     mask = np.zeros(shape, dtype=label_type(max(labels, default=0)))
     last = np.array(shape) - 1
@@ -150,7 +149,7 @@ def entries_for_imagej(result: Outcome, axes: str) -> Entries:
     return {"axes": axes, "unit": resolution.in_ascii(result.unit, "pixel"), "Info": info}
 
 
-def palette(count: int) -> NDArray[np.uint8]:
+def palette(count: int) -> Pixels:
     """Colors of the labels up to `count`, shape (count + 1, 3): black for 0, then bright ones, neighbors far apart.
 
     No two have the same luminance, so that labels stay apart in programs that turn colors into gray.

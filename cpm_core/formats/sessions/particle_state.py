@@ -19,6 +19,7 @@ from cpm_core.model.coverage import CELL, NEVER, Coverage, SurfaceCoverage, no_c
 from cpm_core.model.plane.repulsion import NO_MESH, PITCH, mesh_corner, mesh_shape, softening
 from cpm_core.model.starts import inside_image
 from cpm_core.model.state import MEMORY, MeshForce, Particles, SpaceState, State, SurfaceContact
+from cpm_core.numerics.types import Extent, Sides
 
 _SCALARS = {name: kind for name, kind in get_type_hints(State).items() if kind in (int, float, bool, str)}
 _MOST = 2**40
@@ -47,7 +48,7 @@ def state_to_plain(state: State) -> dict[str, Any]:
     return plain | {name: array_to_plain(array) for name, array in arrays.items()}
 
 
-def state_from_plain(plain: object, shape: tuple[int, ...], scales: int, spacing: tuple[float, ...] = ()) -> State:
+def state_from_plain(plain: object, shape: Extent, scales: int, spacing: Sides = ()) -> State:
     """The state of a run on an image of this shape with so many scales; ValueError when it cannot be one.
 
     `spacing` has the sides of a voxel of a volume; without it they are equal.
@@ -116,7 +117,7 @@ def _scalar(kind: type, plain: object, where: str) -> Any:
     return kind(found)
 
 
-def _mesh(plain: object, size: tuple[int, ...]) -> MeshForce:
+def _mesh(plain: object, size: Extent) -> MeshForce:
     """The force on a mesh, whose nodes follow from the size of the image and the reach."""
     given = mapping(plain, "mesh of state")
     if not given:

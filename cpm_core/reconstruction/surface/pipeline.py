@@ -14,7 +14,7 @@ from cpm_core.field.volume_edges import Edges
 from cpm_core.field.volume_field import pitch_of
 from cpm_core.field.volume_surface import on_ridges
 from cpm_core.numerics.grids import join_corners, zero_surface
-from cpm_core.numerics.types import Array, Mask, Single
+from cpm_core.numerics.types import Array, Mask, Sides, Single
 from cpm_core.reconstruction.surface.components import (
     fill_regions,
     set_border,
@@ -43,7 +43,7 @@ def find_surface(
     volume: Single,
     edges: Edges,
     points: Array,
-    spacing: tuple[float, ...] = (1.0, 1.0, 1.0),
+    spacing: Sides = (1.0, 1.0, 1.0),
     unit: str | None = None,
     *,
     smoothing: float = 1.0,

@@ -16,6 +16,7 @@ from cpm_core import Centerlines, Contour, Image, Surface, VolumePartition
 from cpm_core.contours import Label, PackedSurface, alone, inside_of
 from cpm_core.formats import ContourFile
 from cpm_core.numerics import Place
+from cpm_core.numerics.types import Extent
 from cpm_core.objects.segmented import Click, SegmentedObject, line_of
 from cpm_core.shapes import Points, Polygon, Stroke, start_on_surface, starts_along, starts_in
 
@@ -142,7 +143,7 @@ def bodies_of(surface: Surface, volume: Image) -> tuple[SegmentedObject, ...]:
     )
 
 
-def _innermost(body: Surface, shape: tuple[int, ...]) -> Place:
+def _innermost(body: Surface, shape: Extent) -> Place:
     """The voxel inside a body that is farthest from its boundary; a vertex when no voxel lies inside."""
     vertices = body.vertices[np.unique(body.faces)]
     first = np.clip(np.floor(vertices.min(axis=0)), 0, shape).astype(np.int64)

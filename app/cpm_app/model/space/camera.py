@@ -11,9 +11,7 @@ import scipy
 from numpy.typing import NDArray
 
 from cpm_core.numerics import Array
-
-Seen = NDArray[np.float32]
-"""Positions in the picture: column and row [px] from its top left corner, and distance behind its plane [px]."""
+from cpm_core.numerics.types import Single
 
 _MARGIN = 1.0
 """Part of the picture that a volume fills when it is seen as a whole."""
@@ -82,7 +80,7 @@ class Camera:
         """The same view in a picture with `factor` times as many rows and columns."""
         return replace(self, scale=self.scale * factor)
 
-    def seen(self, positions: NDArray[Any], size: tuple[int, int]) -> Seen:
+    def seen(self, positions: NDArray[Any], size: tuple[int, int]) -> Single:
         """Where positions (N, 3) in units of length lie in a picture of so many rows and columns."""
         away = np.asarray(positions, np.float32) - self.center.astype(np.float32)
         found = away @ (self.axes * self.scale).astype(np.float32).T

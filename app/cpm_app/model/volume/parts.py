@@ -8,6 +8,7 @@ from pathlib import Path
 from cpm_app.model.text.language import tr
 from cpm_core.formats import ONLY_THESE, Reading, Stack
 from cpm_core.image import MINIMUM_SIDE
+from cpm_core.numerics.types import Sides
 
 _WORDS = {
     "plane": (tr("{count} planes"), tr("plane {number}")),
@@ -54,7 +55,7 @@ class Parts:
     word: str = "page"
     usual: int = 1
     deep: bool = False
-    spacing: tuple[float, ...] = (1.0, 1.0, 1.0)
+    spacing: Sides = (1.0, 1.0, 1.0)
     unit: str | None = None
     planes: int = 0
     doubts: tuple[str, ...] = ()

@@ -12,6 +12,7 @@ from cpm_app.model.volume.slices import Slice
 from cpm_app.model.volume.surface_section import boundary_in
 from cpm_core.field import RADIUS
 from cpm_core.numerics import Array, Position
+from cpm_core.numerics.types import Sides
 from cpm_core.shapes import (
     Barrier,
     Box,
@@ -148,7 +149,7 @@ class ChargeSection(WithoutOutline):
 Section = Shape | StartSection | ChargeSection
 
 
-def sections(shape: Shape, here: Slice, sides: tuple[float, ...] = (1.0, 1.0, 1.0)) -> tuple[Section, ...]:
+def sections(shape: Shape, here: Slice, sides: Sides = (1.0, 1.0, 1.0)) -> tuple[Section, ...]:
     """The sections of a shape by a slice; empty where the slice does not show it.
 
     `sides` are those of a voxel in the smallest of them. Shapes in the plane belong to no volume and are not shown.
@@ -157,7 +158,7 @@ def sections(shape: Shape, here: Slice, sides: tuple[float, ...] = (1.0, 1.0, 1.
     return (RegionElsewhere(),) if not found and isinstance(shape, Interest) else found
 
 
-def _sections(shape: Shape, here: Slice, sides: tuple[float, ...]) -> Iterator[Section]:
+def _sections(shape: Shape, here: Slice, sides: Sides) -> Iterator[Section]:
     if isinstance(shape, Sphere):
         yield from _of_sphere(shape, here)
     elif isinstance(shape, Everywhere):
@@ -284,7 +285,7 @@ _MOST_EDGES = 24
 """Corners of a drawn line that are joined from its first to its last slice."""
 
 
-def wires(shape: Shape, sides: tuple[float, ...]) -> Array:
+def wires(shape: Shape, sides: Sides) -> Array:
     """The ends of straight lines, shape (N, 2, 3) [voxels]; none for shapes in the plane.
 
     `sides` are those of a voxel, in the smallest of them.
@@ -320,7 +321,7 @@ def _pieces_of(path: Array) -> Array:
     return np.stack([path[:-1], path[1:]], axis=1)
 
 
-def _crosses(places: Array, sides: tuple[float, ...]) -> Array:
+def _crosses(places: Array, sides: Sides) -> Array:
     """Three lines at each place, shape (N, 3)."""
     arms = np.diag(_ARM / np.array(sides))
     return (places[:, None, None] + np.stack([-arms, arms], axis=1)).reshape(-1, 2, 3)

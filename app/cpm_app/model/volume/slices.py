@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cpm_app.model.text.language import tr
 from cpm_core import Image
 from cpm_core.numerics import Array, Place, Position, Single
+from cpm_core.numerics.types import Extent, Sides
 from cpm_core.shapes import sides_of
 
 T = TypeVar("T")
@@ -67,12 +68,12 @@ class Slices:
         The axis of the slice that is worked on.
     """
 
-    shape: tuple[int, ...]
+    shape: Extent
     voxel: tuple[int, ...]
     axis: int = 0
 
     @classmethod
-    def of(cls, shape: tuple[int, ...]) -> Slices | None:
+    def of(cls, shape: Extent) -> Slices | None:
         """The slices through the middle of a volume; None for the shape of an image."""
         return cls(shape, tuple(side // 2 for side in shape)) if len(shape) == 3 else None
 
@@ -188,15 +189,15 @@ class SampledForce:
 
     force: Single
     step: int
-    sides: tuple[float, ...]
+    sides: Sides
 
     @classmethod
-    def of(cls, force: Array, spacing: tuple[float, ...]) -> SampledForce:
+    def of(cls, force: Array, spacing: Sides) -> SampledForce:
         """That of a force on all voxels, of which nothing is kept."""
         step = max(1, int(np.ceil((force[0].size / _MOST_FORCES) ** (1.0 / 3.0))))
         return cls(force[:, ::step, ::step, ::step].astype(np.float32), step, sides_of(spacing))
 
-    def slice_of(self, here: Slice, shape: tuple[int, ...]) -> Array:
+    def slice_of(self, here: Slice, shape: Extent) -> Array:
         """The force along a slice of this shape, (2, H, W), as a displacement in its pixels."""
         places = np.insert(np.indices(shape) / self.step, here.axis, here.index / self.step, axis=0)
         along = [

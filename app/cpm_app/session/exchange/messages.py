@@ -38,6 +38,7 @@ from cpm_core.formats import Reading, SessionFile
 from cpm_core.formats.images.reading import DEFAULT
 from cpm_core.image import AnyRegions
 from cpm_core.numerics import Array
+from cpm_core.numerics.types import Mask
 from cpm_core.segmentation import MethodState
 from cpm_core.shapes import ImageSeeds
 from cpm_core.warm_up import warm_up_runs, warm_up_volumes
@@ -121,7 +122,7 @@ class Snapshot:
     method: str
     state: MethodState
     position: Array
-    resting: NDArray[np.bool_]
+    resting: Mask
     steps_per_second: float
     metrics: RunMetrics
     timeline: Outline

@@ -11,7 +11,6 @@ import numpy as np
 from PySide6.QtGui import QColor
 
 from cpm_app.model.display.coloring import QUANTITIES, SHADES, colored
-from cpm_app.model.space.picture import Colors
 from cpm_app.model.space.triangles import Mesh
 from cpm_app.model.space.view_in_space import ColoredMesh, Particles, ViewInSpace, Wires
 from cpm_app.model.space.voxels import Shaded
@@ -26,6 +25,7 @@ from cpm_app.views.theme import color_maps, theme
 from cpm_app.views.theme.theme import Ink, look
 from cpm_core import Image, Skeleton, Surface, Truth, VolumeSelection, VolumeTruth
 from cpm_core.contours import PackedVoxels
+from cpm_core.numerics.types import Pixels
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.shapes import Charge, Interest, Limit, Shape, sides_of
 
@@ -142,6 +142,6 @@ def _wires(
     return Wires(np.concatenate(ends), np.concatenate(colors).astype(np.uint8)) if any(map(len, ends)) else None
 
 
-def _rgb(ink: Ink | str) -> Colors:
+def _rgb(ink: Ink | str) -> Pixels:
     color = QColor(look().color(ink))
     return np.array([color.red(), color.green(), color.blue()], np.uint8)
