@@ -164,6 +164,12 @@ class Particles:
         """Which were inserted less than T steps ago, shape (N,)."""
         return np.isnan(self.distance[:, -1])
 
+    @property
+    def on_surface(self) -> SurfaceContact:
+        """Contact of each with surfaces, of particles in a volume."""
+        assert self.contact is not None
+        return self.contact
+
     def where(self, kept: Mask) -> Particles:
         """The particles for which `kept`, shape (N,), is true."""
         return self.taken(np.flatnonzero(kept))

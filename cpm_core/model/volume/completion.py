@@ -104,8 +104,7 @@ def _within_walls(ridges: Ridges, state: State, walls: Walls | None) -> Ridges:
 
 def _cover(state: State, field: VolumeField, ridges: Ridges, d_min: float) -> Index:
     """How particles cover each ridge voxel, shape (M,)."""
-    contact = state.particles.contact
-    assert contact is not None
+    contact = state.particles.on_surface
     cover = np.zeros(len(ridges.place), np.int64)
     position, normal = state.particles.position[contact.seated], contact.normal[contact.seated]
     reach = max(_COVERED * d_min, _TOUCHED)
@@ -125,14 +124,13 @@ def _find_cover(
         for n in range(near(cells, here, reach, found)):
             k = found[n]
             if cover[q] < _ON and faces_alike(normal, row_of(normals, cells.order[k])):
-                away = length(difference((cells.z[k], cells.y[k], cells.x[k]), here))
+                away = length(difference(row_of(cells.place, k), here))
                 cover[q] = max(cover[q], _ON if away < _TOUCHED else _NEAR)
 
 
 def drop_unseated(state: State, field: VolumeField) -> State:
     """The particles on surfaces, each pulled to the ridge; the others are left out."""
-    contact = state.particles.contact
-    assert contact is not None
+    contact = state.particles.on_surface
     found = state.particles.where(contact.seated & (contact.strength >= field.floor))
     position = _pulled(field, found.position)
     crossing = field.crossed(found.position, position)

@@ -160,7 +160,10 @@ def sections(shape: Shape, here: Slice, sides: Sides = (1.0, 1.0, 1.0)) -> tuple
 
 def _sections(shape: Shape, here: Slice, sides: Sides) -> Iterator[Section]:
     if isinstance(shape, Sphere):
-        yield from _of_sphere(shape, here)
+        line = circle_in(shape, here)
+        if line is not None:
+            near = _near(shape.seeds(), here, NEAR / shape.sides[here.axis])
+            yield StartSection(line, line.handles()[:4], _spread(near))
     elif isinstance(shape, Everywhere):
         yield shape
     elif isinstance(shape, Cuboid):
@@ -193,13 +196,6 @@ def _of_particles(seeds: Array, here: Slice) -> Iterator[Points]:
 def _near(seeds: Array, here: Slice, reach: float) -> Array:
     """Particles so many voxels from a slice, as places in it."""
     return here.flattened(seeds[np.abs(seeds[:, here.axis] - here.index) <= reach])
-
-
-def _of_sphere(sphere: Sphere, here: Slice) -> Iterator[StartSection]:
-    line = circle_in(sphere, here)
-    if line is not None:
-        particles = _spread(_near(sphere.seeds(), here, NEAR / sphere.sides[here.axis]))
-        yield StartSection(line, line.handles()[:4], particles)
 
 
 def circle_in(sphere: Sphere, here: Slice) -> Ellipse | None:

@@ -90,7 +90,12 @@ class StackPages(QObject):
         self._drawn: tuple[Mapping[str, Any], ...] = ()
         self._linking = LatestOnlyWorker(session, "cpm-pages", tr("following objects through the pages"))
         self._later = QTimer(self, singleShot=True)
-        self._later.timeout.connect(self._link)
+        self._later.timeout.connect(
+            lambda: self._linking.ask(
+                partial(linked, self.source, dict(self._found), self._drawn, self.documents, self._measured),
+                self._take_linked,
+            )
+        )
         self._wanted: PageRow | None = None
         self._review = review
         review.changed.connect(self._select_wanted)
@@ -346,11 +351,6 @@ class StackPages(QObject):
     def _link_soon(self) -> None:
         if not self._later.isActive():
             self._later.start(_WHILE_RUNNING if self.running else _QUIET)
-
-    def _link(self) -> None:
-        """Find the tracks again, from what was found on each page."""
-        make = partial(linked, self.source, dict(self._found), self._drawn, self.documents, self._measured)
-        self._linking.ask(make, self._take_linked)
 
     def _take_linked(self, made: Linked) -> None:
         if made.source.path != self.source.path or not self.count:
