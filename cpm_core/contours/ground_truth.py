@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -16,7 +16,7 @@ from cpm_core.contours.rasterize import inside, paint
 from cpm_core.contours.surface import Surface, surface_of_labels
 from cpm_core.image import drawing
 from cpm_core.numerics.real_numbers import real_numbers, voxel_sides
-from cpm_core.numerics.types import Array, Extent, Sides
+from cpm_core.numerics.types import Array, Extent, Sides, record
 from cpm_core.parameters.quotation import counted, described, sized
 
 Labels = NDArray[np.int32]
@@ -46,7 +46,7 @@ class _Labeled:
         return np.asarray(scipy.ndimage.label(self.labels)[0], np.int32)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Truth(_Labeled, drawing.Pictured):
     """The true objects and boundaries of an image.
 
@@ -189,7 +189,7 @@ def _between(labels: Labels) -> tuple[Contour, ...]:
     return Graph(0.5 * np.stack(np.divmod(used, width), axis=1), edges.reshape(-1, 2).astype(np.int64)).contours()
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class VolumeTruth(_Labeled):
     """The true objects of a volume.
 

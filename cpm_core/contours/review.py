@@ -17,7 +17,7 @@ import numpy as np
 from cpm_core.contours.contour import Contour, check_color, check_name, neighborhood
 from cpm_core.contours.result import Result, remaining
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Position
+from cpm_core.numerics.types import Position, record
 from cpm_core.parameters.quotation import shown
 
 Verdict = Literal["", "kept", "rejected"]
@@ -88,7 +88,7 @@ class Mark:
         check_color("a mark", self.color)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class ReviewedContour:
     """A contour with its mark.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -16,14 +16,14 @@ from cpm_core.image import drawing
 from cpm_core.numerics.grids import parts_joined, parts_of, zero_surface
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.real_numbers import real_numbers, voxel_sides
-from cpm_core.numerics.types import Array, Extent, Index, Mask, Sides
+from cpm_core.numerics.types import Array, Extent, Index, Mask, Sides, record
 from cpm_core.parameters.quotation import counted, described
 
 _FARTHEST = 1e9
 """Largest coordinate of a vertex, beyond any volume that can be processed [voxels]."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Surface:
     """Triangles in a volume.
 

@@ -8,7 +8,6 @@ the centers of the outermost voxels is not compared.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -26,7 +25,7 @@ from cpm_core.contours.agreement import (
 from cpm_core.contours.ground_truth import VolumeTruth
 from cpm_core.contours.surface import Surface, numbered
 from cpm_core.numerics.real_numbers import checked_number
-from cpm_core.numerics.types import Array, Extent, Mask
+from cpm_core.numerics.types import Array, Extent, Mask, record
 from cpm_core.parameters.quotation import described
 
 _CANDIDATES = 16
@@ -42,7 +41,7 @@ _HALVINGS = 6
 """How often the sides of a triangle are halved at most."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Triangles:
     """Small triangles, whose centers stand for their area.
 
@@ -119,7 +118,7 @@ def _from_triangles(points: Array, corners: Array) -> Array:
     return np.where(within, height, away)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class SurfaceComparison(Agreement):
     """Agreement of a surface with that of a ground truth, and of what they enclose.
 

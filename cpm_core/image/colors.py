@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 
 from cpm_core.numerics.grids import in_bands
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Pixels
+from cpm_core.numerics.types import Array, Pixels, record
 from cpm_core.parameters.choices import CHOICES, check_choice
 from cpm_core.parameters.quotation import shown
 
@@ -34,7 +33,7 @@ _DARKEST = 1e-6
 """Least light that `rgb2hed` distinguishes; it measures stains in units of its logarithm."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Colors:
     """Red, green and blue of each pixel, one byte each.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import hashlib
 import math
-from dataclasses import InitVar, dataclass
+from dataclasses import InitVar
 from functools import cached_property
 from typing import Any
 
@@ -18,7 +18,7 @@ from cpm_core.image.geometry import Geometry
 from cpm_core.image.gray_levels import NO_DATA, usable
 from cpm_core.numerics.memory import check_room
 from cpm_core.numerics.real_numbers import real_numbers, voxel_sides
-from cpm_core.numerics.types import Array, Extent, Sides
+from cpm_core.numerics.types import Array, Extent, Sides, record
 from cpm_core.parameters.quotation import described, shown, sized
 
 MINIMUM_SIDE = 8
@@ -37,7 +37,7 @@ _AIR = (-3072.0, -900.0)
 """Between which the least gray level of a CT lies that its file does not name one."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Image(drawing.Pictured):
     """Gray levels on a regular grid, pixel centers at integers: an image (row, col) or a volume (plane, row, col).
 

@@ -26,7 +26,7 @@ from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import Parts, parts_of
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.real_numbers import checked_number, real_numbers
-from cpm_core.numerics.types import Array, Extent, Index, Mask, Position, Voxel
+from cpm_core.numerics.types import Array, Extent, Index, Mask, Position, Voxel, record
 from cpm_core.numerics.vectors import Vector, row_of
 from cpm_core.parameters.quotation import counted, described, shown, sized
 
@@ -34,7 +34,7 @@ OFF = 1e-6
 """Distance from a wall within which a position touches it [voxels]."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Walls:
     """What no particle crosses, in a volume at one of its scales.
 
@@ -147,7 +147,7 @@ _FINE = 0.25
 """Distance between places on a line by which the voxels that it passes through are found [voxels]."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Voxels:
     """Some voxels of a volume; equal to others that are the same voxels.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -12,7 +12,7 @@ import scipy
 from cpm_core.contours.contour import Contour
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Extent, Index, Mask
+from cpm_core.numerics.types import Array, Extent, Index, Mask, record
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction import find_contours
 
@@ -36,7 +36,7 @@ _SHORTEST = 8.0
 """Least length of a boundary [px]."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Boundary:
     """Points along the edges of an image.
 

@@ -8,7 +8,7 @@ Snoeyink 2001, doi:10.1007/s00453-001-0014-x).
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 import scipy
@@ -16,7 +16,7 @@ import scipy
 from cpm_core.contours.graph import Graph
 from cpm_core.medial_axis.boundary import Boundary
 from cpm_core.numerics.grids import parts_joined
-from cpm_core.numerics.types import Array, Extent, Index, Mask
+from cpm_core.numerics.types import Array, Extent, Index, Mask, record
 
 _FAR = 8.0
 """Distance, in sizes of the image, of the additional points that keep all Voronoi cells bounded."""
@@ -28,7 +28,7 @@ _LONGEST = 1.0
 """Greatest length of the edges of an axis [px]."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Axis:
     """A graph of positions with two or more nearest points on a boundary.
 

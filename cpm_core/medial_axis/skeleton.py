@@ -10,7 +10,7 @@ only one side, and no shape can be rebuilt from such disks.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 
 import numpy as np
@@ -26,7 +26,7 @@ from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.medial_axis import Axis
 from cpm_core.medial_axis.structure import half_width
 from cpm_core.numerics.polyline import lengths_along
-from cpm_core.numerics.types import Array, Extent, Mask, Sides
+from cpm_core.numerics.types import Array, Extent, Mask, Sides, record
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.parameters.quotation import counted, described
 
@@ -40,7 +40,7 @@ _RIM = 0.005
 """Tolerance of a disk's radius [px], so that rounding errors have no effect."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Skeleton(drawing.Pictured):
     """Center lines of the objects in an image.
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Any, ClassVar, Self, cast
 
 import numpy as np
@@ -31,7 +31,7 @@ from cpm_core.medial_axis.structure import DARK, Structure, find_structure, with
 from cpm_core.model.image_fields import ImageFields
 from cpm_core.model.starts import inside_image
 from cpm_core.model.state import Particles
-from cpm_core.numerics.types import Array, Mask
+from cpm_core.numerics.types import Array, Mask, record
 from cpm_core.parameters import OF_CHARGES, OF_STARTS, PRESETS, Parameters, invalidating
 from cpm_core.parameters.provenance import Provenance, taken
 from cpm_core.parameters.quotation import described, shown, sized
@@ -49,7 +49,7 @@ _MOST_SHOWN = 20_000
 _POLARITIES = {"dark": -1.0, "light": 1.0, "auto": 0.0}
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class SkeletonState:
     """A moment of a run of the skeleton: what it is of, axis and branches as far as they have been found.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,7 +13,7 @@ from cpm_core.image.pyramid import to_image, to_scale
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.coverage import Coverage, SurfaceCoverage
 from cpm_core.numerics.grids import Window
-from cpm_core.numerics.types import Array, Extent, Index, Mask, Single
+from cpm_core.numerics.types import Array, Extent, Index, Mask, Single, record
 from cpm_core.numerics.vectors import Vector
 from cpm_core.parameters.quotation import counted, described
 
@@ -46,7 +46,7 @@ class MeshForce(NamedTuple):
     softening: Single
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class SurfaceContact:
     """Contact of particles with surfaces.
 
@@ -102,7 +102,7 @@ _ARRAYS = ("position", "velocity", "force", "distance", "identity")
 """Arrays of particles."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class Particles:
     """The free particles as a struct of arrays.
 
@@ -211,7 +211,7 @@ class Particles:
         return described("Particles", f"{len(self):,}", f"{self.position.shape[1]} coordinates each")
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class SpaceState:
     """What a state holds in a volume only.
 
@@ -227,7 +227,7 @@ class SpaceState:
     covered: SurfaceCoverage
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class State:
     """A moment of a run: all that the next step depends on besides image and parameters.
 

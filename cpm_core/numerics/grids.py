@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from itertools import product
 from typing import TypeVar
 
@@ -14,7 +13,7 @@ from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
-from cpm_core.numerics.types import Array, Extent, Index, Mask, Single
+from cpm_core.numerics.types import Array, Extent, Index, Mask, Single, record
 
 Labels = NDArray[np.int32]
 """Numbers of parts, or columns."""
@@ -72,7 +71,7 @@ def sides_of(window: Window) -> tuple[int, ...]:
     return tuple(side.stop - side.start for side in window)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Parts:
     """The connected parts of a mask of three axes, as runs of voxels along the last one.
 

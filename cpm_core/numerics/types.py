@@ -1,8 +1,9 @@
-"""Array types of the whole program; shapes and units are given where the types are used."""
+"""Types of the whole program; shapes and units are given where the types are used."""
 
 from __future__ import annotations
 
-from typing import Annotated
+from dataclasses import dataclass
+from typing import Annotated, TypeVar, dataclass_transform
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,3 +37,11 @@ Extent = tuple[int, ...]
 
 Sides = tuple[float, ...]
 """Side of a pixel or voxel along each axis."""
+
+_Kind = TypeVar("_Kind")
+
+
+@dataclass_transform(frozen_default=True, eq_default=False)
+def record(kind: type[_Kind]) -> type[_Kind]:
+    """A frozen dataclass of which each is equal to itself alone, since arrays are not compared."""
+    return dataclass(frozen=True, eq=False)(kind)

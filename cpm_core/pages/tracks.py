@@ -47,7 +47,7 @@ _WORDS: dict[EventKind, str] = {
 }
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class TrackEvent:
     """What happens to a track from one page to the next.
 

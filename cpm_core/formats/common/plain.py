@@ -41,7 +41,7 @@ NAMES = tuple(_REGIONS)
 _UNPAIRED = re.compile("[\ud800-\udfff]")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class _Packed:
     """Voxels of a box, eight in a byte."""
 

@@ -40,7 +40,7 @@ def rounded(values: Array) -> list[Any]:
     return list(np.round(values, 4).tolist())
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Plane:
     """What is known of the image that contours belong to: its shape, and the size of a pixel in a unit."""
 

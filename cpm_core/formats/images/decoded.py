@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cpm_core.formats.common.content import UnreadableError
 from cpm_core.image.colors import Colors, reduced
 from cpm_core.image.geometry import Geometry
-from cpm_core.numerics.types import Sides
+from cpm_core.numerics.types import Sides, record
 
 MAXIMUM_PIXELS = 2**26
 """Most pixels of an image; the field of a larger one exceeds the memory of a common computer."""
@@ -21,7 +21,7 @@ ORIENTATION_TAG = 274
 """Number of the orientation tag of EXIF and TIFF, which cameras and scanners write."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Decoded:
     """Gray levels of a file, not yet checked.
 

@@ -55,7 +55,7 @@ SUFFIX = ".cpm"
 _LARGEST = 64 * 2**20
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ImageFile:
     """The image that a session belongs to.
 
@@ -88,7 +88,7 @@ class ImageFile:
             raise ValueError(f"shape is {shown(self.shape)} but must be rows and columns.")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class TruthFile:
     """The ground truth of a session.
 
@@ -114,7 +114,7 @@ class TruthFile:
             raise ValueError(f"it names {shown(self.path)} within {self.tolerance:g} px.")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class SessionFile:
     """Content of a session file.
 

@@ -51,7 +51,7 @@ _GRID, _DECIMALS = 1e-3, 3
 """Grid to which lines are rounded where they meet [px], and decimals of what is kept."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Halves:
     """Two objects in place of one, and the lines, each of shape (K, 2) [px], along which it was cut.
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations, groupby
 
 import numpy as np
@@ -18,7 +18,7 @@ from cpm_core.contours.polygonal_line import PolygonalLine
 from cpm_core.contours.result import Result
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Position
+from cpm_core.numerics.types import Array, Position, record
 from cpm_core.reconstruction.by_hand.live_wire import LiveWire, nearest_ridge
 from cpm_core.reconstruction.curve.hysteresis import measured
 
@@ -38,7 +38,7 @@ _SNAP = 4.0
 """Distance from an edge within which what is pulled snaps to it [px]."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Contact:
     """A place on a contour, by the length along it [px]."""
 

@@ -18,7 +18,6 @@ that far.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -27,7 +26,7 @@ import skimage
 
 from cpm_core.numerics.grids import Labels, Parts, parts_of, root
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Index, Mask, Single
+from cpm_core.numerics.types import Array, Index, Mask, Single, record
 from cpm_core.reconstruction.surface.components import FAR
 from cpm_core.reconstruction.surface.sharpened import gray_at
 
@@ -50,7 +49,7 @@ _BANK = 0.3
 """How far beyond a saddle the particles of a bank may lie, likewise."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Surroundings:
     """What is known around saddles: gray levels that are higher inside than outside, and particles on the edges.
 

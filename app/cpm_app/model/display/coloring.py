@@ -11,7 +11,7 @@ from cpm_app.model.display.lengths import round_up
 from cpm_app.model.display.plots import RunMetrics
 from cpm_app.model.text.language import tr
 from cpm_core.numerics import Array
-from cpm_core.numerics.types import Pixels
+from cpm_core.numerics.types import Pixels, record
 from cpm_core.segmentation import MethodState
 
 SHADES = 32
@@ -64,7 +64,7 @@ QUANTITIES = {
 }
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Colored:
     """Colors of particles.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -13,12 +12,13 @@ from cpm_app.model.volume.surface_section import section
 from cpm_core import Comparison, Contour, Surface, SurfaceComparison, Truth, VolumeTruth
 from cpm_core.contours import distance_to
 from cpm_core.numerics import Array, Place, polyline
+from cpm_core.numerics.types import record
 
 _APART = 0.6
 """Distance of neighboring points above which a new part begins; along a boundary it is a quarter of a pixel [px]."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Difference:
     """A part of a boundary without a counterpart.
 
@@ -63,7 +63,7 @@ def _difference(kind: Literal["missing", "wrong"], points: Array, away: Array) -
     return Difference(kind, points, float(away[worst]), (row, col))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Apart:
     """The triangles of a surface that are farther from another one than the tolerance.
 

@@ -11,7 +11,7 @@ import PIL.Image
 from cpm_core import Image
 from cpm_core.numerics import Array
 from cpm_core.numerics.grids import in_bands
-from cpm_core.numerics.types import Extent, Pixels
+from cpm_core.numerics.types import Extent, Pixels, record
 
 _AT_ONCE = 1 << 16
 """Gray values that are processed at once: few enough for the processor's cache, which is several times faster."""
@@ -38,7 +38,7 @@ class IntensityWindow:
     gamma: float = 1.0
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class DisplayImage:
     """Shades for the canvas at full size and reduced, so that a view draws about as many pixels as it shows.
 
@@ -96,7 +96,7 @@ def _halved(shades: Pixels) -> Pixels:
     return half
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class DisplayVolume:
     """Shades of a volume, shape (P, R, C), of which a slice at a time is shown."""
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from cpm_app.model.text.language import from_core, tr
 from cpm_core import Page, measure
 from cpm_core.contours import Measures, centroid
+from cpm_core.numerics.types import record
 from cpm_core.pages import StackResult, Track
 
 _ENDS = {
@@ -16,7 +15,7 @@ _ENDS = {
 }
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class PageRow:
     """A contour on a page, or a page that could not be used.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -16,7 +16,7 @@ from cpm_core import Centerlines, Contour, Image, Surface, VolumePartition
 from cpm_core.contours import Label, PackedSurface, alone, inside_of
 from cpm_core.formats import ContourFile
 from cpm_core.numerics import Place
-from cpm_core.numerics.types import Extent
+from cpm_core.numerics.types import Extent, record
 from cpm_core.objects.segmented import Click, SegmentedObject, line_of
 from cpm_core.shapes import Points, Polygon, Stroke, start_on_surface, starts_along, starts_in
 
@@ -26,7 +26,7 @@ MOST = 1000
 Kind = Literal["contours", "surface", "center lines"]
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Imported:
     """What was read, ready to be taken into a document.
 

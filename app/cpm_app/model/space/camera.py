@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ import scipy
 from numpy.typing import NDArray
 
 from cpm_core.numerics import Array
-from cpm_core.numerics.types import Single
+from cpm_core.numerics.types import Single, record
 
 _MARGIN = 1.0
 """Part of the picture that a volume fills when it is seen as a whole."""
@@ -23,7 +23,7 @@ _TILT = -0.45, 0.35
 """Angles to the right and down from which a volume is seen first [rad]: three of its sides show."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Camera:
     """A parallel projection: equal lengths look equal wherever they are, so that a scale bar holds.
 

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from PIL import Image
 
 from cpm_core.numerics import compiled, share
-from cpm_core.numerics.types import Pixels, Single
+from cpm_core.numerics.types import Pixels, Single, record
 
 FAR = np.float32(3e38)
 """Distance of what shows nothing."""
@@ -19,7 +18,7 @@ _ROWS = 32
 """Rows that one thread fills at the least."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Picture:
     """Colors, shape (H, W, 3), and distances behind the picture's plane [px], shape (H, W)."""
 

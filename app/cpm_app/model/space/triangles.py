@@ -13,7 +13,7 @@ from cpm_app.model.space.camera import Camera
 from cpm_app.model.space.picture import Picture
 from cpm_core import Surface
 from cpm_core.numerics import compiled
-from cpm_core.numerics.types import Pixels, Single
+from cpm_core.numerics.types import Pixels, Single, record
 
 _LIGHT = np.array([-0.35, -0.45, -0.82])
 """Direction to the light: from the left above, behind the viewer; along right, down, away."""
@@ -31,7 +31,7 @@ class Cut:
         return np.asarray(np.float32(self.at) - np.asarray(positions[:, self.axis], np.float32))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Mesh:
     """A surface, ready to be drawn: in units of length and single precision."""
 

@@ -15,7 +15,7 @@ from cpm_app.model.space.voxels import Shaded, draw_projection, draw_slice
 from cpm_app.model.volume.slices import Slices
 from cpm_core import Image
 from cpm_core.numerics import Array, Index
-from cpm_core.numerics.types import Pixels
+from cpm_core.numerics.types import Pixels, record
 
 Color = tuple[int, int, int]
 
@@ -58,7 +58,7 @@ class ShownParts:
     cut_at: float = 0.5
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Particles:
     """Positions (N, 3) [voxels] and colors (N, 3); `size` is a factor for their radius.
 
@@ -80,7 +80,7 @@ class Particles:
         return np.where(same[:, None], before.positions[known], self.positions)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Wires:
     """Ends of straight lines, shape (N, 2, 3) [voxels], and their colors, shape (N, 3)."""
 
@@ -88,7 +88,7 @@ class Wires:
     colors: Pixels
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class ColoredMesh:
     """A surface in a color of its own."""
 
@@ -96,7 +96,7 @@ class ColoredMesh:
     color: Color
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class ViewInSpace:
     """All that could be seen of a volume, and which of it is shown.
 

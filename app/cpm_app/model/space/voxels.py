@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -12,13 +11,13 @@ from cpm_app.model.space.camera import Camera
 from cpm_app.model.space.picture import Picture, within
 from cpm_app.model.volume.slices import Slice
 from cpm_core.numerics import Array, compiled
-from cpm_core.numerics.types import Pixels, Sides, Single
+from cpm_core.numerics.types import Pixels, Sides, Single, record
 
 _BLOCK = 8
 """Side of the blocks whose maxima are kept [voxels]: one that cannot raise the maximum is skipped."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Shaded:
     """A volume with one byte a voxel, made of its gray values when it is drawn first, since that takes a while."""
 

@@ -46,7 +46,7 @@ _IN = 0.5
 """Distance from a slice up to which a place lies in it [voxels]."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class StartSection:
     """Where a slice cuts a start: a line or an area, with the handles and particles that the start has in the slice."""
 
@@ -76,7 +76,7 @@ class StartSection:
         return self.line.encloses(position)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class RegionSection(Region):
     """Where a slice cuts a region of interest; `held` are its handles."""
 
@@ -87,7 +87,7 @@ class RegionSection(Region):
         return self.held
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class RegionElsewhere(Region):
     """A region of interest that a slice does not cut: nothing of the slice lies in it."""
 
@@ -107,7 +107,7 @@ class RegionElsewhere(Region):
         return math.inf
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ChargeSection(WithoutOutline):
     """A charge that acts in a slice.
 

@@ -38,7 +38,7 @@ from cpm_core.formats import Reading, SessionFile
 from cpm_core.formats.images.reading import DEFAULT
 from cpm_core.image import AnyRegions
 from cpm_core.numerics import Array
-from cpm_core.numerics.types import Mask
+from cpm_core.numerics.types import Mask, record
 from cpm_core.segmentation import MethodState
 from cpm_core.shapes import ImageSeeds
 from cpm_core.warm_up import warm_up_runs, warm_up_volumes
@@ -94,7 +94,7 @@ _ENDS = (".", "!", "?", "。", "！", "？")
 # Snapshots: the newest wins.
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Snapshot:
     """The particles after a step, as the window shows them.
 
@@ -128,7 +128,7 @@ class Snapshot:
     timeline: Outline
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Reconstruction:
     """The contours of a recent snapshot, with edits by hand; `tracked` is None for a skeleton.
 
@@ -162,7 +162,7 @@ Drawn = NDArray[np.generic] | DisplayImage | DisplayVolume | SampledForce
 """An overlay: an array or an image, or what those of the slices of a volume are made from."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Overlays:
     """The requested overlays by name, for the image opened as `generation`.
 
@@ -205,7 +205,7 @@ class Saved(Report):
     known: Document | None = None
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Opened(Report):
     """An image is opened: it has been read, and a method is ready.
 
@@ -230,7 +230,7 @@ class Opened(Report):
     reading: Reading = DEFAULT
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class ImageReady(Report):
     """An image has been prepared and can replace the one that is open."""
 
@@ -244,7 +244,7 @@ class NotOpened(Report):
     sentence: str
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class RunsKept(Report):
     """The runs on the timeline while none of them is shown, as after a reset."""
 
@@ -267,7 +267,7 @@ class WentOn(Report):
     generation: int
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class SeedsFound(Report):
     """Seeds that depend on the image opened as `generation`, or an error message."""
 

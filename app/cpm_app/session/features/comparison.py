@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -42,6 +42,7 @@ from cpm_core import (
 from cpm_core.contours import TOLERANCE, numbered, truth_of_contours
 from cpm_core.formats import TruthFile
 from cpm_core.formats.contours import mask
+from cpm_core.numerics.types import record
 from cpm_core.objects.segmented import SegmentedObject
 
 NOW = 0
@@ -55,7 +56,7 @@ Agreed = Comparison | SurfaceComparison
 _Marked = tuple[tuple[Difference, ...], tuple[Apart, ...]]
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Row:
     """A result that is compared.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -21,6 +21,7 @@ from cpm_app.session.session import Session
 from cpm_app.session.signals import RUNNING
 from cpm_app.session.tasks.tasks import Task
 from cpm_core import Image, Partition, TrackEvent
+from cpm_core.numerics.types import record
 from cpm_core.objects.segmented import Click, SegmentedObject, selection_of
 from cpm_core.pages import FollowedObject, ObjectFollower, fitting
 
@@ -31,7 +32,7 @@ _MOST_EVENTS = 3
 """Number of events that a message lists; the table has all."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class Former:
     """The last two pages with objects before a page, by number, and the largest number of any object of the stack."""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
@@ -23,12 +23,13 @@ from cpm_core import Page, Result, load_pages
 from cpm_core.contours import apply, middle, with_kept
 from cpm_core.formats import Pages, Reading, decode, encode, page_from_plain, page_to_plain
 from cpm_core.formats.sessions.recorded_run import Recorder, with_run
+from cpm_core.numerics.types import record
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.pages import Follower, StackResult, fitting, pages_of, trouble_of, without_image
 from cpm_core.shapes import SeedCache, Start, check_axes
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class StackSource:
     """A file whose pages are images of their own.
 
@@ -80,7 +81,7 @@ class StackSource:
         return load_pages(self.path, **given)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class KeptPage:
     """What is kept of a page while another one is open.
 
@@ -218,7 +219,7 @@ def pages_to_plain(
     }
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class StoredPages:
     """What a session file holds of the pages of a stack.
 
@@ -298,7 +299,7 @@ def _checked(given: object, source: StackSource) -> int:
     return given
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class PageDone:
     """A page that has been run: its document with the starts that it was given, its run and what was found."""
 

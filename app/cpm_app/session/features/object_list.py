@@ -24,6 +24,7 @@ from cpm_app.session.session import Session
 from cpm_core import Image, Surface
 from cpm_core.contours import bridges_on
 from cpm_core.numerics import Array, Place, Position, polyline
+from cpm_core.numerics.types import record
 from cpm_core.objects.segmented import (
     Halves,
     Line,
@@ -41,7 +42,7 @@ BINS = 32
 """Number of bars of a histogram."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Figures:
     """Figures of an object.
 
@@ -79,7 +80,7 @@ KINDS: tuple[Kind, ...] = get_args(Kind)
 """What a row can be, in the order shown."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class Row:
     """One row of the list: an object, what accepting it would make an object, or a contour.
 

@@ -48,7 +48,7 @@ def percent(selection: AnySelection) -> str:
     return written(f"{100.0 * selection.confidence:.0f} %") if isinstance(selection, Selection) else ""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Pointed:
     """One more click at the pointer, on the object of the clicks before."""
 
@@ -63,7 +63,7 @@ class Pointed:
         return None if after is None else Preview(after, self.selector.selection(self.clicks), self.said.inside)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Stepped:
     """By how many candidates the object of some clicks shall become larger, or smaller below 0."""
 
@@ -72,7 +72,7 @@ class Stepped:
     by: int
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Question:
     """What is asked for: the object of some clicks, what the run offers, what one more click would change, a step."""
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import uuid
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
@@ -23,6 +23,7 @@ from cpm_app.session.storage.preferences import Preferences, settings
 from cpm_app.session.storage.session_file import DocumentFile
 from cpm_app.session.tasks.opening import Wanted
 from cpm_core.formats import SUFFIX, SessionFile, load_session, remove_abandoned, save_session
+from cpm_core.numerics.types import record
 
 KEY = "journal"
 """Key under which a journal, otherwise a session file, names the file and the work that it belongs to."""
@@ -121,7 +122,7 @@ class Journal(QObject):
         return trouble
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Leftover:
     """A journal whose process has ended; while its lock is held, no other window offers it.
 

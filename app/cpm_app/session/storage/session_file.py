@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -20,12 +20,13 @@ from cpm_app.session.signals import SAVING
 from cpm_app.session.storage.run_keeping import RunKeeping
 from cpm_app.session.tasks.tasks import Task
 from cpm_core.formats import SUFFIX, SessionFile, TruthFile, save_session
+from cpm_core.numerics.types import record
 
 _PATIENCE = 10.0
 """Longest time that a file waits for the worker to finish its step; then it has the runs collected last [s]."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Written(Report):
     """A session file has been written: what it holds, as which number its image was opened, the edition of its runs."""
 

@@ -23,6 +23,7 @@ from cpm_app.session.timeline.moments import BranchStep, KeptStates, Moment, Run
 from cpm_app.session.timeline.stored_runs import Branch, StoredBranch, StoredRun, StoredRuns
 from cpm_core import Method, Parameters
 from cpm_core.image import AnyRegions
+from cpm_core.numerics.types import record
 from cpm_core.segmentation import MethodState
 from cpm_core.shapes import Shape
 
@@ -38,7 +39,7 @@ _METHODS = 3
 """Methods with different regions that are kept for repeating steps."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Outline:
     """State of the timeline, as the window shows it.
 

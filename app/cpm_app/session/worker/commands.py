@@ -10,7 +10,7 @@ import gc
 from collections import Counter
 from collections.abc import Callable, Hashable, Mapping
 from concurrent.futures import Future
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache, partial
 from pathlib import Path
 from typing import Concatenate, ParamSpec
@@ -37,6 +37,7 @@ from cpm_app.session.timeline.plain_runs import Plain, runs_from_plain, runs_to_
 from cpm_app.session.worker.run import Run
 from cpm_core import Image, Result, Skeleton
 from cpm_core.formats import DRAWN, descriptions, located, write_together
+from cpm_core.numerics.types import record
 from cpm_core.shapes import NO_SEEDS
 
 P = ParamSpec("P")
@@ -44,7 +45,7 @@ P = ParamSpec("P")
 _CHANGING_RUNS = (Run.discard, Run.rename_branch, Run.drop_branch, Run.set_timeline_budget)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class CommandContext:
     """What commands work with; only the worker thread touches it.
 
@@ -66,7 +67,7 @@ class CommandContext:
     closing: Callable[[], bool]
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class Command:
     """Work for the worker thread between two steps.
 
@@ -226,7 +227,7 @@ def _keep_loaded(volumes: bool) -> None:
     gc.freeze()
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class RunsCollected(Report):
     """The runs on the image opened as `generation`, as plain JSON, or a sentence on why there are none.
 
@@ -260,7 +261,7 @@ def collect_runs(generation: int, drawn: Mapping[int, Counter[Hashable]], found:
     )
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class RunsRestored(Report):
     """The runs of a session are on the timeline.
 

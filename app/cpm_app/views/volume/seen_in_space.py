@@ -25,7 +25,7 @@ from cpm_app.views.theme import color_maps, theme
 from cpm_app.views.theme.theme import Ink, look
 from cpm_core import Image, Skeleton, Surface, Truth, VolumeSelection, VolumeTruth
 from cpm_core.contours import PackedVoxels
-from cpm_core.numerics.types import Pixels
+from cpm_core.numerics.types import Pixels, Sides
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.shapes import Charge, Interest, Limit, Shape, sides_of
 
@@ -87,7 +87,7 @@ def _mesh(found: Reconstruction | None) -> Mesh | None:
 def _objects(
     objects: SegmentedObjects | None,
     offered: tuple[Proposal, ...],
-    spacing: tuple[float, ...],
+    spacing: Sides,
     bodies: Mapping[int, Surface],
 ) -> tuple[ColoredMesh, ...]:
     """The objects except hidden ones and the one that is being changed, and those that are offered."""
@@ -105,7 +105,7 @@ def _objects(
     )
 
 
-def _truth(truth: Truth | VolumeTruth | None, spacing: tuple[float, ...]) -> tuple[ColoredMesh, ...]:
+def _truth(truth: Truth | VolumeTruth | None, spacing: Sides) -> tuple[ColoredMesh, ...]:
     return (_colored(truth.surface, spacing, look().color(theme.TRUTH)),) if isinstance(truth, VolumeTruth) else ()
 
 
@@ -113,7 +113,7 @@ _MESHES: WeakKeyDictionary[Surface, Mesh] = WeakKeyDictionary()
 """What has been drawn of surfaces that are there."""
 
 
-def _colored(surface: Surface, spacing: tuple[float, ...], color: str) -> ColoredMesh:
+def _colored(surface: Surface, spacing: Sides, color: str) -> ColoredMesh:
     """A surface in a color; its mesh is the same as before, with its normals, while others change."""
     mesh, shade = _MESHES.get(surface), QColor(color)
     if mesh is None or mesh.surface.spacing != spacing:

@@ -37,7 +37,7 @@ LAYER = "layer_"
 """What the names of the actions that show or hide a layer begin with."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ActionSpec:
     """One action.
 
@@ -109,7 +109,7 @@ class ActionSpec:
         return self.text.replace("&", "").rstrip("…")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Submenu:
     """A submenu that `fill` fills each time before it opens; the rest is as in `ActionSpec`."""
 
