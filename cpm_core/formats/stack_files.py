@@ -13,11 +13,11 @@ from cpm_core.contours.rasterize import Labels, label_type, paint
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.atomic import check_target, drafts_of, suffix_among, write_together
 from cpm_core.formats.common.content import AnyPath
-from cpm_core.formats.common.plain import Entries, encoded_json
+from cpm_core.formats.common.plain import encoded_json
 from cpm_core.formats.common.provenance import ENTRY, PROGRAM, facts_of
 from cpm_core.formats.contours import contour_csv, contour_json, geojson, imagej
 from cpm_core.formats.masks.labels import entries_for_imagej
-from cpm_core.numerics.types import Extent
+from cpm_core.numerics.types import Entries, Extent
 from cpm_core.pages.page import StackResult
 
 _LARGEST_IMAGEJ = 2**32 - 2**25

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, TypeVar, dataclass_transform
+from typing import Annotated, Any, TypeVar, dataclass_transform
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +38,12 @@ Extent = tuple[int, ...]
 
 Sides = tuple[float, ...]
 """Side of a pixel or voxel along each axis."""
+
+Plain = Mapping[str, Any]
+"""What files hold by name, as JSON."""
+
+Entries = dict[str, Any]
+"""The same, while it is put together."""
 
 _Kind = TypeVar("_Kind")
 

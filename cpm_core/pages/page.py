@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -13,7 +12,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.rasterize import paint
 from cpm_core.contours.result import Result
-from cpm_core.numerics.types import record
+from cpm_core.numerics.types import Plain, record
 from cpm_core.pages.tracks import TrackEvent
 from cpm_core.parameters.quotation import counted, described
 
@@ -84,7 +83,7 @@ class StackResult:
     pages: tuple[Page, ...]
     axis: Literal["z", "t", "c"] = "z"
     alone: bool = True
-    drawn: tuple[Mapping[str, Any], ...] = ()
+    drawn: tuple[Plain, ...] = ()
 
     @property
     def results(self) -> tuple[tuple[int, Result], ...]:

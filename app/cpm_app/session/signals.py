@@ -196,8 +196,7 @@ class Board(QObject):
         if isinstance(found, ReconstructionFailed):
             trouble = found.sentence
             if self.scene.contours.items:
-                last = tr("{trouble} The contours that are shown are those of an earlier step.")
-                trouble = last.format(trouble=trouble)
+                trouble = tr("{trouble} The contours that are shown are those of an earlier step.", trouble=trouble)
             self.trouble(trouble, CONTOURS)
             return
         self.trouble("", CONTOURS)

@@ -9,10 +9,11 @@ import numpy as np
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import Measures, measure
 from cpm_core.contours.rasterize import paint
-from cpm_core.formats.common.plain import Entries, encoded_json
+from cpm_core.formats.common.plain import encoded_json
 from cpm_core.formats.common.provenance import ENTRY, PROGRAM, Outcome, facts_of
 from cpm_core.formats.contours.contents import PIXEL, Contents, rgb, rounded
 from cpm_core.formats.contours.mask import mask_of_runs, outlines
+from cpm_core.numerics.types import Entries
 
 _OBJECT = "object"
 """Category of an instance without a name."""

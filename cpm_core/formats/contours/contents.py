@@ -14,8 +14,7 @@ import numpy as np
 from PIL import ImageColor
 
 from cpm_core.contours.contour import MOST_LETTERS, Contour, Reached
-from cpm_core.formats.common.plain import Entries
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Entries
 
 DEFAULT = "#d6006c"
 """Color of contours without one of their own: visible on gray and on white."""

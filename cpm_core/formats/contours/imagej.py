@@ -15,11 +15,10 @@ from roifile import ROI_OPTIONS, ROI_SUBTYPE, ROI_TYPE, ImagejRoi
 
 from cpm_core.contours.contour import Contour, numbers_of
 from cpm_core.formats.common.content import UnreadableError
-from cpm_core.formats.common.plain import Entries
 from cpm_core.formats.common.provenance import Outcome, ascii_entries_of, facts_of
 from cpm_core.formats.contours.contents import PIXEL, Contents, rgb
 from cpm_core.formats.contours.curves import bezier, ellipse, nested, rectangle
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Entries
 
 _COUNTS_CHARACTERS = tuple(map(int, roifile.__version__.split(".")[:2])) < (2026, 11)
 """Whether this release of roifile writes names with their number of characters."""

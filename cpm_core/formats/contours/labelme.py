@@ -14,13 +14,13 @@ import numpy as np
 import scipy
 
 from cpm_core.contours.contour import Contour
-from cpm_core.formats.common.plain import Entries, encoded_json
+from cpm_core.formats.common.plain import encoded_json
 from cpm_core.formats.common.provenance import ENTRY, Outcome, facts_of
 from cpm_core.formats.contours.contents import PIXEL, Contents, pairs
 from cpm_core.formats.contours.curves import ellipse, nested, rectangle
 from cpm_core.formats.contours.mask import opened, outlines
 from cpm_core.numerics.polyline import inside
-from cpm_core.numerics.types import Array, Position
+from cpm_core.numerics.types import Array, Entries, Position
 
 _CONTOUR = "contour"
 """Label of a contour without a name."""

@@ -14,13 +14,12 @@ import numpy as np
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import contour_labels
 from cpm_core.formats.common.content import UnreadableError
-from cpm_core.formats.common.plain import Entries
 from cpm_core.formats.common.provenance import Outcome, facts_of, text_of
 from cpm_core.formats.contours.contents import DEFAULT, Contents, Plane
 from cpm_core.formats.contours.curves import bezier
 from cpm_core.formats.images import resolution
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Entries
 
 _PER_INCH = 96.0
 _SHAPES = ("path", "polygon", "polyline", "line", "rect", "circle", "ellipse")

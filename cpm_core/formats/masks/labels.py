@@ -16,12 +16,11 @@ from cpm_core.contours.contour import Contour, Label, numbers_of
 from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.rasterize import MOST_LABELS, label_type
 from cpm_core.contours.result import Result
-from cpm_core.formats.common.plain import Entries
 from cpm_core.formats.common.printable import printable
 from cpm_core.formats.common.provenance import PROGRAM, Outcome, entries_of, facts_of, text_of
 from cpm_core.formats.images import resolution
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.numerics.types import Extent, Pixels
+from cpm_core.numerics.types import Entries, Extent, Pixels
 
 _GOLDEN, _PLASTIC, _SILVER = 0.6180339887, 0.7548776662, 0.4142135624
 """Steps of hue, saturation and brightness from one label to the next; multiples of them are spread evenly."""

@@ -6,11 +6,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cpm_core.formats.common.plain import Entries
 from cpm_core.formats.common.provenance import Outcome
 from cpm_core.formats.meshes.coordinates import mesh_of
 from cpm_core.formats.meshes.triangles import Triangles, split
 from cpm_core.image.geometry import Convention
+from cpm_core.numerics.types import Entries
 
 _OBJECT = "object"
 """Property of a triangle: the number of its object."""

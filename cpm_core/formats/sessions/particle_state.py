@@ -19,7 +19,7 @@ from cpm_core.model.coverage import CELL, NEVER, Coverage, SurfaceCoverage, no_c
 from cpm_core.model.plane.repulsion import NO_MESH, PITCH, mesh_corner, mesh_shape, softening
 from cpm_core.model.starts import inside_image
 from cpm_core.model.state import MEMORY, MeshForce, Particles, SpaceState, State, SurfaceContact
-from cpm_core.numerics.types import Extent, Sides
+from cpm_core.numerics.types import Entries, Extent, Sides
 
 _SCALARS = {name: kind for name, kind in get_type_hints(State).items() if kind in (int, float, bool, str)}
 _MOST = 2**40
@@ -27,7 +27,7 @@ _UNIT = 1.0 + 1e-6
 """Greatest length of a normal, with rounding."""
 
 
-def state_to_plain(state: State) -> dict[str, Any]:
+def state_to_plain(state: State) -> Entries:
     """A state as plain JSON; what is no number is null."""
     known = {name: kind(getattr(state, name)) for name, kind in _SCALARS.items()}
     plain = {name: None if isinstance(one, float) and not math.isfinite(one) else one for name, one in known.items()}

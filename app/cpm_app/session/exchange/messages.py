@@ -76,12 +76,17 @@ def sentence(error: Exception, activity: str) -> str:
     if isinstance(error, ValueError | OSError):
         text = reason(error)
     elif isinstance(error, MemoryError):
-        message = tr("There was not enough memory while {activity}: close other programs, or use a smaller image")
-        text = message.format(activity=activity)
+        text = tr(
+            "There was not enough memory while {activity}: close other programs, or use a smaller image",
+            activity=activity,
+        )
     else:
         log.error("unexpected error while %s", activity, exc_info=error)
-        message = tr("An unexpected error occurred while {activity}: {error}")
-        text = message.format(activity=activity, error=str(error) or type(error).__name__)
+        text = tr(
+            "An unexpected error occurred while {activity}: {error}",
+            activity=activity,
+            error=str(error) or type(error).__name__,
+        )
     text = " ".join(text.split())
     if text.partition(" ")[0].isalpha():  # file names are not changed
         text = text[:1].upper() + text[1:]

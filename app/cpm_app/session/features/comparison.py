@@ -471,8 +471,7 @@ def _truth_of(row: Row, holes: bool) -> Truth | VolumeTruth:
     if len(found.shape) == 2:
         return truth_of_contours(found.contours, found.shape, row.title, holes=holes)
     if surface is None or not surface.closed:
-        text = tr("The surface of {name} is not closed, so nothing can be compared with it.")
-        raise ValueError(text.format(name=row.title))
+        raise ValueError(tr("The surface of {name} is not closed, so nothing can be compared with it.", name=row.title))
     labels = numbered(surface, found.shape).astype(np.int32)
     return VolumeTruth(labels, found.spacing, found.unit, row.title, boundary=surface)
 

@@ -59,8 +59,9 @@ def _apply(session: SessionFile, folder: Path, task: Task) -> BatchDone:
     try:
         output.mkdir(exist_ok=True)
     except OSError as error:
-        text = tr("{folder} is not a folder and cannot be created: {reason}.")
-        raise ValueError(text.format(folder=output, reason=cause(error))) from error
+        raise ValueError(
+            tr("{folder} is not a folder and cannot be created: {reason}.", folder=output, reason=cause(error))
+        ) from error
     save_session(session, output / _APPLIED)
     batch = Batch(images, session, output / _APPLIED, output, WRITTEN)
     for _ in batch.write(here(batch.jobs, None, task.check_cancelled)):

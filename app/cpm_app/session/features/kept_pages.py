@@ -23,7 +23,7 @@ from cpm_core import Page, Result, load_pages
 from cpm_core.contours import apply, middle, with_kept
 from cpm_core.formats import Pages, Reading, decode, encode, page_from_plain, page_to_plain
 from cpm_core.formats.sessions.recorded_run import Recorder, with_run
-from cpm_core.numerics.types import record
+from cpm_core.numerics.types import Entries, Plain, record
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.pages import Follower, StackResult, fitting, pages_of, trouble_of, without_image
 from cpm_core.shapes import SeedCache, Start, check_axes
@@ -102,7 +102,7 @@ class KeptPage:
     """
 
     document: Document
-    runs: Mapping[str, Any] = field(default_factory=dict)
+    runs: Plain = field(default_factory=dict)
     history: History = field(default_factory=History)
     known: Document | None = None
     given: tuple[Start, ...] = ()
@@ -159,7 +159,7 @@ class Linked(NamedTuple):
 def linked(
     source: StackSource,
     found: Mapping[int, Page],
-    drawn: tuple[Mapping[str, Any], ...],
+    drawn: tuple[Plain, ...],
     documents: Mapping[int, Document],
     known: Measured,
 ) -> Linked:
@@ -192,10 +192,10 @@ _MOST = 24 * 2**20
 def pages_to_plain(
     others: Mapping[int, KeptPage],
     following: bool,
-    drawn: tuple[Mapping[str, Any], ...],
+    drawn: tuple[Plain, ...],
     given: bool,
     result: StackResult | None,
-) -> dict[str, Any]:
+) -> Entries:
     """What a session file holds of a stack, as `StoredPages`; runs are left out beyond a size that can be read.
 
     `others` are the pages that are not open, `given` is whether that which is open was given its starts.
@@ -242,15 +242,15 @@ class StoredPages:
     kept: dict[int, KeptPage]
     found: dict[int, Page]
     following: bool
-    drawn: tuple[Mapping[str, Any], ...]
+    drawn: tuple[Plain, ...]
     given: tuple[Start, ...]
     trouble: str
 
     @classmethod
-    def of(cls, plain: Mapping[str, Any], here: Document, source: StackSource) -> StoredPages:
+    def of(cls, plain: Plain, here: Document, source: StackSource) -> StoredPages:
         """The pages of a session file, of which that with the document `here` is open; what is damaged is left out."""
 
-        def session(entry: Mapping[str, Any]) -> tuple[int, KeptPage]:
+        def session(entry: Plain) -> tuple[int, KeptPage]:
             number = _checked(entry["page"], source)
             file = decode(json.dumps(entry["session"]).encode(), tr("page {number}", number=number))
             image = here.image and replace(here.image, reading=source.reading_of(number))
@@ -261,7 +261,7 @@ class StoredPages:
             given = document.starts if entry.get("given") is True else ()
             return number, KeptPage(document, file.runs, known=document, given=given)
 
-        def found(entry: Mapping[str, Any]) -> tuple[int, Page]:
+        def found(entry: Plain) -> tuple[int, Page]:
             page = page_from_plain(entry)
             return _checked(page.number, source), page
 
@@ -276,11 +276,11 @@ class StoredPages:
 class PlainPages(Mapping[str, Any]):
     """Pages as plain JSON, made when it is asked for: on the thread that writes a file, and not in the window's."""
 
-    def __init__(self, make: Callable[[], dict[str, Any]]) -> None:
+    def __init__(self, make: Callable[[], Entries]) -> None:
         self._make = make
 
     @cached_property
-    def _plain(self) -> dict[str, Any]:
+    def _plain(self) -> Entries:
         return self._make()
 
     def __getitem__(self, name: str) -> Any:
@@ -306,7 +306,7 @@ class PageDone:
     page: Page
     document: Document
     given: tuple[Start, ...] = ()
-    runs: Mapping[str, Any] = field(default_factory=dict)
+    runs: Plain = field(default_factory=dict)
 
 
 def run_pages(

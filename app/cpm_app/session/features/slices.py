@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
-from typing import Any, TypeVar, cast
+from typing import TypeVar, cast
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from cpm_app.session.worker.requests import Probed
 from cpm_core import Image, Skeleton
 from cpm_core.contours import ReviewedContour
 from cpm_core.numerics import Array, Index, Place
+from cpm_core.numerics.types import Plain
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.shapes import ImageSeeds, ImageStart, Shape, sides_of
 
@@ -267,7 +268,7 @@ class ShownSlices:
         now = self.now
         return {} if now is None else {"slices": {"voxel": list(now.voxel), "axis": now.axis}}
 
-    def use_view_state(self, state: Mapping[str, Any]) -> None:
+    def use_view_state(self, state: Plain) -> None:
         """Restore the slices from a session file; missing or invalid entries change nothing."""
         kept = state.get("slices")
         if self.now is None or not isinstance(kept, Mapping):

@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
@@ -45,6 +44,7 @@ from cpm_app.session.undo_history import Change
 from cpm_core import Page, Result
 from cpm_core.contours import apply, centroid
 from cpm_core.formats import ImageFile, export_stack, plain_shapes
+from cpm_core.numerics.types import Plain
 from cpm_core.pages import StackResult
 from cpm_core.shapes import Start, starts_along
 
@@ -87,7 +87,7 @@ class StackPages(QObject):
         self.task: Task | None = None
         self._core = core
         self._seen: Result | None = None
-        self._drawn: tuple[Mapping[str, Any], ...] = ()
+        self._drawn: tuple[Plain, ...] = ()
         self._linking = LatestOnlyWorker(session, "cpm-pages", tr("following objects through the pages"))
         self._later = QTimer(self, singleShot=True)
         self._later.timeout.connect(
@@ -376,7 +376,7 @@ class StackPages(QObject):
 
         self._session.tasks.start(tr("Writing {name}…", name=path.name), work, tr("writing {name}", name=path.name))
 
-    def _plain(self) -> Mapping[str, Any]:
+    def _plain(self) -> Plain:
         """The other pages as a session keeps them."""
         if not self.count:
             return {}

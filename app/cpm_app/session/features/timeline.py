@@ -165,8 +165,12 @@ class TimelineNavigation(QObject):
         fallen = outline.fallen[len(self.outline.fallen) :]
         self.outline = outline
         if fallen:
-            message = tr("{runs} had to be removed from the timeline to make room; renamed runs are kept longer.")
-            self._session.say(message.format(runs=", ".join(fallen)))
+            self._session.say(
+                tr(
+                    "{runs} had to be removed from the timeline to make room; renamed runs are kept longer.",
+                    runs=", ".join(fallen),
+                )
+            )
 
     def _follow_phase(self) -> None:
         if self._session.status.phase == "running" and self._target is not None:

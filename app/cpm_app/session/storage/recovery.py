@@ -116,8 +116,10 @@ class Journal(QObject):
         except Exception as error:  # the user can still work without a journal
             if file is not None:
                 reason = _sentence(error, tr("keeping unsaved work"))
-                lost = tr("Unsaved work cannot be protected against a crash: save the session yourself. {reason}")
-                trouble = lost.format(reason=reason)
+                trouble = tr(
+                    "Unsaved work cannot be protected against a crash: save the session yourself. {reason}",
+                    reason=reason,
+                )
         self._worked.emit(trouble)
         return trouble
 
@@ -172,8 +174,13 @@ def left_behind(folder: Path) -> tuple[list[Leftover], list[str]]:
             if not isinstance(error, OSError) and not isinstance(error.__cause__, OSError):
                 with suppress(OSError):
                     kept = journal.rename(journal.with_suffix(UNREADABLE))
-            text = tr("Unsaved work of an earlier session cannot be restored. {reason} It is kept as {path}.")
-            troubles.append(text.format(reason=_sentence(error, tr("reading unsaved work")), path=kept))
+            troubles.append(
+                tr(
+                    "Unsaved work of an earlier session cannot be restored. {reason} It is kept as {path}.",
+                    reason=_sentence(error, tr("reading unsaved work")),
+                    path=kept,
+                )
+            )
             lock.unlock()
     return sorted(found, key=lambda leftover: leftover.when, reverse=True), troubles
 

@@ -9,9 +9,9 @@ from PySide6.QtCore import QObject, QTimer, Signal
 
 from cpm_app.session.exchange.messages import Opened, RunsKept
 from cpm_app.session.session import Session
-from cpm_app.session.timeline.plain_runs import Plain
 from cpm_app.session.timeline.timeline import Outline
 from cpm_app.session.worker.commands import RunsCollected, RunsRestored, collect_runs
+from cpm_core.numerics.types import Plain
 
 _QUIET = 500
 """Time from a change of the runs until they are collected, with further changes in between [ms]."""

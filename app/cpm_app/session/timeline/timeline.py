@@ -303,8 +303,9 @@ class Timeline:
             raise ValueError(tr("The only run cannot be deleted."))
         rest = [other for other in self._lines.values() if other.run == line.run and other is not line]
         if any(not other.common(rest[0]) and rest[0].path[0] not in other.path[0].of_step for other in rest):
-            message = tr("{name} cannot be deleted: several branches begin with its step {step}.")
-            raise ValueError(message.format(name=line.name, step=0))
+            raise ValueError(
+                tr("{name} cannot be deleted: several branches begin with its step {step}.", name=line.name, step=0)
+            )
         del self._lines[branch]
         if self._line is line and rest:
             other = max(rest, key=line.common)

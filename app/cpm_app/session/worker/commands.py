@@ -33,11 +33,11 @@ from cpm_app.session.exchange.messages import (
     WentOn,
 )
 from cpm_app.session.tasks.tasks import Task
-from cpm_app.session.timeline.plain_runs import Plain, runs_from_plain, runs_to_plain
+from cpm_app.session.timeline.plain_runs import runs_from_plain, runs_to_plain
 from cpm_app.session.worker.run import Run
 from cpm_core import Image, Result, Skeleton
 from cpm_core.formats import DRAWN, descriptions, located, write_together
-from cpm_core.numerics.types import record
+from cpm_core.numerics.types import Plain, record
 from cpm_core.shapes import NO_SEEDS
 
 P = ParamSpec("P")
