@@ -131,11 +131,39 @@ class Tracker:
             self._tracks += place not in owner
             tracks.append(before[owner[place]].number if place in owner else self._tracks)
         numbered = tuple(replace(one, number=track) for one, track in zip(contours, tracks, strict=True))
-        events = [*_gone(page, before, numbered, pairs, overlaps.part, shape)]
-        if self._begun:
-            events += _come(page, before, numbered, pairs, overlaps.part)
+        events = tuple(self._events(page, numbered, pairs, overlaps.part, shape))
         self._before, self._begun = numbered, True
-        return numbered, tuple(events)
+        return numbered, events
+
+    def _events(
+        self, page: int, now: Sequence[Contour], pairs: dict[int, int], part: Array, shape: Extent
+    ) -> Iterable[TrackEvent]:
+        """The tracks that merge into others, end, or leave the image, and those that begin or split off others."""
+        before, heirs = self._before, {heir: then for then, heir in pairs.items()}
+        around = containment(before)
+        for index, contour in enumerate(before):
+            if index in pairs:
+                continue
+            into = [one for one, then in heirs.items() if part[index, one] >= PART and not _nested(around, index, then)]
+            if into:
+                heir = max(into, key=lambda one: part[index, one])
+                yield TrackEvent("merges", page, contour.number, (now[heir].number,))
+            else:
+                low, high = contour.box
+                outside = (low < _RIM).any() or (high > np.array(shape) - 1.0 - _RIM).any()
+                yield TrackEvent("leaves" if outside else "ends", page, contour.number)
+        around, split = containment(now), dict[int, list[int]]()
+        for index, contour in enumerate(now if self._begun else ()):
+            if index in heirs:
+                continue
+            origins = [then for then, heir in pairs.items() if part[then, index] >= PART]
+            apart = [then for then in origins if not _nested(around, index, pairs[then])]
+            if apart:
+                split.setdefault(max(apart, key=lambda then: part[then, index]), []).append(contour.number)
+            else:
+                yield TrackEvent("begins", page, contour.number)
+        for then, parts in split.items():
+            yield TrackEvent("splits", page, before[then].number, tuple(parts))
 
 
 def overlaps_of(before: Sequence[Contour], now: Sequence[Contour], shape: Extent) -> Overlaps:
@@ -202,48 +230,6 @@ def _pairs(dice: Array) -> dict[int, int]:
             pairs[then] = now
             taken.add(now)
     return pairs
-
-
-def _come(
-    page: int, before: Sequence[Contour], now: Sequence[Contour], pairs: dict[int, int], part: Array
-) -> Iterable[TrackEvent]:
-    """The tracks that begin or split off others."""
-    around = containment(now)
-    fresh = [index for index in range(len(now)) if index not in pairs.values()]
-    split: dict[int, list[int]] = {}
-    for index in fresh:
-        origins = [then for then, heir in pairs.items() if part[then, index] >= PART]
-        apart = [then for then in origins if not _nested(around, index, pairs[then])]
-        if apart:
-            split.setdefault(max(apart, key=lambda then: part[then, index]), []).append(index)
-        else:
-            yield TrackEvent("begins", page, now[index].number)
-    for then, parts in split.items():
-        yield TrackEvent("splits", page, before[then].number, tuple(now[index].number for index in parts))
-
-
-def _gone(
-    page: int,
-    before: Sequence[Contour],
-    now: Sequence[Contour],
-    pairs: dict[int, int],
-    part: Array,
-    shape: Extent,
-) -> Iterable[TrackEvent]:
-    """The tracks that merge into others, end, or leave the image."""
-    around = containment(before)
-    heirs = {heir: then for then, heir in pairs.items()}
-    for index, contour in enumerate(before):
-        if index in pairs:
-            continue
-        into = [heir for heir, then in heirs.items() if part[index, heir] >= PART and not _nested(around, index, then)]
-        if into:
-            heir = max(into, key=lambda one: part[index, one])
-            yield TrackEvent("merges", page, contour.number, (now[heir].number,))
-        else:
-            low, high = contour.box
-            outside = (low < _RIM).any() or (high > np.array(shape) - 1.0 - _RIM).any()
-            yield TrackEvent("leaves" if outside else "ends", page, contour.number)
 
 
 def _nested(around: Sequence[int | None], one: int, other: int) -> bool:

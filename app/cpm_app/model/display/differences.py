@@ -59,8 +59,7 @@ def differences(contours: Sequence[Contour], comparison: Comparison) -> tuple[Di
 
 def _difference(kind: Literal["missing", "wrong"], points: Array, away: Array) -> Difference:
     worst = away.argmax()
-    row, col = points[worst].tolist()
-    return Difference(kind, points, float(away[worst]), (row, col))
+    return Difference(kind, points, float(away[worst]), tuple(points[worst].tolist()))
 
 
 @record
@@ -95,10 +94,7 @@ class Apart:
         order = np.argsort(self.surface.component_of_vertex, kind="stable")
         ends = np.flatnonzero(np.diff(self.surface.component_of_vertex[order])) + 1
         for members in np.split(order, ends) if len(order) else []:
-            worst = members[self.away[members].argmax()]
-            plane, row, col = self.surface.vertices[worst].tolist()
-            places = self.surface.vertices[members]
-            yield Difference(self.kind, places, float(self.away[worst]), (plane, row, col))
+            yield _difference(self.kind, self.surface.vertices[members], self.away[members])
 
 
 def apart_from(surface: Surface | None, truth: VolumeTruth, found: SurfaceComparison) -> tuple[Apart, ...]:

@@ -59,18 +59,11 @@ def _rows(page: Page, tracks: dict[int, Track], first: int) -> list[PageRow]:
     for contour, measures in zip(page.contours, measure(page.contours, page.result.spacing), strict=True):
         if contour.hole:
             continue
-        happens = _happens(tracks[contour.number], page.number, first)
-        row, col = centroid(contour)
-        rows.append(PageRow(page.number, contour.number, measures, row, col, contour.gray, happens, contour.group > 0))
+        track, happens = tracks[contour.number], []
+        if page.number == track.pages[0] and page.number != first:
+            happens.append(tr("splits off track {track}", track=track.origin) if track.origin else tr("begins"))
+        if page.number == track.pages[-1] and track.end is not None:
+            happens.append(_ENDS[track.end.kind].format(track=" ".join(map(str, track.end.others))))
+        of_page, gray = (page.number, track.number, measures, *centroid(contour)), contour.gray
+        rows.append(PageRow(*of_page, gray, ", ".join(happens), contour.group > 0))
     return rows
-
-
-def _happens(track: Track, page: int, first: int) -> str:
-    """What happens to a track on a page: it comes, goes, or neither."""
-    said = []
-    if page == track.pages[0] and page != first:
-        split = tr("splits off track {track}", track=track.origin)
-        said.append(split if track.origin else tr("begins"))
-    if page == track.pages[-1] and track.end is not None:
-        said.append(_ENDS[track.end.kind].format(track=" ".join(map(str, track.end.others))))
-    return ", ".join(said)

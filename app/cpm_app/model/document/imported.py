@@ -164,18 +164,15 @@ def add_objects(document: Document, made: Sequence[SegmentedObject], classes: Se
     taken = {item.number for item in (*document.objects.items, *document.objects.rejected)}
     first = document.objects.next_number - 1 if taken.intersection(item.number for item in made) else 0
     for index, item in enumerate(made):
-        document, category = _class_called(document, classes[index] if classes else "")
-        objects, added = document.objects, replace(item, number=first + item.number, category=category)
-        document = replace(document, objects=replace(objects, items=(*objects.items, added)))
+        objects, name = document.objects, classes[index] if classes else ""
+        used = {item.category for item in objects.items}
+        numbered = list(enumerate(objects.classes, start=1))
+        known = [number for number, one in numbered if name and one.name == name]
+        # the first class without name and objects gets a name that none has
+        free = [number for number, one in numbered if name and not one.name and number not in used]
+        category = next(iter([*known, *free]), 0)
+        if category:
+            document = name_class(document, category, name)
+        added = replace(item, number=first + item.number, category=category or objects.category)
+        document = replace(document, objects=replace(document.objects, items=(*objects.items, added)))
     return document
-
-
-def _class_called(document: Document, name: str) -> tuple[Document, int]:
-    """The number of a class by its name, which the first class without name and objects gets where none has it."""
-    objects = document.objects
-    used = {item.category for item in objects.items}
-    numbers = range(1, len(objects.classes) + 1)
-    known = [number for number in numbers if objects.classes[number - 1].name == name]
-    free = [number for number in numbers if not objects.classes[number - 1].name and number not in used]
-    number = next(iter([*known, *free]), 0) if name else 0
-    return (name_class(document, number, name), number) if number else (document, objects.category)

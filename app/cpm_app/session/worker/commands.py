@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Concatenate, ParamSpec
 
 from cpm_app.model.document.document import Document, ImageReference
-from cpm_app.model.export import ExportFile, ExportOrder, What, chosen, summary_text, thinned
+from cpm_app.model.export import ExportOrder, What, chosen, summary_text, thinned
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import (
     CommandFailed,
@@ -35,7 +35,7 @@ from cpm_app.session.exchange.messages import (
 from cpm_app.session.tasks.tasks import Task
 from cpm_app.session.timeline.plain_runs import runs_from_plain, runs_to_plain
 from cpm_app.session.worker.run import Run
-from cpm_core import Image, Result, Skeleton
+from cpm_core import Result, Skeleton
 from cpm_core.formats import DRAWN, descriptions, located, write_together
 from cpm_core.numerics.types import Plain, record
 from cpm_core.shapes import NO_SEEDS
@@ -172,7 +172,11 @@ def write_files(
                 if key not in made:
                     result = chosen(whole, document, order, file.what, image)
                     made[key] = thinned(result, order.tolerance) if key[1] else result
-                shaped = _shaped(made[key], file, document, image)
+                shaped = made[key]
+                if file.suffix in DRAWN and shaped.image is None:
+                    shaped = replace(shaped, image=image)
+                elif file.suffix == ".labelme.json" and source is not None:
+                    shaped = located(shaped, file.path, Path(source))
                 contents.append((file.path, context.core.encode(shaped, file.suffix, space=order.space, image=source)))
                 contents += [] if then else descriptions(made[key], file.path)
                 counts.setdefault(file.what, summary_text(made[key], file.what, file.suffix))
@@ -188,15 +192,6 @@ def write_files(
 
     activity = tr("writing {name}", name=order.files[0].path.name)
     return Command(work, activity, failed=partial(CommandFailed, topic="exporting"))
-
-
-def _shaped(result: Result | Skeleton, file: ExportFile, document: Document, image: Image | None) -> Result | Skeleton:
-    """A result with what the format of a file needs: the image, or where that lies as seen from the file."""
-    if file.suffix in DRAWN and result.image is None:
-        return replace(result, image=image)
-    if file.suffix == ".labelme.json" and document.image is not None:
-        return located(result, file.path, Path(document.image.path))
-    return result
 
 
 def warm_up(volumes: bool = False) -> Command:
