@@ -8,7 +8,6 @@ centers lie inside.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 import scipy
@@ -17,10 +16,10 @@ from numpy.typing import NDArray
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import containment, contour_labels, moments
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Index
+from cpm_core.numerics.types import Array, Index, Numbers
 from cpm_core.parameters.quotation import counted, described
 
-Column = NDArray[Any]
+Column = Numbers
 
 
 class Table(dict[str, Column]):

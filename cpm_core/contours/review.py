@@ -17,7 +17,7 @@ import numpy as np
 from cpm_core.contours.contour import Contour, check_color, check_name, neighborhood
 from cpm_core.contours.result import Result, remaining
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Position, record
+from cpm_core.numerics.types import Line, Position, record
 from cpm_core.parameters.quotation import shown
 
 Verdict = Literal["", "kept", "rejected"]
@@ -37,7 +37,7 @@ _ALONE = 3.0 * REACH
 class Outline:
     """Where a contour ran when it was kept; the attributes are those of `Contour`, the default is none."""
 
-    points: tuple[Position, ...] = ()
+    points: Line = ()
     closed: bool = False
     strength: float = 0.0
     number: int = 0

@@ -15,10 +15,8 @@ from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import Window
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.segments import meet, nearest_distances, rim_of, segments_of
-from cpm_core.numerics.types import Array, Extent, Mask, Position
+from cpm_core.numerics.types import Array, Extent, Line, Mask
 from cpm_core.parameters.quotation import counted, described, shown, sized
-
-Line = tuple[Position, ...]
 
 _OFF = 1e-6
 """Distance within which a position counts as on a line [px]."""

@@ -21,12 +21,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.image.pyramid import to_image
-from cpm_core.image.regions import Line, Regions, pixels_in
+from cpm_core.image.regions import Regions, pixels_in
 from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import Parts, parts_of
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.real_numbers import checked_number, real_numbers
-from cpm_core.numerics.types import Array, Extent, Index, Mask, Position, Voxel, record
+from cpm_core.numerics.types import Array, Extent, Index, Line, Mask, Voxel, record
 from cpm_core.numerics.vectors import Vector, row_of
 from cpm_core.parameters.quotation import counted, described, shown, sized
 
@@ -209,7 +209,7 @@ class Extrusion:
     4508
     """
 
-    line: tuple[Position, ...]
+    line: Line
     axis: int
     first: float
     last: float

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from cpm_core.contours.contour import Contour
 from cpm_core.numerics import polyline
 from cpm_core.numerics.real_numbers import real_numbers
-from cpm_core.numerics.types import Array, Extent, Mask, Position
+from cpm_core.numerics.types import Array, Extent, Line, Mask
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Outlined:
     """
 
     objects: tuple[int, ...] = ()
-    contours: tuple[tuple[Position, ...], ...] = ()
+    contours: tuple[Line, ...] = ()
 
 
 def outlines_of(within: Sequence[Contour] | ArrayLike, shape: Extent) -> tuple[Contour, ...]:

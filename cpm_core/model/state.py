@@ -6,14 +6,13 @@ from dataclasses import fields, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.field.placed_charges import Charges, at_scale
 from cpm_core.image.pyramid import to_image, to_scale
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.coverage import Coverage, SurfaceCoverage
 from cpm_core.numerics.grids import Window
-from cpm_core.numerics.types import Array, Extent, Index, Mask, Single, record
+from cpm_core.numerics.types import Array, Extent, Index, Mask, Numbers, Single, record
 from cpm_core.numerics.vectors import Vector
 from cpm_core.parameters.quotation import counted, described
 
@@ -357,7 +356,7 @@ class State:
         """Number of particles."""
         return len(self.particles)
 
-    def arrays(self) -> list[NDArray[Any]]:
+    def arrays(self) -> list[Numbers]:
         """The arrays that keeping this state costs, without the start, which all states of a run share."""
         particles, mesh, contact = self.particles, self.mesh, self.particles.contact
         return [

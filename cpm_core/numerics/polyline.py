@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from cpm_core.numerics.segments import distances_to_segments, nearest_distances, winds_around
-from cpm_core.numerics.types import Array, Index, Mask, Position
+from cpm_core.numerics.types import Array, Index, Line, Mask, Position
 
 MOST_HANDLES = 24
 """Corners up to which each of them is a handle; freehand paths have more."""
@@ -106,7 +106,7 @@ def area(path: Array | Sequence[Position]) -> float:
     return 0.5 * abs(float(row @ np.roll(col, -1) - col @ np.roll(row, -1)))
 
 
-def thinned(path: Sequence[Position], tolerance: float = _TOLERANCE) -> tuple[Position, ...]:
+def thinned(path: Sequence[Position], tolerance: float = _TOLERANCE) -> Line:
     """Path without the corners that are not needed; both ends stay.
 
     A freehand path has a corner for every movement of the pointer, but a document should stay small. Of the corners
@@ -161,12 +161,12 @@ def stretches(on: Mask, closed: bool = False) -> list[Index]:
     return [piece for piece in pieces if on[piece[0]]]
 
 
-def moved(path: Sequence[Position], by: Position) -> tuple[Position, ...]:
+def moved(path: Sequence[Position], by: Position) -> Line:
     """Path displaced by so much along each axis."""
     return tuple(tuple(map(operator.add, corner, by)) for corner in path)
 
 
-def with_handle_at(path: Sequence[Position], corner: Position, to: Position) -> tuple[Position, ...]:
+def with_handle_at(path: Sequence[Position], corner: Position, to: Position) -> Line:
     """Path with the corner nearest to a position moved to another position."""
     nearest = np.linalg.norm(corners_of(path) - corner, axis=1).argmin()
     return (*path[:nearest], to, *path[nearest + 1 :])

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Annotated, Any, TypeVar, dataclass_transform
 
 import numpy as np
@@ -24,6 +24,9 @@ Mask = NDArray[np.bool_]
 Pixels = NDArray[np.uint8]
 """Pixels for the screen, (H, W) or (H, W, 3)."""
 
+Numbers = NDArray[Any]
+"""Numbers of any type."""
+
 Position = Annotated[tuple[float, ...], 2]
 """A position (row, col) [px]; the annotation is how many numbers it has in files."""
 
@@ -32,6 +35,9 @@ Place = Annotated[tuple[float, ...], 2, 3]
 
 Voxel = Annotated[tuple[float, ...], 3]
 """A position (plane, row, col) [voxels]."""
+
+Line = tuple[Position, ...]
+"""Corners of a line."""
 
 Extent = tuple[int, ...]
 """How many pixels or voxels there are along each axis."""
@@ -45,10 +51,13 @@ Plain = Mapping[str, Any]
 Entries = dict[str, Any]
 """The same, while it is put together."""
 
+Callback = Callable[[], object]
+"""What is called without anything."""
+
 _Kind = TypeVar("_Kind")
 
 
-@dataclass_transform(frozen_default=True, eq_default=False)
+@dataclass_transform(frozen_default=True, eq_default=False, field_specifiers=(field,))
 def record(kind: type[_Kind]) -> type[_Kind]:
     """A frozen dataclass of which each is equal to itself alone, since arrays are not compared."""
     return dataclass(frozen=True, eq=False)(kind)

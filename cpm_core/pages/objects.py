@@ -20,7 +20,7 @@ from cpm_core.contours.measurements import centroid
 from cpm_core.contours.result import Result
 from cpm_core.image.image import Image
 from cpm_core.numerics.grids import ends
-from cpm_core.numerics.types import Array, Index, Mask, record
+from cpm_core.numerics.types import Array, Callback, Index, Mask, record
 from cpm_core.objects import Partition, Selection, objects_result, overlap, partition
 from cpm_core.pages.follow import trouble_of
 from cpm_core.pages.page import Page, without_image
@@ -82,7 +82,7 @@ class ObjectFollower:
         self._values, self._before, self._tracks = values, objects, max(self._tracks, *objects, 0)
 
     def follow(
-        self, number: int, page: Partition, check: Callable[[], object] = lambda: None
+        self, number: int, page: Partition, check: Callback = lambda: None
     ) -> tuple[tuple[FollowedObject, ...], tuple[TrackEvent, ...]]:
         """Find the objects of the page before on the page of a number; `check` is called again and again.
 
@@ -236,7 +236,7 @@ def _seen(mask: Mask, before: Array, now: Array, speed: Index) -> Index:
     return speed + place - reach
 
 
-def _found(sought: Sequence[_Sought], page: Partition, check: Callable[[], object]) -> list[Selection]:
+def _found(sought: Sequence[_Sought], page: Partition, check: Callback) -> list[Selection]:
     """What is where objects are sought, each once; of two that share pixels, what is more like before comes first."""
     certain, taken = [(one, *ends(one)) for one in page.certain()], np.zeros(page.shape, np.bool_)
     found: list[Selection] = []

@@ -8,9 +8,9 @@ import numpy as np
 
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image
-from cpm_core.image.regions import Line, Regions
+from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions, Voxels
-from cpm_core.numerics.types import Array, Extent
+from cpm_core.numerics.types import Array, Extent, Line
 from cpm_core.shapes.charge import Charge
 from cpm_core.shapes.ellipse import Circle, Ellipse
 from cpm_core.shapes.everywhere import Everywhere

@@ -17,12 +17,12 @@ from types import UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import DTypeLike
 
 from cpm_core.contours.packed_surface import MOST_VOXELS, PackedVoxels, packed, unpacked
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions, Voxels
-from cpm_core.numerics.types import Entries, Plain
+from cpm_core.numerics.types import Entries, Numbers, Plain
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
 from cpm_core.shapes import SHAPES, Shape
@@ -208,12 +208,12 @@ _READ: dict[Any, Callable[[object, str], Any]] = {
 }
 
 
-def array_to_plain(array: NDArray[Any]) -> Entries:
+def array_to_plain(array: Numbers) -> Entries:
     """An array of numbers as plain JSON, exactly."""
     return {"shape": list(array.shape), "data": packed(array)}
 
 
-def array_from_plain(plain: object, dtype: DTypeLike, shape: tuple[int | None, ...], where: str) -> NDArray[Any]:
+def array_from_plain(plain: object, dtype: DTypeLike, shape: tuple[int | None, ...], where: str) -> Numbers:
     """An array of this type and shape, None for any length along an axis; else ValueError, which names `where`."""
     given = mapping(plain, where)
     sides = given.get("shape")

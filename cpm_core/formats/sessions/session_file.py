@@ -35,7 +35,7 @@ from cpm_core.formats.common.provenance import PROGRAM
 from cpm_core.formats.images.readers import open_stack
 from cpm_core.formats.images.reading import DEFAULT, Reading
 from cpm_core.medial_axis.outlines import Outlined
-from cpm_core.numerics.types import Entries, Plain
+from cpm_core.numerics.types import Callback, Entries, Plain
 from cpm_core.objects.methods import CONTOUR_METHODS, Compared, Settings
 from cpm_core.objects.segmented.segmented_object import SegmentedObjects
 from cpm_core.parameters import Parameters
@@ -309,9 +309,7 @@ def _compared(plain: object) -> Compared:
     return Compared(tuple(filter(None, methods)), settings, given.get("around") is True)
 
 
-def find_image(
-    image: ImageFile, folder: Path, go_on: Callable[[], None] = lambda: None
-) -> tuple[Path, tuple[str, ...]]:
+def find_image(image: ImageFile, folder: Path, go_on: Callback = lambda: None) -> tuple[Path, tuple[str, ...]]:
     """Find the image of a session.
 
     Parameters

@@ -9,14 +9,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import field
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from cpm_core.numerics.grids import ends
-from cpm_core.numerics.types import Array, Extent, Index, Mask, Single, record
+from cpm_core.numerics.types import Array, Extent, Index, Mask, Numbers, Single, record
 from cpm_core.objects.prior.network import Network, trained
 from cpm_core.objects.prior.windows import Views, Window, holding
 
@@ -170,7 +169,7 @@ class Prior:
         The network.
     """
 
-    values: NDArray[Any]
+    values: Numbers
     network: Network = field(default_factory=trained)
 
     def objects_of(self, prompt: Prompt, areas: Array = _NO_AREAS) -> Iterator[Likely]:

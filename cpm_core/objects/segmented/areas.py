@@ -15,8 +15,8 @@ from cpm_core.contours.surface_agreement import Triangles
 from cpm_core.image.volume_regions import Voxels
 from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import zero_surface
-from cpm_core.numerics.types import Array, Extent, Index, Position
-from cpm_core.objects.segmented.segmented_object import Line, SegmentedObject
+from cpm_core.numerics.types import Array, Extent, Index, Line, Position
+from cpm_core.objects.segmented.segmented_object import SegmentedObject
 
 _MARGIN = 3
 """Width around the surfaces in which distances are taken [voxels]."""

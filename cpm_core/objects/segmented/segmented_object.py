@@ -12,10 +12,8 @@ from cpm_core.contours.packed_surface import PackedBody
 from cpm_core.contours.surface import Surface
 from cpm_core.image.volume_regions import Voxels
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Extent, Mask, Place, Position, Sides
+from cpm_core.numerics.types import Array, Extent, Line, Mask, Place, Position, Sides
 from cpm_core.objects.selection import Selection
-
-Line = tuple[Position, ...]
 
 MOST_CLASSES = 9
 """Number of classes, one for each digit key."""

@@ -64,6 +64,7 @@ def _rows(page: Page, tracks: dict[int, Track], first: int) -> list[PageRow]:
             happens.append(tr("splits off track {track}", track=track.origin) if track.origin else tr("begins"))
         if page.number == track.pages[-1] and track.end is not None:
             happens.append(_ENDS[track.end.kind].format(track=" ".join(map(str, track.end.others))))
-        of_page, gray = (page.number, track.number, measures, *centroid(contour)), contour.gray
-        rows.append(PageRow(*of_page, gray, ", ".join(happens), contour.group > 0))
+        row, col = centroid(contour)
+        said, gray = ", ".join(happens), contour.gray
+        rows.append(PageRow(page.number, contour.number, measures, row, col, gray, said, contour.group > 0))
     return rows

@@ -16,9 +16,9 @@ from cpm_core.formats.images import resolution
 from cpm_core.formats.images.reading import DEFAULT
 from cpm_core.image import AnyRegions, most_scales
 from cpm_core.medial_axis import Outlined
-from cpm_core.numerics.types import Array, Extent, Sides
+from cpm_core.numerics.types import Array, Extent, Line, Sides
 from cpm_core.objects.methods import Compared
-from cpm_core.objects.segmented import Line, SegmentedObjects
+from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.shapes import (
     NO_SEEDS,
     ImageSeeds,

@@ -15,12 +15,11 @@ from cpm_app.model.text.language import tr
 from cpm_core import Bridge, Contour, Result, Selection, Surface, VolumeSelection
 from cpm_core.contours import Label, PackedBody, surfaces_joined
 from cpm_core.numerics import Array, Place, Position, length, polyline, thinned
-from cpm_core.numerics.types import Extent, Sides
+from cpm_core.numerics.types import Extent, Line, Sides
 from cpm_core.objects import boundaries_result
 from cpm_core.objects.segmented import (
     Click,
     Halves,
-    Line,
     ObjectClass,
     SegmentedObject,
     SegmentedObjects,

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from cpm_core.numerics import Array
-from cpm_core.numerics.types import Single, record
+from cpm_core.numerics.types import Numbers, Single, record
 
 _MARGIN = 1.0
 """Part of the picture that a volume fills when it is seen as a whole."""
@@ -80,7 +78,7 @@ class Camera:
         """The same view in a picture with `factor` times as many rows and columns."""
         return replace(self, scale=self.scale * factor)
 
-    def seen(self, positions: NDArray[Any], size: tuple[int, int]) -> Single:
+    def seen(self, positions: Numbers, size: tuple[int, int]) -> Single:
         """Where positions (N, 3) in units of length lie in a picture of so many rows and columns."""
         away = np.asarray(positions, np.float32) - self.center.astype(np.float32)
         found = away @ (self.axes * self.scale).astype(np.float32).T

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +12,7 @@ from cpm_app.model.space.camera import Camera
 from cpm_app.model.space.picture import Picture
 from cpm_core import Surface
 from cpm_core.numerics import compiled
-from cpm_core.numerics.types import Pixels, Single, record
+from cpm_core.numerics.types import Numbers, Pixels, Single, record
 
 _LIGHT = np.array([-0.35, -0.45, -0.82])
 """Direction to the light: from the left above, behind the viewer; along right, down, away."""
@@ -26,7 +25,7 @@ class Cut:
     axis: int
     at: float
 
-    def before(self, positions: NDArray[Any]) -> Single:
+    def before(self, positions: Numbers) -> Single:
         """How far positions (N, 3) lie before the plane; negative for those that are drawn."""
         return np.asarray(np.float32(self.at) - np.asarray(positions[:, self.axis], np.float32))
 

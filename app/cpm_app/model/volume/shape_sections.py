@@ -12,7 +12,7 @@ from cpm_app.model.volume.slices import Slice
 from cpm_app.model.volume.surface_section import boundary_in
 from cpm_core.field import RADIUS
 from cpm_core.numerics import Array, Position
-from cpm_core.numerics.types import Sides
+from cpm_core.numerics.types import Line, Sides
 from cpm_core.shapes import (
     Barrier,
     Box,
@@ -51,7 +51,7 @@ class StartSection:
     """Where a slice cuts a start: a line or an area, with the handles and particles that the start has in the slice."""
 
     line: Ellipse | Polygon | Grid
-    held: tuple[Position, ...]
+    held: Line
     particles: Array = field(compare=False)
 
     @property
@@ -59,7 +59,7 @@ class StartSection:
         """The line, shape (K, 2)."""
         return self.line.outline
 
-    def handles(self) -> tuple[Position, ...]:
+    def handles(self) -> Line:
         """Those of the start that lie in the slice."""
         return self.held
 
@@ -80,9 +80,9 @@ class StartSection:
 class RegionSection(Region):
     """Where a slice cuts a region of interest; `held` are its handles."""
 
-    held: tuple[Position, ...] = ()
+    held: Line = ()
 
-    def handles(self) -> tuple[Position, ...]:
+    def handles(self) -> Line:
         """Those that the shape has in this slice."""
         return self.held
 
@@ -91,14 +91,14 @@ class RegionSection(Region):
 class RegionElsewhere(Region):
     """A region of interest that a slice does not cut: nothing of the slice lies in it."""
 
-    points: tuple[Position, ...] = ((0.0, 0.0), (0.0, 1.0), (1.0, 0.0))
+    points: Line = ((0.0, 0.0), (0.0, 1.0), (1.0, 0.0))
 
     @property
     def outline(self) -> Array:
         """Empty, shape (0, 2)."""
         return np.empty((0, 2))
 
-    def handles(self) -> tuple[Position, ...]:
+    def handles(self) -> Line:
         """Empty."""
         return ()
 
@@ -248,7 +248,7 @@ def _of_extruded(shape: Extruded, here: Slice) -> Iterator[Shape]:
     other = 3 - here.axis - shape.axis
     cuts = _crossings(shape, here, other)
 
-    def turned(*places: Position) -> tuple[Position, ...]:
+    def turned(*places: Position) -> Line:
         """Places along the range and the other axis, of which the first one runs down."""
         return places if shape.axis < other else tuple((right, down) for down, right in places)
 

@@ -15,7 +15,8 @@ from cpm_app.model.volume.slices import Slice
 from cpm_core import Contour, Selection, Skeleton, Surface, VolumeSelection
 from cpm_core.contours import Graph, Measures, PackedBody, PackedVoxels
 from cpm_core.numerics import Array, Place, polyline
-from cpm_core.objects.segmented import Click, Line, SegmentedObject, SegmentedObjects
+from cpm_core.numerics.types import Line
+from cpm_core.objects.segmented import Click, SegmentedObject, SegmentedObjects
 
 _MOST, _MOST_OF_OBJECTS = 32, 256
 """Cuts that are kept: they are asked for again whenever the pointer moves, an edit leaves those of other objects."""

@@ -38,7 +38,7 @@ from cpm_core.formats import Reading, SessionFile
 from cpm_core.formats.images.reading import DEFAULT
 from cpm_core.image import AnyRegions
 from cpm_core.numerics import Array
-from cpm_core.numerics.types import Mask, record
+from cpm_core.numerics.types import Callback, Mask, record
 from cpm_core.segmentation import MethodState
 from cpm_core.shapes import ImageSeeds
 from cpm_core.warm_up import warm_up_runs, warm_up_volumes
@@ -192,7 +192,7 @@ class Report:
 class Finished(Report):
     """Work on another thread is done; `then` is called on the window's thread."""
 
-    then: Callable[[], object]
+    then: Callback
 
 
 @dataclass(frozen=True)

@@ -24,10 +24,9 @@ from cpm_app.session.session import Session
 from cpm_core import Image, Surface
 from cpm_core.contours import bridges_on
 from cpm_core.numerics import Array, Place, Position, polyline
-from cpm_core.numerics.types import record
+from cpm_core.numerics.types import Line, record
 from cpm_core.objects.segmented import (
     Halves,
-    Line,
     SegmentedObject,
     SegmentedObjects,
     between_slices,

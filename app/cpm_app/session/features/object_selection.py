@@ -33,6 +33,7 @@ from cpm_app.session.session import Session
 from cpm_app.session.tasks.tasks import Task
 from cpm_core import Partition, Result, Selection, select_all
 from cpm_core.numerics import Place
+from cpm_core.numerics.types import Callback
 from cpm_core.objects.segmented import Click, selection_of
 from cpm_core.shapes import Everywhere, Start
 
@@ -116,7 +117,7 @@ class ObjectSelection(QObject):
         self._in_use, self._over = False, False
         self._pointed: Click | None = None
         self._steps = 0
-        self._next: Callable[[], object] | None = None
+        self._next: Callback | None = None
         self._searched: AnyPartition | None = None
         self._found: tuple[Proposal, ...] = ()
         self._selectors: dict[int, Selector] = {}
@@ -226,7 +227,7 @@ class ObjectSelection(QObject):
         self._steps += by
         self._follow()
 
-    def when_answered(self, do: Callable[[], object]) -> None:
+    def when_answered(self, do: Callback) -> None:
         """Do something with the object of the clicks, as soon as it is known."""
         if self.selecting and not any(each.clicks == self._session.document.objects.clicks for each in self.proposals):
             self._next = do

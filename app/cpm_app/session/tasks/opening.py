@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -29,6 +28,7 @@ from cpm_core.formats import (
 from cpm_core.formats.images import raster
 from cpm_core.formats.images.reading import DEFAULT
 from cpm_core.image import MINIMUM_SIDE, most_scales
+from cpm_core.numerics.types import Callback
 from cpm_core.shapes import check_axes
 
 _EXPORTED = re.compile(rf"(.+)_(?:{'|'.join(KINDS)})\.")
@@ -112,7 +112,7 @@ class Wanted:
     reading: Reading = DEFAULT
 
 
-def prepare(core: Core, wanted: Wanted, check_cancelled: Callable[[], None]) -> Opened:
+def prepare(core: Core, wanted: Wanted, check_cancelled: Callback) -> Opened:
     """Read an image and prepare the charged particles for it, with as many scales as it has room for.
 
     `check_cancelled` is called between the steps, and raises when the task has been cancelled. ValueError when the
@@ -170,7 +170,7 @@ def _read(
     reading: Reading,
     asked: bool | None,
     parts: Parts | None,
-    check_cancelled: Callable[[], None],
+    check_cancelled: Callback,
 ) -> tuple[Image, tuple[str, ...]]:
     """The image or the volume of a file, of which the range of gray levels is known afterwards.
 
@@ -199,7 +199,7 @@ class Opener:
         self._core = core
         self._tasks = tasks
         self._task: Task | None = None
-        self._afterwards: list[Callable[[], None]] = []
+        self._afterwards: list[Callback] = []
         tasks.changed.connect(self._go_on)
 
     @property
@@ -224,7 +224,7 @@ class Opener:
         )
         return self._task
 
-    def afterwards(self, do: Callable[[], None]) -> None:
+    def afterwards(self, do: Callback) -> None:
         """Call `do` as soon as no image is being opened."""
         self._afterwards.append(do)
         self._go_on()
