@@ -160,10 +160,10 @@ def sections(shape: Shape, here: Slice, sides: Sides = (1.0, 1.0, 1.0)) -> tuple
 
 def _sections(shape: Shape, here: Slice, sides: Sides) -> Iterator[Section]:
     if isinstance(shape, Sphere):
-        line = circle_in(shape, here)
-        if line is not None:
+        circle = circle_in(shape, here)
+        if circle is not None:
             near = _near(shape.seeds(), here, NEAR / shape.sides[here.axis])
-            yield StartSection(line, line.handles()[:4], _spread(near))
+            yield StartSection(circle, circle.handles()[:4], _spread(near))
     elif isinstance(shape, Everywhere):
         yield shape
     elif isinstance(shape, Cuboid):
