@@ -76,7 +76,7 @@ def run_pages(
     limits: Entries = {"max_steps": arguments.max_steps, "regions": regions, "charges": charges}
 
     def found_on(image: Image) -> Result:
-        return segment(image, seeds(image), fitting(parameters, image), **limits)
+        return segment(image, seeds(image), fitting(parameters, image.shape), **limits)
 
     if places[0]:
         runs = follow_objects(pages, found_on, np.array(places[0]), np.array(places[1]), numbers)

@@ -213,7 +213,7 @@ def compare(
 
 def distance_to(points: Array, contours: Sequence[Contour]) -> Array:
     """Distance, shape (N,), of points, shape (N, 2), to the nearest line of some contours [px]; infinite if none."""
-    return _Boundary(contours).tree.distances(np.asarray(points, dtype=float))
+    return _Boundary(contours).tree.distances(np.asarray(points, float))
 
 
 class _Boundary:

@@ -43,7 +43,7 @@ def paint(contours: Sequence[Contour], shape: Extent) -> Labels:
         Labels, 0 outside every contour; 32 bits where there are more than 65535.
     """
     check_plane(shape)
-    mask = np.zeros(shape, dtype=label_type(len(contours)))
+    mask = np.zeros(shape, label_type(len(contours)))
     labels = contour_labels(contours)
     of_group = {contour.group: label for contour, label in zip(contours, labels, strict=True) if label}
     closed = [(contour, label) for contour, label in zip(contours, labels, strict=True) if contour.closed]

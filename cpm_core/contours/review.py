@@ -44,7 +44,7 @@ class Outline:
 
     def contour(self, name: str = "", color: str = "") -> Contour:
         """The contour as it was."""
-        points = np.array(self.points, dtype=float).reshape(-1, 2)
+        points = np.array(self.points, float).reshape(-1, 2)
         return Contour(points, self.closed, self.strength, name=name, color=color, number=self.number)
 
 
@@ -162,7 +162,7 @@ def attached(contours: Sequence[Contour], anchors: Sequence[Position]) -> list[i
     found: list[int | None] = [None] * len(anchors)
     if not contours or not anchors:
         return found
-    near = neighborhood(contours).pairs(np.array(anchors, dtype=float), REACH)
+    near = neighborhood(contours).pairs(np.array(anchors, float), REACH)
     pairs = sorted(
         (away, number, -contours[index].length, index)
         for number, index, away in zip(*(of_pair.tolist() for of_pair in near), strict=True)

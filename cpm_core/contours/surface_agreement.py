@@ -76,7 +76,7 @@ class Triangles:
         count = min(_CANDIDATES, len(self.corners))
         for first in range(0, len(points), _AT_A_TIME):
             some = slice(first, first + _AT_A_TIME)
-            near = np.asarray(self._tree.query(points[some], k=np.arange(1, count + 1))[1], dtype=np.int64)
+            near = np.asarray(self._tree.query(points[some], k=np.arange(1, count + 1))[1], np.int64)
             found[some] = _from_triangles(points[some, None], self.corners[near]).min(axis=1)
         return found
 
@@ -197,7 +197,7 @@ def compare_surface(surface: Surface | None, truth: VolumeTruth, tolerance: floa
     """
     near = TOLERANCE * min(truth.spacing) if tolerance is None else tolerance
     checked_number("tolerance", near, lambda distance: distance > 0.0, "a distance above 0")
-    found = Surface(np.empty((0, 3)), np.empty((0, 3), np.int64), truth.spacing) if surface is None else surface
+    found = Surface(np.empty(0), np.empty(0, np.int64), truth.spacing) if surface is None else surface
     if not np.allclose(found.spacing, truth.spacing, rtol=1e-3):
         one, other = (" x ".join(f"{side:g}" for side in sides) for sides in (found.spacing, truth.spacing))
         raise ValueError(

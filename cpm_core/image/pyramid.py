@@ -73,7 +73,7 @@ def _halved(fine: Array, shape: Extent) -> Array:
 
 
 def _center(shape: Extent) -> Array:
-    return 0.5 * (np.array(shape, dtype=float) - 1.0)
+    return 0.5 * (np.array(shape, float) - 1.0)
 
 
 def to_image(positions: Array, scale: int, shape: Extent) -> Array:

@@ -96,7 +96,7 @@ class Regions:
     def allows(self, points: Array) -> Mask:
         """Where of points, shape (N, 2) [px], a particle may be: in a region of interest, and on no rim or barrier."""
         lines = np.concatenate([self.rims(), self.lines()])
-        away = nearest_distances(np.ascontiguousarray(points, dtype=float), lines)
+        away = nearest_distances(np.ascontiguousarray(points, float), lines)
         return self.contains(points) & (away >= _OFF)
 
     def pixels(self, shape: Extent) -> Mask:
@@ -187,7 +187,7 @@ class BarrierMap(NamedTuple):
         """Which of the straight moves from `start` to `end`, shapes (N, 2) [px], cross or touch a barrier."""
         if not len(self.segments):
             return np.zeros(len(start), np.bool_)
-        return _crossed(self, np.ascontiguousarray(start, dtype=float), np.ascontiguousarray(end, dtype=float))
+        return _crossed(self, np.ascontiguousarray(start, float), np.ascontiguousarray(end, float))
 
     def within(self, window: Window) -> BarrierMap:
         """The same barriers in a window of the image."""

@@ -163,7 +163,7 @@ class Voxels:
     first: tuple[int, ...] | None = None
 
     def __post_init__(self) -> None:
-        mask = np.array(self.mask, dtype=np.bool_, order="C")
+        mask = np.array(self.mask, np.bool_, order="C")
         mask.flags.writeable = False
         object.__setattr__(self, "mask", mask)
 

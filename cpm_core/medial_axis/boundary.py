@@ -128,14 +128,14 @@ def _joined(contours: Sequence[Contour], paths: list[tuple[Array, slice]], scale
 
 def _loose_ends(contour: Contour, shape: Extent) -> Mask:
     """Which of both ends of a contour lie in the image and are no junctions, shape (2,)."""
-    size = np.array(shape, dtype=float) - 1.0
+    size = np.array(shape, float) - 1.0
     inside = np.minimum(contour.points, size - contour.points)[[0, -1]].min(axis=1) > _NEAR
     return inside & ~np.array(contour.junctions) & (not contour.closed)
 
 
 def _without_border(path: Array, shape: Extent) -> list[Array]:
     """Pieces of a closed path that do not follow the image border; the whole path if none of it does."""
-    size = np.array(shape, dtype=float)
+    size = np.array(shape, float)
     away = np.minimum(path + 0.5, size - 0.5 - path).min(axis=1) > _ON_BORDER
     if away.all():
         return [path]
@@ -163,7 +163,7 @@ def _continued(path: Array, shape: Extent) -> tuple[Array, slice]:
 
 def _continuation(path: Array, shape: Extent) -> Array:
     """Points from the end of a path out of the image; none if it ends inside."""
-    size = np.array(shape, dtype=float)
+    size = np.array(shape, float)
     end = path[-1]
     beyond = np.concatenate([end, size - 1.0 - end])
     side = np.argmin(beyond)

@@ -120,7 +120,7 @@ def medial_axis(boundary: Boundary, shape: Extent) -> Axis:
     It covers the image of this shape and a margin around it. Edges are at most a pixel long, and every irregularity of
     the boundary has a short branch. The image border is no boundary.
     """
-    size = np.array(shape, dtype=float)
+    size = np.array(shape, float)
     middle, widest = 0.5 * (size - 1.0), float(size.max())
     corners = middle + _FAR * widest * np.array([(-1, -1), (-1, 1), (1, -1), (1, 1)])
     if len(boundary.points) < 2:
@@ -128,7 +128,7 @@ def medial_axis(boundary: Boundary, shape: Extent) -> Axis:
     diagram = scipy.spatial.Voronoi(np.concatenate([boundary.points, corners]))
     count = len(boundary.points)
     sites = np.sort(diagram.ridge_points.astype(np.int64), axis=1)
-    edges = np.asarray(diagram.ridge_vertices, dtype=np.int64)
+    edges = np.asarray(diagram.ridge_vertices, np.int64)
     follow = np.sort(boundary.neighbors, axis=1)
     key = count + len(corners)
     crossing = np.isin(sites[:, 0] * key + sites[:, 1], follow[:, 0] * key + follow[:, 1])
@@ -143,7 +143,7 @@ def medial_axis(boundary: Boundary, shape: Extent) -> Axis:
 def _measured(points: Array, edges: Index, sides: Index, tree: scipy.spatial.cKDTree) -> Axis:
     """Axis with the distances of its vertices to the boundary."""
     radius, nearest = tree.query(points)
-    return Axis(points, edges, np.asarray(radius), np.asarray(nearest, dtype=np.int64), sides)
+    return Axis(points, edges, np.asarray(radius), np.asarray(nearest, np.int64), sides)
 
 
 def _divided(points: Array, edges: Index, sides: Index) -> tuple[Array, Index, Index]:

@@ -147,7 +147,7 @@ class Particles:
         """Particles without motion or history at positions of shape (N, D)."""
         count, dimension = position.shape
         return cls(
-            np.array(position, dtype=float),
+            np.array(position, float),
             np.zeros((count, dimension)),
             np.zeros((count, 2, dimension)),
             np.full((count, MEMORY), np.nan),

@@ -22,7 +22,7 @@ _HALVINGS = 3
 
 def corners_of(path: Array | Sequence[Sequence[float]]) -> Array:
     """Corners of a path as an array, shape (K, D)."""
-    return np.asarray(path, dtype=float)
+    return np.asarray(path, float)
 
 
 def lengths_along(path: Array) -> Array:
@@ -32,7 +32,7 @@ def lengths_along(path: Array) -> Array:
 
 def length(path: Array | Sequence[Position]) -> float:
     """Length along a path [px]."""
-    corners = np.asarray(path, dtype=float).reshape(len(path), -1)
+    corners = np.asarray(path, float).reshape(len(path), -1)
     return float(np.linalg.norm(corners[1:] - corners[:-1], axis=1).sum())
 
 
@@ -69,7 +69,7 @@ def resampled(path: Array, spacing: float) -> Array:
 
 def distance(path: Array | Sequence[Position], position: Position) -> float:
     """Distance of a position (row, col) from the nearest place on a path of at least one corner [px]."""
-    return float(distances(path, np.array([position], dtype=float))[0])
+    return float(distances(path, np.array([position], float))[0])
 
 
 def distances(path: Array | Sequence[Position], positions: Array) -> Array:
@@ -78,12 +78,10 @@ def distances(path: Array | Sequence[Position], positions: Array) -> Array:
     if len(corners) == 1:
         corners = corners[[0, 0]]
     if corners.shape[1] != 2:
-        away = distances_to_segments(
-            np.asarray(positions, dtype=float)[:, None], corners[:-1], np.diff(corners, axis=0)
-        )
+        away = distances_to_segments(np.asarray(positions, float)[:, None], corners[:-1], np.diff(corners, axis=0))
         return away.min(axis=1)
     sides = np.concatenate([corners[:-1], corners[1:]], axis=1)
-    return nearest_distances(np.ascontiguousarray(positions, dtype=float), sides)
+    return nearest_distances(np.ascontiguousarray(positions, float), sides)
 
 
 def distances_from_closed(curves: Iterable[Sequence[Position]], positions: Array) -> Array:
@@ -96,13 +94,13 @@ def distances_from_closed(curves: Iterable[Sequence[Position]], positions: Array
 
 def inside(path: Array | Sequence[Position], positions: Array) -> Mask:
     """Which positions, shape (N, 2), lie inside a path that is closed from its last corner to its first, shape (N,)."""
-    places = np.ascontiguousarray(positions, dtype=float).reshape(-1, 2)
+    places = np.ascontiguousarray(positions, float).reshape(-1, 2)
     return winds_around(np.ascontiguousarray(corners_of(path)), places)
 
 
 def area(path: Array | Sequence[Position]) -> float:
     """Area inside a path whose last corner is joined to its first [px²]."""
-    row, col = np.array(path, dtype=float).T
+    row, col = np.array(path, float).T
     return 0.5 * abs(float(row @ np.roll(col, -1) - col @ np.roll(row, -1)))
 
 
@@ -113,7 +111,7 @@ def thinned(path: Sequence[Position], tolerance: float = _TOLERANCE) -> Line:
     between two that are kept, the farthest one is kept as well, until none is off by more than the tolerance (Douglas
     and Peucker 1973). scikit-image has the same function, but takes longer to load than the whole window.
     """
-    corners = np.array(path, dtype=float)
+    corners = np.array(path, float)
     kept = {0, len(corners) - 1}
     stretches = [(0, len(corners) - 1)]
     while stretches:

@@ -77,7 +77,7 @@ def named_labels(result: Outcome, *, outlines: bool = False) -> tuple[Label, ...
 
 def paint_lines(contours: Sequence[Contour], labels: Sequence[int], shape: Extent) -> NDArray[np.unsignedinteger]:
     """Draw each contour as a line one pixel wide with its label; where they meet, the first one is on top."""
-    mask = np.zeros(shape, dtype=label_type(max(labels, default=0)))
+    mask = np.zeros(shape, label_type(max(labels, default=0)))
     last = np.array(shape) - 1
     for contour, label in reversed(list(zip(contours, labels, strict=True))):
         pixels = np.clip(np.floor(contour.path + 0.5).astype(int), 0, last)

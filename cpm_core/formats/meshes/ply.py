@@ -74,7 +74,7 @@ def read(content: bytes) -> Triangles:
             case ["property", kind, name]:
                 properties[element].append(_Property(name, order + _KINDS[kind]))
     if form == "ascii":  # which is read as a binary file of double precision
-        body = np.array(body.split(), dtype=np.float64).astype("<f8").tobytes()
+        body = np.array(body.split(), np.float64).astype("<f8").tobytes()
         for element, known in properties.items():
             properties[element] = [_Property(one.name, "<f8", "<f8" if one.counts else "") for one in known]
     columns: dict[str, Entries] = {}

@@ -71,7 +71,7 @@ class _Stream:
             return numbers
         words = self._rest.split(None, count)
         self._rest = b"".join(words[count:])
-        return np.array(words[:count], dtype=np.float64)
+        return np.array(words[:count], np.float64)
 
 
 def read(content: bytes) -> Triangles:

@@ -15,7 +15,6 @@ import numpy as np
 from cpm_core.field.placed_charges import Placed, radius_at, torn_off
 from cpm_core.field.volume_field import VolumeField
 from cpm_core.field.volume_surface import Ridges, faces_alike, on_ridges
-from cpm_core.image.volume_regions import Walls
 from cpm_core.model.state import State, SurfaceContact
 from cpm_core.model.volume.births import apart
 from cpm_core.model.volume.inseparable import inseparable
@@ -54,7 +53,12 @@ def reseed_surface(state: State, field: VolumeField, d_min: float) -> State | No
     """The state with particles on the stretches that fronts did not reach; None when there are none."""
     if state.reseedings >= LAUNCHES or state.erased:
         return None
-    ridges = _within_walls(field.ridges, state, field.walls)
+    ridges = field.ridges
+    if field.walls is not None:  # which part what is connected: the ridges in rooms with particles
+        rooms, taken = field.walls.rooms(ridges.place), field.walls.rooms(state.particles.position)
+        _, number = np.unique(np.stack([ridges.component, rooms]), axis=1, return_inverse=True)
+        inside = np.flatnonzero((rooms >= 0) & np.isin(rooms, taken))
+        ridges = ridges._replace(component=number.ravel()).where(inside)
     cover = _cover(state, field, ridges, d_min)
     reached = np.zeros(int(ridges.component.max(initial=-1)) + 1, np.bool_)
     reached[ridges.component[cover == _ON]] = True
@@ -90,16 +94,6 @@ def _with_launched(state: State, field: VolumeField, ridges: Ridges, d_min: floa
         idle=0,
         quiet=0,
     )
-
-
-def _within_walls(ridges: Ridges, state: State, walls: Walls | None) -> Ridges:
-    """The ridges in rooms with particles; walls part what is connected."""
-    if walls is None:
-        return ridges
-    rooms, taken = walls.rooms(ridges.place), walls.rooms(state.particles.position)
-    _, number = np.unique(np.stack([ridges.component, rooms]), axis=1, return_inverse=True)
-    inside = np.flatnonzero((rooms >= 0) & np.isin(rooms, taken))
-    return ridges._replace(component=number.ravel()).where(inside)
 
 
 def _cover(state: State, field: VolumeField, ridges: Ridges, d_min: float) -> Index:

@@ -296,8 +296,18 @@ def spin(height: Single, begin: Index, surroundings: Surroundings, width: float)
     floor = background + max(_SIGNIFICANT * noise, _SHARE * (float(np.quantile(edges, _FAINT)) - background))
 
     def is_thread(way: Index, _: Index) -> bool:
-        outside = way[parts.part_at(way) < 0] + low.astype(float)
-        return _is_thread(outside, surroundings, width, background, noise)
+        """Whether gray levels fall to all sides of a way, shape (K, 3), all along, by more than noise would."""
+        outside, size = way[parts.part_at(way) < 0] + low.astype(float), surroundings.size
+        steps = np.linalg.norm(np.diff(outside * size, axis=0), axis=1)
+        if len(outside) <= _ALONG or not _SHORTEST * width <= steps.sum() <= _LONGEST * width:
+            return False
+        falls = surroundings.sign * falls_around(outside, surroundings, width)
+        near = np.asarray(scipy.spatial.KDTree(outside[[0, -1]] * size).query(surroundings.points * size)[0]) < _NEAR
+        if not near.any():
+            return False
+        contrast = scipy.ndimage.uniform_filter1d(falls.mean(1), _ALONG)[_ALONG // 2 : -(_ALONG // 2)]
+        least = max(_SIGNIFICANT * noise, _SHARE * (edges[near].mean() - background))
+        return bool(contrast.min() >= least and (falls.mean(0) >= _FALLS * falls.mean()).all())
 
     reach = int(np.ceil(_LONGEST * width / 2.0 / surroundings.size.min())) + 2
     for way in ways_over_saddles(gray, gray > floor, parts, wanted, _SADDLES_APART, reach, is_thread):
@@ -316,22 +326,6 @@ def _level_and_noise(gray: Single, background: Mask) -> tuple[float, float]:
         return 0.0, np.inf
     level = float(np.median(some))
     return level, float(np.median(np.abs(some - np.median(some))) / _QUARTILE)
-
-
-def _is_thread(outside: Array, surroundings: Surroundings, width: float, background: float, noise: float) -> bool:
-    """Whether gray levels fall to all sides of a way, shape (K, 3), all along, by more than noise would."""
-    size = surroundings.size
-    steps = np.linalg.norm(np.diff(outside * size, axis=0), axis=1)
-    if len(outside) <= _ALONG or not _SHORTEST * width <= steps.sum() <= _LONGEST * width:
-        return False
-    falls = surroundings.sign * falls_around(outside, surroundings, width)
-    near = np.asarray(scipy.spatial.KDTree(outside[[0, -1]] * size).query(surroundings.points * size)[0]) < _NEAR
-    if not near.any():
-        return False
-    at_edges = surroundings.sign * gray_at(surroundings.volume, surroundings.points[near]).mean()
-    contrast = scipy.ndimage.uniform_filter1d(falls.mean(1), _ALONG)[_ALONG // 2 : -(_ALONG // 2)]
-    least = max(_SIGNIFICANT * noise, _SHARE * (at_edges - background))
-    return bool(contrast.min() >= least and (falls.mean(0) >= _FALLS * falls.mean()).all())
 
 
 def falls_around(way: Array, surroundings: Surroundings, width: float) -> Array:

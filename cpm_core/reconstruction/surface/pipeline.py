@@ -57,7 +57,7 @@ def find_surface(
     """
     size = np.array(pitch_of(spacing))
     if len(points) < _FEWEST:
-        return Surface(np.empty((0, 3)), np.empty((0, 3), np.int64), spacing, unit)
+        return Surface(np.empty(0), np.empty(0, np.int64), spacing, unit)
     places = on_ridges(volume, edges, pitch_of(spacing), points * size, _ROUNDS)
     points = np.clip(places / size, 0.0, np.array(volume.shape) - 1.0)
     levels, normals = levels_at(volume, edges, points, size, step_width(smoothing))

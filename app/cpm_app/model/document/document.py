@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Hashable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
@@ -14,11 +14,12 @@ from cpm_core.contours import HandEdit, Mark, PackedBody
 from cpm_core.formats import Reading
 from cpm_core.formats.images import resolution
 from cpm_core.formats.images.reading import DEFAULT
-from cpm_core.image import AnyRegions, most_scales
+from cpm_core.image import AnyRegions
 from cpm_core.medial_axis import Outlined
 from cpm_core.numerics.types import Array, Extent, Line, Sides
 from cpm_core.objects.methods import Compared
 from cpm_core.objects.segmented import SegmentedObjects
+from cpm_core.pages import fitting
 from cpm_core.shapes import (
     NO_SEEDS,
     ImageSeeds,
@@ -141,8 +142,7 @@ class Document:
 
     def fitting(self, parameters: Parameters) -> Parameters:
         """The parameters with no more scales than the image has room for."""
-        most = most_scales(self.image.shape) if self.image is not None else parameters.scales
-        return replace(parameters, scales=most) if parameters.scales > most else parameters
+        return parameters if self.image is None else fitting(parameters, self.image.shape)
 
     @property
     def regions(self) -> AnyRegions | None:

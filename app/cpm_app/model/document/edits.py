@@ -65,7 +65,7 @@ def _erased(shape: Shape, path: Sequence[Place], radius: float, sides: Array) ->
             return shape
         left = tuple(point for point, gone in zip(shape.positions, near.tolist(), strict=True) if not gone)
         return Points(left) if left else None
-    stops = polyline.resampled(np.array(path, dtype=float), 0.5 * radius).tolist()
+    stops = polyline.resampled(np.array(path, float), 0.5 * radius).tolist()
     return None if any(shape.distance(tuple(at)) <= radius for at in stops) else shape
 
 

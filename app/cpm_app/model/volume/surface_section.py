@@ -123,7 +123,7 @@ def holds(item: SegmentedObject, place: Place) -> bool:
     if any(isinstance(body, PackedVoxels) for body in item.surface):
         return bool(item.surface[0].part([round(at) for at in place], (1, 1, 1)).all())
     here = Slice(0, round(place[0]))
-    within = np.array([here.within(place)], dtype=float)
+    within = np.array([here.within(place)], float)
     lines = boundary_in(item.surface[0], here) if item.surface else ()
     return bool(sum(bool(polyline.inside(line, within)[0]) for line in lines) % 2)
 

@@ -93,7 +93,7 @@ class FollowedObjects(QObject):
                 task.advance((number - numbers[0]) / len(numbers))
                 image, document = source.pages[number - 1], documents.get(number, base)
                 if not document.objects.items:
-                    parameters = fitting(parameters_everywhere(document), image)
+                    parameters = fitting(parameters_everywhere(document), image.shape)
                     partition = from_everywhere(Everywhere(image, parameters, document.regions), task)
                     found, events = follower.follow(number, partition, task.check_cancelled)
                     happened += events

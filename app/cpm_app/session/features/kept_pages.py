@@ -329,7 +329,7 @@ def run_pages(
         try:
             image = source.pages[number - 1]
             reference = ImageReference.of(Path(source.path), image, source.reading_of(number))
-            document = replace(document, image=reference, parameters=fitting(document.parameters, image))
+            document = replace(document, image=reference, parameters=fitting(document.parameters, image.shape))
             method = core.methods["cpm"](image, document.parameters, document.regions)
             seen = document.parameters
             seeds = SeedCache(image).seeds_for(document.image_starts, seen.smoothing, document.regions, seen.channel)

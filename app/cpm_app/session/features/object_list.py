@@ -158,7 +158,7 @@ def _holds(row: Row, place: Place) -> bool:
     if row.drawn is None:
         line = row.contour.contour if row.kind == "closed" and row.contour is not None else None
         return line is not None and len(place) == 2 and bool(polyline.inside(line.points, np.array([place]))[0])
-    return holds(row.drawn, place) if len(place) == 3 else bool(row.drawn.encloses(np.array([place], dtype=float))[0])
+    return holds(row.drawn, place) if len(place) == 3 else bool(row.drawn.encloses(np.array([place], float))[0])
 
 
 def _size(row: Row) -> float:
@@ -296,7 +296,7 @@ class ObjectList(QObject):
         if len(at) == 3:
             around = [item for item in self.objects.items if not item.hidden and holds(item, at)]
         else:
-            place = np.array([at], dtype=float)
+            place = np.array([at], float)
             around = [item for item in self.near(place, 0.0) if item.encloses(place)[0]]
         return min(around, key=size_of).number if around else 0
 

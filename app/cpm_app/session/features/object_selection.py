@@ -186,7 +186,7 @@ class ObjectSelection(QObject):
 
     def under(self, at: Place) -> int:
         """Number of the smallest object at a place, or key of the proposal there, which comes first; 0 for none."""
-        place = np.array([at], dtype=float)
+        place = np.array([at], float)
         around = [each for each in self.proposals if each.key and each.selection.holds(place)[0]]
         return min(around, key=lambda each: extent(each.selection)).key if around else self._list.under(at)
 

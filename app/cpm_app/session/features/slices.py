@@ -240,28 +240,23 @@ class ShownSlices:
 
     def go(self, by: int) -> None:
         """Show the slice so many further along its axis."""
-        if self.now is not None:
-            self._use(self.now.at(self.now.current.index + by))
+        self._use(lambda now: now.at(now.current.index + by))
 
     def at(self, index: int) -> None:
         """Show the slice at an index along its axis."""
-        if self.now is not None:
-            self._use(self.now.at(index))
+        self._use(lambda now: now.at(index))
 
     def pass_on(self, axis: int, by: int) -> None:
         """Show the slice so many further along an axis, whichever is worked on."""
-        if self.now is not None:
-            self._use(self.now.turned(axis).at(self.now.voxel[axis] + by).turned(self.now.axis))
+        self._use(lambda now: now.turned(axis).at(now.voxel[axis] + by).turned(now.axis))
 
     def turn(self, axis: int) -> None:
         """Work on the slice across another axis."""
-        if self.now is not None:
-            self._use(self.now.turned(axis))
+        self._use(lambda now: now.turned(axis))
 
     def through(self, place: Place) -> None:
         """Show the slices through a place of the volume."""
-        if self.now is not None:
-            self._use(self.now.through(place))
+        self._use(lambda now: now.through(place))
 
     def view_state(self) -> dict[str, object]:
         """Where the slices are, as plain JSON for a session file; empty for an image."""
@@ -280,6 +275,6 @@ class ShownSlices:
         if known and all(isinstance(at, int) and abs(at) <= _FAR for at in known):
             self.through(tuple(known))
 
-    def _use(self, slices: Slices) -> None:
-        if slices != self.now:
+    def _use(self, change: Callable[[Slices], Slices]) -> None:
+        if self.now is not None and (slices := change(self.now)) != self.now:
             self._session.show(replace(self._session.scene, slices=slices))

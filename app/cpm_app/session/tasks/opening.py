@@ -27,8 +27,9 @@ from cpm_core.formats import (
 )
 from cpm_core.formats.images import raster
 from cpm_core.formats.images.reading import DEFAULT
-from cpm_core.image import MINIMUM_SIDE, most_scales
+from cpm_core.image import MINIMUM_SIDE
 from cpm_core.numerics.types import Callback
+from cpm_core.pages import fitting
 from cpm_core.shapes import check_axes
 
 _EXPORTED = re.compile(rf"(.+)_(?:{'|'.join(KINDS)})\.")
@@ -140,10 +141,9 @@ def prepare(core: Core, wanted: Wanted, check_cancelled: Callback) -> Opened:
         _check(saved, image)
     elif image.ndim == 3:
         parameters = PRESETS["volume"]
-    most, scales = most_scales(image.shape), parameters.scales
-    if scales > most:
-        parameters = replace(parameters, scales=most)
-        notes = (*notes, tr("The image is small: the scales are set to {most}.", most=most))
+    scales, parameters = parameters.scales, fitting(parameters, image.shape)
+    if scales > parameters.scales:
+        notes = (*notes, tr("The image is small: the scales are set to {most}.", most=parameters.scales))
     method = core.methods["cpm"](image, parameters, None)
     check_cancelled()
     display = display_of(image) if image.ndim == 2 else None
