@@ -18,9 +18,6 @@ from cpm_core.formats import SUFFIX, SessionFile, save_session
 TOPIC = "batch"
 """What messages on it belong to."""
 
-WRITTEN = (".svg", ".measures.csv", ".png")
-"""The formats that are written for each image."""
-
 _RESULTS, _APPLIED, _TABLE = "contours", f"session{SUFFIX}", "summary.csv"
 """The folder of the results in that of the images, and in it the session they were made with and the table of all."""
 
@@ -50,7 +47,7 @@ def apply_to_folder(session: Session, folder: Path, then: Callable[[BatchDone], 
 
 
 def _apply(session: SessionFile, folder: Path, task: Task) -> BatchDone:
-    from cpm_core.cli.batch import Batch
+    from cpm_core.cli.batch import WRITTEN, Batch
     from cpm_core.cli.workers import here
 
     images, output = tuple(map(str, images_in(folder))), folder / _RESULTS
