@@ -92,7 +92,7 @@ def _closing_off(contours: Sequence[Contour], shape: Extent) -> list[Contour]:
     if len(contours) < 2:
         return list(contours)
     tree = scipy.spatial.cKDTree(np.concatenate([contour.points for contour in contours]))
-    owner = np.repeat(np.arange(len(contours)), [len(contour.points) for contour in contours])
+    owner = polyline.owners([len(contour.points) for contour in contours])
     kept = []
     for number, contour in enumerate(contours):
         loose = not any(contour.junctions) and _loose_ends(contour, shape).all()

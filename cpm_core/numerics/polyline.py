@@ -6,6 +6,7 @@ import operator
 from collections.abc import Iterable, Sequence
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cpm_core.numerics.segments import distances_to_segments, nearest_distances, winds_around
 from cpm_core.numerics.types import Array, Index, Line, Mask, Position
@@ -23,6 +24,16 @@ _HALVINGS = 3
 def corners_of(path: Array | Sequence[Sequence[float]]) -> Array:
     """Corners of a path as an array, shape (K, D)."""
     return np.asarray(path, float)
+
+
+def as_line(points: Array) -> Line:
+    """Positions of an array as plain numbers."""
+    return tuple(map(tuple, points.tolist()))
+
+
+def owners(counts: ArrayLike) -> Index:
+    """Which of several things each of their parts is of, by how many parts each has."""
+    return np.repeat(np.arange(np.size(counts)), counts)
 
 
 def lengths_along(path: Array) -> Array:
@@ -121,7 +132,7 @@ def thinned(path: Sequence[Position], tolerance: float = _TOLERANCE) -> Line:
             farthest = first + 1 + int(off.argmax())
             kept.add(farthest)
             stretches += [(first, farthest), (farthest, last)]
-    return tuple(map(tuple, corners[sorted(kept)].tolist()))
+    return as_line(corners[sorted(kept)])
 
 
 def coarser(paths: Sequence[Array], off: float) -> list[Array]:
@@ -134,7 +145,7 @@ def coarser(paths: Sequence[Array], off: float) -> list[Array]:
     if not paths:
         return []
     corners = np.concatenate(paths)
-    number = np.repeat(np.arange(len(paths)), [len(path) for path in paths])
+    number = owners([len(path) for path in paths])
     for _ in range(_HALVINGS):
         before, along = corners[1:-1] - corners[:-2], corners[2:] - corners[:-2]
         behind = along - before

@@ -16,7 +16,7 @@ import numpy as np
 from cpm_core.contours.contour import Contour, neighborhood
 from cpm_core.contours.measurements import containment
 from cpm_core.contours.rasterize import paint
-from cpm_core.numerics.polyline import sampled
+from cpm_core.numerics.polyline import owners, sampled
 from cpm_core.numerics.types import Array, Extent, Index
 from cpm_core.parameters.quotation import described
 
@@ -210,7 +210,7 @@ def _beside(before: Sequence[Contour], now: Sequence[Contour]) -> Array:
 
 def _samples_near(samples: Sequence[Array], contours: Sequence[Contour]) -> Array:
     """Number of samples of each line that lie next to each contour."""
-    owner = np.repeat(np.arange(len(samples)), [len(one) for one in samples])
+    owner = owners([len(one) for one in samples])
     place, contour, _ = neighborhood(contours).pairs(np.concatenate(samples), _BESIDE)
     count = np.zeros((len(samples), len(contours)))
     np.add.at(count, (owner[place], contour), 1.0)

@@ -11,6 +11,7 @@ import numpy as np
 
 from cpm_core.model import starts as initialization
 from cpm_core.numerics import polyline
+from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Array, Line, Place, Position
 from cpm_core.shapes.path import LARGEST, check_number
 
@@ -141,7 +142,7 @@ class Ellipse:
         """The four ends of the axes, for resizing, and one beyond the first, for rotation."""
         first, second = np.array(self.radii)[:, None] * self._axes
         beyond = (_ARM * self.radii[0] + _OUT) * self._axes[0]
-        return tuple(map(tuple, (np.array([first, second, -first, -second, beyond]) + self.center).tolist()))
+        return as_line(np.array([first, second, -first, -second, beyond]) + self.center)
 
     def with_handle_at(self, handle: Position, to: Position) -> Ellipse:
         """The ellipse with the radius of the handle reaching a position, or rotated toward it."""

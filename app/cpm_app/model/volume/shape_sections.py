@@ -12,6 +12,7 @@ from cpm_app.model.volume.slices import Slice
 from cpm_app.model.volume.surface_section import boundary_in
 from cpm_core.field import RADIUS
 from cpm_core.numerics import Array, Position
+from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Line, Sides
 from cpm_core.shapes import (
     Barrier,
@@ -190,7 +191,7 @@ def _sections(shape: Shape, here: Slice, sides: Sides) -> Iterator[Section]:
 def _of_particles(seeds: Array, here: Slice) -> Iterator[Points]:
     near = _near(seeds, here, NEAR)
     if len(near):
-        yield Points(tuple(map(tuple, near.tolist())))
+        yield Points(as_line(near))
 
 
 def _near(seeds: Array, here: Slice, reach: float) -> Array:

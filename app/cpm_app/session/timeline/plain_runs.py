@@ -41,6 +41,7 @@ from cpm_core.formats import (
     to_plain,
 )
 from cpm_core.numerics import Position
+from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Entries, Plain
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.parameters import shown
@@ -233,7 +234,7 @@ def _action(plain: Plain, usual: Parameters) -> RunAction:
         seeds = array_from_plain(plain["join"], float, (None, axes), "particles that were added")
         if not np.isfinite(seeds).all():
             raise ValueError("particles that were added hold a value that is not a number.")
-        return Joined(tuple(map(tuple, seeds.tolist())), regions)
+        return Joined(as_line(seeds), regions)
     erased = from_plain(Erased, {"path": plain.get("erase"), "radius": plain.get("radius")}, "eraser")
     return replace(erased, regions=regions)
 
