@@ -207,7 +207,7 @@ def elsewhere(jobs: Sequence[Job], address: str) -> Generator[tuple[Job, Row], N
     except ImportError:
         raise ValueError(
             "--scheduler needs the package distributed, which is not installed: install it "
-            '(pip install "cpm-particles[batch]"), or use --workers.'
+            '(pip install "cpm-particles[scale]"), or use --workers.'
         ) from None
     try:
         client = Client(address, timeout=10)

@@ -24,7 +24,7 @@ from cpm_core.shapes import SHAPES, EnclosedRegion, EnclosingWall, Shape
 Outcome = Result | Skeleton
 """What has been found in an image: contours, or their middle lines."""
 
-VERSION = "0.1.0"
+VERSION = "1.0.0rc1"
 """Version of CPM; the package is built with it."""
 
 PROGRAM = f"CPM {VERSION}"
