@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -66,7 +65,7 @@ def _draft(path: Path) -> Iterator[Path]:
     if draft.exists():
         if path.is_dir():
             shutil.rmtree(path)
-        os.replace(draft, path)
+        draft.replace(path)
 
 
 def _near(found: Found, number: int, window: Window) -> list[Contour]:
@@ -141,8 +140,8 @@ def _result(found: Found, contours: Sequence[Contour]) -> Result:
 
 
 def _table(found: Found, target: Target, compute: Compute) -> list[str]:
-    import pyarrow  # noqa: PLC0415 - only tables need it
-    from pyarrow import csv, parquet  # noqa: PLC0415
+    import pyarrow
+    from pyarrow import csv, parquet
 
     tables: dict[int, Any] = {}
     writer, following = None, 0

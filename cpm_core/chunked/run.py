@@ -19,6 +19,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.formats.common.provenance import VERSION
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
+from cpm_core.reconstruction.curve.hysteresis import shortest
 
 Compute = Callable[[Callable[[Any], Any], Sequence[Any], str], Iterable[tuple[int, Any]]]
 """Applies a function to each of some jobs, in any order and on any workers, under a title: gives index and result."""
@@ -108,14 +109,13 @@ def run(task: Task, compute: Compute, side: int) -> Found:
     tone = survey.tone_of(source, plain, gray, task.parameters)
     grid = grid_for(shape, task.parameters, tone.smoothing, side)
     chunks = grid.chunks
-    edges = in_order(
-        compute(partial(survey.edges, source, tone=tone, parameters=task.parameters), chunks, "edges")
-    )
+    edges = in_order(compute(partial(survey.edges, source, tone=tone, parameters=task.parameters), chunks, "edges"))
     whole = survey.whole_of(tone, edges, task.parameters)
     todo = [chunk for chunk in chunks if not store.has(_chunk(chunk.number))]
     for _ in compute(partial(find, task, grid, whole), todo, "contours"):
         pass
-    return Found(task, grid, whole, _join(store, grid))
+    least = max(shortest(tone.smoothing, task.parameters), task.parameters.min_length)
+    return Found(task, grid, whole, _join(store, grid, least))
 
 
 def in_order(results: Iterable[tuple[int, Any]]) -> list[Any]:
@@ -139,8 +139,8 @@ def _chunk(number: int) -> str:
     return f"chunk_{number}.npz"
 
 
-def _join(store: Store, grid: Grid) -> tuple[int, ...]:
-    """Join what crosses seams, store it, and give the number of contours of each chunk."""
+def _join(store: Store, grid: Grid, least: float) -> tuple[int, ...]:
+    """Join what crosses seams to contours of some length, store it, and give the number of contours of each chunk."""
     boxes: list[Array] = []
     pieces: list[Piece] = []
     of_piece: list[int] = []
@@ -154,7 +154,7 @@ def _join(store: Store, grid: Grid) -> tuple[int, ...]:
     sizes = np.array([len(some) for some in boxes])
     chunks = np.repeat(np.arange(count), sizes)
     again = np.flatnonzero(twice(np.concatenate(boxes), chunks, grid))
-    long = joined(pieces, of_piece) if pieces else []
+    long = joined(pieces, of_piece, least) if pieces else []
     at = grid.chunk_at(np.array([one.box.mean(axis=0) for one in long]).reshape(-1, 2))
     order = np.argsort(at, kind="stable")
     at, long = at[order], [long[n] for n in order]

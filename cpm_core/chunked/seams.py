@@ -88,9 +88,9 @@ class _End(NamedTuple):
     vertex: int
 
 
-def joined(pieces: list[Piece], chunks: Sequence[int]) -> list[Contour]:
-    """Whole contours from the pieces of all chunks; `chunks` has the chunk of each."""
-    import shapely  # noqa: PLC0415 - only images with long contours need it
+def joined(pieces: list[Piece], chunks: Sequence[int], least: float) -> list[Contour]:
+    """Whole contours from the pieces of all chunks, of at least this length; `chunks` has the chunk of each."""
+    import shapely
 
     lines = [shapely.LineString(piece.contour.path) for piece in pieces]
     tree = shapely.STRtree(lines)
@@ -120,7 +120,7 @@ def joined(pieces: list[Piece], chunks: Sequence[int]) -> list[Contour]:
         near = tree.query(lines[n], "dwithin", _SAME).tolist()
         others = shapely.union_all([lines[m] for m in near if chunks[m] != chunks[n] and m not in gone])
         pieces[n] = _shortened(pieces[n], end, shapely.dwithin(shapely.points(pieces[n].contour.points), others, _SAME))
-    return _chains(pieces, left, ends)
+    return [one for one in _chains(pieces, left, ends) if one.length >= least]
 
 
 def _shortened(piece: Piece, end: int, shared: Mask) -> Piece:

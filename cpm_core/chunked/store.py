@@ -92,7 +92,11 @@ def unpacked(arrays: dict[str, Any], prefix: str = "") -> list[Piece]:
     """The pieces of arrays."""
     known = {key.removeprefix(prefix): values for key, values in arrays.items() if key.startswith(prefix)}
     points = np.split(known["points"], np.cumsum(known["counts"])[:-1]) if len(known["counts"]) else []
-    rows = zip(points, *(known[key].tolist() for key in ("closed", "strength", "junctions", "group", "hole", "cut")), strict=True)
+    rows = zip(
+        points,
+        *(known[key].tolist() for key in ("closed", "strength", "junctions", "group", "hole", "cut")),
+        strict=True,
+    )
     return [
         Piece(Contour(path, closed, strength, tuple(junctions), group=group, hole=hole), tuple(cut))
         for path, closed, strength, junctions, group, hole, cut in rows

@@ -16,7 +16,7 @@ from cpm_core.field.scale_field import ScaleField, packed_force, weakest_edge
 from cpm_core.image.border import inside_border, within
 from cpm_core.image.gray_levels import automatic_gamma
 from cpm_core.image.pyramid import pyramid
-from cpm_core.numerics.grids import relative, whole_window
+from cpm_core.numerics.grids import relative
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.large_images import strongest_part
@@ -185,7 +185,5 @@ def whole_of(tone: Tone, seen: Sequence[Edges], parameters: Parameters) -> Whole
     """What the fields of the whole image are measured by, from the edges of the chunks."""
     strongest = tuple(max(scale) for scale in zip(*(one.strongest for one in seen), strict=True))
     samples = (np.concatenate(scale) for scale in zip(*(one.samples for one in seen), strict=True))
-    floor = (
-        weakest_edge(sample, most, parameters.edge_floor) for sample, most in zip(samples, strongest, strict=True)
-    )
+    floor = (weakest_edge(sample, most, parameters.edge_floor) for sample, most in zip(samples, strongest, strict=True))
     return Whole(tone, strongest, tuple(floor))

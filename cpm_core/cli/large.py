@@ -14,7 +14,7 @@ from cpm_core.chunked.chunk_run import KINDS
 from cpm_core.chunked.run import Task, run
 from cpm_core.chunked.store import Store
 from cpm_core.cli.arguments import check_targets, refuse
-from cpm_core.cli.output import Files, StatusLine, announce_compilation, report, say
+from cpm_core.cli.output import Files, StatusLine, announce_compilation, report
 from cpm_core.cli.workers import cluster, finished
 from cpm_core.formats.common.atomic import suffix_among
 from cpm_core.formats.images.ome_zarr import is_zarr
@@ -48,7 +48,8 @@ def run_large(arguments: argparse.Namespace, path: Path, part: Mapping[str, Any]
 
         def compute(function: Callable[[Any], Any], jobs: Sequence[Any], title: str) -> Iterator[tuple[int, Any]]:
             line.begin(title)
-            for done, (at, result) in enumerate(finished(client, partial(_alone, function), jobs), start=1):
+            for done, (at, future) in enumerate(finished(client, partial(_alone, function), jobs), start=1):
+                result = future.result()
                 line.count(done, len(jobs))
                 yield at, result
 
@@ -60,7 +61,10 @@ def run_large(arguments: argparse.Namespace, path: Path, part: Mapping[str, Any]
     count, smoothing = sum(found.counts), found.whole.tone.smoothing
     facts = {"contours": count, "chunks": chunks, "seconds": round(seconds, 3), "smoothing": smoothing}
     size = sized(found.grid.shape)
-    lines = [f"{source.levels.name}: {counted(count, 'contour')} in {size}", f"{counted(chunks, 'chunk')} in {seconds:.1f} s"]
+    lines = [
+        f"{source.levels.name}: {counted(count, 'contour')} in {size}",
+        f"{counted(chunks, 'chunk')} in {seconds:.1f} s",
+    ]
     return report(arguments, facts, lines, files)
 
 

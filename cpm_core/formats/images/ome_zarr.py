@@ -111,7 +111,9 @@ def open_levels(path: Path, reading: Reading = Reading()) -> Levels:  # noqa: B0
         if found.ndim not in range(2, len(_AXES) + 1):
             raise UnreadableError(f"{name} has {found.ndim} axes, but an image has two to five.")
         return Levels(name, (found,), _AXES[-found.ndim :])
-    series = () if _scales_of(found) else tuple(sorted((key for key, _ in found.groups()), key=lambda key: (len(key), key)))
+    series = (
+        () if _scales_of(found) else tuple(sorted((key for key, _ in found.groups()), key=lambda key: (len(key), key)))
+    )
     number = series_of(reading.series, series, 0, name) if series else 0
     group = found[series[number]] if series else found
     scales = _scales_of(group)
@@ -185,7 +187,7 @@ def create_levels(
     side: int,
     spacing: Sequence[float] = (1.0, 1.0),
     unit: str | None = None,
-    more: Mapping[str, Any] = {},  # noqa: B006 - never changed
+    more: Mapping[str, Any] = {},
 ) -> int:
     """Create an image of zeros with levels of half the size each, and give their number.
 

@@ -53,9 +53,7 @@ _FOREIGN: tuple[tuple[int, bytes, str], ...] = (
 )
 """Place of a signature in a file, the signature, and what the file is: kinds that are known but not read."""
 
-READABLE: dict[str, str] = {
-    suffix: text for reader in (*_READERS, ome_zarr) for suffix, text in reader.READS.items()
-}
+READABLE: dict[str, str] = {suffix: text for reader in (*_READERS, ome_zarr) for suffix, text in reader.READS.items()}
 """Suffixes of the images that can be read -> what they are. The content of a file decides, not its suffix."""
 
 
