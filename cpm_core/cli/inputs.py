@@ -118,7 +118,7 @@ def fitted(image: Image, parameters: Parameters, *, scales: bool = True) -> Para
 
 def with_room(parameters: Parameters, image: Image) -> tuple[Parameters, tuple[str, ...]]:
     """Parameters with as many scales as an image has room for, and a note where that changes them."""
-    fit = fitting(parameters, image)
+    fit = fitting(parameters, image.shape)
     return fit, () if fit == parameters else (f"The image is small: scales is set to {fit.scales}.",)
 
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import logging
 import multiprocessing
+import os
 import signal
+import threading
 import time
 from asyncio import CancelledError
 from collections.abc import Callable, Generator, Sequence
@@ -193,8 +195,16 @@ def _in_processes(
 
 
 def _begin(use: int) -> None:
-    """Let a new process use so many cores."""
+    """Let a new process use so many cores, and end when the one that has started it is killed."""
     at_most(use).__enter__()
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def elsewhere(jobs: Sequence[Job], address: str) -> Generator[tuple[Job, Row], None, None]:
@@ -207,7 +217,7 @@ def elsewhere(jobs: Sequence[Job], address: str) -> Generator[tuple[Job, Row], N
     except ImportError:
         raise ValueError(
             "--scheduler needs the package distributed, which is not installed: install it "
-            '(pip install "cpm-particles[batch]"), or use --workers.'
+            '(pip install "cpm-particles[scale]"), or use --workers.'
         ) from None
     try:
         client = Client(address, timeout=10)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from copy import copy
 from functools import lru_cache, partial
@@ -66,24 +67,24 @@ class ImageFields:
     ) -> None:
         parameters = parameters or Parameters()
         self.image = as_image(values)
-        array = self.image.values
+        shape = self.image.shape
         if regions is not None:
-            regions.check(array.shape)
+            regions.check(shape)
         darkest, brightest = self.image.gray_range
         if darkest == brightest:
             raise ValueError(
                 f"{self.image.source} is constant ({darkest:g} everywhere) and has no edges: "
                 "open an image with objects."
             )
-        check_room(array.shape, _LEAST_MEMORY[array.ndim], self.image.source)
+        check_room(shape, _LEAST_MEMORY[len(shape)], self.image.source)
         self.scales = parameters.scales
-        self._pitch: Any = pitch_of(self.image.spacing) if array.ndim == 3 else (1.0, 1.0)
+        self._pitch: Any = pitch_of(self.image.spacing) if len(shape) == 3 else (1.0, 1.0)
         self._sources = SourceImages(self.image, parameters.scales)
         self._latest = parameters
         self._limit(regions)
-        if array.ndim == 3:
+        if len(shape) == 3:
             check_parameters(parameters)
-        elif array.size <= LARGE:  # the fields of all scales at once, side by side
+        elif math.prod(shape) <= LARGE:  # the fields of all scales at once, side by side
             share(lambda first, end: [self._at(scale, parameters) for scale in range(first, end)], self.scales, 1)
         if regions is not None:
             self._check_edges()
@@ -108,7 +109,7 @@ class ImageFields:
         """
         others = regions is not None and (self.regions is None or regions.interest != self.regions.interest)
         if regions is not None and others:
-            regions.check(self.image.values.shape)
+            regions.check(self.image.shape)
         same = (regions.interest if regions else ()) == (self.regions.interest if self.regions else ())
         other = copy(self)
         other._limit(regions, self._free if same else None)

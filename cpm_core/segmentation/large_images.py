@@ -10,7 +10,7 @@ import numpy as np
 from cpm_core.field.edge_map import automatic_smoothing, gradient, magnitude
 from cpm_core.field.scale_field import LARGE
 from cpm_core.image.pyramid import most_scales
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Extent
 
 _COARSEST = 512
 """Longest side of the coarsest scale [px]: a front crosses it in some hundred steps."""
@@ -20,7 +20,7 @@ _SAMPLE = 256
 hundred, which `automatic_smoothing` takes for the strong ones [px]."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class LargeImageSettings:
     """Number of scales and sigma of the Gaussian [px] that suit a large image."""
 
@@ -39,7 +39,7 @@ def large_image_settings(values: Array) -> LargeImageSettings | None:
     return LargeImageSettings(scales_for(values.shape), automatic_smoothing(_around_strongest_edge(values)))
 
 
-def scales_for(shape: tuple[int, ...]) -> int:
+def scales_for(shape: Extent) -> int:
     """Number of scales of a large image of this shape, no more than it has room for."""
     wanted = 1 + max(math.ceil(math.log2(max(shape) / _COARSEST)), 0)
     return min(wanted, most_scales(shape))

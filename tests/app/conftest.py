@@ -306,5 +306,6 @@ def record(window: MainWindow) -> Callable[[str], list[Any]]:
 
 @pytest.fixture
 def hand(qtbot: QtBot, window: MainWindow) -> Hand:
-    """Mouse and key events on the window."""
+    """Mouse and key events on the window; the pointer begins in its corner, as Qt reports no move to where it is."""
+    qtbot.mouseMove(window, QPoint(1, 1))
     return Hand(qtbot, window)

@@ -1,6 +1,7 @@
 """What desktops, hosts and readers are told of the program agrees with the program."""
 
 import importlib
+import re
 import shutil
 import subprocess
 from configparser import ConfigParser
@@ -9,6 +10,7 @@ from xml.etree import ElementTree
 
 import pytest
 
+from cpm_core.formats.common.provenance import VERSION
 from cpm_core.formats.sessions.session_file import MARK, SUFFIX
 from tests.packages.places import ROOT
 
@@ -41,6 +43,12 @@ def test_the_desktop_entry_starts_the_program_and_names_its_icon_and_files(entry
     assert entry["Exec"] == "cpm %f"
     assert (ROOT / "assets" / "icons" / f"{entry['Icon']}.svg").is_file()
     assert kind.get("type") in entry["MimeType"].split(";")
+
+
+def test_the_version_is_the_same_for_readers_and_software_centers(told) -> None:
+    assert re.search(r"^version: (.*)$", (ROOT / "CITATION.cff").read_text("utf-8"), re.MULTILINE)[1] == VERSION
+    assert re.search(r"^## (\S+)", (ROOT / "CHANGELOG.md").read_text("utf-8"), re.MULTILINE)[1] == VERSION
+    assert told.find("releases/release").get("version").replace("~", "") == VERSION
 
 
 def test_session_files_are_known_by_name_and_content(kind) -> None:

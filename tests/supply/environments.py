@@ -7,7 +7,7 @@ import shutil
 import subprocess
 from pathlib import Path
 
-from .requirements import ROOT, RUN_TIME, oldest, requirements
+from .requirements import ROOT, oldest, requirements
 
 
 class Environment:
@@ -60,6 +60,6 @@ class Environment:
 def environment_of(versions: str, folder: Path, python: str) -> Environment:
     """An environment with the oldest or the newest releases, and the newest tools for tests."""
     made = Environment(folder / versions, python)
-    pinned = [oldest(required) for required in requirements()] if versions == "oldest" else []
-    made.install(f".[test,{','.join(RUN_TIME)}]", "pytest-timeout", *pinned)  # what is there may lack what is new
+    wanted = oldest if versions == "oldest" else str
+    made.install(".[test]", "pytest-timeout", *map(wanted, requirements()))  # what is there may lack what is new
     return made

@@ -7,6 +7,7 @@ import tomllib
 from collections.abc import Iterable, Mapping
 from email.message import Message
 from importlib.metadata import distributions
+from itertools import chain
 from pathlib import Path
 from typing import cast
 
@@ -14,21 +15,17 @@ from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 ROOT = Path(__file__).parents[2]
-RUN_TIME = ("gui", "video", "batch")
-"""The optional parts of the program itself; all others are for its developers."""
 
 _GPL = re.compile(r"\bA?GPL|(?<!LESSER )\bGENERAL PUBLIC LICENSE")
 _CHOICE = re.compile(r"\bOR\b|;")
 
 
 def requirements() -> list[Requirement]:
-    """All requirements of the program at run time, with those of its optional parts."""
+    """All requirements of the program at run time, with those of its optional parts but the plugin for napari."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
-    optional = project["optional-dependencies"]
-    return [
-        Requirement(text)
-        for text in (*project["dependencies"], *(line for part in RUN_TIME for line in optional[part]))
-    ]
+    parts = (project["optional-dependencies"][part] for part in ("gui", "scale", "all"))
+    named = map(Requirement, (*project["dependencies"], *chain.from_iterable(parts)))
+    return [required for required in named if required.name != project["name"]]
 
 
 def oldest(required: Requirement) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -44,6 +43,12 @@ READS = {
 _DECODERS = ("PNG", "JPEG", "BMP", "DIB", "PPM", "GIF", "WEBP", "JPEG2000")
 _PIXELS_A_METER = 1 / 0.0254
 
+_TURNED = (b"eXIf", b"Raw profile type exif", b"XML:com.adobe.xmp")
+"""What begins the parts of a PNG that can state how it is turned."""
+
+_END = 1 << 18
+"""Bytes before and behind the pixels of a PNG in which these parts are looked for."""
+
 
 def reads(_head: bytes, _path: Path) -> bool:
     """Always true: this reader is the last one, and Pillow recognizes the format itself."""
@@ -55,19 +60,16 @@ def stack(path: Path, _reading: Reading) -> Stack:
     name = printable(path.name)
     with _opened(path) as picture:
         check_size(name, picture.height, picture.width)
-        frames = int(getattr(picture, "n_frames", 1))
-        picture.seek(0)
-        first = _frame(picture, path)
+        frames, turn = int(getattr(picture, "n_frames", 1)), _orientation(picture, path)
+        spacing, unit = _density(picture) if frames == 1 else resolution.UNKNOWN
+        order = -1 if turn in range(5, 9) else 1  # rows and columns are swapped
+        shape, (row, col) = (1, *picture.size[::-order]), spacing[::order]
 
     def take(time: int, _channel: int, _first: int, _end: int) -> Decoded:
-        if time == 0:
-            return joined([first])
         with _opened(path) as picture:
             picture.seek(time)
-            return joined([_frame(picture, path)])
+            return joined([upright(_pixels(picture, path), turn)])
 
-    (row, col), unit = (first.spacing, first.unit) if frames == 1 else resolution.UNKNOWN
-    shape = (1, *first.values.shape)
     return Stack(name, shape, take, 4.0, frames, spacing=(row, row, col), unit=unit, word="frame")
 
 
@@ -81,19 +83,27 @@ def _opened(path: Path) -> Iterator[PIL.Image.Image]:
         raise UnreadableError(f"{path.name} has far too many pixels: crop it or make it smaller first.") from None
 
 
-def _frame(picture: PIL.Image.Image, path: Path) -> Decoded:
-    """The frame at which an opened picture is, upright."""
-    decoded = _pixels(picture, path)
-    density, orientation = picture.info.get("dpi"), 1
-    if picture.format == "PNG" and density is not None:  # among these formats only PNG has a unit of length
-        sizes = (float(density[1]) * _PIXELS_A_METER, float(density[0]) * _PIXELS_A_METER)
-        spacing, unit = resolution.from_density(*sizes)
-        decoded = replace(decoded, spacing=spacing, unit=unit)
+def _density(picture: PIL.Image.Image) -> tuple[tuple[float, float], str | None]:
+    """Size of a pixel along each axis as it is stored, and its unit."""
+    density = picture.info.get("dpi")
+    if picture.format != "PNG" or density is None:  # among these formats only PNG has a unit of length
+        return resolution.UNKNOWN
+    return resolution.from_density(float(density[1]) * _PIXELS_A_METER, float(density[0]) * _PIXELS_A_METER)
+
+
+def _orientation(picture: PIL.Image.Image, path: Path) -> int:
+    """How an opened picture is turned, by its camera."""
+    if picture.format == "PNG":  # Pillow unpacks it to learn what follows its pixels
+        with path.open("rb") as file:
+            ends = file.read(_END)
+            file.seek(max(file.tell(), path.stat().st_size - _END))
+            ends += file.read()
+        if not any(mark in ends for mark in _TURNED):
+            return 1
     try:
-        orientation = int(picture.getexif().get(ORIENTATION_TAG, 1))
+        return int(picture.getexif().get(ORIENTATION_TAG, 1))
     except Exception:  # Pillow raises exceptions of any kind on broken camera data; the pixels are valid all the same
-        orientation = 1
-    return upright(decoded, orientation)
+        return 1
 
 
 def _pixels(picture: PIL.Image.Image, path: Path) -> Decoded:
@@ -112,7 +122,7 @@ def _pixels(picture: PIL.Image.Image, path: Path) -> Decoded:
     # with a JPEG without its end, of which other decoders are silent
     if picture.format == "JPEG" and mode in ("L", "RGB") and path.read_bytes().endswith(b"\xff\xd9"):
         return _unpacked(path, "jpeg8")
-    if picture.format == "PNG" and whole and kind == mode == "L" and not alpha:
+    if picture.format == "PNG" and whole and kind == mode and mode in ("L", "RGB") and not alpha:
         return _unpacked(path, "png")
     if mode == "1":
         return Decoded(np.array(picture.convert("L")), notes=("Black and white were read as 0 and 255.",))

@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.formats.common.content import AnyPath, UnreadableError, content_of, decoding, fingerprint
-from cpm_core.formats.common.plain import Entries
 from cpm_core.formats.common.printable import printable
 from cpm_core.formats.images import dicom, metaimage, nifti, nrrd, numpy_array, raster, resolution, tiff
 from cpm_core.formats.images.decoded import Decoded
@@ -29,6 +28,7 @@ from cpm_core.image.colors import LUMINANCE, LUMINANCE_NOTE, in_color
 from cpm_core.image.gray_levels import NO_DATA, no_data_note
 from cpm_core.image.image import MINIMUM_SIDE, Image
 from cpm_core.numerics.real_numbers import real_numbers
+from cpm_core.numerics.types import Entries
 
 # dicom comes first, because a DICOM file may begin as a TIFF does; the last one takes what no other reads
 _READERS: tuple[Any, ...] = (dicom, tiff, numpy_array, nifti, nrrd, metaimage, raster)

@@ -47,7 +47,7 @@ def encode(result: Result, image: Path | None = None) -> bytes:
     try:
         import highdicom
     except ImportError as error:
-        raise ValueError('DICOM SEG needs highdicom: pip install "cpm-particles[dicom-seg]".') from error
+        raise ValueError('DICOM SEG needs highdicom: run "pip install highdicom".') from error
     import pydicom
     from pydicom.sr.coding import Code
 
