@@ -41,7 +41,7 @@ def apply_to_folder(session: Session, folder: Path, then: Callable[[BatchDone], 
     if not document.starts:
         session.say(document.nothing_to_start_from, True, TOPIC)
         return None
-    name = tr("Running the images of {folder}…").format(folder=folder.name)
+    name = tr("Running the images of {folder}…", folder=folder.name)
     work = partial(_apply, to_file(document, {}), folder)
     return session.tasks.start(name, work, tr("running many images"), partial(CommandFailed, topic=TOPIC), then=then)
 
@@ -56,8 +56,9 @@ def _apply(session: SessionFile, folder: Path, task: Task) -> BatchDone:
     try:
         output.mkdir(exist_ok=True)
     except OSError as error:
-        text = tr("{folder} is not a folder and cannot be created: {reason}.")
-        raise ValueError(text.format(folder=output, reason=cause(error))) from error
+        raise ValueError(
+            tr("{folder} is not a folder and cannot be created: {reason}.", folder=output, reason=cause(error))
+        ) from error
     save_session(session, output / _APPLIED)
     batch = Batch(images, session, output / _APPLIED, output, WRITTEN)
     for _ in batch.write(here(batch.jobs, None, task.check_cancelled)):
