@@ -15,7 +15,7 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour
+from cpm_core.contours.contour import Contour, Contours
 from cpm_core.contours.polygonal_line import PolygonalLine, joined, ring
 from cpm_core.contours.review import REACH
 from cpm_core.numerics import polyline
@@ -90,7 +90,7 @@ class HandEdit:
         return "join" if self.before and self.after else "extension" if self.before or self.after else "line"
 
 
-def apply(contours: Sequence[Contour], edits: Sequence[HandEdit]) -> tuple[tuple[Contour, ...], tuple[int, ...]]:
+def apply(contours: Contours, edits: Sequence[HandEdit]) -> tuple[tuple[Contour, ...], tuple[int, ...]]:
     """Contours with edits by hand, in the order in which they were made.
 
     Parameters

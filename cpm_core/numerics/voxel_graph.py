@@ -177,21 +177,17 @@ def loops_of(boundary: Index) -> list[Array]:
     solid[tuple((boundary - low).T)] = True
     solid = scipy.ndimage.binary_fill_holes(scipy.ndimage.binary_dilation(solid, np.ones((3, 3, 3), bool)))
     lines = thinned(solid, scipy.ndimage.distance_transform_cdt(solid).astype(float))
-    return [loop + low for loop in _cycles(chains_of(lines))]
-
-
-def _cycles(chains: list[Chain]) -> list[Array]:
-    """A loop for each chain whose ends other chains before it connect: the chain, and the way back along those."""
+    # of the chains, each that joins what others join already closes a loop
     ways: dict[int, list[tuple[int, Array]]] = defaultdict(list)
     loops = []
-    for chain in chains:
+    for chain in chains_of(lines):
         first, last = chain.nodes
         back = _way(ways, last, first)
         if back is None:
             ways[first].append((last, chain.points))
             ways[last].append((first, chain.points[::-1]))
         else:
-            loops.append(np.concatenate([chain.points, *back]))
+            loops.append(np.concatenate([chain.points, *back]) + low)
     return loops
 
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour
+from cpm_core.contours.contour import Contours
 from cpm_core.contours.surface import Surface
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.numerics import polyline
@@ -25,7 +25,7 @@ def outlines_of(shapes: Iterable[Shape]) -> tuple[Array, ...]:
     return tuple(shape.outline[:-1] for shape in shapes if isinstance(shape, Circle | Ellipse | Polygon))
 
 
-def starts_along(contours: Sequence[Contour], places: Array | None = None) -> tuple[Polygon | Stroke | Points, ...]:
+def starts_along(contours: Contours, places: Array | None = None) -> tuple[Polygon | Stroke | Points, ...]:
     """Starts along contours, with the corners that matter: polygons and strokes, and single points as one start."""
     starts: list[Polygon | Stroke | Points] = []
     for contour in contours:

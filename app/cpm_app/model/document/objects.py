@@ -12,8 +12,9 @@ import numpy as np
 from cpm_app.model.document import edits
 from cpm_app.model.document.document import Document
 from cpm_app.model.text.language import tr
-from cpm_core import Bridge, Contour, Result, Selection, Surface, VolumeSelection
+from cpm_core import Bridge, Result, Selection, Surface, VolumeSelection
 from cpm_core.contours import Label, PackedBody, surfaces_joined
+from cpm_core.contours.contour import Contours
 from cpm_core.numerics import Array, Place, Position, length, polyline, thinned
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Extent, Line, Sides
@@ -103,7 +104,7 @@ def add(document: Document, selections: Iterable[Selection], category: int) -> D
     return accept(document, (made(each, clicks, document.objects.next_number, category) for each, clicks in found))
 
 
-def bounded(number: int, category: int, contours: Sequence[Contour], gaps: Iterable[Array] = ()) -> SegmentedObject:
+def bounded(number: int, category: int, contours: Contours, gaps: Iterable[Array] = ()) -> SegmentedObject:
     """An object that closed contours bound, with gaps where they follow nothing."""
     strength = float(np.average([one.strength for one in contours], weights=[one.length for one in contours]))
     return SegmentedObject(
