@@ -6,7 +6,6 @@ import io
 import json
 import shutil
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,11 +14,12 @@ import numpy as np
 from cpm_core.contours.contour import Contour
 from cpm_core.formats.common.atomic import write_together
 from cpm_core.formats.common.plain import Entries
+from cpm_core.numerics.types import frozen, record
 
 _SETTINGS = "settings.json"
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Piece:
     """A contour that a chunk sees as a whole, or what it owns of a longer one.
 
@@ -35,7 +35,7 @@ class Piece:
     cut: tuple[bool, bool] = (False, False)
 
 
-@dataclass(frozen=True)
+@frozen
 class Store:
     """Files of a run, each written next to its place and then put there: it is whole, or absent."""
 

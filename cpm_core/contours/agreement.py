@@ -8,8 +8,6 @@ is wrong, and that of the other is 0.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,14 +16,14 @@ from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.rasterize import inside, paint
 from cpm_core.numerics.real_numbers import checked_number
 from cpm_core.numerics.segments import SegmentTree
-from cpm_core.numerics.types import Array, Index, Mask, record
+from cpm_core.numerics.types import Array, Index, Mask, frozen, record
 from cpm_core.parameters.quotation import described
 
 TOLERANCE = 2.0
 """Default distance up to which two boundaries count as the same [px]."""
 
 
-@dataclass(frozen=True)
+@frozen
 class ObjectCounts:
     """Counts of objects; one is found by a closed contour if their Jaccard index is above 1/2.
 

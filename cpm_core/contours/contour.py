@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
@@ -13,7 +12,7 @@ import numpy as np
 
 from cpm_core.numerics import polyline
 from cpm_core.numerics.segments import PathTree
-from cpm_core.numerics.types import Array, record
+from cpm_core.numerics.types import Array, frozen, record
 from cpm_core.parameters.quotation import counted, described, shown
 
 SAMPLING = 0.25
@@ -42,7 +41,7 @@ def check_color(what: str, color: str) -> None:
         )
 
 
-@dataclass(frozen=True)
+@frozen
 class Label:
     """What the object with a number is called, and its color, ``"#rrggbb"``; either may be empty."""
 

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from cpm_core.contours.contour import Contour, Contours, numbers_of
 from cpm_core.numerics.polyline import inside, length, middles
 from cpm_core.numerics.real_numbers import real_numbers
-from cpm_core.numerics.types import Array, Position
+from cpm_core.numerics.types import Array, Position, frozen
 from cpm_core.parameters.quotation import described, shown
 
 _SAME = 1.0
@@ -23,7 +22,7 @@ _MARGIN = 1.0
 """How far a contour may extend beyond the one around it, since contours may share a stretch of edge [px]."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Measures:
     """A row of the table of contours.
 

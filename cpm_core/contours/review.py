@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal, get_args
 
 import numpy as np
@@ -17,7 +17,7 @@ import numpy as np
 from cpm_core.contours.contour import Contour, Contours, check_color, check_name, neighborhood
 from cpm_core.contours.result import Result, remaining
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Line, Position, record
+from cpm_core.numerics.types import Line, Position, frozen, record
 from cpm_core.parameters.quotation import shown
 
 Verdict = Literal["", "kept", "rejected"]
@@ -33,7 +33,7 @@ _ALONE = 3.0 * REACH
 """Distance from all other contours beyond which positions are equally good [px]."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Outline:
     """Where a contour ran when it was kept; the attributes are those of `Contour`, the default is none."""
 
@@ -48,7 +48,7 @@ class Outline:
         return Contour(points, self.closed, self.strength, name=name, color=color, number=self.number)
 
 
-@dataclass(frozen=True)
+@frozen
 class Mark:
     """Verdict, name and color of the contour at a position.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -16,7 +15,7 @@ from cpm_core.numerics.grids import Window
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.segments import meet, nearest_distances, rim_of, segments_of
-from cpm_core.numerics.types import Array, Extent, Line, Mask
+from cpm_core.numerics.types import Array, Extent, Line, Mask, frozen
 from cpm_core.parameters.quotation import counted, described, shown, sized
 
 _OFF = 1e-6
@@ -26,7 +25,7 @@ _KEPT = 8
 """Polygons whose pixels and boundaries are cached: while a barrier is dragged they are needed again and again."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Regions:
     """Where particles may be.
 

@@ -12,7 +12,7 @@ corner are a wall without a gap, since a line between them touches both.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, lru_cache
 from itertools import product
 from typing import Any
@@ -26,7 +26,7 @@ from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import Parts, parts_of
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.real_numbers import checked_number, real_numbers
-from cpm_core.numerics.types import Array, Extent, Index, Line, Mask, Voxel, record
+from cpm_core.numerics.types import Array, Extent, Index, Line, Mask, Voxel, frozen, record
 from cpm_core.numerics.vectors import Vector, row_of
 from cpm_core.parameters.quotation import counted, described, shown, sized
 
@@ -185,7 +185,7 @@ class Voxels:
         filled[there] |= self.mask[here]
 
 
-@dataclass(frozen=True)
+@frozen
 class Extrusion:
     """A line in the slices across an axis of a volume, from one of them to another.
 
@@ -249,7 +249,7 @@ def _pixels_on(line: Line, shape: Extent) -> Mask:
 Limit = Pair | Voxels | Extrusion
 
 
-@dataclass(frozen=True)
+@frozen
 class VolumeRegions:
     """Where particles may be in a volume: inside the regions of interest, and on their side of every barrier.
 

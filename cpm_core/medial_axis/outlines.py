@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
@@ -12,10 +11,10 @@ from numpy.typing import ArrayLike
 from cpm_core.contours.contour import Contour, Contours
 from cpm_core.numerics import polyline
 from cpm_core.numerics.real_numbers import real_numbers
-from cpm_core.numerics.types import Array, Extent, Line, Mask
+from cpm_core.numerics.types import Array, Extent, Line, Mask, frozen
 
 
-@dataclass(frozen=True)
+@frozen
 class Outlined:
     """What has a skeleton in place of what is found in an image; nothing for the image itself.
 

@@ -8,7 +8,7 @@ the other. The measure is that of Dice, 0 to 1.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -17,7 +17,7 @@ from cpm_core.contours.contour import Contour, Contours, neighborhood
 from cpm_core.contours.measurements import containment
 from cpm_core.contours.rasterize import paint
 from cpm_core.numerics.polyline import owners, sampled
-from cpm_core.numerics.types import Array, Extent, Index
+from cpm_core.numerics.types import Array, Extent, Index, frozen
 from cpm_core.parameters.quotation import described
 
 LEAST_OVERLAP = 0.2
@@ -47,7 +47,7 @@ _WORDS: dict[EventKind, str] = {
 }
 
 
-@dataclass(frozen=True)
+@frozen
 class TrackEvent:
     """What happens to a track from one page to the next.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import operator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import ClassVar, Self
 
 import numpy as np
@@ -12,7 +12,7 @@ import numpy as np
 from cpm_core.model import starts as initialization
 from cpm_core.numerics import polyline
 from cpm_core.numerics.polyline import as_line
-from cpm_core.numerics.types import Array, Line, Place, Position
+from cpm_core.numerics.types import Array, Line, Place, Position, frozen
 from cpm_core.shapes.path import LARGEST, check_number
 
 SMALLEST_RADIUS = 1.0
@@ -55,7 +55,7 @@ class Round:
         return replace(self, radius=min(max(radius, SMALLEST_RADIUS), LARGEST))  # type: ignore[type-var]
 
 
-@dataclass(frozen=True)
+@frozen
 class Circle(Round):
     """Particles on a circle.
 
@@ -95,7 +95,7 @@ _ARM, _OUT = 1.25, 4.0
 """Distance of the rotation handle from the center: a multiple of the first radius, plus a number of px."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Ellipse:
     """Particles on an ellipse.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from cpm_app.model.volume.surface_section import boundary_in
 from cpm_core.field import RADIUS
 from cpm_core.numerics import Array, Position
 from cpm_core.numerics.polyline import as_line
-from cpm_core.numerics.types import Line, Sides
+from cpm_core.numerics.types import Line, Sides, frozen
 from cpm_core.shapes import (
     Barrier,
     Box,
@@ -47,7 +47,7 @@ _IN = 0.5
 """Distance from a slice up to which a place lies in it [voxels]."""
 
 
-@dataclass(frozen=True)
+@frozen
 class StartSection:
     """Where a slice cuts a start: a line or an area, with the handles and particles that the start has in the slice."""
 
@@ -77,7 +77,7 @@ class StartSection:
         return self.line.encloses(position)
 
 
-@dataclass(frozen=True)
+@frozen
 class RegionSection(Region):
     """Where a slice cuts a region of interest; `held` are its handles."""
 
@@ -88,7 +88,7 @@ class RegionSection(Region):
         return self.held
 
 
-@dataclass(frozen=True)
+@frozen
 class RegionElsewhere(Region):
     """A region of interest that a slice does not cut: nothing of the slice lies in it."""
 
@@ -108,7 +108,7 @@ class RegionElsewhere(Region):
         return math.inf
 
 
-@dataclass(frozen=True)
+@frozen
 class ChargeSection(WithoutOutline):
     """A charge that acts in a slice.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import TypeVar
@@ -42,7 +42,7 @@ from cpm_core.formats import (
 )
 from cpm_core.numerics import Position
 from cpm_core.numerics.polyline import as_line
-from cpm_core.numerics.types import Entries, Plain
+from cpm_core.numerics.types import Entries, Plain, frozen
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.parameters import shown
 
@@ -55,7 +55,7 @@ MOST_STEPS = 200_000
 T = TypeVar("T")
 
 
-@dataclass(frozen=True)
+@frozen
 class _Numbered:
     """A contour by its number, with a place that it passes."""
 

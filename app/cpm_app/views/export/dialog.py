@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Container
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -48,6 +47,7 @@ from cpm_app.views.window.dialogs import FileDialogs, ask_to_replace
 from cpm_core import Skeleton
 from cpm_core.formats import IN_SPACE, left_out
 from cpm_core.image import CONVENTIONS
+from cpm_core.numerics.types import frozen
 
 _KEY = "export/"
 FORMATS = _KEY + "formats"
@@ -63,7 +63,7 @@ _WIDTH = 430
 _SPACES = {"LPS": tr("Left, back, head (LPS), as in DICOM"), "RAS": tr("Right, front, head (RAS), as in NIfTI")}
 
 
-@dataclass(frozen=True)
+@frozen
 class Exportable:
     """What there is besides the scene: chosen objects and contours, done pages, the last step of the run.
 
