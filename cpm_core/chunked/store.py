@@ -13,8 +13,7 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.formats.common.atomic import write_together
-from cpm_core.formats.common.plain import Entries
-from cpm_core.numerics.types import frozen, record
+from cpm_core.numerics.types import Entries, frozen, record
 
 _SETTINGS = "settings.json"
 

@@ -6,7 +6,6 @@ import operator
 from collections.abc import Iterable, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from cpm_core.numerics.segments import distances_to_segments, nearest_distances, winds_around
 from cpm_core.numerics.types import Array, Index, Line, Mask, Position
@@ -31,9 +30,9 @@ def as_line(points: Array) -> Line:
     return tuple(map(tuple, points.tolist()))
 
 
-def owners(counts: ArrayLike) -> Index:
+def owners(counts: Sequence[int] | Index) -> Index:
     """Which of several things each of their parts is of, by how many parts each has."""
-    return np.repeat(np.arange(np.size(counts)), counts)
+    return np.repeat(np.arange(len(counts)), counts)
 
 
 def lengths_along(path: Array) -> Array:
