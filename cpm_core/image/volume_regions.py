@@ -102,24 +102,19 @@ class Walls:
 
 @compiled
 def _crossed(closed: Mask, start: Array, end: Array, out: Mask) -> None:
-    for i in range(len(start)):
-        out[i] = _meets_voxel(closed, row_of(start, i), row_of(end, i))
-
-
-@compiled
-def _meets_voxel(closed: Mask, a: Vector, b: Vector) -> bool:
-    """Whether a straight line meets a closed voxel."""
+    """Mark the straight lines that meet a closed voxel."""
     low, high = np.empty(3, np.int64), np.empty(3, np.int64)
-    for axis in range(3):
-        last = closed.shape[axis] - 1
-        low[axis] = min(max(int(np.floor(min(a[axis], b[axis]) + 0.5 - OFF)), 0), last)
-        high[axis] = min(max(int(np.floor(max(a[axis], b[axis]) + 0.5 + OFF)), 0), last)
-    for i in range(low[0], high[0] + 1):
-        for j in range(low[1], high[1] + 1):
-            for k in range(low[2], high[2] + 1):
-                if closed[i, j, k] and _enters(a, b, (float(i), float(j), float(k))):
-                    return True
-    return False
+    for n in range(len(start)):
+        a, b = row_of(start, n), row_of(end, n)
+        for axis in range(3):
+            last = closed.shape[axis] - 1
+            low[axis] = min(max(int(np.floor(min(a[axis], b[axis]) + 0.5 - OFF)), 0), last)
+            high[axis] = min(max(int(np.floor(max(a[axis], b[axis]) + 0.5 + OFF)), 0), last)
+        for i in range(low[0], high[0] + 1):
+            for j in range(low[1], high[1] + 1):
+                for k in range(low[2], high[2] + 1):
+                    if closed[i, j, k] and not out[n]:
+                        out[n] = _enters(a, b, (float(i), float(j), float(k)))
 
 
 @compiled
