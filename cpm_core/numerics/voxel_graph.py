@@ -118,18 +118,17 @@ def chains_of(lines: Mask) -> list[Chain]:
     centers = np.array([voxels[junction == k].mean(0) for k in range(count)]).reshape(-1, 3)
     neighbors = [row[row >= 0].tolist() for row in near]
     # every line is followed from its ends, then what is left: rings, and junctions without lines are no chains
-    used: set[int] = set()
-    chains = []
+    used, chains = set[int](), list[Chain]()
     plain = [k for k in range(len(voxels)) if junction[k] < 0]
     inner = {k: [n for n in neighbors[k] if junction[n] < 0] for k in plain}
     for start in (*(k for k in plain if len(inner[k]) < 2), *plain):
         if start in used:
             continue
         way, following = list[int](), start
-        while following is not None:
+        while following >= 0:
             way.append(following)
             used.add(following)
-            following = next((n for n in inner[way[-1]] if n not in used), None)
+            following = next((n for n in inner[following] if n not in used), -1)
         own = voxels[way]
         at = [next((int(junction[n]) for n in neighbors[end] if junction[n] >= 0), -1) for end in (way[0], way[-1])]
         if len(way) == 1:  # between two junctions, or at one

@@ -247,7 +247,13 @@ def _of_extruded(shape: Extruded, here: Slice) -> Iterator[Shape]:
     if shape.last <= shape.first:
         return
     other = 3 - here.axis - shape.axis
-    cuts = _crossings(shape, here, other)
+    # places along the other axis where the line lies in the slice, in order: a corner in the slice lies on one side of
+    # it, so that each side of the line is cut once or not at all
+    corners = shape.flat(shape.points).outline[:, :: 1 if here.axis < other else -1]
+    above = corners[:, 0] >= here.index
+    cut = above[1:] != above[:-1]
+    starts, way = corners[:-1][cut], np.diff(corners, axis=0)[cut]
+    cuts = sorted((starts[:, 1] + (here.index - starts[:, 0]) / way[:, 0] * way[:, 1]).tolist())
 
     def turned(*places: Position) -> Line:
         """Places along the range and the other axis, of which the first one runs down."""
@@ -262,17 +268,6 @@ def _of_extruded(shape: Extruded, here: Slice) -> Iterator[Shape]:
     else:
         for at in cuts:
             yield Barrier(turned((shape.first, at), (shape.last, at)))
-
-
-def _crossings(shape: Extruded, here: Slice, other: int) -> list[float]:
-    """Places along the other axis where the line lies in a slice, in order."""
-    corners = shape.flat(shape.points).outline[:, :: 1 if here.axis < other else -1]
-    # a corner in the slice lies on one side of it, so that each side of the line is cut once or not at all
-    above = corners[:, 0] >= here.index
-    cut = above[1:] != above[:-1]
-    begin, way = corners[:-1][cut], np.diff(corners, axis=0)[cut]
-    found: list[float] = sorted((begin[:, 1] + (here.index - begin[:, 0]) / way[:, 0] * way[:, 1]).tolist())
-    return found
 
 
 _ARM = 2.0
