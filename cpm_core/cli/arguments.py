@@ -91,6 +91,16 @@ _OPTIONS: dict[str, Entries] = {
         "the right, front and head (default: LPS)",
     },
     "--export": {"metavar": "PATH", "nargs": "+", "action": "extend", "default": []},
+    "--workers": {
+        "metavar": "N",
+        "type": whole_number,
+        "help": "processes to work in, each on one core (default: all)",
+    },
+    "--scheduler": {
+        "metavar": "ADDRESS",
+        "help": "work on a dask cluster that sees the same files; dask trusts its network, and whoever reaches the "
+        "scheduler can run programs on its workers",
+    },
 }
 """The options that several commands share; see `part_of` for those that choose a part of a file."""
 

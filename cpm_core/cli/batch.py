@@ -14,7 +14,7 @@ from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
-from cpm_core.cli.arguments import add, add_parameters, parameters_of, whole_number
+from cpm_core.cli.arguments import add, add_parameters, parameters_of
 from cpm_core.cli.output import IN_PART, StatusLine, announce_compilation, print_json, say, say_notes
 from cpm_core.cli.workers import Job, Row, elsewhere, here
 from cpm_core.formats import WRITABLE
@@ -43,16 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     add(parser, "images")
     add(parser, "--session", required=True)
-    where = parser.add_mutually_exclusive_group()
-    where.add_argument(
-        "--workers", metavar="N", type=whole_number, help="processes to work in, each on one core (default: all)"
-    )
-    where.add_argument(
-        "--scheduler",
-        metavar="ADDRESS",
-        help="work on a dask cluster that sees the same files; dask trusts its network, and whoever reaches the "
-        "scheduler can run programs on its workers",
-    )
+    add(parser.add_mutually_exclusive_group(), "--workers", "--scheduler")
     add_parameters(parser.add_argument_group("parameters (in place of those of the session)"))
     outcome = parser.add_argument_group("outcome")
     outcome.add_argument("--output", metavar="DIR", required=True, help="folder to write to; made if there is none")

@@ -34,6 +34,9 @@ SCHEMA_FILE = Path(__file__).with_name("outcome.schema.json")
 IN_PART = 1
 """Exit status when some of several images, pages or files could not be done, and the others were."""
 
+_LONG = 180.0
+"""Time from which minutes are counted [s]."""
+
 _REDRAW = 0.1
 """Time between two changes of a line of progress [s]."""
 
@@ -54,7 +57,7 @@ class StatusLine:
 
     def __init__(self) -> None:
         self._due = 0.0
-        self._began = time.monotonic()
+        self.begin("")
 
     def __enter__(self) -> StatusLine:
         return self
@@ -74,10 +77,15 @@ class StatusLine:
             self._due = now + _REDRAW
             self.show(f"step {state.step}  scale {state.scale}  particles {state.count}")
 
+    def begin(self, title: str) -> None:
+        """Count items of a kind from now on."""
+        self._title, self._began = f"{title}: " if title else "", time.monotonic()
+
     def count(self, done: int, total: int) -> None:
         """Show how many items are done, and about how long the others take."""
         left = (time.monotonic() - self._began) / done * (total - done)
-        self.show(f"{done} of {total}" + (f", about {left:.0f} s left" if left else ""))
+        time_left = f"{left:.0f} s" if left < _LONG else f"{left / 60.0:.0f} min"
+        self.show(f"{self._title}{done} of {total}" + (f", about {time_left} left" if left else ""))
 
     def say(self, sentence: str) -> None:
         """Print a sentence above the line."""

@@ -189,9 +189,9 @@ def gradient_threshold(values: ArrayLike, fraction: float = STRONG, smoothing: f
     return above(edge_map(values, smoothing), fraction)
 
 
-def above(strength: Array, fraction: float) -> Array:
-    """Pixels, shape (N, D), whose edge strength is above a fraction of the largest."""
-    return np.argwhere(strength > fraction * strength.max()).astype(float)
+def above(strength: Array, fraction: float, strongest: float | None = None) -> Array:
+    """Pixels, shape (N, D), whose edge strength is above a fraction of the largest, or of that of a larger image."""
+    return np.argwhere(strength > fraction * (strength.max() if strongest is None else strongest)).astype(float)
 
 
 def divergence_centers(values: ArrayLike, smoothing: float = 2.0, spacing: float = 4.0) -> Array:
