@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from copy import copy
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property, lru_cache
 from itertools import tee
 
@@ -24,7 +24,7 @@ from cpm_core.field.volume_field import pitch_of
 from cpm_core.image.image import Image
 from cpm_core.numerics.grids import Parts, parts_of
 from cpm_core.numerics.real_numbers import as_places
-from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.numerics.types import Array, Extent, Index, Mask, record
 from cpm_core.objects.prior.bodies import Body, BodyPrior, body_of, is_other
 from cpm_core.objects.prior.body_surface import body_surface
 from cpm_core.parameters.quotation import counted, described, sized
@@ -41,7 +41,7 @@ NO_SURFACE = Surface(np.empty((0, 3)), np.empty((0, 3), np.int64))
 """The surface of a volume in which nothing has run yet."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class VolumePartition:
     """A volume, with the bodies that closed surfaces cut it into.
 
@@ -75,7 +75,7 @@ class VolumePartition:
             )
 
     @property
-    def shape(self) -> tuple[int, ...]:
+    def shape(self) -> Extent:
         """Shape of the volume."""
         return self.image.shape
 
@@ -241,7 +241,7 @@ class VolumePartition:
         return described("VolumePartition", self.image.source, sized(self.shape, "voxels"))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class VolumeSelection:
     """A body that has been chosen by clicks in a volume, or several.
 

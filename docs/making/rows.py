@@ -88,7 +88,7 @@ ROWS = (
     Row("A library, with an example for every name", "`import cpm_core`",
         "tests/library/test_examples.py::test_the_examples_give_what_they_say"),
     Row("A plugin for napari", "`pip install '.[napari]'`",
-        "tests/e2e/test_napari.py::test_napari_reads_writes_and_runs_by_the_plugin_without_the_window"),
+        "tests/e2e/test_napari.py::test_napari_reads_writes_and_finds_by_the_plugin_without_the_window"),
     Row("It can be extended: formats, tools, layers, methods, parameters", "`ARCHITECTURE.md`",
         "tests/app/test_extending.py::test_a_method_is_a_class_that_the_window_runs_without_knowing_it"),
     Row("It installs from stated dependencies, under licenses that allow any use", "`pyproject.toml`",

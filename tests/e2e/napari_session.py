@@ -2,15 +2,13 @@
 
 import gc
 import json
-import os
 import sys
 from pathlib import Path
 
 import cpm_app.napari
 import napari
 import numpy as np
-from cpm_app.napari.widget import _find, find_contours
-from napari.layers import Image, Layer, Shapes
+from cpm_app.napari.widget import OBJECTS, RUN, FindWidget
 from npe2 import PluginManager, PluginManifest
 from qtpy.QtCore import QElapsedTimer, QEventLoop
 from qtpy.QtWidgets import QApplication
@@ -22,13 +20,13 @@ from tests.core.formats.drawn import RESULT
 gc.disable()  # on the thread of a run it would destroy what belongs to Qt
 
 FOLDER = Path(sys.argv[1])
-PICTURES = os.environ["QT_QPA_PLATFORM"] != "offscreen"
-"""Whether images can be shown, which takes OpenGL; without, the widget's function is given layers of no viewer."""
 
 
-def disk(side=64):
-    row, col = np.indices((side, side))
-    return np.where(np.hypot(row - 32, col - 32) < 18, 200.0, 20.0)
+def disks(*centers, radius=15):
+    """Disks, or balls, in an array just as large as it has to be."""
+    shape = np.max(centers, axis=0) + 24
+    places = np.moveaxis(np.indices(shape), 0, -1)
+    return 20.0 + 180.0 * np.any([np.linalg.norm(places - center, axis=-1) < radius for center in centers], axis=0)
 
 
 def wait(condition):
@@ -37,28 +35,23 @@ def wait(condition):
     clock.start()
     while not condition() and not clock.hasExpired(240_000):
         QApplication.processEvents(QEventLoop.ProcessEventsFlag.AllEvents, 50)
-    assert condition()
+    assert condition(), widget.said.value
 
 
-def run(values, corners, kind, scale, **settings):
-    """The layer that the widget finds from a shape on an image."""
-    image = Image(values, name="image", scale=scale)
-    start = Shapes([corners], shape_type=kind, name="start", ndim=values.ndim)
-    if not PICTURES:
-        found = []
-        worker = _find(image, start, **settings)
-        worker.returned.connect(found.append)
-        wait(lambda: bool(found))
-        return Layer.create(*found[0][0])
-    viewer.layers.clear()
-    viewer.add_layer(image)
-    viewer.add_layer(start)
-    widget.image.value, widget.start.value = image, start
-    for name, value in settings.items():
-        getattr(widget, name).value = value
-    widget()
-    wait(lambda: len(viewer.layers) == 3)
-    return viewer.layers[-1]
+def find(way, *, cancel=False, **chosen):
+    """Press the button, with these layers chosen and no others; what the widget says at the end."""
+    widget.way.value = way
+    for name in ("outside", "shapes", "objects"):
+        getattr(widget, name).value = chosen.get(name)
+    for name in {"image", "points"} & set(chosen):
+        getattr(widget, name).value = chosen[name]
+    widget.button.changed.emit(True)
+    if cancel:
+        wait(lambda: "Step" in widget.said.value)
+        assert "particles" in viewer.layers
+        widget.button.changed.emit(True)
+    wait(lambda: widget.button.text == "Find")
+    return widget.said.value
 
 
 manifest = PluginManifest.from_file(Path(cpm_app.napari.__file__).with_name("napari.yaml"))
@@ -83,20 +76,74 @@ for name in ("b.svg", "b.zip", "b.dxf", "b.json"):
     for found, drawn in zip(back, RESULT.contours, strict=False):
         assert np.linalg.norm(found.points[:, None] - drawn.points, axis=2).min(axis=1).max() < 0.01
 
-# a run from a circle that is drawn, on an image with pixels of its own size
-_, widget = viewer.window.add_plugin_dock_widget(manifest.name, "Find contours")
-assert isinstance(widget, type(find_contours()))
-circle = np.array([(12.0, 12.0), (12.0, 20.0), (20.0, 20.0), (20.0, 12.0)])
-found = run(disk(), circle, "ellipse", (0.5, 0.5))
-assert list(found.shape_type) == ["polygon"]
-np.testing.assert_allclose(np.hypot(*(found.data[0] - 32).T), 18, atol=1.0)
-np.testing.assert_allclose(found.scale, (0.5, 0.5))
+# what is missing is said in one sentence
+viewer.layers.clear()
+_, widget = viewer.window.add_plugin_dock_widget(manifest.name, "Find objects and contours")
+assert isinstance(widget, FindWidget)
+assert find(OBJECTS) == "Open an image first, or a volume."
+image = viewer.add_image(disks((30, 30), (30, 70), (70, 30)), name="image", scale=(0.5, 0.5), translate=(7, 3))
+assert "Add a layer of points" in find(OBJECTS)
+assert "Draw a shape" in find(RUN)
 
-# a surface from a line that is drawn in a slice of a volume
-ball = np.where(np.linalg.norm(np.stack(np.indices((28, 28, 28))) - 13.5, axis=0) < 8, 200.0, 20.0)
-square = np.array([(13, 10.0, 10.0), (13, 10.0, 17.0), (13, 17.0, 17.0), (13, 17.0, 10.0)])
-surface = run(ball, square, "polygon", (1.0, 1.0, 1.0), max_steps=150)
-assert type(surface).__name__ == "Surface"
+# objects at points, which lie in their own layer by its own scale; a further point in the same object gives no other
+inside = viewer.add_points([(22.0, 18.0), (23.0, 17.0), (22.0, 38.0)], name="inside")
+assert "image labels, image contours" in find(OBJECTS, points=inside)
+labels, contours = viewer.layers["image labels"], viewer.layers["image contours"]
+np.testing.assert_allclose(np.bincount(labels.data.ravel())[1:], np.pi * 15**2, rtol=0.03)
+assert labels.data[30, 30] == 1
+assert labels.data[30, 70] == 2
+assert contours.shape_type == ["polygon"] * 2
+for layer in (labels, contours):
+    np.testing.assert_allclose(layer.data_to_world((30, 30)), (22.0, 18.0))
+
+# the points correct the label that is selected, in its layer
+labels.selected_label = 2
+outside = viewer.add_points([(22.0, 18.0)], name="outside")
+labels.data = np.where(labels.data, 2, 0)  # both are one
+inside.data = [(22.0, 38.0)]
+find(OBJECTS, points=inside, outside=outside, objects=labels)
+assert labels.data[30, 30] == 0
+assert labels.data[30, 70] == 2
+labels.selected_label = 7
+assert "No pixel has the label 7" in find(OBJECTS, points=inside, objects=labels)
+
+# a box around an object
+inside.data = np.empty((0, 2))
+box = np.array([(34.0, 10.0), (34.0, 26.0), (50.0, 26.0), (50.0, 10.0)])
+boxes = viewer.add_shapes([box], shape_type="rectangle", name="boxes")
+assert widget.shapes.value is boxes  # it need not be chosen
+find(OBJECTS, points=inside, shapes=boxes)
+np.testing.assert_allclose(np.argwhere(labels.data).mean(axis=0), (70, 30), atol=0.5)
+
+# a run from a circle, and one from labels; the contour is where the edge is
+circle = viewer.add_shapes([np.add(box, 2)], shape_type="ellipse", name="circle")
+find(RUN, shapes=circle)
+np.testing.assert_allclose(np.hypot(*(viewer.layers["image contours"].data[0] - (70, 30)).T), 15, atol=1.0)
+find(RUN, objects=labels)
+np.testing.assert_allclose(np.hypot(*(viewer.layers["image contours"].data[0] - (70, 30)).T), 15, atol=1.0)
+widget.sliders[1].value = 1.9
+assert "w2 is 1.75 but must be above w1" in find(RUN, shapes=circle)
+
+# a volume: bodies at points, and a surface from a line in a slice
+viewer.layers.clear()
+volume = viewer.add_image(disks((20, 20, 20), radius=9), name="volume", scale=(2, 1, 1))
+inside = viewer.add_points([(40.0, 20.0, 20.0)], name="inside")
+find(OBJECTS, image=volume, points=inside)
+ball, surface = viewer.layers["volume labels"], viewer.layers["volume surface"]
+np.testing.assert_allclose((ball.data > 0).sum(), 4 / 3 * np.pi * 9**3, rtol=0.1)
+np.testing.assert_allclose(surface.data_to_world(surface.data[0].mean(axis=0)), (40, 20, 20), atol=1.0)
+outside = viewer.add_points([(50.0, 20.0, 20.0)], name="outside")
+find(OBJECTS, points=inside, outside=outside, objects=ball)
+assert ball.data[20, 20, 20]
+assert not ball.data[25, 20, 20]
+square = np.array([(40, 16.0, 16.0), (40, 16.0, 24.0), (40, 24.0, 24.0), (40, 24.0, 16.0)])
+line = viewer.add_shapes([square], shape_type="polygon", name="line")
+assert "objects are found at points" in find(OBJECTS, points=inside, shapes=line)
+assert find(RUN, shapes=line, cancel=True) == "Canceled."
+assert "particles" not in viewer.layers
+find(RUN, shapes=line)
+surface = viewer.layers["volume surface"]
+np.testing.assert_allclose(np.linalg.norm(surface.data[0] - 20, axis=1).mean(), 9, atol=0.5)
 assert surface.save(str(FOLDER / "ball.stl"), plugin=manifest.name)
 
 ours = sorted(name for name in sys.modules if name.startswith("cpm_app."))

