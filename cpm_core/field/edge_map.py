@@ -13,7 +13,6 @@ import scipy
 from numpy.typing import ArrayLike, DTypeLike, NDArray
 
 from cpm_core.image.denoising import Cleaned, clean, noise_level
-from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.grids import Window, around, gaussian_reach, in_bands, relative, smoothed_rows
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.real_numbers import checked_number, grid_of_numbers, real_numbers

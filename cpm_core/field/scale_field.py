@@ -331,9 +331,7 @@ def _pack(
 ) -> None:
     """Write `packed_force` in a part of a window of which the field is known."""
     grad, length = slopes(window), strength[window]
-    lorentz_force(
-        field, grad, magnitude(grad) if cut else length, strongest, packed, (inner[0].start, inner[1].start)
-    )
+    lorentz_force(field, grad, magnitude(grad) if cut else length, strongest, packed, (inner[0].start, inner[1].start))
     if cut:
         packed[..., 4] = length[inner]
 
@@ -435,7 +433,7 @@ def _write_force(
             c = corner[1] + m
             near = min(max((strength[i, c] / max(summit[c], least) - slope_at) / span, zero), one)
             near = near if summit[c] >= weakest else zero
-            scale = max(max(beside[c] * near, size[r, c]), tiny)
+            scale = max(beside[c] * near, size[r, c], tiny)
             f_y, f_x = kind(field[0, i, c]) / scale, kind(field[1, i, c]) / scale
             across, up = f_y * normal_y[r, c] + f_x * normal_x[r, c], slope[r, c] / max(steepest[c], least)
             across = (up if across * up < zero else across) * near
