@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial, reduce
 from typing import Any
 
@@ -18,7 +17,7 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 from cpm_core.numerics.grids import Window, around, in_bands, relative, sides_of
 from cpm_core.numerics.parallel import cores
 from cpm_core.numerics.real_numbers import checked_number
-from cpm_core.numerics.types import Array, Single
+from cpm_core.numerics.types import Array, Single, record
 
 _MOST_KEPT = 2**21
 """Pixels of an image up to which the spectra of its kernels are kept for the next image of the same size."""
@@ -139,7 +138,7 @@ _BEYOND = 3
 """Nodes beyond the image on each side, over which its outermost charges are spread."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class WindowedField:
     """The electric field of the fixed charges of a large image in any window of it.
 

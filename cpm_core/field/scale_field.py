@@ -262,7 +262,7 @@ def build_scale_field(
         values,
         strongest,
         charged,
-        _weakest_edge(strength if everywhere else strength[inside], strongest, edge_floor),
+        weakest_edge(strength if everywhere else strength[inside], strongest, edge_floor),
         smoothing,
         exponent,
         barrier_map,
@@ -318,7 +318,7 @@ def _packed(
     return np.stack([*force, *grad, length], axis=-1, dtype=np.float32)
 
 
-def _weakest_edge(strength: Array, strongest: float, edge_floor: float) -> float:
+def weakest_edge(strength: Array, strongest: float, edge_floor: float) -> float:
     """Least edge strength for edge contact, from the strength inside; see `build_scale_field`."""
     if strongest == 0.0:  # a coarse scale may have no pixel inside
         return np.inf

@@ -86,8 +86,12 @@ class PathTree:
         import shapely  # noqa: PLC0415 - takes long to load
 
         # GEOS knows no distance from a line without length
-        lines = [shapely.LineString(path) if (path != path[0]).any() else shapely.Point(path[0]) for path in paths]
-        self._lines = np.array(lines, dtype=object)
+        counts = np.array([len(path) for path in paths], int)
+        corners, first = np.concatenate([np.empty((0, 2)), *paths]), np.cumsum(counts) - counts
+        long = np.logical_or.reduceat((corners != np.repeat(corners[first], counts, axis=0)).any(axis=1), first)
+        self._lines = shapely.points(corners[first])
+        of = np.repeat(np.arange(long.sum()), counts[long])
+        self._lines[long] = shapely.linestrings(corners[np.repeat(long, counts)], indices=of)
         self._tree = shapely.STRtree(self._lines)
 
     def pairs(self, places: Array, reach: float) -> tuple[NDArray[np.intp], NDArray[np.intp], Array]:

@@ -151,7 +151,7 @@ def test_a_double_click_in_the_table_goes_to_the_contour_and_selects_it(window, 
     feature = window.feature(PagesFeature)
     table, review = feature.panel.table, window.workspace.review
     for row in reversed(range(table.model().rowCount())):
-        told = table.rows.items[table.row_at(table.model().index(row, 0))]
+        told = table.rows.items[row]
         table.scrollTo(table.model().index(row, 0))
         place = table.visualRect(table.model().index(row, 0)).center()
         hand.qtbot.mouseClick(table.viewport(), LEFT, pos=place)

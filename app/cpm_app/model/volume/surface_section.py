@@ -15,7 +15,8 @@ from cpm_app.model.volume.slices import Slice
 from cpm_core import Contour, Selection, Skeleton, Surface, VolumeSelection
 from cpm_core.contours import Measures, PackedBody, PackedVoxels, section_of
 from cpm_core.numerics import Array, Place, polyline
-from cpm_core.objects.segmented import Click, Line, SegmentedObject, SegmentedObjects
+from cpm_core.numerics.types import Line
+from cpm_core.objects.segmented import Click, SegmentedObject, SegmentedObjects
 
 _MOST, _MOST_OF_OBJECTS = 32, 256
 """Cuts that are kept: they are asked for again whenever the pointer moves, an edit leaves those of other objects."""
@@ -110,7 +111,7 @@ def holds(item: SegmentedObject, place: Place) -> bool:
     if any(isinstance(body, PackedVoxels) for body in item.surface):
         return bool(item.surface[0].part([round(at) for at in place], (1, 1, 1)).all())
     here = Slice(0, round(place[0]))
-    within = np.array([here.within(place)], dtype=float)
+    within = np.array([here.within(place)], float)
     lines = boundary_in(item.surface[0], here) if item.surface else ()
     return bool(sum(bool(polyline.inside(line, within)[0]) for line in lines) % 2)
 

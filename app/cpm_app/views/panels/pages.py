@@ -84,7 +84,7 @@ class PageTable(Table):
     @property
     def chosen(self) -> tuple[PageRow, ...]:
         """The selected rows."""
-        return tuple(self.rows.items[self.row_at(index)] for index in self.selectionModel().selectedRows())
+        return tuple(self.rows.items[index.row()] for index in self.selectionModel().selectedRows())
 
     def selectionChanged(self, selected: QItemSelection, deselected: QItemSelection) -> None:
         """Report that other rows are selected."""
@@ -100,7 +100,7 @@ class PageTable(Table):
 
     def _go(self, index: Index) -> None:
         if len(self.chosen) < 2:
-            self.wanted.emit(self.rows.items[self.row_at(index)])
+            self.wanted.emit(self.rows.items[index.row()])
 
 
 class PagePanel(QWidget):

@@ -17,7 +17,6 @@ from PySide6.QtCore import (
     QModelIndex,
     QPersistentModelIndex,
     QPoint,
-    QSortFilterProxyModel,
     Qt,
     QTimer,
     Signal,
@@ -44,6 +43,10 @@ from cpm_app.views.widgets.containers import ENTER, takes_key
 Row = TypeVar("Row")
 Index = QModelIndex | QPersistentModelIndex
 Role = Qt.ItemDataRole
+
+_RIGHT = Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
+_PLAIN = Qt.ItemFlag.ItemIsSelectable | Qt.ItemFlag.ItemIsEnabled
+_EDITABLE = _PLAIN | Qt.ItemFlag.ItemIsEditable
 
 NONE = "–"
 """Text of a cell without a value."""
@@ -122,7 +125,9 @@ class Column(Generic[Row]):
 
 
 class TableModel(QAbstractTableModel, Generic[Row]):
-    """Rows that are identified by the keys of their items: an update preserves selection, order and a name in work.
+    """Sorted rows, identified by the keys of their items: an update preserves the selection and a name in work.
+
+    It sorts them itself, by keys that are made once: Qt would ask for two in each comparison.
 
     Parameters
     ----------
@@ -147,6 +152,7 @@ class TableModel(QAbstractTableModel, Generic[Row]):
         self.columns = columns
         self.items: list[Row] = []
         self._key, self._look, self._rename = key, look, rename
+        self._by, self._order = 0, Qt.SortOrder.AscendingOrder
         self.unit, self.factor = "px", 1.0
 
     def key(self, row: int) -> Any:
@@ -156,25 +162,46 @@ class TableModel(QAbstractTableModel, Generic[Row]):
     def update(
         self, items: Iterable[Row], size: PixelSize | None, columns: Sequence[Column[Row]] | None = None
     ) -> None:
-        """Show these items, new ones at the end, with lengths in the unit of a size of a pixel."""
+        """Show these items, with lengths in the unit of a size of a pixel."""
         if size is not None:
             square = set(size.spacing) == {1.0}
             self.unit, self.factor = size.unit or ("px" if square else tr("units")), size.factor
         self.columns = columns or self.columns
-        present = {self._key(item): item for item in items}
+        wanted = self._sorted(items)
+        present = {self._key(item): item for item in wanted}
         gone = [row for row in range(len(self.items)) if self.key(row) not in present]
         for first, last in reversed([*_blocks(gone)]):
             self.beginRemoveRows(QModelIndex(), first, last)
             del self.items[first : last + 1]
             self.endRemoveRows()
-        self.items = [present.pop(self._key(item)) for item in self.items]
+        known = {*map(self._key, self.items)}
+        self._arrange([item for item in wanted if self._key(item) in known])
         if self.items:
             self.dataChanged.emit(self.index(0, 0), self.index(len(self.items) - 1, len(self.columns) - 1))
         self.headerDataChanged.emit(Qt.Orientation.Horizontal, 0, len(self.columns) - 1)
-        if present:
-            self.beginInsertRows(QModelIndex(), len(self.items), len(self.items) + len(present) - 1)
-            self.items += present.values()
+        for first, last in _blocks([row for row, item in enumerate(wanted) if self._key(item) not in known]):
+            self.beginInsertRows(QModelIndex(), first, last)
+            self.items[first:first] = wanted[first : last + 1]
             self.endInsertRows()
+
+    def _sorted(self, items: Iterable[Row]) -> list[Row]:
+        if self._by < 0:  # as they are given
+            return [*items]
+        return sorted(items, key=self.columns[self._by].sort_key, reverse=self._order == Qt.SortOrder.DescendingOrder)
+
+    def _arrange(self, items: list[Row]) -> None:
+        """Use other items of the same keys, in their order."""
+        now, before = {self._key(item): row for row, item in enumerate(items)}, [*map(self._key, self.items)]
+        if before == [*now]:
+            self.items = items
+            return
+        self.layoutAboutToBeChanged.emit()
+        marked = self.persistentIndexList()
+        self.items = items
+        self.changePersistentIndexList(
+            marked, [self.index(now[before[index.row()]], index.column()) for index in marked]
+        )
+        self.layoutChanged.emit()
 
     def unit_of(self, column: Column[Row]) -> str:
         """Unit of the numbers in a column, with a space before it; empty for what has none."""
@@ -200,18 +227,23 @@ class TableModel(QAbstractTableModel, Generic[Row]):
         return f"{with_keys(column.tip)}{self.unit_of(column)}" if role == Role.ToolTipRole else None
 
     def data(self, index: Index, role: int = Role.DisplayRole) -> Any:
-        """The text, sort key, alignment and look of a cell."""
+        """The text, alignment and look of a cell."""
         item, column = self.items[index.row()], self.columns[index.column()]
         match role:
             case Role.DisplayRole | Role.ToolTipRole:
                 return column.text(item, self.factor)
             case Role.EditRole:
                 return column.value(item)
-            case Role.UserRole:
-                return column.sort_key(item)
-            case Role.TextAlignmentRole if column.numeric:
-                return Qt.AlignmentFlag.AlignRight | Qt.AlignmentFlag.AlignVCenter
-        return self._look(item, role, column.name == "name")
+            case Role.TextAlignmentRole:
+                return _RIGHT if column.numeric else None
+            case Role.DecorationRole | Role.ForegroundRole | Role.FontRole:
+                return self._look(item, role, column.name == "name")
+        return None
+
+    def sort(self, column: int, order: Qt.SortOrder = Qt.SortOrder.AscendingOrder) -> None:
+        """Sort the rows by a column."""
+        self._by, self._order = column, order
+        self._arrange(self._sorted(self.items))
 
     def setData(self, index: Index, value: Any, role: int = Role.EditRole) -> bool:
         """Name an item."""
@@ -223,7 +255,7 @@ class TableModel(QAbstractTableModel, Generic[Row]):
     def flags(self, index: Index) -> Qt.ItemFlag:
         """Names can be edited."""
         editable = self._rename is not None and self.columns[index.column()].name == "name"
-        return super().flags(index) | (Qt.ItemFlag.ItemIsEditable if editable else Qt.ItemFlag.NoItemFlags)
+        return _EDITABLE if editable else _PLAIN
 
 
 class Table(QTableView):
@@ -237,9 +269,7 @@ class Table(QTableView):
         super().__init__(showGrid=False, wordWrap=False)
         self.rows = rows
         rows.setParent(self)
-        self._sorted = QSortFilterProxyModel(self, sortRole=Role.UserRole)
-        self._sorted.setSourceModel(rows)
-        self.setModel(self._sorted)
+        self.setModel(rows)
         self.setAccessibleName(name)
         self.setSelectionBehavior(QAbstractItemView.SelectionBehavior.SelectRows)
         self.setSortingEnabled(True)
@@ -251,6 +281,8 @@ class Table(QTableView):
         self.verticalHeader().setDefaultSectionSize(self.fontMetrics().height() + 8)
         header = self.horizontalHeader()
         header.setHighlightSections(False)
+        # With the selection of the table it would ask for each cell of each selected row whenever it is drawn.
+        header.setSelectionModel(QItemSelectionModel(rows, header))
         header.setDefaultAlignment(Qt.AlignmentFlag.AlignLeft | Qt.AlignmentFlag.AlignVCenter)
         header.setContextMenuPolicy(Qt.ContextMenuPolicy.CustomContextMenu)
         header.customContextMenuRequested.connect(self._open_menu)
@@ -267,16 +299,12 @@ class Table(QTableView):
     def column(self, name: str) -> list[str]:
         """The texts of a column, from top to bottom."""
         number = self.number(name)
-        return [str(self._sorted.index(row, number).data()) for row in range(self._sorted.rowCount())]
+        return [str(self.rows.index(row, number).data()) for row in range(len(self.rows.items))]
 
     def said(self, row: Any, column: Column[Any]) -> str:
         """The text of a column for a row, with its name and the unit; empty where there is none."""
         text = column.text(row, self.rows.factor)
         return f"{column.title} {text}{self.rows.unit_of(column)}" if text != NONE else ""
-
-    def row_at(self, index: Index) -> int:
-        """The row of the model in a row of the table."""
-        return self._sorted.mapToSource(index).row()
 
     def resizeEvent(self, event: QResizeEvent) -> None:
         """Show the columns for which there is room."""
@@ -348,7 +376,7 @@ class ItemTable(Table):
         self.setSelectionMode(QAbstractItemView.SelectionMode.ExtendedSelection)
         self.setEditTriggers(QAbstractItemView.EditTrigger.EditKeyPressed)
         self.setMouseTracking(True)
-        self.entered.connect(lambda index: self.hover(self._key(index)))
+        self.entered.connect(lambda index: self.hover(self.rows.key(index.row())))
         self.doubleClicked.connect(self._open)
 
     @property
@@ -390,13 +418,12 @@ class ItemTable(Table):
             return
         selection, name = QItemSelection(), self.number("name")
         rows = [row for row in range(len(self.rows.items)) if self.rows.key(row) in wanted]
-        places = sorted(self._sorted.mapFromSource(self.rows.index(row, 0)).row() for row in rows)
-        for first, last in _blocks(places):
-            selection.select(self._sorted.index(first, 0), self._sorted.index(last, len(self.rows.columns) - 1))
+        for first, last in _blocks(rows):
+            selection.select(self.rows.index(first, 0), self.rows.index(last, len(self.rows.columns) - 1))
         self._showing = True
         self.selectionModel().select(selection, QItemSelectionModel.SelectionFlag.ClearAndSelect)
         if rows and self.state() != QAbstractItemView.State.EditingState:
-            at = self._sorted.mapFromSource(self.rows.index(rows[0], name))
+            at = self.rows.index(rows[0], name)
             self.selectionModel().setCurrentIndex(at, QItemSelectionModel.SelectionFlag.NoUpdate)
             self.scrollTo(at)
         self._showing = False
@@ -448,11 +475,7 @@ class ItemTable(Table):
     def _marked(self) -> list[Any]:
         """Keys of the rows that Qt shows as selected; its `selectedRows` goes through all ranges for each row."""
         ranges = self.selectionModel().selection().toList()
-        rows = (row for one in ranges for row in range(one.top(), one.bottom() + 1))
-        return [self._key(self._sorted.index(row, 0)) for row in rows]
-
-    def _key(self, index: Index) -> Any:
-        return self.rows.key(self.row_at(index))
+        return [self.rows.key(row) for one in ranges for row in range(one.top(), one.bottom() + 1)]
 
     def _open(self, index: QModelIndex) -> None:
         if index.column() == self.number("name"):
@@ -463,7 +486,7 @@ class ItemTable(Table):
     def edit_name(self, row: int) -> None:
         """Edit the name in a row."""
         if row >= 0 and self.state() != QAbstractItemView.State.EditingState:
-            self.edit(self._sorted.index(row, self.number("name")))
+            self.edit(self.rows.index(row, self.number("name")))
 
 
 def wide_button(text: str, do: Callable[[], object] | None = None) -> QToolButton:
