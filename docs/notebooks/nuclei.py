@@ -34,8 +34,8 @@ for row in order[:3]:
 axes = result.plot(labels=True)
 
 # %% [markdown]
-# Clicks tell them apart. In Jupyter, with anywidget installed, click the two nuclei, and Shift-click what is wrong; each
-# line here is the same as a click.
+# Clicks tell them apart. In Jupyter, with anywidget installed, click the two nuclei, and Shift-click what is wrong;
+# each line here is the same as a click.
 
 # %%
 view = cpm.view(result)
