@@ -19,6 +19,7 @@ from cpm_core.model.plane import motion
 from cpm_core.model.plane.repulsion import mesh_force
 from cpm_core.model.starts import circle
 from cpm_core.model.volume.starts import sphere
+from cpm_core.numerics.types import Callback
 from cpm_core.objects.boundaries.crossings import crossings
 from cpm_core.objects.boundaries.snapping import snapped
 from cpm_core.objects.methods import CONTOUR_METHODS, Start, run_method
@@ -96,7 +97,7 @@ def _contours() -> Result:
     return engine.result(engine.start(circle((15.5, 15.5), 9.0)), _PARAMETERS)
 
 
-Part = Callable[[], object]
+Part = Callback
 
 FIRST: tuple[Part, ...] = (step_once, contours_once)
 """What a first run on an image needs."""

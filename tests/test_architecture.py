@@ -22,6 +22,7 @@ CORE_LIBRARIES = {"numpy", "scipy", "skimage", "numba", "llvmlite", "PIL", "tiff
 
 LATE_LIBRARIES = {
     "cpm_core.image.drawing": {"matplotlib"},
+    "cpm_core.objects.view": {"anywidget", "traitlets"},
     "cpm_core.objects.segmented.areas": {"shapely"},
     "cpm_core.objects.segmented.by_hand": {"shapely"},
     "cpm_core.numerics.segments": {"shapely"},
@@ -34,6 +35,9 @@ LATE_LIBRARIES = {
     "cpm_core.formats.images.dicom": {"pydicom", "imagecodecs"},
     "cpm_core.formats.images.raster": {"imagecodecs"},
     "cpm_core.cli.workers": {"distributed"},
+    "cpm_core.chunked.seams": {"shapely"},
+    "cpm_core.chunked.results": {"pyarrow"},
+    "cpm_core.formats.images.ome_zarr": {"zarr"},
     "cpm_core.formats.contours.dxf": {"ezdxf"},
     "cpm_core.formats.contours.geojson": {"shapely"},
     "cpm_core.formats.contours.svg": {"svgelements"},
@@ -57,6 +61,7 @@ FLOORS = (
     "cpm_core.shapes",
     "cpm_core.pages",
     "cpm_core.formats",
+    "cpm_core.chunked",
     "cpm_core.cli",
 )
 """Rooms of the core from the ground floor up: each imports itself and those before it."""

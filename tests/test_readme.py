@@ -71,7 +71,7 @@ def test_the_library_examples_work_as_they_stand(place, capsys, example):
     exec(compile(example, "example", "exec"), {})
     output = capsys.readouterr().out
     assert output.count("closed: True") == 5
-    assert "at rest" in output
+    assert "at rest" in output or "Engine" not in example
     assert (place / "rings.svg").exists()
 
 

@@ -1,16 +1,16 @@
-"""Makes the pictures of the window that README.md shows, from the real window on the samples.
+"""Makes the pictures of the window that the documentation shows, from the real window on the samples.
 
     python assets/screenshots/make_screenshots.py [NAME ...]
 
 All of them, or those named. Needs a display with room for a window of 1280 by 760, be it a virtual one;
-``QT_QPA_PLATFORM=offscreen`` does as well. Preferences of the person who runs it are neither read nor changed.
+``QT_QPA_PLATFORM=offscreen`` does as well. Your preferences are neither read nor changed.
 """
 
 from __future__ import annotations
 
 import sys
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -86,7 +86,7 @@ class Stand:
             self.window.actions_by_name[name].trigger()
 
     def settle(self) -> None:
-        """Wait until nothing goes on."""
+        """Wait until nothing is running."""
         session = self.window.session
         wait(lambda: session.idle and not session.status.busy)
 
@@ -96,12 +96,6 @@ class Stand:
         end = QDeadlineTimer(2000)
         wait(end.hasExpired)
         (widget or self.window).grab().save(str(HERE / f"{name}.png"))
-
-
-def midway(stand: Stand) -> None:
-    """Half of the U traced."""
-    stand.step_to(17)
-    stand.take("window")
 
 
 def rest(stand: Stand) -> None:
@@ -192,24 +186,6 @@ def trust(stand: Stand) -> None:
     stand.take("trust")
 
 
-def skeleton(stand: Stand) -> None:
-    """The middle of an artery, from thin to thick."""
-    stand.open("artery.png")
-    stand.do("mode_skeleton", "run")
-    session = stand.window.session
-    wait(lambda: session.scene.skeleton is not None and session.idle)
-    stand.take("skeleton")
-
-
-def vessels(stand: Stand) -> None:
-    """A tree of vessels in slices and in space, its surface found."""
-    stand.open("vessels.tif")
-    stand.run()
-    view = stand.window.feature(SpaceFeature).panel.view
-    wait(lambda: view.idle)
-    stand.take("vessels")
-
-
 STRUCTURES = {
     "lesion": (29.0, 45.0, 31.0),
     "left ventricle": (29.0, 28.0, 55.0),
@@ -219,7 +195,7 @@ STRUCTURES = {
 
 
 def head(stand: Stand) -> None:
-    """Three structures of a head: the last one as it is proposed, and all of them accepted, named and measured."""
+    """Three structures of a head, accepted, named and measured."""
     selection, listed = stand.window.workspace.object_selection, stand.window.workspace.object_list
     stand.open("head.tif")
     stand.window.session.edit("clear", edits.clear_shapes)
@@ -228,8 +204,6 @@ def head(stand: Stand) -> None:
         selection.click((place,))
         wait(lambda: selection.idle and bool(selection.proposals))
         stand.settle()
-        if category == len(STRUCTURES):
-            stand.take("head_click")
         listed.accept()
         stand.settle()
         listed.choose({listed.under(place)})
@@ -241,34 +215,37 @@ def head(stand: Stand) -> None:
 
 
 PICTURES: Mapping[str, Callable[[Stand], None]] = {
-    "window": midway,
     "rest": rest,
     "objects": objects,
     "steering": steering,
     "branches": branches,
     "trust": trust,
-    "skeleton": skeleton,
-    "vessels": vessels,
     "head": head,
 }
 
 
-def main(names: list[str]) -> None:
-    """Take the pictures, each of a window of its own."""
+def each_in_a_window(names: Iterable[str], size: tuple[int, int]) -> Iterator[tuple[str, Stand]]:
+    """Yield each name with a new window of this size, as it is at the very first start."""
     make_application()
     QStandardPaths.setTestModeEnabled(True)
     with tempfile.TemporaryDirectory() as folder:
-        for name in names or PICTURES:
+        for name in names:
             QSettings.setPath(QSettings.Format.IniFormat, QSettings.Scope.UserScope, str(Path(folder) / name))
             window = open_window()
-            window.resize(WIDTH, HEIGHT)
+            window.resize(*size)
             window.use_theme(theme.LIGHT)
             stand = Stand(window)
             stand.settle()
-            PICTURES[name](stand)
+            yield name, stand
             window.feature(OpenSaveFeature).document_file.forget()
             window.close()
             window.deleteLater()
+
+
+def main(names: list[str]) -> None:
+    """Take the pictures, each of a window of its own."""
+    for name, stand in each_in_a_window(names or PICTURES, (WIDTH, HEIGHT)):
+        PICTURES[name](stand)
 
 
 if __name__ == "__main__":

@@ -15,6 +15,7 @@ from cpm_core.formats import READABLE, WRITABLE, check_export
 from cpm_core.formats.sessions.session_file import SUFFIX
 from cpm_core.image.colors import CONTRAST, LUMINANCE
 from cpm_core.image.geometry import CONVENTIONS
+from cpm_core.numerics.types import Entries
 from cpm_core.parameters import DEFAULTS, PARAMETERS, PRESETS, Parameters
 from cpm_core.parameters.choices import CHOICES
 from cpm_core.parameters.quotation import shown
@@ -59,7 +60,7 @@ def places_in(numbers: Sequence[float], axes: int) -> tuple[tuple[float, ...], .
     return tuple(zip(*(numbers[axis::axes] for axis in range(axes)), strict=True))
 
 
-_OPTIONS: dict[str, dict[str, Any]] = {
+_OPTIONS: dict[str, Entries] = {
     "image": {"metavar": "IMAGE", "help": f"image ({', '.join(READABLE)})"},
     "images": {
         "metavar": "IMAGE",
@@ -90,6 +91,16 @@ _OPTIONS: dict[str, dict[str, Any]] = {
         "the right, front and head (default: LPS)",
     },
     "--export": {"metavar": "PATH", "nargs": "+", "action": "extend", "default": []},
+    "--workers": {
+        "metavar": "N",
+        "type": whole_number,
+        "help": "processes to work in, each on one core (default: all)",
+    },
+    "--scheduler": {
+        "metavar": "ADDRESS",
+        "help": "work on a dask cluster that sees the same files; dask trusts its network, and whoever reaches the "
+        "scheduler can run programs on its workers",
+    },
 }
 """The options that several commands share; see `part_of` for those that choose a part of a file."""
 
@@ -111,14 +122,14 @@ _SIZE = re.compile(rf"({_NUMBER}(?:x{_NUMBER}){{0,2}})(nm|um|µm|μm|mm|cm|m)")
 """Sizes of a pixel and their unit."""
 
 
-def part_of(arguments: argparse.Namespace, *, volume: bool = False, runs: bool = True) -> dict[str, Any]:
+def part_of(arguments: argparse.Namespace, *, volume: bool = False, runs: bool = True) -> Entries:
     """What `load_image` or `load_volume` takes in addition to the path.
 
     A channel that is a number, or that with the largest contrast, is chosen in reading. One that is named is a
     parameter of a run on an image, and is chosen in reading where the command `runs` nothing, or a volume.
     """
     given = {name: getattr(arguments, name) for name in ("page", "time", "series")}
-    part: dict[str, Any] = {name: as_number(text) for name, text in given.items() if text is not None}
+    part: Entries = {name: as_number(text) for name, text in given.items() if text is not None}
     if volume and "page" in part:
         raise ValueError(f"--page is {part['page']}, but a volume uses all pages of {arguments.image}: leave it out.")
     channel, in_reading = arguments.channel, volume or not runs

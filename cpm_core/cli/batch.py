@@ -1,4 +1,4 @@
-"""``cpm batch``: applies a session file to many images, whose files and table are written as each of them is done."""
+"""``cpm batch``: applies a session file to many images; the files of each are written as it is done."""
 
 from __future__ import annotations
 
@@ -10,14 +10,15 @@ import time
 from collections.abc import Callable, Generator, Iterable, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict, replace
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
-from cpm_core.cli.arguments import add, add_parameters, parameters_of, whole_number
+from cpm_core.cli.arguments import add, add_parameters, parameters_of
 from cpm_core.cli.output import IN_PART, StatusLine, announce_compilation, print_json, say, say_notes
 from cpm_core.cli.workers import Job, Row, elsewhere, here
 from cpm_core.formats import WRITABLE
-from cpm_core.formats.common.atomic import append, interrupts_put_off, write_together
+from cpm_core.formats.common.atomic import append, drafts_of, interrupts_put_off, remove_abandoned, write_together
 from cpm_core.formats.common.content import fingerprint, fingerprint_if_read
 from cpm_core.formats.common.printable import cell, printable, text_of_cell
 from cpm_core.formats.sessions.session_file import SessionFile, load_session
@@ -26,7 +27,13 @@ from cpm_core.parameters.quotation import counted, shown
 from cpm_core.shapes.document_shapes import starts_of
 
 NAME = "summary.csv"
-"""Name of the table in the folder of a batch."""
+"""Name of the table of images in the folder of a batch."""
+
+MEASURES = "measures.csv"
+"""Name of the table of all contours there, which joins those of the images."""
+
+WRITTEN = (".svg", f".{MEASURES}", ".png")
+"""Formats that are written unless others are asked for."""
 
 _LONGEST = 200
 """Longest part of an image's name that is taken into those of its files [bytes]."""
@@ -36,16 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of the command."""
     add(parser, "images")
     add(parser, "--session", required=True)
-    where = parser.add_mutually_exclusive_group()
-    where.add_argument(
-        "--workers", metavar="N", type=whole_number, help="processes to work in, each on one core (default: all)"
-    )
-    where.add_argument(
-        "--scheduler",
-        metavar="ADDRESS",
-        help="work on a dask cluster that sees the same files; dask trusts its network, and whoever reaches the "
-        "scheduler can run programs on its workers",
-    )
+    add(parser.add_mutually_exclusive_group(), "--workers", "--scheduler")
     add_parameters(parser.add_argument_group("parameters (in place of those of the session)"))
     outcome = parser.add_argument_group("outcome")
     outcome.add_argument("--output", metavar="DIR", required=True, help="folder to write to; made if there is none")
@@ -53,8 +51,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--export",
         metavar="SUFFIX",
         nargs="+",
-        default=["svg", "csv", "png"],
-        help=f"formats to write (default: svg csv png; of {', '.join(WRITABLE)})",
+        default=WRITTEN,
+        help=f"formats to write (default: svg {MEASURES}, whose tables are joined, png; of {', '.join(WRITABLE)})",
     )
     add(outcome, "--max-steps")
     outcome.add_argument("--again", action="store_true", help="do also what the summary says is done")
@@ -111,7 +109,8 @@ def run(arguments: argparse.Namespace) -> int:
             if not row.trouble:
                 print(f"{printable(row.image)}: {counted(int(str(row.facts['contours'])), 'contour')}")
         more = (f", {failed} failed" if failed else "") + (f", {lacking} without some files" if lacking else "")
-        print(printable(f"{counted(len(rows), 'image')} in {seconds:.1f} s{more}; wrote {output / NAME}"))
+        tables = f"{output / NAME}" + (f" and {output / MEASURES}" if WRITTEN[1] in suffixes else "")
+        print(printable(f"{counted(len(rows), 'image')} in {seconds:.1f} s{more}; wrote {tables}"))
     return IN_PART if failed or lacking else 0
 
 
@@ -168,30 +167,38 @@ class Batch:
         asked += [] if max_steps is None else [f"max_steps={max_steps}"]
         plain = Row("", session_sha256=fingerprint(source), settings=" ".join([*asked, f"export={','.join(suffixes)}"]))
         self._images, self._folder, self._suffixes = images, output, suffixes
+        remove_abandoned(output)
         self._earlier = _rows(output / NAME)
-        self.rows: dict[int, Row] = {} if again else dict(self._done_before(plain))
+        self.rows: dict[int, Row] = {} if again else self._done_before(plain)
         self.jobs = tuple(
             Job(number, replace(plain, image=image), str(Path(image).absolute()), session, parameters, max_steps,
                 suffixes)
             for number, image in enumerate(images) if number not in self.rows
         )  # fmt: skip
         self._stems = self._free_stems()
+        # a killed batch leaves no row of what it has replaced
+        replaced = {f"{stem}{suffix}".lower() for stem in self._stems.values() for suffix in suffixes}
+        self._earlier = [row for row in self._earlier if replaced.isdisjoint(name.lower() for name in row.files)]
 
-    def _done_before(self, plain: Row) -> Iterator[tuple[int, Row]]:
+    def _done_before(self, plain: Row) -> dict[int, Row]:
         """Rows of images that an earlier batch has done in the same way, and whose files are still there."""
+        way = attrgetter("session_sha256", "settings", "version", "trouble")
+        alike: dict[str, list[Row]] = {}
+        for row in self._earlier:
+            if way(row) == way(plain):
+                alike.setdefault(Path(row.image).name, []).append(row)
+        done: dict[int, Row] = {}
         for number, image in enumerate(self._images):
-            name = printable(Path(image).name)
-            alike = [
-                row for row in self._earlier
-                if Path(row.image).name == name and not row.trouble
-                and (row.session_sha256, row.settings, row.version)
-                == (plain.session_sha256, plain.settings, plain.version)
-                and all((self._folder / file).is_file() for file in row.files)
-            ]  # fmt: skip
-            sha256 = fingerprint_if_read(Path(image)) if alike else ""
-            for row in [row for row in alike if row.image_sha256 == sha256][:1]:
-                self._earlier.remove(row)
-                yield number, row
+            rows = alike.get(printable(Path(image).name), [])
+            sha256 = fingerprint_if_read(Path(image)) if rows else ""
+            for row in rows:
+                if row.image_sha256 == sha256 and all((self._folder / file).is_file() for file in row.files):
+                    done[number] = row
+                    rows.remove(row)
+                    break
+        known = set(map(id, done.values()))
+        self._earlier = [row for row in self._earlier if id(row) not in known]
+        return done
 
     def _free_stems(self) -> dict[int, str]:
         """File names without a suffix after the images of the jobs; none is of another image, or an image itself."""
@@ -200,16 +207,17 @@ class Batch:
         taken = {name.lower() for row in (*others, *self.rows.values()) for name in row.files}
         images = {Path(image).resolve() for image in self._images}
         stems: dict[int, str] = {}
+        tried: dict[str, int] = {}
         for job in self.jobs:
             first = f"{printable(Path(job.row.image).stem).encode()[:_LONGEST].decode(errors='ignore')}_contours"
-            for count in itertools.count(1):
+            for count in itertools.count(tried.get(first, 1)):
                 stem = first if count == 1 else f"{first}_{count}"
                 names = {f"{stem}{suffix}".lower() for suffix in self._suffixes}
                 if taken.isdisjoint(names) and images.isdisjoint(
                     (self._folder / f"{stem}{suffix}").resolve() for suffix in self._suffixes
                 ):
                     break
-            stems[job.number] = stem
+            stems[job.number], tried[first] = stem, count
             taken |= names
         return stems
 
@@ -226,29 +234,41 @@ class Batch:
         finally:
             self.rows = dict(sorted(self.rows.items()))
             self._write_table()
+        if WRITTEN[1] in self._suffixes:
+            self._write_measures()
 
     def _written(self, row: Row, stem: str) -> Row:
-        """Write all files of an image, or none; earlier rows of files that are replaced go first."""
+        """Write all files of an image, or none."""
         contents = {f"{stem}{suffix}": content for suffix, content in row.contents.items()}
-        replaced = {name.lower() for name in contents}
-        kept = [each for each in self._earlier if replaced.isdisjoint(name.lower() for name in each.files)]
         try:
-            if len(kept) < len(self._earlier):
-                self._earlier = kept
-                self._write_table()
             write_together([(self._folder / name, content) for name, content in contents.items()])
         except ValueError as trouble:
             row, contents = replace(row, trouble=str(trouble), facts={}), {}
         finished = time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())
         return replace(row, files=tuple(contents), contents={}, finished=finished)
 
-    def _write_table(self) -> None:
-        """Write the rows of this batch in its order, after earlier ones of other images."""
+    def _table(self) -> list[Row]:
+        """Rows of this batch in its order, after earlier ones of other images."""
         own = {printable(self._images[number]) for number in self.rows}
-        rows = [row for row in self._earlier if row.image not in own]
-        header = f"{','.join(_COLUMNS)}\n".encode()
-        rows += [row for _, row in sorted(self.rows.items())]
-        write_together([(self._folder / NAME, header + _lines(rows))])
+        return [row for row in self._earlier if row.image not in own] + [row for _, row in sorted(self.rows.items())]
+
+    def _write_table(self) -> None:
+        write_together([(self._folder / NAME, f"{','.join(_COLUMNS)}\n".encode() + _lines(self._table()))])
+
+    def _write_measures(self) -> None:
+        """Join the tables of measures of all images, one file at a time, with their columns and the image first."""
+        files = [self._folder / name for row in self._table() for name in row.files if name.endswith(WRITTEN[1])]
+        with drafts_of(self._folder / MEASURES) as (draft,), draft.open("w", encoding="utf-8", newline="") as stream:
+            heads = set()
+            for file in files:
+                with file.open(encoding="utf-8", newline="") as table:
+                    heads.add(tuple(next(csv.reader(table))))
+            columns = dict.fromkeys(["image", *itertools.chain.from_iterable(sorted(heads, key=len, reverse=True))])
+            joined = csv.DictWriter(stream, columns, restval="", lineterminator="\n")
+            joined.writeheader()
+            for file in files:
+                with file.open(encoding="utf-8", newline="") as table:
+                    joined.writerows(csv.DictReader(table))
 
 
 _SEPARATOR = "; "

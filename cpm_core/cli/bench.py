@@ -6,17 +6,16 @@ import argparse
 import os
 import platform
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from importlib.metadata import version
 from statistics import median
 from timeit import repeat
-from typing import Any
 
 import numpy as np
 
 from cpm_core.cli.output import print_json
 from cpm_core.model.starts import circle, uniform_grid
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Callback, Entries
 from cpm_core.parameters import PRESETS
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.evolve import segment
@@ -41,7 +40,7 @@ def run(arguments: argparse.Namespace) -> None:
         **{name: version(name) for name in ("numpy", "scipy", "scikit-image", "numba")},
     }
     values, repeats = _scene(2 if arguments.quick else 6), 1 if arguments.quick else 5
-    rows: list[dict[str, Any]] = []
+    rows: list[Entries] = []
     for what, work in _tasks(values):
         work()  # compiles
         rows.append({"what": what, "value": 1e3 * median(repeat(work, number=1, repeat=repeats)), "unit": "ms"})
@@ -61,7 +60,7 @@ def _scene(side: int) -> Array:
     return 50.0 + 150.0 * disks + np.random.default_rng(0).normal(0.0, 2.0, disks.shape)
 
 
-def _tasks(values: Array) -> Iterator[tuple[str, Callable[[], object]]]:
+def _tasks(values: Array) -> Iterator[tuple[str, Callback]]:
     """What is measured, and a function that does it once."""
     size, automatic = " x ".join(map(str, values.shape)), PRESETS["automatic"]
     grid = uniform_grid(values.shape)

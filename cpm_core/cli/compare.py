@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 
@@ -29,6 +29,7 @@ from cpm_core.formats.contour_file import CONTOURS_READABLE
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.image.colors import LUMINANCE
 from cpm_core.image.image import Image
+from cpm_core.numerics.types import Entries
 from cpm_core.objects.methods import (
     CONTOUR_METHODS,
     Compared,
@@ -172,7 +173,7 @@ def _image(arguments: argparse.Namespace, session: SessionFile, targets: Sequenc
 
 def _settings(
     arguments: argparse.Namespace, methods: Sequence[str], session: SessionFile, compared: Compared
-) -> dict[str, Any]:
+) -> Entries:
     """The settings of each of some methods: those of the comparison of a session, and what was set.
 
     Raises
@@ -181,10 +182,10 @@ def _settings(
         When a setting is of another form, of a method that is not compared, unknown, or out of its range.
     """
     ours = PRESETS[arguments.preset] if arguments.preset else session.parameters if arguments.session else None
-    found: dict[str, Any] = {
+    found: Entries = {
         name: ours if ours is not None and name in _OURS else compared.settings_of(name) for name in methods
     }
-    changes: dict[str, dict[str, Any]] = {}
+    changes: dict[str, Entries] = {}
     for text in arguments.set:
         place, equals, value = text.partition("=")
         method, dot, name = place.partition(".")

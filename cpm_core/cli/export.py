@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -42,6 +41,7 @@ from cpm_core.formats.sessions.recorded_run import shown_state
 from cpm_core.formats.sessions.session_file import SUFFIX, SessionFile, load_session
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.centerlines import Centerlines
+from cpm_core.numerics.types import Entries, Extent
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import counted
 from cpm_core.segmentation.engine import Engine
@@ -93,9 +93,9 @@ def run(arguments: argparse.Namespace) -> int:
     return report(arguments, {"source": str(source), "left_out": missing, **said}, [line], files)
 
 
-def _on_result(result: Result | Centerlines, source: Path) -> tuple[dict[str, Any], str]:
+def _on_result(result: Result | Centerlines, source: Path) -> tuple[Entries, str]:
     """The report on a result, as plain JSON and as a line."""
-    facts: dict[str, Any] = {"contours": len(result.contours), "closed": sum(one.closed for one in result.contours)}
+    facts: Entries = {"contours": len(result.contours), "closed": sum(one.closed for one in result.contours)}
     if isinstance(result, Centerlines):
         facts[ENTRY] = facts_on(result.source, result.provenance)
         return facts, f"{source.name}: {contours_of(result, 'center line')}"
@@ -165,7 +165,7 @@ def _in_volume(source: Path, arguments: argparse.Namespace) -> Result | Centerli
     return replace(empty, surface=surface, spacing=surface.spacing, unit=surface.unit)
 
 
-def _read(source: Path, image: Image | None, shape: tuple[int, ...]) -> Result:
+def _read(source: Path, image: Image | None, shape: Extent) -> Result:
     """A result without contours, of what has been read from a file."""
     name, spacing = (source.name, (1.0,) * len(shape)) if image is None else (image.source, image.spacing)
     unit = None if image is None or image.unit is None else known_unit(image.unit)

@@ -24,6 +24,7 @@ from cpm_core.formats import (
 from cpm_core.formats.contour_file import plane_of, read_contours
 from cpm_core.formats.ground_truth_file import load_truth, load_volume_truth
 from cpm_core.formats.images.dicom import is_series
+from cpm_core.formats.images.ome_zarr import is_zarr
 from cpm_core.formats.sessions.session_file import SessionFile, find_image, load_session, part_for
 from cpm_core.image.colors import LUMINANCE_NOTE
 from cpm_core.image.image import Image
@@ -69,7 +70,7 @@ def only_image(given: str) -> str:
 
 
 def _in_folder(folder: Path) -> list[str]:
-    if is_series(folder):
+    if is_series(folder) or is_zarr(folder):
         return [str(folder)]
     try:
         inside = [entry for entry in folder.iterdir() if entry.suffix.lower() in READABLE and entry.is_file()]
@@ -118,7 +119,7 @@ def fitted(image: Image, parameters: Parameters, *, scales: bool = True) -> Para
 
 def with_room(parameters: Parameters, image: Image) -> tuple[Parameters, tuple[str, ...]]:
     """Parameters with as many scales as an image has room for, and a note where that changes them."""
-    fit = fitting(parameters, image)
+    fit = fitting(parameters, image.shape)
     return fit, () if fit == parameters else (f"The image is small: scales is set to {fit.scales}.",)
 
 

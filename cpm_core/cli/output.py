@@ -10,7 +10,7 @@ import argparse
 import json
 import sys
 import time
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -21,6 +21,7 @@ from cpm_core.formats.common.printable import printable
 from cpm_core.formats.common.provenance import VERSION
 from cpm_core.image.image import Image
 from cpm_core.model.state import State
+from cpm_core.numerics.types import Plain
 from cpm_core.parameters.quotation import counted
 from cpm_core.warm_up import FIRST, is_compiled, warm_up
 
@@ -32,6 +33,9 @@ SCHEMA_FILE = Path(__file__).with_name("outcome.schema.json")
 
 IN_PART = 1
 """Exit status when some of several images, pages or files could not be done, and the others were."""
+
+_LONG = 180.0
+"""Time from which minutes are counted [s]."""
 
 _REDRAW = 0.1
 """Time between two changes of a line of progress [s]."""
@@ -53,7 +57,7 @@ class StatusLine:
 
     def __init__(self) -> None:
         self._due = 0.0
-        self._began = time.monotonic()
+        self.begin("")
 
     def __enter__(self) -> StatusLine:
         return self
@@ -73,10 +77,15 @@ class StatusLine:
             self._due = now + _REDRAW
             self.show(f"step {state.step}  scale {state.scale}  particles {state.count}")
 
+    def begin(self, title: str) -> None:
+        """Count items of a kind from now on."""
+        self._title, self._began = f"{title}: " if title else "", time.monotonic()
+
     def count(self, done: int, total: int) -> None:
         """Show how many items are done, and about how long the others take."""
         left = (time.monotonic() - self._began) / done * (total - done)
-        self.show(f"{done} of {total}" + (f", about {left:.0f} s left" if left else ""))
+        time_left = f"{left:.0f} s" if left < _LONG else f"{left / 60.0:.0f} min"
+        self.show(f"{self._title}{done} of {total}" + (f", about {time_left} left" if left else ""))
 
     def say(self, sentence: str) -> None:
         """Print a sentence above the line."""
@@ -120,14 +129,12 @@ class Files:
         self.written += [path for path in dict.fromkeys(paths) if str(Path(path)) not in known]
 
 
-def print_json(arguments: argparse.Namespace, facts: Mapping[str, Any]) -> None:
+def print_json(arguments: argparse.Namespace, facts: Plain) -> None:
     """Print the outcome of a command as one JSON object."""
     print(json.dumps({"command": arguments.name, "schema": SCHEMA, "version": VERSION, **facts}))
 
 
-def report(
-    arguments: argparse.Namespace, facts: Mapping[str, Any], lines: Iterable[str], files: Files, advice: str = ""
-) -> int:
+def report(arguments: argparse.Namespace, facts: Plain, lines: Iterable[str], files: Files, advice: str = "") -> int:
     """Print the outcome of a command as JSON, or as sentences with the files that were written; its exit status.
 
     Sentences say first what is not written, with `advice`. ValueError when nothing is.

@@ -5,10 +5,9 @@ from __future__ import annotations
 import argparse
 import re
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -29,7 +28,7 @@ from cpm_core.formats import load_pages
 from cpm_core.formats.stack_files import export_stack
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Entries, Plain
 from cpm_core.pages.follow import fitting, follow
 from cpm_core.pages.objects import follow_objects
 from cpm_core.pages.page import Page, StackResult
@@ -41,12 +40,12 @@ from cpm_core.segmentation.evolve import segment
 def run_pages(
     arguments: argparse.Namespace,
     path: Path,
-    part: Mapping[str, Any],
+    part: Plain,
     parameters: Parameters,
     seeds: Callable[[Image], Array],
     *,
     places: Sequence[Sequence[tuple[float, ...]]],
-    drawn: tuple[Mapping[str, Any], ...],
+    drawn: tuple[Plain, ...],
     regions: AnyRegions | None,
     charges: Sequence[PlacedCharge],
 ) -> int:
@@ -74,10 +73,10 @@ def run_pages(
     announce_compilation()
     began = time.perf_counter()
     found: list[Page] = []
-    limits: dict[str, Any] = {"max_steps": arguments.max_steps, "regions": regions, "charges": charges}
+    limits: Entries = {"max_steps": arguments.max_steps, "regions": regions, "charges": charges}
 
     def found_on(image: Image) -> Result:
-        return segment(image, seeds(image), fitting(parameters, image), **limits)
+        return segment(image, seeds(image), fitting(parameters, image.shape), **limits)
 
     if places[0]:
         runs = follow_objects(pages, found_on, np.array(places[0]), np.array(places[1]), numbers)
@@ -127,11 +126,11 @@ def numbers_of_pages(given: str, count: int, name: str) -> list[int]:
 
 
 def _report(arguments: argparse.Namespace, found: StackResult, files: Files, seconds: float) -> int:
-    plain: list[dict[str, Any]] = []
+    plain: list[Entries] = []
     lines: list[str] = []
     said: list[str] = []
     for page in found.pages:
-        facts: dict[str, Any] = {}
+        facts: Entries = {}
         if page.result is not None:
             facts = facts_of_run(page.result, 0.0)
             del facts["seconds"]  # that of one page is not known

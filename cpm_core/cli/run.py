@@ -35,6 +35,7 @@ from cpm_core.cli.inputs import (
     starts_from_file,
     truth_for,
 )
+from cpm_core.cli.large import is_large, run_large
 from cpm_core.cli.output import (
     Files,
     StatusLine,
@@ -123,6 +124,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parameters = parser.add_argument_group("parameters")
     add(parameters, "--preset", help="named settings (default: the publication's values, or the session's)")
     add_parameters(parameters)
+    where = parser.add_argument_group("where an image of OME-Zarr is run, which --auto does chunk by chunk")
+    add(where.add_mutually_exclusive_group(), "--workers", "--scheduler")
     outcome = parser.add_argument_group("outcome")
     add(outcome, "--max-steps")
     add(outcome, "--space")
@@ -162,6 +165,9 @@ def run(arguments: argparse.Namespace) -> int:
     part = part_of(arguments, volume=volume)
     parameters = parameters_of(arguments, PRESETS[preset] if preset else session.parameters)
     path, reading = image_of(arguments.image, session, arguments.session)
+    if is_large(arguments, path):
+        return run_large(arguments, path, reading | part, parameters)
+    refuse(arguments, ("scheduler", "workers"), "images in folders of Zarr that are run everywhere, by --auto")
     if arguments.pages is None:
         check_exports(arguments.export, arguments, path)
         return _run_image(arguments, session, path, reading | part, parameters, drawn)

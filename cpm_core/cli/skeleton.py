@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import time
-from typing import Any
 
 from cpm_core.cli.arguments import (
     EXPORTED,
@@ -22,6 +21,7 @@ from cpm_core.formats.common.provenance import ENTRY, facts_of, facts_on
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.medial_axis.skeleton_method import skeleton
+from cpm_core.numerics.types import Entries
 from cpm_core.parameters import PRESETS
 
 _PARAMETERS = (
@@ -84,11 +84,11 @@ def run(arguments: argparse.Namespace) -> int:
     return report(arguments, *_outcome(found, seconds), files)
 
 
-def _outcome(found: Skeleton | Centerlines, seconds: float) -> tuple[dict[str, Any], list[str]]:
+def _outcome(found: Skeleton | Centerlines, seconds: float) -> tuple[Entries, list[str]]:
     """The report on a skeleton, or of center lines in a volume, as values by name and as sentences."""
     if isinstance(found, Centerlines):
         lengths, unit = found.lengths.tolist(), found.unit or "voxels"
-        facts: dict[str, Any] = {"unit": found.unit, ENTRY: facts_on(found.source, found.provenance)}
+        facts: Entries = {"unit": found.unit, ENTRY: facts_on(found.source, found.provenance)}
         first = contours_of(found, "center line")
     else:
         lengths, unit = [contour.length for contour in found.contours], "px"

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import logging
 import multiprocessing
+import os
 import signal
+import threading
 import time
 from asyncio import CancelledError
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -193,42 +195,83 @@ def _in_processes(
 
 
 def _begin(use: int) -> None:
-    """Let a new process use so many cores."""
+    """Let a new process use so many cores, and end when the one that has started it is killed."""
     at_most(use).__enter__()
+    parent = multiprocessing.parent_process()
+
+    def end_with_parent() -> None:
+        if parent is not None:
+            parent.join()
+            os._exit(1)
+
+    threading.Thread(target=end_with_parent, daemon=True).start()
 
 
 def elsewhere(jobs: Sequence[Job], address: str) -> Generator[tuple[Job, Row], None, None]:
     """Do jobs on the workers of a dask scheduler, which must see the same files under the same names.
 
+    ValueError as for `cluster`.
+    """
+    waiting = dict(enumerate(jobs))
+    with cluster(address) as client:
+        try:
+            for at, future in finished(client, do, jobs):
+                job, failure = waiting.pop(at), future.exception()
+                yield job, future.result() if failure is None else replace(job.row, trouble=f"{_DIED} ({failure})")
+        except (Exception, CancelledError) as error:  # whatever dask raises when its scheduler has gone
+            _LOG.info("%s: %s", type(error).__name__, error)
+            gone = f"The scheduler at {address} has gone; start it again, and the same command."
+            yield from ((job, replace(job.row, trouble=gone)) for job in waiting.values())
+
+
+@contextmanager
+def cluster(address: str | None, workers: int | None = None) -> Iterator[Any]:
+    """Give a client of the dask scheduler at an address, or of one with workers of its own, by default one a core.
+
     ValueError when dask is not installed, or no scheduler answers at the address.
     """
     try:
-        from distributed import Client, as_completed
+        from distributed import Client, LocalCluster
     except ImportError:
         raise ValueError(
-            "--scheduler needs the package distributed, which is not installed: install it "
-            '(pip install "cpm-particles[scale]"), or use --workers.'
+            "This needs the package distributed, which is not installed: install it "
+            '(pip install "cpm-particles[scale]").'
         ) from None
+    with ExitStack() as stack:
+        try:
+            local = address or stack.enter_context(
+                LocalCluster(
+                    workers or cores(),
+                    threads_per_worker=1,
+                    memory_limit=0,
+                    dashboard_address=None,
+                    silence_logs=logging.ERROR,
+                )
+            )
+            client = Client(local, timeout=10)
+        except (OSError, ValueError, TimeoutError) as error:
+            raise ValueError(f'--scheduler is "{address}" but no scheduler answers there: {error}.') from error
+        try:
+            yield client
+        finally:
+            with suppress(Exception, CancelledError):
+                client.close(timeout=5)
+
+
+def finished(
+    client: Any, function: Callable[[Any], Any], jobs: Sequence[Any]
+) -> Generator[tuple[int, Any], None, None]:
+    """Apply a function to jobs on the workers of a client: the index of each and its future, as they are done.
+
+    When a worker dies, dask does what it was doing again on another one.
+    """
+    from distributed import as_completed
+
+    waiting = {future: at for at, future in enumerate(client.map(function, jobs, pure=False))}
     try:
-        client = Client(address, timeout=10)
-    except (OSError, ValueError, TimeoutError) as error:
-        raise ValueError(f'--scheduler is "{address}" but no scheduler answers there: {error}.') from error
-    waiting: dict[Any, Job] = {}
-    try:
-        futures = client.map(do, jobs, pure=False)
-        waiting = dict(zip(futures, jobs, strict=True))
-        for future in as_completed(futures):
-            job, failure = waiting[future], future.exception()
-            row = future.result() if failure is None else replace(job.row, trouble=f"{_DIED} ({failure})")
-            del waiting[future]
+        for future in as_completed(list(waiting)):
+            yield waiting.pop(future), future
             future.release()  # dask keeps all that is referred to
-            yield job, row
-    except (Exception, CancelledError) as error:  # whatever dask raises when its scheduler has gone
-        _LOG.info("%s: %s", type(error).__name__, error)
-        gone = f"The scheduler at {address} has gone; start it again, and the same command."
-        yield from ((job, replace(job.row, trouble=gone)) for job in waiting.values())
     finally:
         with suppress(Exception, CancelledError):
             client.cancel(list(waiting))
-        with suppress(Exception, CancelledError):
-            client.close(timeout=5)

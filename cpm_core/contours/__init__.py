@@ -15,7 +15,6 @@ from cpm_core.contours.ground_truth import truth_of_contours as truth_of_contour
 from cpm_core.contours.ground_truth import truth_of_mask as truth_of_mask
 from cpm_core.contours.hand_edits import HandEdit as HandEdit
 from cpm_core.contours.hand_edits import Kind as Kind
-from cpm_core.contours.hand_edits import Path as Path
 from cpm_core.contours.measurements import Measures as Measures
 from cpm_core.contours.measurements import centroid as centroid
 from cpm_core.contours.packed_surface import PackedBody as PackedBody
@@ -36,4 +35,5 @@ from cpm_core.contours.review import with_kept as with_kept
 from cpm_core.contours.surface import alone as alone
 from cpm_core.contours.surface import inside_of as inside_of
 from cpm_core.contours.surface import numbered as numbered
+from cpm_core.contours.surface import section_of as section_of
 from cpm_core.contours.surface import surfaces_joined as surfaces_joined

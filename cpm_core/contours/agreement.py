@@ -19,7 +19,7 @@ from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.rasterize import inside, paint
 from cpm_core.numerics.real_numbers import checked_number
 from cpm_core.numerics.segments import SegmentTree
-from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.numerics.types import Array, Index, Mask, record
 from cpm_core.parameters.quotation import described
 
 TOLERANCE = 2.0
@@ -52,7 +52,7 @@ class ObjectCounts:
         return self.found / count if count else 1.0
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Agreement:
     """Agreement of the boundaries a with the boundaries b.
 
@@ -91,7 +91,7 @@ class Agreement:
         return 2.0 * self.recall * self.precision / both if both > 0.0 else 0.0
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Comparison(Agreement):
     """Agreement of contours, a, with the boundaries b of a ground truth, and of the enclosed areas.
 
@@ -213,7 +213,7 @@ def compare(
 
 def distance_to(points: Array, contours: Sequence[Contour]) -> Array:
     """Distance, shape (N,), of points, shape (N, 2), to the nearest line of some contours [px]; infinite if none."""
-    return _Boundary(contours).tree.distances(np.asarray(points, dtype=float))
+    return _Boundary(contours).tree.distances(np.asarray(points, float))
 
 
 class _Boundary:

@@ -13,7 +13,7 @@ import numpy as np
 
 from cpm_core.numerics import polyline
 from cpm_core.numerics.segments import PathTree
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, record
 from cpm_core.parameters.quotation import counted, described, shown
 
 SAMPLING = 0.25
@@ -42,7 +42,7 @@ def check_color(what: str, color: str) -> None:
         )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Label:
     """What the object with a number is called, and its color, ``"#rrggbb"``; either may be empty."""
 
@@ -55,7 +55,7 @@ class Label:
         check_color("a label", self.color)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Contour:
     """A polygonal curve through particles.
 
@@ -174,7 +174,7 @@ class Contour:
         return described("Contour", self.name, kind, f"{self.length:,.1f} px{around}", vertices)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Bridge:
     """A closed gap in an edge: a stretch of a contour without particles.
 

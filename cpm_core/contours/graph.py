@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
@@ -13,7 +12,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.numerics.grids import parts_joined
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.polyline import length, lengths_along
-from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.numerics.types import Array, Index, Mask, record
 
 
 class Graph:
@@ -232,7 +231,7 @@ class Graph:
         return tuple(sorted(found, key=lambda contour: -contour.length))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Ways:
     """Paths between ends and junctions, then cycles: every edge of a graph once.
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -16,7 +16,7 @@ from cpm_core.contours.rasterize import inside, paint
 from cpm_core.contours.surface import Surface, surface_of_labels
 from cpm_core.image import drawing
 from cpm_core.numerics.real_numbers import real_numbers, voxel_sides
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Extent, Sides, record
 from cpm_core.parameters.quotation import counted, described, sized
 
 Labels = NDArray[np.int32]
@@ -34,7 +34,7 @@ class _Labeled:
     labels: Labels
 
     @property
-    def shape(self) -> tuple[int, ...]:
+    def shape(self) -> Extent:
         """Shape of the image or volume."""
         return self.labels.shape
 
@@ -46,7 +46,7 @@ class _Labeled:
         return np.asarray(scipy.ndimage.label(self.labels)[0], np.int32)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Truth(_Labeled, drawing.Pictured):
     """The true objects and boundaries of an image.
 
@@ -152,7 +152,7 @@ def labels_of(values: NDArray[np.generic], source: str) -> Labels:
         levels, index = np.unique(values, return_inverse=True)
         labels = index.reshape(values.shape).astype(np.int32)
     if len(levels) > 8:
-        span = (np.asarray(values, dtype=np.float64) - float(levels[0])) / (float(levels[-1]) - float(levels[0]))
+        span = (np.asarray(values, np.float64) - float(levels[0])) / (float(levels[-1]) - float(levels[0]))
         if np.minimum(span, 1.0 - span).max() < _CLEAR:  # black and white from a lossy format
             labels = (span > 0.5).astype(np.int32)
     if len(levels) < 2:
@@ -189,7 +189,7 @@ def _between(labels: Labels) -> tuple[Contour, ...]:
     return Graph(0.5 * np.stack(np.divmod(used, width), axis=1), edges.reshape(-1, 2).astype(np.int64)).contours()
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class VolumeTruth(_Labeled):
     """The true objects of a volume.
 
@@ -223,7 +223,7 @@ class VolumeTruth(_Labeled):
     """
 
     labels: Labels
-    spacing: tuple[float, ...] = (1.0, 1.0, 1.0)
+    spacing: Sides = (1.0, 1.0, 1.0)
     unit: str | None = None
     source: str = "ground truth"
     boundary: Surface | None = None

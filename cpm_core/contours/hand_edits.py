@@ -19,13 +19,10 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.polygonal_line import PolygonalLine, joined, ring
 from cpm_core.contours.review import REACH
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Position
+from cpm_core.numerics.types import Array, Line, Position
 
 Kind = Literal["cut", "deletion", "redrawing", "join", "extension", "line", "outline"]
 """What an edit does, by what it removes and adds."""
-
-Path = tuple[Position, ...]
-"""Places (row, col) along a line [px]."""
 
 _CLOSEST = (1.0, 2.0, REACH)
 """Distances within which a stretch that was removed is looked for, the first one that finds any [px]."""
@@ -69,11 +66,11 @@ class HandEdit:
         When it changes nothing, or a piece has too few vertices.
     """
 
-    removed: Path = ()
-    added: Path = ()
+    removed: Line = ()
+    added: Line = ()
     closed: bool = False
-    before: Path = ()
-    after: Path = ()
+    before: Line = ()
+    after: Line = ()
 
     def __post_init__(self) -> None:
         if not self.removed and not self.added:
@@ -127,7 +124,7 @@ def apply(contours: Sequence[Contour], edits: Sequence[HandEdit]) -> tuple[tuple
 # Removing
 
 
-def _removed(lines: list[PolygonalLine], stretch: Path) -> tuple[list[PolygonalLine], bool]:
+def _removed(lines: list[PolygonalLine], stretch: Line) -> tuple[list[PolygonalLine], bool]:
     """The lines cut at a place, or without a stretch; and whether a line was found there."""
     if len(stretch) == 1:
         return _cut(lines, stretch[0])
@@ -233,7 +230,7 @@ def _up_to(lines: list[PolygonalLine], tie: _Tie) -> PolygonalLine:
     return line.part(0.0, tie.along) if tie.at_last else line.part(tie.along, line.length).reversed()
 
 
-def _tie(lines: list[PolygonalLine], piece: Array, behind: Path) -> _Tie | None:
+def _tie(lines: list[PolygonalLine], piece: Array, behind: Line) -> _Tie | None:
     """The line that a piece continues from its first vertex, if there is one."""
     row, col = piece[0].tolist()
     found: list[tuple[float, _Tie]] = []

@@ -205,22 +205,19 @@ def moments(path: Array) -> Array:
 def _net_areas(contours: Sequence[Contour], around: Sequence[int | None]) -> Array:
     """Areas without those of the contours inside, shape (N,) [px²]."""
     net = np.array([contour.area for contour in contours])
-    for index, (contour, outer) in enumerate(zip(contours, around, strict=True)):
-        if outer is not None and not (contour.hole and _is_covered(contours, around, index)):
+    for contour, outer in zip(contours, around, strict=True):
+        larger = (
+            other
+            for other, its in zip(contours if contour.hole else (), around, strict=False)
+            if its == outer and other.closed and not other.hole and other.area > contour.area
+        )
+        # another object in the same one may reach beyond a hole on all sides and take its area, too
+        covered = any(inside(other.points, middles(contour.path, _PROBES)).mean() > 0.5 for other in larger)
+        if outer is not None and not covered:
             net[outer] -= contour.area
     net[[contour.hole for contour in contours]] = 0.0
     np.maximum(net, 0.0, out=net)  # contours may share a stretch of edge and overlap there
     return net
-
-
-def _is_covered(contours: Sequence[Contour], around: Sequence[int | None], hole: int) -> bool:
-    """Whether another object that lies in the same one reaches beyond a hole on all sides and takes its area, too."""
-    probes = middles(contours[hole].path, _PROBES)
-    return any(
-        outer == around[hole] and other.closed and not other.hole and other.area > contours[hole].area
-        and inside(other.points, probes).mean() > 0.5
-        for other, outer in zip(contours, around, strict=True)
-    )  # fmt: skip
 
 
 def containment(contours: Sequence[Contour]) -> tuple[int | None, ...]:

@@ -13,16 +13,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 import scipy
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import DTypeLike
 
 from cpm_core.contours.surface import Surface, inside_of
 from cpm_core.image.volume_regions import Voxels
 from cpm_core.numerics.grids import ends, zero_surface
-from cpm_core.numerics.types import Array, Index, Mask, Place
+from cpm_core.numerics.types import Array, Index, Mask, Numbers, Pixels, Place
 
 _LARGEST = 256 * 2**20
 """Most bytes of an array that is read."""
@@ -37,13 +36,13 @@ _FAST = 1
 """Level of compression: bits of positions hardly become fewer, however long one tries."""
 
 
-def packed(array: NDArray[Any]) -> str:
+def packed(array: Numbers) -> str:
     """The bytes of an array of numbers, low ones first, as text."""
     data = np.ascontiguousarray(array).astype(array.dtype.newbyteorder("<"), copy=False).tobytes()
     return base64.b64encode(zlib.compress(data, _FAST)).decode()
 
 
-def unpacked(text: object, dtype: DTypeLike, count: int | None, where: str) -> NDArray[Any]:
+def unpacked(text: object, dtype: DTypeLike, count: int | None, where: str) -> Numbers:
     """So many numbers of this type, None for any number of them; else ValueError, which names `where`."""
     kind = np.dtype(dtype).newbyteorder("<")
     size = _LARGEST if count is None else count * kind.itemsize
@@ -259,7 +258,7 @@ class PackedVoxels:
         """The same voxels displaced by about so much along each axis [voxels]."""
         return replace(self, first=tuple(np.rint(np.add(self.first, by)).astype(int).tolist()))
 
-    def _rows(self, plane: int) -> NDArray[np.uint8]:
+    def _rows(self, plane: int) -> Pixels:
         """The bytes of a plane of the box, a row of the array for each of its rows."""
         return np.frombuffer(self.planes[plane], np.uint8).reshape(-1, self.width)
 
@@ -290,7 +289,7 @@ def _any(planes: Sequence[bytes]) -> bool:
 
 def _window(low: Index, high: Index, begin: Corner) -> tuple[slice, ...]:
     """A box in one that begins at a voxel."""
-    return tuple(slice(a, b) for a, b in zip(low - begin, high - begin, strict=True))
+    return tuple(map(slice, low - begin, high - begin))
 
 
 @lru_cache(maxsize=_MOST_KEPT)

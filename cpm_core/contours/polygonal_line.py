@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import Any
@@ -12,7 +12,7 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Mask, Position
+from cpm_core.numerics.types import Array, Mask, Position, record
 
 _TINY = 1e-6
 """Length under which a part of a line is none [px]."""
@@ -21,7 +21,7 @@ _FINE = 0.5
 """Distance between the samples along a line that are compared with a path [px]."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class PolygonalLine:
     """A line through vertices; lengths along it begin at its first vertex.
 

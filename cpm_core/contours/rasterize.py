@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import containment, contour_labels
-from cpm_core.numerics.types import Array, Mask
+from cpm_core.numerics.types import Array, Extent, Mask
 from cpm_core.parameters.quotation import shown
 
 Labels = NDArray[np.unsignedinteger]
@@ -22,7 +22,7 @@ _NEAR = 1e-9
 """Distance from an edge up to which a pixel lies on it [px]."""
 
 
-def paint(contours: Sequence[Contour], shape: tuple[int, ...]) -> Labels:
+def paint(contours: Sequence[Contour], shape: Extent) -> Labels:
     """Fill the inside of each closed contour with its label.
 
     A pixel is inside when its center is. Contours are filled from the largest to the smallest, so one inside another
@@ -43,7 +43,7 @@ def paint(contours: Sequence[Contour], shape: tuple[int, ...]) -> Labels:
         Labels, 0 outside every contour; 32 bits where there are more than 65535.
     """
     check_plane(shape)
-    mask = np.zeros(shape, dtype=label_type(len(contours)))
+    mask = np.zeros(shape, label_type(len(contours)))
     labels = contour_labels(contours)
     of_group = {contour.group: label for contour, label in zip(contours, labels, strict=True) if label}
     closed = [(contour, label) for contour, label in zip(contours, labels, strict=True) if contour.closed]
@@ -58,7 +58,7 @@ def paint(contours: Sequence[Contour], shape: tuple[int, ...]) -> Labels:
     return mask
 
 
-def _runs(polygons: Sequence[Array], shape: tuple[int, ...]) -> Iterable[list[int]]:
+def _runs(polygons: Sequence[Array], shape: Extent) -> Iterable[list[int]]:
     """Pixels inside polygons or on their edges, as runs: the polygon, in order, row, first column and end."""
     if not polygons:
         return []
@@ -92,7 +92,7 @@ def label_type(count: int) -> type[np.unsignedinteger]:
     return np.uint16 if count <= MOST_LABELS else np.uint32
 
 
-def inside(contours: Sequence[Contour], shape: tuple[int, ...], *, holes: bool = True) -> Mask:
+def inside(contours: Sequence[Contour], shape: Extent, *, holes: bool = True) -> Mask:
     """Find the pixels inside closed contours.
 
     Parameters

@@ -8,7 +8,6 @@ centers lie inside.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 import scipy
@@ -17,10 +16,10 @@ from numpy.typing import NDArray
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import containment, contour_labels, moments
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Index
+from cpm_core.numerics.types import Array, Index, Numbers
 from cpm_core.parameters.quotation import counted, described
 
-Column = NDArray[Any]
+Column = Numbers
 
 
 class Table(dict[str, Column]):
@@ -83,7 +82,7 @@ def region_table(
 
     Lengths are in `unit`, of which `spacing` are those of a pixel.
     """
-    sides = np.array(spacing, dtype=float)
+    sides = np.array(spacing, float)
     around, numbers = containment(contours), contour_labels(contours)
     inner: dict[int, list[int]] = {}
     for place, outer in enumerate(around):
@@ -103,7 +102,7 @@ def region_table(
 
 def volume_table(labels: NDArray[np.integer], gray: Array | None, spacing: Sequence[float], unit: str | None) -> Table:
     """Table of the objects of a label volume, shape (P, R, C), from the voxels inside; lengths are in `unit`."""
-    sides = np.array(spacing, dtype=float)
+    sides = np.array(spacing, float)
     numbers = np.unique(labels[labels > 0]).astype(np.int64)
     counts = np.bincount(labels.ravel())[numbers]
     columns = {"label": numbers, "volume": counts * float(np.prod(sides))}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 
 import numpy as np
@@ -18,7 +18,7 @@ from cpm_core.image import drawing
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Extent, Sides, record
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.parameters.quotation import counted, described
 
@@ -26,7 +26,7 @@ _MOST_NAMES = 400
 """Labels that are written into a picture."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Result(drawing.Pictured):
     """Outcome of a run.
 
@@ -84,8 +84,8 @@ class Result(drawing.Pictured):
     steps: int
     converged: bool
     stop_reason: str
-    shape: tuple[int, ...]
-    spacing: tuple[float, ...]
+    shape: Extent
+    spacing: Sides
     unit: str | None
     source: str
     bridges: tuple[Bridge, ...] = ()

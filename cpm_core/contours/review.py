@@ -17,7 +17,7 @@ import numpy as np
 from cpm_core.contours.contour import Contour, check_color, check_name, neighborhood
 from cpm_core.contours.result import Result, remaining
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Position
+from cpm_core.numerics.types import Line, Position, record
 from cpm_core.parameters.quotation import shown
 
 Verdict = Literal["", "kept", "rejected"]
@@ -37,14 +37,14 @@ _ALONE = 3.0 * REACH
 class Outline:
     """Where a contour ran when it was kept; the attributes are those of `Contour`, the default is none."""
 
-    points: tuple[Position, ...] = ()
+    points: Line = ()
     closed: bool = False
     strength: float = 0.0
     number: int = 0
 
     def contour(self, name: str = "", color: str = "") -> Contour:
         """The contour as it was."""
-        points = np.array(self.points, dtype=float).reshape(-1, 2)
+        points = np.array(self.points, float).reshape(-1, 2)
         return Contour(points, self.closed, self.strength, name=name, color=color, number=self.number)
 
 
@@ -88,7 +88,7 @@ class Mark:
         check_color("a mark", self.color)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class ReviewedContour:
     """A contour with its mark.
 
@@ -162,7 +162,7 @@ def attached(contours: Sequence[Contour], anchors: Sequence[Position]) -> list[i
     found: list[int | None] = [None] * len(anchors)
     if not contours or not anchors:
         return found
-    near = neighborhood(contours).pairs(np.array(anchors, dtype=float), REACH)
+    near = neighborhood(contours).pairs(np.array(anchors, float), REACH)
     pairs = sorted(
         (away, number, -contours[index].length, index)
         for number, index, away in zip(*(of_pair.tolist() for of_pair in near), strict=True)

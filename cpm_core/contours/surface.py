@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -11,19 +11,20 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
-from cpm_core.contours.contour import Label
+from cpm_core.contours.contour import Contour, Label
+from cpm_core.contours.graph import Graph
 from cpm_core.image import drawing
 from cpm_core.numerics.grids import parts_joined, parts_of, zero_surface
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.real_numbers import real_numbers, voxel_sides
-from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.numerics.types import Array, Extent, Index, Mask, Sides, record
 from cpm_core.parameters.quotation import counted, described
 
 _FARTHEST = 1e9
 """Largest coordinate of a vertex, beyond any volume that can be processed [voxels]."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Surface:
     """Triangles in a volume.
 
@@ -62,7 +63,7 @@ class Surface:
 
     vertices: Array
     faces: Index
-    spacing: tuple[float, ...] = (1.0, 1.0, 1.0)
+    spacing: Sides = (1.0, 1.0, 1.0)
     unit: str | None = None
     unsupported: float = np.nan
     left_out: int = 0
@@ -210,7 +211,7 @@ _BESIDE = (1.3e-6, 2.9e-6)
 """How far beside the voxel centers lines run, so that they pass through no vertex of a surface on the grid [voxels]."""
 
 
-def inside_of(surface: Surface, shape: tuple[int, ...]) -> Mask:
+def inside_of(surface: Surface, shape: Extent) -> Mask:
     """Voxels of a volume of that shape whose center lies inside a closed surface; hollows are outside."""
     corners = surface.vertices[surface.faces] - (*_BESIDE, 0.0)
     low = np.clip(np.ceil(corners.min(axis=1)), 0, shape).astype(np.int64)
@@ -231,7 +232,7 @@ def alone(surface: Surface, number: int) -> Surface:
     return replace(surface, vertices=surface.vertices[used], faces=corners.reshape(-1, 3), numbers=None)
 
 
-def numbered(surface: Surface, shape: tuple[int, ...]) -> Index:
+def numbered(surface: Surface, shape: Extent) -> Index:
     """Number of the object that each voxel of a volume lies in: its own, or the largest first from 1 up; 0 outside."""
     found = np.zeros(shape, np.int64)
     if surface.numbers is not None:
@@ -274,7 +275,7 @@ _ROOM = 1
 
 
 def surface_of_labels(
-    labels: NDArray[np.int32], spacing: tuple[float, ...], unit: str | None, *, open_border: bool = False
+    labels: NDArray[np.int32], spacing: Sides, unit: str | None, *, open_border: bool = False
 ) -> Surface:
     """The surfaces halfway between the voxels of labels and their neighbors.
 
@@ -300,7 +301,7 @@ def surface_of_labels(
     return Surface(np.concatenate(places), np.concatenate(corners), spacing, unit, numbers=of)
 
 
-def surfaces_joined(bodies: Sequence[tuple[int, Surface]], spacing: tuple[float, ...], unit: str | None) -> Surface:
+def surfaces_joined(bodies: Sequence[tuple[int, Surface]], spacing: Sides, unit: str | None) -> Surface:
     """The surfaces of objects, each with its number, as one."""
     firsts = np.cumsum([0, *(len(body.vertices) for _, body in bodies)])
     return Surface(
@@ -310,3 +311,20 @@ def surfaces_joined(bodies: Sequence[tuple[int, Surface]], spacing: tuple[float,
         unit,
         numbers=np.concatenate([np.full(len(body.faces), number) for number, body in bodies]),
     )
+
+
+def section_of(surface: Surface, axis: int, index: int) -> tuple[Contour, ...]:
+    """Where a slice of the volume cuts a surface: closed contours, and open ones where the surface has a rim."""
+    heights = surface.vertices[:, axis] - index
+    above = heights >= 0.0  # a vertex in the slice lies on one side, so that each triangle is cut once or never
+    corners = above[surface.faces]
+    faces = surface.faces[corners.any(axis=1) & ~corners.all(axis=1)]
+    if not len(faces):
+        return ()
+    sides = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    ends = sides[above[sides[:, 0]] != above[sides[:, 1]]]  # two of each triangle, one after the other
+    edges, numbers = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)
+    first, last = heights[edges].T
+    share = (first / (first - last))[:, None]
+    places = surface.vertices[edges[:, 0]] * (1.0 - share) + surface.vertices[edges[:, 1]] * share
+    return Graph(np.delete(places, axis, axis=1), numbers.reshape(-1, 2)).contours()

@@ -8,7 +8,6 @@ the centers of the outermost voxels is not compared.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -26,7 +25,7 @@ from cpm_core.contours.agreement import (
 from cpm_core.contours.ground_truth import VolumeTruth
 from cpm_core.contours.surface import Surface, numbered
 from cpm_core.numerics.real_numbers import checked_number
-from cpm_core.numerics.types import Array, Mask
+from cpm_core.numerics.types import Array, Extent, Mask, record
 from cpm_core.parameters.quotation import described
 
 _CANDIDATES = 16
@@ -42,7 +41,7 @@ _HALVINGS = 6
 """How often the sides of a triangle are halved at most."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Triangles:
     """Small triangles, whose centers stand for their area.
 
@@ -77,12 +76,12 @@ class Triangles:
         count = min(_CANDIDATES, len(self.corners))
         for first in range(0, len(points), _AT_A_TIME):
             some = slice(first, first + _AT_A_TIME)
-            near = np.asarray(self._tree.query(points[some], k=np.arange(1, count + 1))[1], dtype=np.int64)
+            near = np.asarray(self._tree.query(points[some], k=np.arange(1, count + 1))[1], np.int64)
             found[some] = _from_triangles(points[some, None], self.corners[near]).min(axis=1)
         return found
 
 
-def triangles_of(surface: Surface, shape: tuple[int, ...]) -> Triangles:
+def triangles_of(surface: Surface, shape: Extent) -> Triangles:
     """Those of a surface, no longer than one and a half of the smallest side of a voxel.
 
     Only those between the centers of the outermost voxels of a volume of this shape: along its border a surface is
@@ -100,7 +99,7 @@ def triangles_of(surface: Surface, shape: tuple[int, ...]) -> Triangles:
     return Triangles(corners[within_border(corners.mean(axis=1) / sides, shape)])
 
 
-def within_border(voxels: Array, shape: tuple[int, ...]) -> Mask:
+def within_border(voxels: Array, shape: Extent) -> Mask:
     """Which of positions, shape (N, 3) [voxels], lie between the centers of the outermost voxels of a volume."""
     return np.all((voxels >= 0.0) & (voxels <= np.array(shape) - 1.0), axis=1)
 
@@ -119,7 +118,7 @@ def _from_triangles(points: Array, corners: Array) -> Array:
     return np.where(within, height, away)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class SurfaceComparison(Agreement):
     """Agreement of a surface with that of a ground truth, and of what they enclose.
 
@@ -198,7 +197,7 @@ def compare_surface(surface: Surface | None, truth: VolumeTruth, tolerance: floa
     """
     near = TOLERANCE * min(truth.spacing) if tolerance is None else tolerance
     checked_number("tolerance", near, lambda distance: distance > 0.0, "a distance above 0")
-    found = Surface(np.empty((0, 3)), np.empty((0, 3), np.int64), truth.spacing) if surface is None else surface
+    found = Surface(np.empty(0), np.empty(0, np.int64), truth.spacing) if surface is None else surface
     if not np.allclose(found.spacing, truth.spacing, rtol=1e-3):
         one, other = (" x ".join(f"{side:g}" for side in sides) for sides in (found.spacing, truth.spacing))
         raise ValueError(

@@ -26,7 +26,7 @@ from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.pyramid import to_scale
 from cpm_core.numerics.jit import compiled, inlined
 from cpm_core.numerics.real_numbers import checked_number, real_numbers
-from cpm_core.numerics.types import Array, Mask
+from cpm_core.numerics.types import Array, Extent, Mask
 from cpm_core.numerics.vectors import Vector, difference, dot, length, moved, row_of, scaled
 from cpm_core.parameters.quotation import shown
 
@@ -130,7 +130,7 @@ def changed(before: Charges, after: Charges) -> Charges:
     return in_order([*(one - other).elements(), *(other - one).elements()])
 
 
-def at_scale(charges: Sequence[PlacedCharge], scale: int, shape: tuple[int, ...]) -> Array:
+def at_scale(charges: Sequence[PlacedCharge], scale: int, shape: Extent) -> Array:
     """Position [px of a scale of an image of shape `shape`] and strength of each charge; shape (K, D + 1)."""
     if not charges:
         return np.zeros((0, len(shape) + 1))
@@ -152,7 +152,7 @@ def near_charges(charges: Array, radius: float, places: Array) -> Mask:
 
 
 def places_near(
-    charges: Array, radius: float, shape: tuple[int, ...], pitch: Sequence[float] = (1.0, 1.0)
+    charges: Array, radius: float, shape: Extent, pitch: Sequence[float] = (1.0, 1.0)
 ) -> Iterator[tuple[tuple[slice, ...], Array]]:
     """Windows of an image within the reach of charges, and the positions of their pixels, shape (..., D).
 
@@ -208,7 +208,7 @@ pull = inlined(_pull)
 """The same for compiled loops."""
 
 
-def charged(shape: tuple[int, ...], scale_field: ScaleField, scale: int, charges: Charges) -> ScaleField:
+def charged(shape: Extent, scale_field: ScaleField, scale: int, charges: Charges) -> ScaleField:
     """Scale field of an image of this shape with charges, in px of the image."""
     packed, radius = scale_field.packed.copy(), radius_at(scale)
     placed = at_scale(charges, scale, shape) - (*scale_field.corner, 0.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, lru_cache, partial
 from typing import Any, Literal, NamedTuple
 
@@ -22,7 +22,7 @@ from cpm_core.image.volume_regions import VolumeRegions, Walls
 from cpm_core.numerics.grids import extend, half_gaussian, sum_across, sum_along
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
-from cpm_core.numerics.types import Array, Mask, Single
+from cpm_core.numerics.types import Array, Extent, Mask, Sides, Single, record
 from cpm_core.numerics.vectors import Vector
 from cpm_core.parameters import DEFAULTS, OF_PLANES, Parameters
 from cpm_core.parameters.choices import Accuracy
@@ -73,7 +73,7 @@ class _Smoothed(NamedTuple):
     background: float
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class VolumeField:
     """The fields of one scale of a volume.
 
@@ -115,7 +115,7 @@ class VolumeField:
         return self.slopes.smoothed
 
     @property
-    def shape(self) -> tuple[int, ...]:
+    def shape(self) -> Extent:
         """Shape of the volume at this scale."""
         return self.smoothed.shape
 
@@ -313,7 +313,7 @@ def volume_fields(
     return known, at
 
 
-def _voxels(regions: VolumeRegions | None, shape: tuple[int, ...], scale: int) -> Mask | None:
+def _voxels(regions: VolumeRegions | None, shape: Extent, scale: int) -> Mask | None:
     """Which voxels of a scale are of interest: those whose centers are."""
     voxels = None if regions is None else regions.voxels(shape)
     if voxels is None or scale == 0:
@@ -324,7 +324,7 @@ def _voxels(regions: VolumeRegions | None, shape: tuple[int, ...], scale: int) -
     return voxels[np.ix_(*(along[:n, axis] for axis, n in enumerate(count)))]
 
 
-def pitch_of(spacing: tuple[float, ...]) -> Vector:
+def pitch_of(spacing: Sides) -> Vector:
     """Sides of the voxels of a volume for particles, in units of the smallest one: no more than `LONGEST`."""
     least = min(spacing)
     plane, row, col = (min(side / least, LONGEST) for side in spacing)

@@ -156,23 +156,17 @@ def ridges_of(smoothed: Single, edges: Edges, pitch: Vector, floor: float, turn:
     A voxel is connected with those of the 26 around it that have a normal like its own: the scalar product is at least
     `turn`, so that walls of two objects that nearly touch each other stay apart.
     """
-    voxels = edges.above(floor)
-    count, component = len(voxels), _connected(smoothed, voxels, pitch, turn)
+    voxels, last = edges.above(floor), np.array(smoothed.shape) - 1
+    count, slope = len(voxels), np.empty((len(voxels), 3))
+    for axis, step in enumerate(np.eye(3, dtype=int)):
+        ahead, behind = np.minimum(voxels + step, last), np.maximum(voxels - step, 0)
+        slope[:, axis] = (smoothed[tuple(ahead.T)] - smoothed[tuple(behind.T)]) / pitch[axis]
+    component = _parts_alike(voxels, slope, lengths(slope), turn, smoothed.shape[1:])
     place = voxels * np.array(pitch)
     normal, ridge = np.empty((count, 3)), np.empty(count, np.bool_)
     share(partial(_test, smoothed, edges, pitch, place, normal, ridge), count, _WORTH_A_THREAD)
     place = place[ridge]
     return Ridges(place, normal[ridge], edges.at(pitch, place), component[ridge])
-
-
-def _connected(smoothed: Single, voxels: Index, pitch: Vector, turn: float) -> Index:
-    """Number of the connected part of each of some voxels, shape (M, 3); see `ridges_of`."""
-    last = np.array(smoothed.shape) - 1
-    slope = np.empty((len(voxels), 3))
-    for axis, step in enumerate(np.eye(3, dtype=int)):
-        ahead, behind = np.minimum(voxels + step, last), np.maximum(voxels - step, 0)
-        slope[:, axis] = (smoothed[tuple(ahead.T)] - smoothed[tuple(behind.T)]) / pitch[axis]
-    return _parts_alike(voxels, slope, lengths(slope), turn, smoothed.shape[1:])
 
 
 @compiled

@@ -16,7 +16,7 @@ from PIL.PngImagePlugin import PngInfo
 from cpm_core.formats.common.atomic import check_target, drafts_of, write_together
 from cpm_core.formats.common.content import AnyPath
 from cpm_core.numerics.memory import free
-from cpm_core.numerics.types import Pixels
+from cpm_core.numerics.types import Extent, Pixels
 
 ANIMATED: dict[str, str] = {
     ".gif": "animated GIF, which all viewers show",
@@ -80,7 +80,7 @@ def write_animation(
         )
 
     def checked() -> Iterator[Pixels]:
-        shape: tuple[int, ...] = ()
+        shape: Extent = ()
         for count, frame in enumerate(frames, start=1):
             shape = shape or (*frame.shape[:2], 3)
             if frame.dtype != np.uint8 or frame.shape != shape:

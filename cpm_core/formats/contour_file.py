@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import logging
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +17,7 @@ from cpm_core.formats.contours import coco, contour_csv, contour_json, dxf, geoj
 from cpm_core.formats.contours.contents import Contents, Plane
 from cpm_core.formats.images.readers import READABLE, load_image
 from cpm_core.image.image import Image
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, record
 from cpm_core.parameters.quotation import shown
 
 _LOG = logging.getLogger(__name__)
@@ -37,7 +37,7 @@ UNKNOWN = Plane()
 """What is known of an image where there is none."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class ContourFile:
     """Contours of a file.
 
@@ -167,7 +167,7 @@ def _checked(found: Contents, name: str, page: int | None) -> ContourFile:
         notes.append(f"The contours lie on {len(pages)} pages, and those of all were taken.")
     for what, count in sorted(found.left_out.items()):
         notes.append(f"Left out: {what} ({count}).")
-    drawn = np.array(places, dtype=np.float64).reshape(-1, 2)
+    drawn = np.array(places, np.float64).reshape(-1, 2)
     if not all(np.isfinite(points).all() for points in (drawn, *(one.points for one in kept))):
         raise ValueError(f"{name} holds vertices that are not finite numbers: write it again.")
     if page is not None and pages and page not in pages:

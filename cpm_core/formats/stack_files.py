@@ -13,10 +13,11 @@ from cpm_core.contours.rasterize import Labels, label_type, paint
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.atomic import check_target, drafts_of, suffix_among, write_together
 from cpm_core.formats.common.content import AnyPath
-from cpm_core.formats.common.plain import Entries, encoded_json
+from cpm_core.formats.common.plain import encoded_json
 from cpm_core.formats.common.provenance import ENTRY, PROGRAM, facts_of
 from cpm_core.formats.contours import contour_csv, contour_json, geojson, imagej
 from cpm_core.formats.masks.labels import entries_for_imagej
+from cpm_core.numerics.types import Entries, Extent
 from cpm_core.pages.page import StackResult
 
 _LARGEST_IMAGEJ = 2**32 - 2**25
@@ -113,7 +114,7 @@ def write_labels(found: StackResult, target: Path) -> None:
     )
 
 
-def tracks_on(result: Result, shape: tuple[int, ...]) -> Labels:
+def tracks_on(result: Result, shape: Extent) -> Labels:
     """Paint the insides of closed contours with their tracks."""
     numbers = {label: one.number for label, one in zip(contour_labels(result.contours), result.contours, strict=True)}
     return np.array([0, *(numbers[label] for label in range(1, max(numbers) + 1))])[paint(result.contours, shape)]

@@ -136,7 +136,18 @@ def decode_surface(
 def _of_labels(file: Path, image: Image | None) -> Surface:
     """The surfaces of the objects of a label volume, halfway between voxels; whole numbers and names are kept."""
     if parts := parts_in(file):
-        return _of_parts(file, image, parts)
+        if image is None:
+            raise ValueError(
+                f"{file.name} has segments that lie in another file: name it with --image, or open it first."
+            )
+        names, bodies = [], []
+        for name, masks in parts:
+            inside = np.zeros(image.shape)
+            for mask in masks:
+                _put(mask, file.name, image, inside)
+            names.append(name)
+            bodies.append((name.number, surface_of_labels((inside > 0.0).astype(np.int32), image.spacing, image.unit)))
+        return replace(surfaces_joined(bodies, image.spacing, image.unit), labels=tuple(names))
     volume = image or load_volume(file)
     values = volume.values if image is None else labels_like(file, image)
     labels = labels_of(values, file.name)
@@ -153,20 +164,6 @@ def parts_in(file: Path) -> Iterable[tuple[Label, Sequence[Decoded]]]:
     """Segments of a file that may overlap, as masks that lie anywhere; none in a volume of labels."""
     with decoding(file.name, "is damaged: get a sound copy of it."):
         return dicom_seg.read(file) or nrrd.overlapping(file, nrrd.segments_of(file)) or ()
-
-
-def _of_parts(file: Path, volume: Image | None, segments: Iterable[tuple[Label, Sequence[Decoded]]]) -> Surface:
-    """The surfaces of segments that may overlap, each given by masks that lie anywhere in a volume."""
-    if volume is None:
-        raise ValueError(f"{file.name} has segments that lie in another file: name it with --image, or open it first.")
-    labels, bodies = [], []
-    for label, parts in segments:
-        mask = np.zeros(volume.shape)
-        for part in parts:
-            _put(part, file.name, volume, mask)
-        labels.append(label)
-        bodies.append((label.number, surface_of_labels((mask > 0.0).astype(np.int32), volume.spacing, volume.unit)))
-    return replace(surfaces_joined(bodies, volume.spacing, volume.unit), labels=tuple(labels))
 
 
 def labels_like(file: Path, volume: Image) -> Array:

@@ -17,7 +17,6 @@ from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.atomic import check_target, suffix_among, write_together
 from cpm_core.formats.common.content import AnyPath
-from cpm_core.formats.common.plain import Entries
 from cpm_core.formats.common.printable import printable
 from cpm_core.formats.common.provenance import Outcome
 from cpm_core.formats.contours import (
@@ -37,6 +36,7 @@ from cpm_core.formats.meshes import obj, ply, stl, swc, vtk
 from cpm_core.image.geometry import Convention
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.numerics.types import Entries
 from cpm_core.parameters.quotation import counted, shown
 
 _LOG = logging.getLogger(__name__)

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
-
 import numpy as np
 import skimage
-from numpy.typing import NDArray
 
 from cpm_core.numerics.grids import in_bands
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Numbers, Pixels, record
 from cpm_core.parameters.choices import CHOICES, check_choice
 from cpm_core.parameters.quotation import shown
 
@@ -34,7 +30,7 @@ _DARKEST = 1e-6
 """Least light that `rgb2hed` distinguishes; it measures stains in units of its logarithm."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Colors:
     """Red, green and blue of each pixel, one byte each.
 
@@ -46,7 +42,7 @@ class Colors:
         Gray level of the image that 255 stands for.
     """
 
-    samples: NDArray[np.uint8]
+    samples: Pixels
     white: float
 
 
@@ -83,11 +79,11 @@ def channel_of(luminance: Array, colors: Colors | None, channel: str) -> Array:
     return light
 
 
-Reduced = tuple[NDArray[Any], Colors | None, tuple[str, ...]]
+Reduced = tuple[Numbers, Colors | None, tuple[str, ...]]
 """Gray levels of pixels of several samples, their colors where they have any, and what was done."""
 
 
-def full_scale(values: NDArray[Any]) -> float:
+def full_scale(values: Numbers) -> float:
     """Gray level of white: the largest value of an integer type, else 1 or the largest value that occurs."""
     if values.dtype.kind == "b":
         return 1.0
@@ -96,7 +92,7 @@ def full_scale(values: NDArray[Any]) -> float:
     return max(1.0, float(np.max(values, initial=1.0)))
 
 
-def reduced(samples: NDArray[Any], alpha: NDArray[Any] | None = None, white: float | None = None) -> Reduced:
+def reduced(samples: Numbers, alpha: Numbers | None = None, white: float | None = None) -> Reduced:
     """Reduce the samples of each pixel to its gray level.
 
     Parameters
@@ -148,7 +144,7 @@ def reduced(samples: NDArray[Any], alpha: NDArray[Any] | None = None, white: flo
 
 
 @compiled
-def _weigh_bytes(samples: NDArray[np.uint8], weights: tuple[float, float, float], gray: Array) -> None:
+def _weigh_bytes(samples: Pixels, weights: tuple[float, float, float], gray: Array) -> None:
     """`luminance` of bytes, in its order."""
     for row in range(samples.shape[0]):
         for col in range(samples.shape[1]):
@@ -156,7 +152,7 @@ def _weigh_bytes(samples: NDArray[np.uint8], weights: tuple[float, float, float]
             gray[row, col] = weights[0] * red + weights[1] * green + weights[2] * blue
 
 
-def luminance(channels: NDArray[Any]) -> Array:
+def luminance(channels: Numbers) -> Array:
     """Luminance of red, green and blue, which are the last axis, in their range."""
     gray = np.zeros(channels.shape[:-1])
     for channel, weight in enumerate(WEIGHTS):
@@ -164,7 +160,7 @@ def luminance(channels: NDArray[Any]) -> Array:
     return gray
 
 
-def in_color(luminance: NDArray[Any], colors: Colors, color: str) -> tuple[Array, str]:
+def in_color(luminance: Numbers, colors: Colors, color: str) -> tuple[Array, str]:
     """Gray levels of one of `COLORS`, and a sentence that states it.
 
     Raises

@@ -18,7 +18,7 @@ import numpy as np
 import scipy
 
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Single
+from cpm_core.numerics.types import Array, Extent, Single
 
 _FIRST, _FURTHER = 1.5, 1.0
 """Weight of the total variation of the data, and of averages along edges, in standard deviations of the noise."""
@@ -136,7 +136,7 @@ def _halved(values: Array) -> Array:
     return even.reshape((rows + 1) // 2, 2, (cols + 1) // 2, 2).mean(axis=(1, 3))
 
 
-def _doubled(values: Array, shape: tuple[int, ...]) -> Array:
+def _doubled(values: Array, shape: Extent) -> Array:
     """Image of a shape from the one of half the size."""
     row, col = (0.5 * (np.arange(size) - 0.5) for size in shape)
     grid = np.meshgrid(row, col, indexing="ij")

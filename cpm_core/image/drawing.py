@@ -10,9 +10,8 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Extent, Pixels
 from cpm_core.parameters.quotation import shown
 
 if TYPE_CHECKING:
@@ -85,22 +84,25 @@ def axes_for(ax: Axes | None, *, space: bool = False) -> Axes:
     return pyplot.subplots(subplot_kw={"projection": "3d"} if space else {})[1]
 
 
-def show_image(
-    ax: Axes, values: Array, spacing: Sequence[float] = (1.0, 1.0), colors: NDArray[np.uint8] | None = None
-) -> None:
+def show_image(ax: Axes, values: Array, spacing: Sequence[float] = (1.0, 1.0), colors: Pixels | None = None) -> None:
     """An image, or its colors, in px: row 0 is on top, and pixels that are not square are drawn as wide as they are."""
     rows, cols = values.shape[:2]
     if colors is not None:
         ax.imshow(colors, interpolation="nearest")
     else:
-        low, high = np.percentile(values, EXTREMES)
-        unit = max(high - low, 1e-300) / (BRIGHTEST - DARKEST)
-        darkest, brightest = low - DARKEST * unit, high + (1.0 - BRIGHTEST) * unit
+        darkest, brightest = gray_limits(values)
         ax.imshow(values, cmap="gray", vmin=darkest, vmax=brightest, interpolation="nearest")
     frame(ax, (rows, cols), spacing)
 
 
-def frame(ax: Axes, shape: tuple[int, ...], spacing: Sequence[float] = (1.0, 1.0)) -> None:
+def gray_limits(values: Array) -> tuple[float, float]:
+    """The gray levels that are shown as black and as white."""
+    low, high = np.percentile(values, EXTREMES)
+    unit = max(high - low, 1e-300) / (BRIGHTEST - DARKEST)
+    return low - DARKEST * unit, high + (1.0 - BRIGHTEST) * unit
+
+
+def frame(ax: Axes, shape: Extent, spacing: Sequence[float] = (1.0, 1.0)) -> None:
     """The limits of an image of this shape, without ticks and a box."""
     ax.set(xlim=(-0.5, shape[1] - 0.5), ylim=(shape[0] - 0.5, -0.5), xticks=[], yticks=[])
     ax.set_aspect(float(spacing[0]) / float(spacing[1]))
@@ -127,7 +129,7 @@ def show_particles(ax: Axes, places: Array) -> None:
     ax.scatter(col, row, s=size, c=PARTICLE, linewidths=0.0, zorder=6)
 
 
-def show_scale_bar(ax: Axes, shape: tuple[int, ...], spacing: Sequence[float], unit: str | None) -> None:
+def show_scale_bar(ax: Axes, shape: Extent, spacing: Sequence[float], unit: str | None) -> None:
     """A bar of round length with its length in a readable unit, in px where the size of a pixel is not known."""
     from matplotlib.patheffects import withStroke
 
@@ -146,7 +148,7 @@ def show_scale_bar(ax: Axes, shape: tuple[int, ...], spacing: Sequence[float], u
     )  # fmt: skip
 
 
-def new_figure(shape: tuple[int, ...] | None, spacing: Sequence[float] = (1.0, 1.0)) -> tuple[Figure, Axes]:
+def new_figure(shape: Extent | None, spacing: Sequence[float] = (1.0, 1.0)) -> tuple[Figure, Axes]:
     """A figure that one image fills, with its axes; for None axes in space."""
     from matplotlib.figure import Figure
 

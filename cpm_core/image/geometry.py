@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.numerics.real_numbers import checked_number, real_numbers
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Sides
 from cpm_core.parameters.quotation import described, shown
 
 Convention = Literal["LPS", "RAS"]
@@ -91,7 +91,7 @@ class Geometry:
         object.__setattr__(self, "origin", tuple(origin.tolist()))
         object.__setattr__(self, "directions", tuple(map(tuple, directions.tolist())))
 
-    def affine(self, spacing: tuple[float, ...], convention: Convention | None = None) -> Array:
+    def affine(self, spacing: Sides, convention: Convention | None = None) -> Array:
         """Matrix from voxels (plane, row, col, 1) to positions (x, y, z, 1), shape (4, 4).
 
         Parameters
@@ -116,7 +116,7 @@ class Geometry:
             matrix[:3] *= _FLIP[:, None]
         return matrix
 
-    def moved(self, voxels: ArrayLike, spacing: tuple[float, ...]) -> Geometry:
+    def moved(self, voxels: ArrayLike, spacing: Sides) -> Geometry:
         """The geometry of the part of an image that begins at a voxel (plane, row, col)."""
         matrix = self.affine(spacing)
         x, y, z, _ = (matrix @ np.r_[real_numbers(voxels), 1.0]).tolist()

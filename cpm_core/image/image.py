@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import hashlib
 import math
-from dataclasses import InitVar, dataclass
+from dataclasses import InitVar
 from functools import cached_property
 from typing import Any
 
@@ -18,7 +18,7 @@ from cpm_core.image.geometry import Geometry
 from cpm_core.image.gray_levels import NO_DATA, usable
 from cpm_core.numerics.memory import check_room
 from cpm_core.numerics.real_numbers import real_numbers, voxel_sides
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Extent, Sides, record
 from cpm_core.parameters.quotation import described, shown, sized
 
 MINIMUM_SIDE = 8
@@ -37,7 +37,7 @@ _AIR = (-3072.0, -900.0)
 """Between which the least gray level of a CT lies that its file does not name one."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Image(drawing.Pictured):
     """Gray levels on a regular grid, pixel centers at integers: an image (row, col) or a volume (plane, row, col).
 
@@ -98,7 +98,7 @@ class Image(drawing.Pictured):
     """
 
     values: Array
-    spacing: tuple[float, ...] = ()
+    spacing: Sides = ()
     unit: str | None = None
     source: str = "image"
     notes: tuple[str, ...] = ()
@@ -249,7 +249,7 @@ class Image(drawing.Pictured):
         lowest, highest = _AIR
         return lowest <= self.gray_range[0] <= highest
 
-    def sized(self, spacing: tuple[float, ...], unit: str | None, factor: float = 1.0) -> Image:
+    def sized(self, spacing: Sides, unit: str | None, factor: float = 1.0) -> Image:
         """The same gray levels, which are shared, with another size of a pixel; ValueError as for an image.
 
         `factor` is how many of the unit one of the former is: the place in space is given in the unit.
@@ -271,7 +271,7 @@ class Image(drawing.Pictured):
         return made
 
     @property
-    def shape(self) -> tuple[int, ...]:
+    def shape(self) -> Extent:
         """Number of pixels along each axis, (rows, columns) or (planes, rows, columns)."""
         return self.stored.shape
 
@@ -295,7 +295,7 @@ class Image(drawing.Pictured):
         return self.stored.ndim
 
 
-def _sizes(source: str, spacing: tuple[float, ...], ndim: int) -> tuple[float, ...]:
+def _sizes(source: str, spacing: Sides, ndim: int) -> tuple[float, ...]:
     """Size of a pixel along each axis, 1 where none is given; ValueError when it is not valid."""
     sizes = tuple(np.ravel(real_numbers(spacing)).tolist()) or (1.0,) * ndim
     if len(sizes) != ndim or not all(math.isfinite(size) and size > 0 for size in sizes):
@@ -318,7 +318,7 @@ def as_image(values: ArrayLike | Image) -> Image:
     return values if isinstance(values, Image) else Image(values)  # type: ignore[arg-type]
 
 
-def _not_a_plane(source: str, shape: tuple[int, ...]) -> ValueError:
+def _not_a_plane(source: str, shape: Extent) -> ValueError:
     return ValueError(
         f"{source} has {len(shape)} dimension{'' if len(shape) == 1 else 's'} {shape}, "
         "but an image has two, (rows, columns): choose one plane of it."

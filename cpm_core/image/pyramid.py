@@ -12,7 +12,7 @@ import numpy as np
 import scipy
 
 from cpm_core.numerics.grids import in_bands, smoothed_rows
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Extent
 
 LEAST_SIDE = 8
 """Pixels that the shortest side of the coarsest scale must have."""
@@ -21,7 +21,7 @@ _REDUCTION_SMOOTHING = 1.0
 """Gaussian before every second pixel is taken [px]; about that of the standard 5-tap kernel."""
 
 
-def most_scales(shape: tuple[int, ...]) -> int:
+def most_scales(shape: Extent) -> int:
     """Largest number of scales of an image of this shape."""
     side, scales = min(shape), 1
     while (side + 1) // 2 >= LEAST_SIDE:
@@ -29,14 +29,14 @@ def most_scales(shape: tuple[int, ...]) -> int:
     return scales
 
 
-def shape_of_scale(shape: tuple[int, ...], scale: int) -> tuple[int, ...]:
+def shape_of_scale(shape: Extent, scale: int) -> tuple[int, ...]:
     """Shape of an image of shape `shape` at a scale."""
     for _ in range(scale):
         shape = tuple((n + 1) // 2 for n in shape)
     return shape
 
 
-def check_scales(scales: int, shape: tuple[int, ...]) -> None:
+def check_scales(scales: int, shape: Extent) -> None:
     """Raise `ValueError` when the coarsest scale would be smaller than 8 pixels."""
     most = most_scales(shape)
     if scales > most:
@@ -63,7 +63,7 @@ def _reduce_rows(fine: Array, coarse: Array, first: int, end: int) -> None:
     coarse[first:end] = _halved(smooth, fine.shape)
 
 
-def _halved(fine: Array, shape: tuple[int, ...]) -> Array:
+def _halved(fine: Array, shape: Extent) -> Array:
     """Every second pixel of a part of an image of this shape, or, halfway between pixels, the mean of two."""
     for axis in range(fine.ndim):
         across = (slice(None),) * axis
@@ -72,18 +72,18 @@ def _halved(fine: Array, shape: tuple[int, ...]) -> Array:
     return fine
 
 
-def _center(shape: tuple[int, ...]) -> Array:
-    return 0.5 * (np.array(shape, dtype=float) - 1.0)
+def _center(shape: Extent) -> Array:
+    return 0.5 * (np.array(shape, float) - 1.0)
 
 
-def to_image(positions: Array, scale: int, shape: tuple[int, ...]) -> Array:
+def to_image(positions: Array, scale: int, shape: Extent) -> Array:
     """Positions (N, D) of a scale in px of the image of shape `shape`."""
     if scale == 0:
         return positions
     return (positions - _center(shape_of_scale(shape, scale))) * 2.0**scale + _center(shape)
 
 
-def to_scale(positions: Array, scale: int, shape: tuple[int, ...]) -> Array:
+def to_scale(positions: Array, scale: int, shape: Extent) -> Array:
     """Positions (N, D) of the image of shape `shape` in px of a scale."""
     if scale == 0:
         return positions

@@ -15,10 +15,8 @@ from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import Window
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.segments import meet, nearest_distances, rim_of, segments_of
-from cpm_core.numerics.types import Array, Mask, Position
+from cpm_core.numerics.types import Array, Extent, Line, Mask
 from cpm_core.parameters.quotation import counted, described, shown, sized
-
-Line = tuple[Position, ...]
 
 _OFF = 1e-6
 """Distance within which a position counts as on a line [px]."""
@@ -68,7 +66,7 @@ class Regions:
         object.__setattr__(self, "interest", _lines("region of interest", self.interest, 3))
         object.__setattr__(self, "barriers", _lines("barrier", self.barriers, 2))
 
-    def check(self, shape: tuple[int, ...]) -> None:
+    def check(self, shape: Extent) -> None:
         """Raise a `ValueError` unless every region of interest contains a pixel of an image of this shape."""
         if len(shape) != 2:
             raise ValueError(
@@ -81,7 +79,7 @@ class Regions:
                     "draw it inside the image, around an object."
                 )
 
-    def at_scale(self, scale: int, shape: tuple[int, ...]) -> Regions:
+    def at_scale(self, scale: int, shape: Extent) -> Regions:
         """These regions of an image of shape `shape`, in px of one of its scales."""
         parts = (
             [to_scale(polyline.corners_of(line), scale, shape) for line in lines]
@@ -98,10 +96,10 @@ class Regions:
     def allows(self, points: Array) -> Mask:
         """Where of points, shape (N, 2) [px], a particle may be: in a region of interest, and on no rim or barrier."""
         lines = np.concatenate([self.rims(), self.lines()])
-        away = nearest_distances(np.ascontiguousarray(points, dtype=float), lines)
+        away = nearest_distances(np.ascontiguousarray(points, float), lines)
         return self.contains(points) & (away >= _OFF)
 
-    def pixels(self, shape: tuple[int, ...]) -> Mask:
+    def pixels(self, shape: Extent) -> Mask:
         """Which pixels of an image of this shape have their center in a region of interest."""
         if not self.interest:
             return np.ones(shape, np.bool_)
@@ -144,7 +142,7 @@ def _lines(noun: str, lines: Iterable[Iterable[Sequence[float]]], least: int) ->
 
 
 @lru_cache(maxsize=_KEPT)
-def pixels_in(polygon: Line, shape: tuple[int, ...]) -> Mask:
+def pixels_in(polygon: Line, shape: Extent) -> Mask:
     """Which pixels of an image of this shape have their center in a polygon."""
     places = np.indices(shape).reshape(2, -1).T.astype(float)
     return polyline.inside(polygon, places).reshape(shape)
@@ -189,7 +187,7 @@ class BarrierMap(NamedTuple):
         """Which of the straight moves from `start` to `end`, shapes (N, 2) [px], cross or touch a barrier."""
         if not len(self.segments):
             return np.zeros(len(start), np.bool_)
-        return _crossed(self, np.ascontiguousarray(start, dtype=float), np.ascontiguousarray(end, dtype=float))
+        return _crossed(self, np.ascontiguousarray(start, float), np.ascontiguousarray(end, float))
 
     def within(self, window: Window) -> BarrierMap:
         """The same barriers in a window of the image."""
@@ -201,7 +199,7 @@ class BarrierMap(NamedTuple):
 NO_BARRIERS = BarrierMap(np.zeros((0, 4)), np.zeros((1, 1)))
 
 
-def build_barrier_map(regions: Regions, shape: tuple[int, ...]) -> BarrierMap:
+def build_barrier_map(regions: Regions, shape: Extent) -> BarrierMap:
     """Barriers and boundaries of `regions`, in px of the scale, for an image of this shape."""
     segments = np.concatenate([regions.rims(), regions.lines()])
     if not len(segments):

@@ -21,12 +21,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.image.pyramid import to_image
-from cpm_core.image.regions import Line, Regions, pixels_in
+from cpm_core.image.regions import Regions, pixels_in
 from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import Parts, parts_of
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.real_numbers import checked_number, real_numbers
-from cpm_core.numerics.types import Array, Index, Mask, Position, Voxel
+from cpm_core.numerics.types import Array, Extent, Index, Line, Mask, Voxel, record
 from cpm_core.numerics.vectors import Vector, row_of
 from cpm_core.parameters.quotation import counted, described, shown, sized
 
@@ -34,7 +34,7 @@ OFF = 1e-6
 """Distance from a wall within which a position touches it [voxels]."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Walls:
     """What no particle crosses, in a volume at one of its scales.
 
@@ -75,16 +75,16 @@ class Walls:
         """
         return self._open.part_at(self._nearest(positions))
 
-    def shut(self, shape: tuple[int, ...], pitch: Vector, positions: Array) -> Mask:
+    def shut(self, shape: Extent, pitch: Vector, positions: Array) -> Mask:
         """Which voxels of the scale, of this shape, are in a wall or in a room without any of the positions."""
         here = self._nearest_to_voxels(shape, pitch)
         return self.closed[here] | ~np.isin(self._open.labels[here] - 1, self.rooms(positions))
 
-    def filled(self, shape: tuple[int, ...], pitch: Vector) -> Mask:
+    def filled(self, shape: Extent, pitch: Vector) -> Mask:
         """Which voxels of the scale, of this shape, have their centers in a wall."""
         return self.closed[self._nearest_to_voxels(shape, pitch)]
 
-    def _nearest_to_voxels(self, shape: tuple[int, ...], pitch: Vector) -> tuple[Index, ...]:
+    def _nearest_to_voxels(self, shape: Extent, pitch: Vector) -> tuple[Index, ...]:
         """Voxels of the volume, along each axis, nearest to the centers of those of the scale."""
         along = self._nearest(np.arange(max(shape))[:, None] * np.array(pitch))
         return np.ix_(*(along[:n, axis] for axis, n in enumerate(shape)))
@@ -147,7 +147,7 @@ _FINE = 0.25
 """Distance between places on a line by which the voxels that it passes through are found [voxels]."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Voxels:
     """Some voxels of a volume; equal to others that are the same voxels.
 
@@ -163,7 +163,7 @@ class Voxels:
     first: tuple[int, ...] | None = None
 
     def __post_init__(self) -> None:
-        mask = np.array(self.mask, dtype=np.bool_, order="C")
+        mask = np.array(self.mask, np.bool_, order="C")
         mask.flags.writeable = False
         object.__setattr__(self, "mask", mask)
 
@@ -180,8 +180,8 @@ class Voxels:
         begin = np.array(self.first or (0, 0, 0))
         end = begin + self.mask.shape
         low, high = np.clip(begin, 0, filled.shape), np.clip(end, 0, filled.shape)
-        there = tuple(slice(a, b) for a, b in zip(low, high, strict=True))
-        here = tuple(slice(a, b) for a, b in zip(low - begin, high - begin, strict=True))
+        there = tuple(map(slice, low, high))
+        here = tuple(map(slice, low - begin, high - begin))
         filled[there] |= self.mask[here]
 
 
@@ -209,7 +209,7 @@ class Extrusion:
     4508
     """
 
-    line: tuple[Position, ...]
+    line: Line
     axis: int
     first: float
     last: float
@@ -237,7 +237,7 @@ class Extrusion:
 
 
 @lru_cache(maxsize=_KEPT)
-def _pixels_on(line: Line, shape: tuple[int, ...]) -> Mask:
+def _pixels_on(line: Line, shape: Extent) -> Mask:
     """The pixels of a slice that a line passes through."""
     pixels = np.rint(polyline.resampled(polyline.corners_of(line), _FINE)).astype(np.int64)
     pixels = pixels[((pixels >= 0) & (pixels < shape)).all(axis=1)]
@@ -296,7 +296,7 @@ class VolumeRegions:
                     f"the direction across barrier {number} is {shown(limit[1])} but must have a length above 0."
                 )
 
-    def check(self, shape: tuple[int, ...]) -> None:
+    def check(self, shape: Extent) -> None:
         """Raise a `ValueError` unless masks have this shape and every region of interest holds one of its voxels."""
         size = sized(shape, "")
         if len(shape) != 3:
@@ -333,11 +333,11 @@ class VolumeRegions:
             allowed &= ~closed[tuple(voxels.T)]
         return allowed
 
-    def voxels(self, shape: tuple[int, ...]) -> Mask | None:
+    def voxels(self, shape: Extent) -> Mask | None:
         """Which voxels of a volume of this shape are of interest; None when all of them are."""
         return _filled(self.interest, shape, _fill_box) if self.interest else None
 
-    def walls(self, shape: tuple[int, ...]) -> Walls:
+    def walls(self, shape: Extent) -> Walls:
         """What no particle crosses in a volume of this shape, at its full size."""
         return _walls(self, shape)
 
@@ -350,7 +350,7 @@ AnyRegions = Regions | VolumeRegions
 
 
 @lru_cache(maxsize=_KEPT)
-def _walls(regions: VolumeRegions, shape: tuple[int, ...]) -> Walls:
+def _walls(regions: VolumeRegions, shape: Extent) -> Walls:
     closed = _filled(regions.barriers, shape, _fill_plane)
     interest = regions.voxels(shape)
     if interest is not None:
@@ -358,7 +358,7 @@ def _walls(regions: VolumeRegions, shape: tuple[int, ...]) -> Walls:
     return Walls(closed, np.ones(3), np.zeros(3))
 
 
-def _filled(limits: tuple[Limit, ...], shape: tuple[int, ...], fill_pair: Callable[[Mask, Pair], None]) -> Mask:
+def _filled(limits: tuple[Limit, ...], shape: Extent, fill_pair: Callable[[Mask, Pair], None]) -> Mask:
     """Which voxels of a volume lie in some limits; what a pair of places fills depends on what it is."""
     filled = np.zeros(shape, np.bool_)
     for limit in limits:
@@ -374,7 +374,7 @@ def _fill_box(filled: Mask, corners: Pair) -> None:
     low, high = np.sort(corners, axis=0)
     first = np.clip(np.ceil(low), 0, filled.shape).astype(int)
     last = np.clip(np.floor(high) + 1, 0, filled.shape).astype(int)
-    filled[tuple(slice(a, b) for a, b in zip(first, last, strict=True))] = True
+    filled[tuple(map(slice, first, last))] = True
 
 
 def _fill_plane(filled: Mask, plane: Pair) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -12,7 +12,7 @@ import scipy
 from cpm_core.contours.contour import Contour
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.numerics.types import Array, Extent, Index, Mask, record
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction import find_contours
 
@@ -36,7 +36,7 @@ _SHORTEST = 8.0
 """Least length of a boundary [px]."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Boundary:
     """Points along the edges of an image.
 
@@ -84,7 +84,7 @@ def outlined_boundary(outlines: Sequence[Contour], scale_field: ScaleField) -> B
     return _joined(outlines, [_continued(path, scale_field.shape) for path in paths], scale_field)
 
 
-def _closing_off(contours: Sequence[Contour], shape: tuple[int, ...]) -> list[Contour]:
+def _closing_off(contours: Sequence[Contour], shape: Extent) -> list[Contour]:
     """Contours without loose pieces that have more room on all sides than they are long.
 
     Such a piece closes nothing off, as where the shade in an object changes, but would part the axis of this object.
@@ -126,16 +126,16 @@ def _joined(contours: Sequence[Contour], paths: list[tuple[Array, slice]], scale
     )
 
 
-def _loose_ends(contour: Contour, shape: tuple[int, ...]) -> Mask:
+def _loose_ends(contour: Contour, shape: Extent) -> Mask:
     """Which of both ends of a contour lie in the image and are no junctions, shape (2,)."""
-    size = np.array(shape, dtype=float) - 1.0
+    size = np.array(shape, float) - 1.0
     inside = np.minimum(contour.points, size - contour.points)[[0, -1]].min(axis=1) > _NEAR
     return inside & ~np.array(contour.junctions) & (not contour.closed)
 
 
-def _without_border(path: Array, shape: tuple[int, ...]) -> list[Array]:
+def _without_border(path: Array, shape: Extent) -> list[Array]:
     """Pieces of a closed path that do not follow the image border; the whole path if none of it does."""
-    size = np.array(shape, dtype=float)
+    size = np.array(shape, float)
     away = np.minimum(path + 0.5, size - 0.5 - path).min(axis=1) > _ON_BORDER
     if away.all():
         return [path]
@@ -153,7 +153,7 @@ def _evenly(contour: Contour) -> Array:
     return np.stack([np.interp(at, np.arange(len(path)), axis) for axis in path.T], axis=1)
 
 
-def _continued(path: Array, shape: tuple[int, ...]) -> tuple[Array, slice]:
+def _continued(path: Array, shape: Extent) -> tuple[Array, slice]:
     """Path with straight continuations at the image border, and the part of it that is the path itself."""
     if (path[0] == path[-1]).all():
         return path, slice(0, len(path))
@@ -161,9 +161,9 @@ def _continued(path: Array, shape: tuple[int, ...]) -> tuple[Array, slice]:
     return np.concatenate([before[::-1], path, behind]), slice(len(before), len(before) + len(path))
 
 
-def _continuation(path: Array, shape: tuple[int, ...]) -> Array:
+def _continuation(path: Array, shape: Extent) -> Array:
     """Points from the end of a path out of the image; none if it ends inside."""
-    size = np.array(shape, dtype=float)
+    size = np.array(shape, float)
     end = path[-1]
     beyond = np.concatenate([end, size - 1.0 - end])
     side = np.argmin(beyond)

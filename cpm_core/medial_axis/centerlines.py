@@ -9,7 +9,7 @@ others are moved to the middle between voxels that are as deep, and smoothed alo
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 
 import numpy as np
@@ -20,7 +20,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.image.geometry import Geometry
 from cpm_core.numerics import polyline
 from cpm_core.numerics.real_numbers import checked_number, real_numbers, voxel_sides
-from cpm_core.numerics.types import Array, Mask
+from cpm_core.numerics.types import Array, Mask, Sides, record
 from cpm_core.numerics.voxel_graph import Chain, chains_of, thinned
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.parameters.quotation import counted, described
@@ -44,7 +44,7 @@ _MARGIN = 8
 """Voxels by which a branch continues beyond its ends when it is smoothed."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Branch:
     """A stretch of center line between junctions or ends.
 
@@ -71,7 +71,7 @@ class Branch:
         return described("Branch", counted(len(self.points), "vertex", "vertices"), "closed" if self.closed else "open")
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Centerlines:
     """Center lines in a volume.
 
@@ -100,7 +100,7 @@ class Centerlines:
     """
 
     branches: tuple[Branch, ...]
-    spacing: tuple[float, ...] = (1.0, 1.0, 1.0)
+    spacing: Sides = (1.0, 1.0, 1.0)
     unit: str | None = None
     source: str = "volume"
     geometry: Geometry | None = None
@@ -133,7 +133,7 @@ class Centerlines:
 
 
 def centerlines(
-    inside: ArrayLike, spacing: tuple[float, ...] = (1.0, 1.0, 1.0), unit: str | None = None, pruning: float = 1.0
+    inside: ArrayLike, spacing: Sides = (1.0, 1.0, 1.0), unit: str | None = None, pruning: float = 1.0
 ) -> Centerlines:
     """Center lines of what a label volume holds.
 

@@ -8,7 +8,7 @@ Snoeyink 2001, doi:10.1007/s00453-001-0014-x).
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
 import scipy
@@ -16,7 +16,7 @@ import scipy
 from cpm_core.contours.graph import Graph
 from cpm_core.medial_axis.boundary import Boundary
 from cpm_core.numerics.grids import parts_joined
-from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.numerics.types import Array, Extent, Index, Mask, record
 
 _FAR = 8.0
 """Distance, in sizes of the image, of the additional points that keep all Voronoi cells bounded."""
@@ -28,7 +28,7 @@ _LONGEST = 1.0
 """Greatest length of the edges of an axis [px]."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Axis:
     """A graph of positions with two or more nearest points on a boundary.
 
@@ -114,13 +114,13 @@ class Axis:
         return clipped.only(edges[kept], alone, self.sides[kept] if len(self.sides) else None)
 
 
-def medial_axis(boundary: Boundary, shape: tuple[int, ...]) -> Axis:
+def medial_axis(boundary: Boundary, shape: Extent) -> Axis:
     """Medial axis of all regions between edges, in objects and in the background.
 
     It covers the image of this shape and a margin around it. Edges are at most a pixel long, and every irregularity of
     the boundary has a short branch. The image border is no boundary.
     """
-    size = np.array(shape, dtype=float)
+    size = np.array(shape, float)
     middle, widest = 0.5 * (size - 1.0), float(size.max())
     corners = middle + _FAR * widest * np.array([(-1, -1), (-1, 1), (1, -1), (1, 1)])
     if len(boundary.points) < 2:
@@ -128,7 +128,7 @@ def medial_axis(boundary: Boundary, shape: tuple[int, ...]) -> Axis:
     diagram = scipy.spatial.Voronoi(np.concatenate([boundary.points, corners]))
     count = len(boundary.points)
     sites = np.sort(diagram.ridge_points.astype(np.int64), axis=1)
-    edges = np.asarray(diagram.ridge_vertices, dtype=np.int64)
+    edges = np.asarray(diagram.ridge_vertices, np.int64)
     follow = np.sort(boundary.neighbors, axis=1)
     key = count + len(corners)
     crossing = np.isin(sites[:, 0] * key + sites[:, 1], follow[:, 0] * key + follow[:, 1])
@@ -143,7 +143,7 @@ def medial_axis(boundary: Boundary, shape: tuple[int, ...]) -> Axis:
 def _measured(points: Array, edges: Index, sides: Index, tree: scipy.spatial.cKDTree) -> Axis:
     """Axis with the distances of its vertices to the boundary."""
     radius, nearest = tree.query(points)
-    return Axis(points, edges, np.asarray(radius), np.asarray(nearest, dtype=np.int64), sides)
+    return Axis(points, edges, np.asarray(radius), np.asarray(nearest, np.int64), sides)
 
 
 def _divided(points: Array, edges: Index, sides: Index) -> tuple[Array, Index, Index]:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from cpm_core.contours.contour import Contour
 from cpm_core.numerics import polyline
 from cpm_core.numerics.real_numbers import real_numbers
-from cpm_core.numerics.types import Array, Mask, Position
+from cpm_core.numerics.types import Array, Extent, Line, Mask
 
 
 @dataclass(frozen=True)
@@ -28,10 +28,10 @@ class Outlined:
     """
 
     objects: tuple[int, ...] = ()
-    contours: tuple[tuple[Position, ...], ...] = ()
+    contours: tuple[Line, ...] = ()
 
 
-def outlines_of(within: Sequence[Contour] | ArrayLike, shape: tuple[int, ...]) -> tuple[Contour, ...]:
+def outlines_of(within: Sequence[Contour] | ArrayLike, shape: Extent) -> tuple[Contour, ...]:
     """Closed outlines from contours, of which open ones are left out, or from a mask of the shape of the image.
 
     Raises
@@ -52,7 +52,7 @@ def outlines_of(within: Sequence[Contour] | ArrayLike, shape: tuple[int, ...]) -
     return found
 
 
-def mask_of(within: Sequence[Contour] | ArrayLike, shape: tuple[int, ...]) -> Mask:
+def mask_of(within: Sequence[Contour] | ArrayLike, shape: Extent) -> Mask:
     """A given mask of an image or a volume; ValueError when its shape is not the same."""
     if isinstance(within, Sequence) and any(isinstance(one, Contour) for one in within):
         raise ValueError("within holds contours, which lie in a plane: give a mask in a volume.")

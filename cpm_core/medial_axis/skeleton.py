@@ -10,7 +10,7 @@ only one side, and no shape can be rebuilt from such disks.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 
 import numpy as np
@@ -26,7 +26,7 @@ from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.medial_axis import Axis
 from cpm_core.medial_axis.structure import half_width
 from cpm_core.numerics.polyline import lengths_along
-from cpm_core.numerics.types import Array, Mask
+from cpm_core.numerics.types import Array, Extent, Mask, Sides, record
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.parameters.quotation import counted, described
 
@@ -40,7 +40,7 @@ _RIM = 0.005
 """Tolerance of a disk's radius [px], so that rounding errors have no effect."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Skeleton(drawing.Pictured):
     """Center lines of the objects in an image.
 
@@ -87,8 +87,8 @@ class Skeleton(drawing.Pictured):
 
     contours: tuple[Contour, ...]
     radii: tuple[Array, ...]
-    shape: tuple[int, ...]
-    spacing: tuple[float, ...]
+    shape: Extent
+    spacing: Sides
     unit: str | None
     source: str
     polarity: int = 0
@@ -174,7 +174,7 @@ def along(points: Array, radii: Array) -> Array:
     return np.column_stack([np.interp(at, way, values) for values in (*points.T, radii)])
 
 
-def covered(disks: Array, shape: tuple[int, ...]) -> Mask:
+def covered(disks: Array, shape: Extent) -> Mask:
     """Pixels whose centers lie in one of the disks (row, col, radius), shape (M, 3) [px]."""
     found = np.zeros(shape, np.bool_)
     for row, col, radius in disks.tolist():

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar, Self, cast
+from dataclasses import field, replace
+from typing import ClassVar, Self, cast
 
 import numpy as np
 import scipy
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.packed_surface import PackedBody, PackedSurface, PackedVoxels
@@ -31,7 +31,7 @@ from cpm_core.medial_axis.structure import DARK, Structure, find_structure, with
 from cpm_core.model.image_fields import ImageFields
 from cpm_core.model.starts import inside_image
 from cpm_core.model.state import Particles
-from cpm_core.numerics.types import Array, Mask
+from cpm_core.numerics.types import Array, Mask, Numbers, record
 from cpm_core.parameters import OF_CHARGES, OF_STARTS, PRESETS, Parameters, invalidating
 from cpm_core.parameters.provenance import Provenance, taken
 from cpm_core.parameters.quotation import described, shown, sized
@@ -49,7 +49,7 @@ _MOST_SHOWN = 20_000
 _POLARITIES = {"dark": -1.0, "light": 1.0, "auto": 0.0}
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class SkeletonState:
     """A moment of a run of the skeleton: what it is of, axis and branches as far as they have been found.
 
@@ -112,9 +112,9 @@ class SkeletonState:
         """The points as particles at rest."""
         return Particles.at_rest(self.position, self.first)
 
-    def arrays(self) -> list[NDArray[Any]]:
+    def arrays(self) -> list[Numbers]:
         """The arrays that take up memory."""
-        found: list[NDArray[Any]] = [self.points, *(contour.points for contour in self.contours), *self.radii]
+        found: list[Numbers] = [self.points, *(contour.points for contour in self.contours), *self.radii]
         if isinstance(self.structure, np.ndarray):
             found.append(self.structure)
         for part in (getattr(self.structure, "boundary", None), self.axis):

@@ -9,7 +9,7 @@ each of them, seen from inside.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import scipy
@@ -19,7 +19,7 @@ from cpm_core.field.edge_map import background_strength
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.medial_axis.boundary import Boundary, find_boundary
 from cpm_core.medial_axis.medial_axis import Axis, medial_axis, parts, prune, without_tips
-from cpm_core.numerics.types import Array, Mask
+from cpm_core.numerics.types import Array, Extent, Mask, record
 from cpm_core.parameters import Parameters
 
 _WIDENED = 1.0 / 3.0 + 1.0 / 12.0
@@ -91,7 +91,7 @@ def common_polarity(
     boundary: Boundary,
     polarity: NDArray[np.int8],
     objects: Mask,
-    shape: tuple[int, ...],
+    shape: Extent,
 ) -> int:
     """Polarity that the objects of an image share; 0 if they do not.
 
@@ -267,7 +267,7 @@ _FAINT, _LEAST = 0.5, 0.04
 """Floor for the edges of strips as a fraction of the background, and least background as one of the strongest edge."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Structure:
     """What a skeleton is of.
 
@@ -291,7 +291,7 @@ class Structure:
     width: float
     sure: float | None = None
 
-    def pruned(self, axis: Axis, pruning: float, shape: tuple[int, ...]) -> Axis:
+    def pruned(self, axis: Axis, pruning: float, shape: Extent) -> Axis:
         """The part of an axis that remains after pruning in an image of this shape, no wider than allowed."""
         rest = prune(axis, pruning).within(np.full(2, -0.5), np.array(shape) - 0.5)
         if self.sure is not None:

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.numerics.types import Array, Extent, Index, Mask
 
 
 @compiled
@@ -71,7 +71,7 @@ class Coverage(NamedTuple):
     size: int
 
 
-def no_coverage(shape: tuple[int, ...]) -> Coverage:
+def no_coverage(shape: Extent) -> Coverage:
     """Coverage of an image of this shape before any particle has been on an edge."""
     never = np.full(tuple(int(n / CELL) + 1 for n in shape), NEVER, np.int32)
     return Coverage(never, never, 0)
@@ -83,12 +83,8 @@ def cover(coverage: Coverage, positions: Array, on_edge: Mask, step: int) -> tup
     `positions`, shape (N, 2) [px], are the particles, `on_edge`, shape (N,), is their edge contact. Returns the
     coverage after it, the same one if no cell is new, and the number of newly covered cells.
     """
-    first = _first_new(coverage.found, positions, on_edge)
-    if first == len(positions):
-        return coverage, 0
-    found, latest = coverage.found.copy(), coverage.latest.copy()
-    new = _mark(found, latest, positions, on_edge, first, step)
-    return Coverage(found, latest, coverage.size + new), new
+    found, latest, new = _marked(coverage.found, coverage.latest, positions, on_edge, step)
+    return Coverage(found, latest, coverage.size + new) if new else coverage, new
 
 
 @compiled
@@ -97,25 +93,18 @@ def _cell_at(steps: Steps, position: Array, i: int) -> tuple[int, int]:
 
 
 @compiled
-def _first_new(found: Steps, position: Array, on_edge: Mask) -> int:
-    """The first particle on an edge in a cell that is not covered, or their number."""
-    for i in range(len(position)):
-        if on_edge[i] and found[_cell_at(found, position, i)] == NEVER:
-            return i
-    return len(position)
-
-
-@compiled
-def _mark(found: Steps, latest: Steps, position: Array, on_edge: Mask, first: int, step: int) -> int:
-    """Mark the cells of all particles on edges from a first one, and those near, as covered; return their number."""
+def _marked(found: Steps, latest: Steps, position: Array, on_edge: Mask, step: int) -> tuple[Steps, Steps, int]:
+    """Cells, with those of particles on edges, and those near, marked as covered if they are new; and their number."""
     new = 0
-    for i in range(first, len(position)):
-        if on_edge[i] and found[_cell_at(found, position, i)] == NEVER:
-            row, col = _cell_at(found, position, i)
+    for i in range(len(position)):
+        row, col = _cell_at(found, position, i)
+        if on_edge[i] and found[row, col] == NEVER:
+            if not new:
+                found, latest = found.copy(), latest.copy()
             found[row, col] = step
             latest[max(row - REACH, 0) : row + REACH + 1, max(col - REACH, 0) : col + REACH + 1] = step
             new += 1
-    return new
+    return found, latest, new
 
 
 @compiled

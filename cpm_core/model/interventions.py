@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cpm_core.field.placed_charges import REACH, Charges, PlacedCharge, changed, near_charges, placed_in, radius_at
 from cpm_core.image.pyramid import shape_of_scale, to_image, to_scale
@@ -24,10 +24,10 @@ from cpm_core.model.coverage import (
 from cpm_core.model.starts import allowed_by, inside_image, starting_points
 from cpm_core.model.state import Particles, State
 from cpm_core.numerics.grids import Window, sides_of
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Extent, Mask
 from cpm_core.parameters import Parameters
 
-Chosen = NDArray[np.bool_] | Callable[[Array], ArrayLike]
+Chosen = Mask | Callable[[Array], ArrayLike]
 
 
 def applied(state: State, regions: AnyRegions | None, parameters: Parameters, charges: Sequence[PlacedCharge]) -> State:
@@ -104,7 +104,7 @@ def erased(state: State, inside: Chosen) -> State:
     return rest if rest.count else rest.stopped("all particles have been erased")
 
 
-def _mask(inside: ArrayLike, count: int, noun: str) -> NDArray[np.bool_]:
+def _mask(inside: ArrayLike, count: int, noun: str) -> Mask:
     """Check a mask of the chosen particles, shape (N,)."""
     mask = np.asarray(inside)
     if mask.dtype != np.bool_ or mask.shape != (count,):
@@ -154,7 +154,7 @@ _MOST = 0.5
 """Share of an image that a window may be of; beyond it the run is one in the whole image."""
 
 
-def window_around(position: Array, shape: tuple[int, ...], room: float = 0.0) -> Window | None:
+def window_around(position: Array, shape: Extent, room: float = 0.0) -> Window | None:
     """Pixels of a scale of this shape around particles, with some room [px] or more for them to move; None for all.
 
     Windows begin between cells of the coverage, so that a wider one has the same cells.

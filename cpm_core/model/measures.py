@@ -24,14 +24,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from cpm_core.model.state import State
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, record
 from cpm_core.parameters.quotation import counted, described
 
 PAIR = 0.5
 """Coulomb force of two particles d_min apart, in w1."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Energies:
     """Energies of all particles together, of unit mass each [px^2 of the image / unit of time^2].
 
@@ -61,7 +61,7 @@ def kinetic_energy(state: State) -> float:
     return 0.5 * 4.0**state.scale * float(np.einsum("ni,ni->", velocity, velocity))
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class Forces:
     """Forces on particles in eq. (12), with their weights; all of shape (N, D) [px of the scale / unit of time^2].
 

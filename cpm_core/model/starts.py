@@ -13,7 +13,7 @@ from cpm_core.field.scale_field import WEAKEST_EDGE, unit_vectors
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.numerics.polyline import lengths_along, places_at
 from cpm_core.numerics.real_numbers import checked_number, real_numbers
-from cpm_core.numerics.types import Array, Mask, Position
+from cpm_core.numerics.types import Array, Extent, Mask, Position
 from cpm_core.parameters.quotation import shown
 
 _LEAST_ON_CIRCLE = 5
@@ -129,7 +129,7 @@ def loop(points: ArrayLike, spacing: float = 2.0) -> Array:
     return along[:-1] if len(along) > 1 else along
 
 
-def uniform_grid(shape: tuple[int, ...], spacing: float = 8.0) -> Array:
+def uniform_grid(shape: Extent, spacing: float = 8.0) -> Array:
     """Particles on a uniform grid over an image (section 5.2).
 
     Parameters
@@ -189,9 +189,9 @@ def gradient_threshold(values: ArrayLike, fraction: float = STRONG, smoothing: f
     return above(edge_map(values, smoothing), fraction)
 
 
-def above(strength: Array, fraction: float) -> Array:
-    """Pixels, shape (N, D), whose edge strength is above a fraction of the largest."""
-    return np.argwhere(strength > fraction * strength.max()).astype(float)
+def above(strength: Array, fraction: float, strongest: float | None = None) -> Array:
+    """Pixels, shape (N, D), whose edge strength is above a fraction of the largest, or of that of a larger image."""
+    return np.argwhere(strength > fraction * (strength.max() if strongest is None else strongest)).astype(float)
 
 
 def divergence_centers(values: ArrayLike, smoothing: float = 2.0, spacing: float = 4.0) -> Array:
@@ -253,7 +253,7 @@ def centers_between(strength: Array, spacing: float) -> Array:
     return np.concatenate([centers, _inflow(direction)]) if cut else centers
 
 
-def starting_points(seeds: ArrayLike, shape: tuple[int, ...], regions: AnyRegions | None) -> Array:
+def starting_points(seeds: ArrayLike, shape: Extent, regions: AnyRegions | None) -> Array:
     """Check seeds, shape (N, D) [px of the image], and leave out those in places where no particle may be."""
     points = real_numbers(seeds)
     if points.size == 0:
@@ -279,7 +279,7 @@ def starting_points(seeds: ArrayLike, shape: tuple[int, ...], regions: AnyRegion
     return _thinned(points[allowed], shape)
 
 
-def _thinned(points: Array, shape: tuple[int, ...]) -> Array:
+def _thinned(points: Array, shape: Extent) -> Array:
     """Points on an image without those beyond the first `_MOST_ON_PIXEL` of each pixel.
 
     The first step deletes nearly all of them, but only after each has felt every other one.
@@ -295,7 +295,7 @@ def _thinned(points: Array, shape: tuple[int, ...]) -> Array:
     return points[rank < _MOST_ON_PIXEL]
 
 
-def inside_image(positions: Array, shape: tuple[int, ...]) -> Mask:
+def inside_image(positions: Array, shape: Extent) -> Mask:
     """Which positions lie on the image, including the whole of its outermost pixels."""
     inside = np.ones(len(positions), np.bool_)
     for along, x in zip(shape, positions.T, strict=True):

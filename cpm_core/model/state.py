@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.field.placed_charges import Charges, at_scale
 from cpm_core.image.pyramid import to_image, to_scale
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.coverage import Coverage, SurfaceCoverage
 from cpm_core.numerics.grids import Window
-from cpm_core.numerics.types import Array, Index, Mask, Single
+from cpm_core.numerics.types import Array, Extent, Index, Mask, Numbers, Single, record
 from cpm_core.numerics.vectors import Vector
 from cpm_core.parameters.quotation import counted, described
 
@@ -46,7 +45,7 @@ class MeshForce(NamedTuple):
     softening: Single
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class SurfaceContact:
     """Contact of particles with surfaces.
 
@@ -102,7 +101,7 @@ _ARRAYS = ("position", "velocity", "force", "distance", "identity")
 """Arrays of particles."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class Particles:
     """The free particles as a struct of arrays.
 
@@ -140,7 +139,7 @@ class Particles:
     velocity: Array
     force: Array
     distance: Array
-    identity: NDArray[np.int64]
+    identity: Index
     contact: SurfaceContact | None = None
 
     @classmethod
@@ -148,7 +147,7 @@ class Particles:
         """Particles without motion or history at positions of shape (N, D)."""
         count, dimension = position.shape
         return cls(
-            np.array(position, dtype=float),
+            np.array(position, float),
             np.zeros((count, dimension)),
             np.zeros((count, 2, dimension)),
             np.full((count, MEMORY), np.nan),
@@ -160,20 +159,26 @@ class Particles:
         return len(self.position)
 
     @property
-    def young(self) -> NDArray[np.bool_]:
+    def young(self) -> Mask:
         """Which were inserted less than T steps ago, shape (N,)."""
         return np.isnan(self.distance[:, -1])
 
-    def where(self, kept: NDArray[np.bool_]) -> Particles:
+    @property
+    def on_surface(self) -> SurfaceContact:
+        """Contact of each with surfaces, of particles in a volume."""
+        assert self.contact is not None
+        return self.contact
+
+    def where(self, kept: Mask) -> Particles:
         """The particles for which `kept`, shape (N,), is true."""
         return self.taken(np.flatnonzero(kept))
 
-    def taken(self, index: NDArray[np.int64]) -> Particles:
+    def taken(self, index: Index) -> Particles:
         """The particles with the given indices, shape (M,), in this order."""
         arrays: dict[str, Any] = {name: getattr(self, name).take(index, axis=0) for name in _ARRAYS}
         return Particles(**arrays, contact=self.contact and self.contact.taken(index))
 
-    def woken_at(self, step: int, which: NDArray[np.bool_] | None = None) -> Particles:
+    def woken_at(self, step: int, which: Mask | None = None) -> Particles:
         """The same, some of them awake at a step, by default all; in the plane the coverage knows this."""
         return self if self.contact is None else replace(self, contact=self.contact.woken_at(step, which))
 
@@ -187,9 +192,7 @@ class Particles:
         met = contact or more.contact
         return Particles(**arrays, contact=self.contact and met and self.contact.joined(met))
 
-    def renewed(
-        self, stay: NDArray[np.int64], position: Array, parent: NDArray[np.int64], other: NDArray[np.int64], first: int
-    ) -> Particles:
+    def renewed(self, stay: Index, position: Array, parent: Index, other: Index, first: int) -> Particles:
         """The particles with the indices `stay` in this order, and behind them new ones at positions of shape (M, D).
 
         These have the mean velocity and force history of their two parents; `parent` and `other`, shape (M,), are the
@@ -207,7 +210,7 @@ class Particles:
         return described("Particles", f"{len(self):,}", f"{self.position.shape[1]} coordinates each")
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class SpaceState:
     """What a state holds in a volume only.
 
@@ -223,7 +226,7 @@ class SpaceState:
     covered: SurfaceCoverage
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class State:
     """A moment of a run: all that the next step depends on besides image and parameters.
 
@@ -300,7 +303,7 @@ class State:
 
     particles: Particles
     start: Array
-    shape: tuple[int, ...]
+    shape: Extent
     scale: int
     coverage: Coverage
     mesh: MeshForce | None = None
@@ -353,7 +356,7 @@ class State:
         """Number of particles."""
         return len(self.particles)
 
-    def arrays(self) -> list[NDArray[Any]]:
+    def arrays(self) -> list[Numbers]:
         """The arrays that keeping this state costs, without the start, which all states of a run share."""
         particles, mesh, contact = self.particles, self.mesh, self.particles.contact
         return [

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from itertools import product
 from typing import TypeVar
 
@@ -14,7 +13,7 @@ from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
-from cpm_core.numerics.types import Array, Index, Mask, Single
+from cpm_core.numerics.types import Array, Extent, Index, Mask, Single, record
 
 Labels = NDArray[np.int32]
 """Numbers of parts, or columns."""
@@ -26,12 +25,12 @@ Window = tuple[slice, ...]
 """Pixels of a grid, a range along each axis."""
 
 
-def whole_window(shape: tuple[int, ...]) -> Window:
+def whole_window(shape: Extent) -> Window:
     """All pixels of a grid of this shape."""
     return tuple(slice(0, n) for n in shape)
 
 
-def around(window: Window, margin: int, shape: tuple[int, ...]) -> Window:
+def around(window: Window, margin: int, shape: Extent) -> Window:
     """A window with so many pixels around it, as far as a grid of this shape has them."""
     return tuple(
         slice(max(side.start - margin, 0), min(side.stop + margin, n)) for side, n in zip(window, shape, strict=True)
@@ -61,7 +60,7 @@ def relative(window: Window, outer: Window) -> Window:
     return tuple(slice(a.start - b.start, a.stop - b.start) for a, b in zip(window, outer, strict=True))
 
 
-def tiles(shape: tuple[int, ...], side: int) -> list[Window]:
+def tiles(shape: Extent, side: int) -> list[Window]:
     """Windows of this side, or less at the end of an axis, that make up a grid of this shape."""
     axes = ([slice(at, min(at + side, n)) for at in range(0, n, side)] for n in shape)
     return list(product(*axes))
@@ -72,7 +71,7 @@ def sides_of(window: Window) -> tuple[int, ...]:
     return tuple(side.stop - side.start for side in window)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Parts:
     """The connected parts of a mask of three axes, as runs of voxels along the last one.
 
@@ -80,7 +79,7 @@ class Parts:
     and the number of the part.
     """
 
-    shape: tuple[int, ...]
+    shape: Extent
     begin: Index
     first: Labels
     end: Labels

@@ -6,6 +6,8 @@ import math
 from contextlib import suppress
 from pathlib import Path
 
+from cpm_core.numerics.types import Extent
+
 _GROUP = Path("/sys/fs/cgroup")
 """What the system says of the group of processes that this one belongs to, as in a container."""
 
@@ -24,7 +26,7 @@ def free() -> float:
     return room
 
 
-def check_room(shape: tuple[int, ...], each: float, source: str) -> None:
+def check_room(shape: Extent, each: float, source: str) -> None:
     """Check whether there is room for the fields of an image.
 
     Parameters
@@ -51,5 +53,5 @@ def check_room(shape: tuple[int, ...], each: float, source: str) -> None:
     )
 
 
-def _size(shape: tuple[int, ...]) -> str:
+def _size(shape: Extent) -> str:
     return " × ".join(f"{side:,}" for side in shape)

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from cpm_core.numerics.segments import distances_to_segments, nearest_distances, winds_around
-from cpm_core.numerics.types import Array, Index, Mask, Position
+from cpm_core.numerics.types import Array, Index, Line, Mask, Position
 
 MOST_HANDLES = 24
 """Corners up to which each of them is a handle; freehand paths have more."""
@@ -22,7 +22,7 @@ _HALVINGS = 3
 
 def corners_of(path: Array | Sequence[Sequence[float]]) -> Array:
     """Corners of a path as an array, shape (K, D)."""
-    return np.asarray(path, dtype=float)
+    return np.asarray(path, float)
 
 
 def lengths_along(path: Array) -> Array:
@@ -32,7 +32,7 @@ def lengths_along(path: Array) -> Array:
 
 def length(path: Array | Sequence[Position]) -> float:
     """Length along a path [px]."""
-    corners = np.asarray(path, dtype=float).reshape(len(path), -1)
+    corners = np.asarray(path, float).reshape(len(path), -1)
     return float(np.linalg.norm(corners[1:] - corners[:-1], axis=1).sum())
 
 
@@ -69,7 +69,7 @@ def resampled(path: Array, spacing: float) -> Array:
 
 def distance(path: Array | Sequence[Position], position: Position) -> float:
     """Distance of a position (row, col) from the nearest place on a path of at least one corner [px]."""
-    return float(distances(path, np.array([position], dtype=float))[0])
+    return float(distances(path, np.array([position], float))[0])
 
 
 def distances(path: Array | Sequence[Position], positions: Array) -> Array:
@@ -78,12 +78,10 @@ def distances(path: Array | Sequence[Position], positions: Array) -> Array:
     if len(corners) == 1:
         corners = corners[[0, 0]]
     if corners.shape[1] != 2:
-        away = distances_to_segments(
-            np.asarray(positions, dtype=float)[:, None], corners[:-1], np.diff(corners, axis=0)
-        )
+        away = distances_to_segments(np.asarray(positions, float)[:, None], corners[:-1], np.diff(corners, axis=0))
         return away.min(axis=1)
     sides = np.concatenate([corners[:-1], corners[1:]], axis=1)
-    return nearest_distances(np.ascontiguousarray(positions, dtype=float), sides)
+    return nearest_distances(np.ascontiguousarray(positions, float), sides)
 
 
 def distances_from_closed(curves: Iterable[Sequence[Position]], positions: Array) -> Array:
@@ -96,24 +94,24 @@ def distances_from_closed(curves: Iterable[Sequence[Position]], positions: Array
 
 def inside(path: Array | Sequence[Position], positions: Array) -> Mask:
     """Which positions, shape (N, 2), lie inside a path that is closed from its last corner to its first, shape (N,)."""
-    places = np.ascontiguousarray(positions, dtype=float).reshape(-1, 2)
+    places = np.ascontiguousarray(positions, float).reshape(-1, 2)
     return winds_around(np.ascontiguousarray(corners_of(path)), places)
 
 
 def area(path: Array | Sequence[Position]) -> float:
     """Area inside a path whose last corner is joined to its first [px²]."""
-    row, col = np.array(path, dtype=float).T
+    row, col = np.array(path, float).T
     return 0.5 * abs(float(row @ np.roll(col, -1) - col @ np.roll(row, -1)))
 
 
-def thinned(path: Sequence[Position], tolerance: float = _TOLERANCE) -> tuple[Position, ...]:
+def thinned(path: Sequence[Position], tolerance: float = _TOLERANCE) -> Line:
     """Path without the corners that are not needed; both ends stay.
 
     A freehand path has a corner for every movement of the pointer, but a document should stay small. Of the corners
     between two that are kept, the farthest one is kept as well, until none is off by more than the tolerance (Douglas
     and Peucker 1973). scikit-image has the same function, but takes longer to load than the whole window.
     """
-    corners = np.array(path, dtype=float)
+    corners = np.array(path, float)
     kept = {0, len(corners) - 1}
     stretches = [(0, len(corners) - 1)]
     while stretches:
@@ -161,12 +159,12 @@ def stretches(on: Mask, closed: bool = False) -> list[Index]:
     return [piece for piece in pieces if on[piece[0]]]
 
 
-def moved(path: Sequence[Position], by: Position) -> tuple[Position, ...]:
+def moved(path: Sequence[Position], by: Position) -> Line:
     """Path displaced by so much along each axis."""
     return tuple(tuple(map(operator.add, corner, by)) for corner in path)
 
 
-def with_handle_at(path: Sequence[Position], corner: Position, to: Position) -> tuple[Position, ...]:
+def with_handle_at(path: Sequence[Position], corner: Position, to: Position) -> Line:
     """Path with the corner nearest to a position moved to another position."""
     nearest = np.linalg.norm(corners_of(path) - corner, axis=1).argmin()
     return (*path[:nearest], to, *path[nearest + 1 :])

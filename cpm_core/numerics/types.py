@@ -1,8 +1,10 @@
-"""Array types of the whole program; shapes and units are given where the types are used."""
+"""Types of the whole program; shapes and units are given where the types are used."""
 
 from __future__ import annotations
 
-from typing import Annotated
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Annotated, Any, TypeVar, dataclass_transform
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +24,9 @@ Mask = NDArray[np.bool_]
 Pixels = NDArray[np.uint8]
 """Pixels for the screen, (H, W) or (H, W, 3)."""
 
+Numbers = NDArray[Any]
+"""Numbers of any type."""
+
 Position = Annotated[tuple[float, ...], 2]
 """A position (row, col) [px]; the annotation is how many numbers it has in files."""
 
@@ -30,3 +35,29 @@ Place = Annotated[tuple[float, ...], 2, 3]
 
 Voxel = Annotated[tuple[float, ...], 3]
 """A position (plane, row, col) [voxels]."""
+
+Line = tuple[Position, ...]
+"""Corners of a line."""
+
+Extent = tuple[int, ...]
+"""How many pixels or voxels there are along each axis."""
+
+Sides = tuple[float, ...]
+"""Side of a pixel or voxel along each axis."""
+
+Plain = Mapping[str, Any]
+"""What files hold by name, as JSON."""
+
+Entries = dict[str, Any]
+"""The same, while it is put together."""
+
+Callback = Callable[[], object]
+"""What is called without anything."""
+
+_Kind = TypeVar("_Kind")
+
+
+@dataclass_transform(frozen_default=True, eq_default=False, field_specifiers=(field,))
+def record(kind: type[_Kind]) -> type[_Kind]:
+    """A frozen dataclass of which each is equal to itself alone, since arrays are not compared."""
+    return dataclass(frozen=True, eq=False)(kind)

@@ -213,21 +213,17 @@ def linking_number(one: Array, other: Array) -> int:
     """
     tip = other.mean(0)
     a, b = other - tip, np.roll(other, -1, axis=0) - tip
-    start = one - tip + _OFF_GRID
-    step = max(1, _AT_ONCE // len(a))
-    parts = (slice(k, k + step) for k in range(0, len(start), step))
-    return sum(_passes(start[part], np.roll(start, -1, axis=0)[part], a, b) for part in parts)
-
-
-def _passes(start: Array, end: Array, a: Array, b: Array) -> int:
-    """How often segments pass through triangles with one corner at the origin and the others at `a` and `b`."""
-    normal = np.cross(a, b)
-    from_, to = start @ normal.T, end @ normal.T
-    segment, triangle = np.nonzero((from_ < 0.0) != (to < 0.0))
-    before, after = from_[segment, triangle], to[segment, triangle]
-    place = start[segment] + (before / (before - after))[:, None] * (end[segment] - start[segment])
-    n = normal[triangle]
-    inside = np.ones(len(segment), bool)
-    for u, v in ((np.zeros_like(n), a[triangle]), (a[triangle], b[triangle]), (b[triangle], np.zeros_like(n))):
-        inside &= np.einsum("ij,ij->i", np.cross(v - u, place - u), n) >= 0.0
-    return int((np.where(before < 0.0, 1, -1) * inside).sum())
+    loop, normal = one - tip + _OFF_GRID, np.cross(a, b)
+    following, step, total = np.roll(loop, -1, axis=0), max(1, _AT_ONCE // len(a)), 0
+    for k in range(0, len(loop), step):
+        start, end = loop[k : k + step], following[k : k + step]
+        from_, to = start @ normal.T, end @ normal.T
+        segment, triangle = np.nonzero((from_ < 0.0) != (to < 0.0))
+        before, after = from_[segment, triangle], to[segment, triangle]
+        place = start[segment] + (before / (before - after))[:, None] * (end[segment] - start[segment])
+        n = normal[triangle]
+        inside = np.ones(len(segment), bool)
+        for u, v in ((np.zeros_like(n), a[triangle]), (a[triangle], b[triangle]), (b[triangle], np.zeros_like(n))):
+            inside &= np.einsum("ij,ij->i", np.cross(v - u, place - u), n) >= 0.0
+        total += int((np.where(before < 0.0, 1, -1) * inside).sum())
+    return total

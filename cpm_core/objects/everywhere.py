@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +10,7 @@ import scipy
 import skimage
 
 from cpm_core.numerics.grids import running_maximum
-from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.numerics.types import Array, Callback, Index, Mask
 from cpm_core.objects.boundaries.alike import alike
 from cpm_core.objects.boundaries.crossings import crossings
 from cpm_core.objects.boundaries.necks import bodies
@@ -63,7 +63,7 @@ def similar(partition: Partition, chosen: Selection) -> Iterator[Selection]:
                 yield other
 
 
-def everywhere(partition: Partition, check: Callable[[], object] = lambda: None) -> Iterator[Selection]:
+def everywhere(partition: Partition, check: Callback = lambda: None) -> Iterator[Selection]:
     """The objects of an image: what is certain, and parts between contours that are likely objects.
 
     Parts meet where the gaps between contours are narrowest. Of two with a stretch of boundary in common, the one that
@@ -139,7 +139,7 @@ class _Parts(NamedTuple):
         bounded = np.bincount(one[on], minlength=len(pixels)) / np.maximum(around, 1)
         return cls(labels, pixels, bounded, one, other)
 
-    def judged(self, partition: Partition, taken: Mask, check: Callable[[], object]) -> dict[int, Likely]:
+    def judged(self, partition: Partition, taken: Mask, check: Callback) -> dict[int, Likely]:
         """What the prior makes of those that may be objects, by their numbers."""
         boxes = scipy.ndimage.find_objects(self.labels)
 

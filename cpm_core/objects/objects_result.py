@@ -13,6 +13,7 @@ from cpm_core.field.edge_map import edge_map
 from cpm_core.field.interpolation import interpolate
 from cpm_core.image.image import Image
 from cpm_core.numerics import polyline
+from cpm_core.numerics.types import Extent, Sides
 from cpm_core.objects.outline import SMOOTHING
 from cpm_core.objects.selection import Selection
 from cpm_core.parameters.provenance import Provenance
@@ -83,8 +84,8 @@ def objects_result(
 def boundaries_result(
     contours: Sequence[Contour],
     bridges: Sequence[Bridge],
-    shape: tuple[int, ...],
-    spacing: tuple[float, ...],
+    shape: Extent,
+    spacing: Sides,
     unit: str | None,
     source: str,
 ) -> Result:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
@@ -14,7 +14,7 @@ from cpm_core.field.interpolation import interpolate
 from cpm_core.field.region_contrast import mean_contrast
 from cpm_core.numerics import polyline
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Index, Mask, Single
+from cpm_core.numerics.types import Array, Index, Mask, Single, record
 from cpm_core.objects.boundaries.crossings import Crossings
 from cpm_core.objects.boundaries.ground import Ground
 
@@ -186,7 +186,7 @@ _SHORT = 2.0
 """Length up to which a stretch off the contours is no gap [px]."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Outline:
     """A closed boundary.
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -28,7 +28,7 @@ from cpm_core.model.starts import uniform_grid
 from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import ends
 from cpm_core.numerics.real_numbers import as_places
-from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.numerics.types import Array, Extent, Index, Mask, record
 from cpm_core.objects.boundaries.alike import alike
 from cpm_core.objects.boundaries.closed_regions import ClosedRegions
 from cpm_core.objects.boundaries.crossings import crossings
@@ -117,7 +117,7 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
     return Partition(as_plane(values.image), tuple(values.contours), of_plane(values.regions), values.channel)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Partition(drawing.Pictured):
     """An image with its contours, to select objects from.
 
@@ -159,7 +159,7 @@ class Partition(drawing.Pictured):
     prior: bool = True
 
     @property
-    def shape(self) -> tuple[int, ...]:
+    def shape(self) -> Extent:
         """Shape of the image."""
         return self.image.shape
 

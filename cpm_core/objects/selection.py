@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.image import drawing
-from cpm_core.numerics.types import Array, Mask
+from cpm_core.numerics.types import Array, Mask, record
 from cpm_core.objects.confidence import Signs
 from cpm_core.parameters.quotation import counted, described
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Selection(drawing.Pictured):
     """An object: a set of pixels with its closed boundary.
 

@@ -14,6 +14,7 @@ from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image, as_plane
 from cpm_core.image.pyramid import most_scales
 from cpm_core.image.volume_regions import AnyRegions
+from cpm_core.numerics.types import Extent
 from cpm_core.pages.page import Page, without_image
 from cpm_core.pages.tracks import Tracker
 from cpm_core.parameters import Parameters
@@ -85,7 +86,7 @@ def follow(
                 start = seeds(image) if callable(seeds) else seeds
                 if follower.starts and not fresh:
                     start = seeds_of(follower.starts)
-                chosen = fitting(parameters or Parameters(), image)
+                chosen = fitting(parameters or Parameters(), image.shape)
                 found = segment(image, start, chosen, max_steps=max_steps, regions=regions, charges=charges)
             except (ValueError, MemoryError) as error:
                 yield Page(number, None, trouble=trouble_of(error))
@@ -122,9 +123,9 @@ class Follower:
         return Page(number, replace(light, contours=contours), events)
 
 
-def fitting(parameters: Parameters, image: Image) -> Parameters:
-    """Parameters with no more scales than an image has room for."""
-    most = most_scales(image.shape)
+def fitting(parameters: Parameters, shape: Extent) -> Parameters:
+    """Parameters with no more scales than an image of a shape has room for."""
+    most = most_scales(shape)
     return replace(parameters, scales=most) if parameters.scales > most else parameters
 
 

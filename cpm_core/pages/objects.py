@@ -8,7 +8,7 @@ the prior makes of the moved object. Which is which, and what splits and merges,
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import scipy
@@ -20,7 +20,7 @@ from cpm_core.contours.measurements import centroid
 from cpm_core.contours.result import Result
 from cpm_core.image.image import Image
 from cpm_core.numerics.grids import ends
-from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.numerics.types import Array, Callback, Index, Mask, record
 from cpm_core.objects import Partition, Selection, objects_result, overlap, partition
 from cpm_core.pages.follow import trouble_of
 from cpm_core.pages.page import Page, without_image
@@ -43,7 +43,7 @@ _PIECE = 0.2
 """Share of an object from which a part of it that is apart from the others is an object of its own."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class FollowedObject:
     """An object that has been found again, or that has split off another one.
 
@@ -82,7 +82,7 @@ class ObjectFollower:
         self._values, self._before, self._tracks = values, objects, max(self._tracks, *objects, 0)
 
     def follow(
-        self, number: int, page: Partition, check: Callable[[], object] = lambda: None
+        self, number: int, page: Partition, check: Callback = lambda: None
     ) -> tuple[tuple[FollowedObject, ...], tuple[TrackEvent, ...]]:
         """Find the objects of the page before on the page of a number; `check` is called again and again.
 
@@ -236,7 +236,7 @@ def _seen(mask: Mask, before: Array, now: Array, speed: Index) -> Index:
     return speed + place - reach
 
 
-def _found(sought: Sequence[_Sought], page: Partition, check: Callable[[], object]) -> list[Selection]:
+def _found(sought: Sequence[_Sought], page: Partition, check: Callback) -> list[Selection]:
     """What is where objects are sought, each once; of two that share pixels, what is more like before comes first."""
     certain, taken = [(one, *ends(one)) for one in page.certain()], np.zeros(page.shape, np.bool_)
     found: list[Selection] = []

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.rasterize import paint
 from cpm_core.contours.result import Result
+from cpm_core.numerics.types import Plain, record
 from cpm_core.pages.tracks import TrackEvent
 from cpm_core.parameters.quotation import counted, described
 
@@ -20,7 +20,7 @@ _DECIMALS, _OF_MEASURES = 4, 6
 """Decimals of the vertices of contours [px], and of what is measured in the image, as files hold them."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Page:
     """What has been found on a page.
 
@@ -58,7 +58,7 @@ class Page:
         return described("Page", str(self.number), self.trouble or counted(len(self.contours), "contour"))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class StackResult:
     """What has been found in a stack, or in those of its pages that are done.
 
@@ -83,7 +83,7 @@ class StackResult:
     pages: tuple[Page, ...]
     axis: Literal["z", "t", "c"] = "z"
     alone: bool = True
-    drawn: tuple[Mapping[str, Any], ...] = ()
+    drawn: tuple[Plain, ...] = ()
 
     @property
     def results(self) -> tuple[tuple[int, Result], ...]:
@@ -103,7 +103,7 @@ class StackResult:
         return tuple(Track(track, tuple(on[track]), origins.get(track, 0), ends.get(track)) for track in sorted(on))
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Track:
     """An object through the pages of a stack.
 

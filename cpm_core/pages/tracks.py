@@ -17,7 +17,7 @@ from cpm_core.contours.contour import Contour, neighborhood
 from cpm_core.contours.measurements import containment
 from cpm_core.contours.rasterize import paint
 from cpm_core.numerics.polyline import sampled
-from cpm_core.numerics.types import Array, Index
+from cpm_core.numerics.types import Array, Extent, Index
 from cpm_core.parameters.quotation import described
 
 LEAST_OVERLAP = 0.2
@@ -47,7 +47,7 @@ _WORDS: dict[EventKind, str] = {
 }
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class TrackEvent:
     """What happens to a track from one page to the next.
 
@@ -109,7 +109,7 @@ class Tracker:
         self._begun = tracks > 0
 
     def follow(
-        self, page: int, contours: Sequence[Contour], shape: tuple[int, ...], *, keep: bool = False
+        self, page: int, contours: Sequence[Contour], shape: Extent, *, keep: bool = False
     ) -> tuple[tuple[Contour, ...], tuple[TrackEvent, ...]]:
         """Give the contours of a page of this shape [px] their tracks as numbers, and report what happens to tracks.
 
@@ -131,14 +131,42 @@ class Tracker:
             self._tracks += place not in owner
             tracks.append(before[owner[place]].number if place in owner else self._tracks)
         numbered = tuple(replace(one, number=track) for one, track in zip(contours, tracks, strict=True))
-        events = [*_gone(page, before, numbered, pairs, overlaps.part, shape)]
-        if self._begun:
-            events += _come(page, before, numbered, pairs, overlaps.part)
+        events = tuple(self._events(page, numbered, pairs, overlaps.part, shape))
         self._before, self._begun = numbered, True
-        return numbered, tuple(events)
+        return numbered, events
+
+    def _events(
+        self, page: int, now: Sequence[Contour], pairs: dict[int, int], part: Array, shape: Extent
+    ) -> Iterable[TrackEvent]:
+        """The tracks that merge into others, end, or leave the image, and those that begin or split off others."""
+        before, heirs = self._before, {heir: then for then, heir in pairs.items()}
+        around = containment(before)
+        for index, contour in enumerate(before):
+            if index in pairs:
+                continue
+            into = [one for one, then in heirs.items() if part[index, one] >= PART and not _nested(around, index, then)]
+            if into:
+                heir = max(into, key=lambda one: part[index, one])
+                yield TrackEvent("merges", page, contour.number, (now[heir].number,))
+            else:
+                low, high = contour.box
+                outside = (low < _RIM).any() or (high > np.array(shape) - 1.0 - _RIM).any()
+                yield TrackEvent("leaves" if outside else "ends", page, contour.number)
+        around, split = containment(now), dict[int, list[int]]()
+        for index, contour in enumerate(now if self._begun else ()):
+            if index in heirs:
+                continue
+            origins = [then for then, heir in pairs.items() if part[then, index] >= PART]
+            apart = [then for then in origins if not _nested(around, index, pairs[then])]
+            if apart:
+                split.setdefault(max(apart, key=lambda then: part[then, index]), []).append(contour.number)
+            else:
+                yield TrackEvent("begins", page, contour.number)
+        for then, parts in split.items():
+            yield TrackEvent("splits", page, before[then].number, tuple(parts))
 
 
-def overlaps_of(before: Sequence[Contour], now: Sequence[Contour], shape: tuple[int, ...]) -> Overlaps:
+def overlaps_of(before: Sequence[Contour], now: Sequence[Contour], shape: Extent) -> Overlaps:
     """Measure how contours of two pages overlap, on an image of this shape [px]."""
     if not (before and now):
         nothing = np.zeros((len(before), len(now)))
@@ -152,7 +180,7 @@ def overlaps_of(before: Sequence[Contour], now: Sequence[Contour], shape: tuple[
     return overlaps
 
 
-def _of_areas(before: Sequence[Contour], now: Sequence[Contour], shape: tuple[int, ...]) -> Overlaps:
+def _of_areas(before: Sequence[Contour], now: Sequence[Contour], shape: Extent) -> Overlaps:
     """Overlap of the areas of closed contours, as the measure of Dice and as a share of the smaller one."""
     one, other = (_regions(contours, shape) for contours in (before, now))
     shared = np.zeros((len(before) + 1, len(now) + 1))
@@ -164,7 +192,7 @@ def _of_areas(before: Sequence[Contour], now: Sequence[Contour], shape: tuple[in
     return Overlaps(2.0 * common / np.maximum(first + second, 1.0), common / np.maximum(least, 1.0))
 
 
-def _regions(contours: Sequence[Contour], shape: tuple[int, ...]) -> Index:
+def _regions(contours: Sequence[Contour], shape: Extent) -> Index:
     """Which contour encloses each pixel, the innermost one, from 1; 0 for none."""
     alone = [replace(contour, group=0, hole=False) for contour in contours]
     places = np.array([0, *(index for index, one in enumerate(contours, 1) if one.closed)])
@@ -202,48 +230,6 @@ def _pairs(dice: Array) -> dict[int, int]:
             pairs[then] = now
             taken.add(now)
     return pairs
-
-
-def _come(
-    page: int, before: Sequence[Contour], now: Sequence[Contour], pairs: dict[int, int], part: Array
-) -> Iterable[TrackEvent]:
-    """The tracks that begin or split off others."""
-    around = containment(now)
-    fresh = [index for index in range(len(now)) if index not in pairs.values()]
-    split: dict[int, list[int]] = {}
-    for index in fresh:
-        origins = [then for then, heir in pairs.items() if part[then, index] >= PART]
-        apart = [then for then in origins if not _nested(around, index, pairs[then])]
-        if apart:
-            split.setdefault(max(apart, key=lambda then: part[then, index]), []).append(index)
-        else:
-            yield TrackEvent("begins", page, now[index].number)
-    for then, parts in split.items():
-        yield TrackEvent("splits", page, before[then].number, tuple(now[index].number for index in parts))
-
-
-def _gone(
-    page: int,
-    before: Sequence[Contour],
-    now: Sequence[Contour],
-    pairs: dict[int, int],
-    part: Array,
-    shape: tuple[int, ...],
-) -> Iterable[TrackEvent]:
-    """The tracks that merge into others, end, or leave the image."""
-    around = containment(before)
-    heirs = {heir: then for then, heir in pairs.items()}
-    for index, contour in enumerate(before):
-        if index in pairs:
-            continue
-        into = [heir for heir, then in heirs.items() if part[index, heir] >= PART and not _nested(around, index, then)]
-        if into:
-            heir = max(into, key=lambda one: part[index, one])
-            yield TrackEvent("merges", page, contour.number, (now[heir].number,))
-        else:
-            low, high = contour.box
-            outside = (low < _RIM).any() or (high > np.array(shape) - 1.0 - _RIM).any()
-            yield TrackEvent("leaves" if outside else "ends", page, contour.number)
 
 
 def _nested(around: Sequence[int | None], one: int, other: int) -> bool:

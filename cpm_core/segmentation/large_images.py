@@ -10,7 +10,8 @@ import numpy as np
 from cpm_core.field.edge_map import automatic_smoothing, gradient, magnitude
 from cpm_core.field.scale_field import LARGE
 from cpm_core.image.pyramid import most_scales
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.grids import Window
+from cpm_core.numerics.types import Array, Extent
 
 _COARSEST = 512
 """Longest side of the coarsest scale [px]: a front crosses it in some hundred steps."""
@@ -20,7 +21,7 @@ _SAMPLE = 256
 hundred, which `automatic_smoothing` takes for the strong ones [px]."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class LargeImageSettings:
     """Number of scales and sigma of the Gaussian [px] that suit a large image."""
 
@@ -39,7 +40,7 @@ def large_image_settings(values: Array) -> LargeImageSettings | None:
     return LargeImageSettings(scales_for(values.shape), automatic_smoothing(_around_strongest_edge(values)))
 
 
-def scales_for(shape: tuple[int, ...]) -> int:
+def scales_for(shape: Extent) -> int:
     """Number of scales of a large image of this shape, no more than it has room for."""
     wanted = 1 + max(math.ceil(math.log2(max(shape) / _COARSEST)), 0)
     return min(wanted, most_scales(shape))
@@ -50,10 +51,12 @@ def _around_strongest_edge(values: Array) -> Array:
     side = max(max(values.shape) // _COARSEST, 1)
     rows, cols = (n // side for n in values.shape)
     blocks = values[: rows * side, : cols * side].reshape(rows, side, cols, side).mean(axis=(1, 3))
+    return values[strongest_part(blocks, side, values.shape)]
+
+
+def strongest_part(blocks: Array, side: int, shape: tuple[int, ...]) -> Window:
+    """The window around the strongest edge of an image of this shape, from the means of blocks of `side` px."""
     strength = magnitude(gradient(blocks, 1.0))
     middle = side * np.array(np.unravel_index(int(np.argmax(strength)), strength.shape))
-    top, left = (
-        int(min(max(place - _SAMPLE // 2, 0), max(n - _SAMPLE, 0)))
-        for place, n in zip(middle, values.shape, strict=True)
-    )
-    return values[top : top + _SAMPLE, left : left + _SAMPLE]
+    starts = (int(min(max(at - _SAMPLE // 2, 0), max(n - _SAMPLE, 0))) for at, n in zip(middle, shape, strict=True))
+    return tuple(slice(start, start + _SAMPLE) for start in starts)

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any, ClassVar, Protocol, Self, TypeVar, runtime_checkable
 
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from cpm_core.contours.result import Result
 from cpm_core.field.placed_charges import PlacedCharge
@@ -21,7 +21,7 @@ from cpm_core.medial_axis.skeleton_method import SkeletonMethod
 from cpm_core.model.interventions import Chosen
 from cpm_core.model.measures import Forces
 from cpm_core.model.state import Particles
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Numbers
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.engine import Engine
 
@@ -61,7 +61,7 @@ class MethodState(Protocol):
     def converged(self) -> bool:
         """Whether the run ended with a result."""
 
-    def arrays(self) -> Sequence[NDArray[Any]]:
+    def arrays(self) -> Sequence[Numbers]:
         """The arrays that take up memory, without those that all states of a run share."""
 
     def resumed(self) -> Self:

@@ -74,11 +74,10 @@ def surface_of(state: State, image: Image, field: VolumeField, parameters: Param
 
     particles, scale = state.particles, state.scale
     assert state.space is not None
-    assert particles.contact is not None
-    points = particles.position[particles.contact.seated] / state.space.pitch
+    points = particles.position[particles.on_surface.seated] / state.space.pitch
     shut = None
     if field.walls is not None:
-        shut = field.walls.shut(field.shape, field.pitch, particles.position[particles.contact.seated])
+        shut = field.walls.shut(field.shape, field.pitch, particles.position[particles.on_surface.seated])
     spacing = tuple(side * 2.0**scale for side in image.spacing)
     fields = field.smoothed, field.edges
     surface = find_surface(*fields, points, spacing, image.unit, smoothing=field.smoothing, shut=shut)

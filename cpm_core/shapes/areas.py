@@ -83,7 +83,7 @@ class Grid(Spaced, ClosedPath):
     @property
     def _lengths(self) -> list[float]:
         """Lengths of the box around the area along rows and columns [px]."""
-        return list(np.ptp(np.array(self.points, dtype=float), axis=0).tolist())
+        return list(np.ptp(np.array(self.points, float), axis=0).tolist())
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,9 @@ import numpy as np
 
 from cpm_core.field.placed_charges import PlacedCharge
 from cpm_core.image.image import Image
-from cpm_core.image.regions import Line, Regions
+from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions, Voxels
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Extent, Line
 from cpm_core.shapes.charge import Charge
 from cpm_core.shapes.ellipse import Circle, Ellipse
 from cpm_core.shapes.everywhere import Everywhere
@@ -42,7 +42,7 @@ def axes_of(shape: Shape) -> int | None:
             return len(shape.points[0])
 
 
-def check_axes(shapes: Iterable[Shape], size: tuple[int, ...] = (), image: str = "the image") -> None:
+def check_axes(shapes: Iterable[Shape], size: Extent = (), image: str = "the image") -> None:
     """Raise ValueError when shapes are not all for one kind of image, or not for an image of this size.
 
     An empty `size` says that the image is not known; `image` is its name.

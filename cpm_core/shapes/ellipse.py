@@ -11,7 +11,7 @@ import numpy as np
 
 from cpm_core.model import starts as initialization
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Place, Position
+from cpm_core.numerics.types import Array, Line, Place, Position
 from cpm_core.shapes.path import LARGEST, check_number
 
 SMALLEST_RADIUS = 1.0
@@ -84,7 +84,7 @@ class Circle(Round):
         angle = np.linspace(0.0, 2.0 * np.pi, _CORNERS)
         return np.array(self.center) + self.radius * np.stack([np.sin(angle), np.cos(angle)], axis=1)
 
-    def handles(self) -> tuple[Position, ...]:
+    def handles(self) -> Line:
         """Positions on the line for resizing: top, right, bottom, left."""
         (row, col), radius = self.center, self.radius
         return ((row - radius, col), (row, col + radius), (row + radius, col), (row, col - radius))
@@ -137,7 +137,7 @@ class Ellipse:
         """The ellipse with both radii changed by so many px."""
         return self._with_radii(self.radii[0] + by, self.radii[1] + by)
 
-    def handles(self) -> tuple[Position, ...]:
+    def handles(self) -> Line:
         """The four ends of the axes, for resizing, and one beyond the first, for rotation."""
         first, second = np.array(self.radii)[:, None] * self._axes
         beyond = (_ARM * self.radii[0] + _OUT) * self._axes[0]

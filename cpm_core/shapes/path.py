@@ -10,7 +10,7 @@ import numpy as np
 
 from cpm_core.numerics import polyline
 from cpm_core.numerics.polyline import MOST_HANDLES
-from cpm_core.numerics.types import Array, Place, Position
+from cpm_core.numerics.types import Array, Line, Place
 
 SMALLEST, LARGEST = 0.5, 1e5
 """Bounds of radii and of distances between particles [px]."""
@@ -68,7 +68,7 @@ class OpenPath(WithoutOutline):
 
     least: ClassVar[int] = 2
 
-    points: tuple[Position, ...]
+    points: Line
 
     def __post_init__(self) -> None:
         check_positions("points", self.points, self.least)

@@ -14,7 +14,7 @@ import numpy as np
 from cpm_core.image.volume_regions import Pair
 from cpm_core.model.volume import starts as volume_starts
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Place, Voxel
+from cpm_core.numerics.types import Array, Place, Sides, Voxel
 from cpm_core.shapes.areas import OnStrongEdges, Spaced, check_spacing, evenly, finest_spacing
 from cpm_core.shapes.ellipse import Round
 from cpm_core.shapes.path import LARGEST, WithoutOutline, check_number
@@ -32,7 +32,7 @@ _CORNERS = np.array(list(product((False, True), repeat=3)))
 """Which corners of a box lie on the last face across each axis."""
 
 
-def sides_of(spacing: Sequence[float]) -> tuple[float, ...]:
+def sides_of(spacing: Sequence[float]) -> Sides:
     """The sides of a voxel in the smallest of them."""
     return tuple(side / min(spacing) for side in spacing)
 
@@ -169,7 +169,7 @@ class BoxGrid(Spaced, Cuboid):
         check_spacing(self.spacing, self._lengths)
 
     @classmethod
-    def between(cls, one: Voxel, other: Voxel, spacing: tuple[float, ...]) -> BoxGrid:
+    def between(cls, one: Voxel, other: Voxel, spacing: Sides) -> BoxGrid:
         """A grid between two corners of a volume with this size of a voxel along each axis, no finer than allowed."""
         sides = sides_of(spacing)
         lengths = [abs(b - a) * side for a, b, side in zip(one, other, sides, strict=True)]
@@ -208,7 +208,7 @@ class BoxThreshold(OnStrongEdges, Cuboid):
         whole = strength()
         low = np.clip(np.ceil(self.first), 0, whole.shape).astype(int)
         high = np.clip(np.floor(self.last) + 1, low, whole.shape).astype(int)
-        inside = whole[tuple(slice(a, b) for a, b in zip(low, high, strict=True))]
+        inside = whole[tuple(map(slice, low, high))]
         if not inside.size:
             return np.empty((0, 3))
         return np.argwhere(inside > self.fraction * inside.max()).astype(float) + low
@@ -242,7 +242,7 @@ class Sphere(Round, WithoutOutline):
             check_number("sides", side, 1e-3, 1e3)
 
     @classmethod
-    def round(cls, center: Voxel, radius: float, spacing: tuple[float, ...]) -> Sphere:
+    def round(cls, center: Voxel, radius: float, spacing: Sides) -> Sphere:
         """A sphere that is round in a volume with this size of a voxel along each axis."""
         return cls(center, radius, sides_of(spacing))
 

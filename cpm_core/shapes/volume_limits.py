@@ -10,7 +10,7 @@ import numpy as np
 
 from cpm_core.contours.packed_surface import PackedBody
 from cpm_core.image.volume_regions import Extrusion, Voxels
-from cpm_core.numerics.types import Array, Place, Position
+from cpm_core.numerics.types import Array, Line, Place, Position
 from cpm_core.shapes.lines import Barrier, Region
 from cpm_core.shapes.path import WithoutOutline
 
@@ -35,7 +35,7 @@ class Extruded(WithoutOutline):
     flat: ClassVar[type[Region] | type[Barrier]]
     """What a slice across the axis shows."""
 
-    points: tuple[Position, ...]
+    points: Line
     axis: int
     first: float
     last: float
@@ -85,7 +85,7 @@ class Extruded(WithoutOutline):
         """A place in the slices across the axis."""
         return place[: self.axis] + place[self.axis + 1 :]
 
-    def _with(self, points: tuple[Position, ...], first: float, last: float) -> Self:
+    def _with(self, points: Line, first: float, last: float) -> Self:
         return replace(self, points=points, first=first, last=last)
 
 

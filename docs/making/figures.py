@@ -93,7 +93,7 @@ def _gap() -> mpl.figure.Figure:
 
 
 def _methods() -> mpl.figure.Figure:
-    """The particles beside classical methods, from the same start."""
+    """The particles next to classical methods, from the same start."""
     image = _u()
     start = cpm.Start((cpm.circle((100, 73), 24),))
     names = ("cpm", "snake", "geodesic", "morph_chan_vese")

@@ -1,4 +1,4 @@
-"""All that is made for the documentation, into one folder beside its pages."""
+"""All that is made for the documentation, into one folder next to its pages."""
 
 from __future__ import annotations
 

@@ -31,7 +31,7 @@ GROUPS: dict[str, tuple[str, tuple[str, ...]]] = {
     "objects": (
         "Objects chosen by places",
         ("select", "select_all", "partition", "Partition", "Selection", "VolumePartition", "VolumeSelection",
-         "objects_result"),
+         "objects_result", "view", "View"),
     ),
     "skeletons": ("Skeletons", ("skeleton", "Skeleton", "centerlines", "Centerlines")),
     "files": (
@@ -41,7 +41,7 @@ GROUPS: dict[str, tuple[str, tuple[str, ...]]] = {
     ),
     "stacks": ("Stacks and time series", ("follow", "Page", "TrackEvent")),
     "methods": (
-        "Classical methods beside it",
+        "Classical methods",
         ("CONTOUR_METHODS", "ContourMethod", "ContourState", "Start", "run_method", "moments", "facts_of", "Facts"),
     ),
 }  # fmt: skip
@@ -57,8 +57,8 @@ def pages() -> dict[str, str]:
     made = {f"reference/{file}.rst": _page(title, names) for file, (title, names) in GROUPS.items()}
     entries = "\n".join(f"   {file}" for file in GROUPS)
     intro = (
-        "Everything is in ``cpm_core``, which the examples import as ``cpm``, beside NumPy as ``np``. "
-        "They are run by the tests.\n\n"
+        "Everything is in ``cpm_core``, which the examples import as ``cpm``, and NumPy as ``np``. "
+        "The tests run them.\n\n"
     )
     made["reference/index.rst"] = f"{_title('Reference')}{intro}.. toctree::\n\n{entries}\n"
     return made

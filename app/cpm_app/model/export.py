@@ -213,10 +213,10 @@ def summary_text(result: Result | Skeleton, what: What, suffix: str) -> str:
     if what == "objects":
         groups = {one.group for one in result.contours}
         count = len(groups if surface is None or surface.numbers is None else set(surface.numbers.tolist()))
-        text = tr("1 object") if count == 1 else tr("{count} objects").format(count=count)
+        text = tr("1 object") if count == 1 else tr("{count} objects", count=count)
     elif surface is not None:
-        return tr("a surface of {count} triangles").format(count=written(f"{len(surface.faces):,}"))
+        return tr("a surface of {count} triangles", count=written(f"{len(surface.faces):,}"))
     else:
         count = len(result.contours) - missing
-        text = tr("1 contour") if count == 1 else tr("{count} contours").format(count=count)
-    return f"{text}, {tr('{count} open ones left out').format(count=missing)}" if missing else text
+        text = tr("1 contour") if count == 1 else tr("{count} contours", count=count)
+    return f"{text}, {tr('{count} open ones left out', count=missing)}" if missing else text

@@ -145,17 +145,12 @@ class Live:
             return rest, False
         erasure.sources += lost
         self._post(run_call(board.generation, Run.erase, path, radius, erasure.number))
-        return rest, bool(lost) or self._reached(path, radius)
+        # particles are near the path as far as the window knows; while they move, some px farther away
+        scene, erased = board.scene, Erased(path, radius + _LAG * (board.status.phase == "running"))
+        if lost or scene.snapshot is None or scene.image is None:
+            return rest, True
+        return rest, bool(np.any(erased.reaches(scene.snapshot.position, scene.image.spacing)))
 
     def turn(self, erasure: Erasure, back: bool) -> None:
         """Particles that were erased come back, or go again, and with them those of the shapes erased."""
         self._execute(self._executed + erasure.sources if back else self._executed - erasure.sources)
-
-    def _reached(self, path: tuple[Place, ...], radius: float) -> bool:
-        """Whether particles are near a path, as far as the window knows; while they move, some px farther away."""
-        scene = self._board.scene
-        if scene.snapshot is None or scene.image is None:
-            return True
-        moving = self._board.status.phase == "running"
-        erased = Erased(path, radius + _LAG * moving)
-        return bool(np.any(erased.reaches(scene.snapshot.position, scene.image.spacing)))

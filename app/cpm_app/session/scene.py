@@ -7,7 +7,7 @@ that of an animation, draws another scene: ``dataclasses.replace(session.scene, 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 
 from cpm_app.model.display.differences import Apart, Difference
@@ -22,11 +22,12 @@ from cpm_app.session.worker.requests import Probed, Shaded
 from cpm_core import Contour, Image, Result, Skeleton, Truth, VolumeTruth
 from cpm_core.contours import Mark, Measures, ReviewedContour, reviewed
 from cpm_core.numerics import Array, Index
+from cpm_core.numerics.types import record
 from cpm_core.objects.segmented import Click, SegmentedObject
 from cpm_core.shapes import NO_SEEDS, ImageSeeds
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Item:
     """A contour as table and canvas show it; its key stays the same through all reconstructions."""
 
@@ -42,10 +43,10 @@ class Item:
     @property
     def title(self) -> str:
         """Its name, or its number."""
-        return self.contour.name or tr("contour {number}").format(number=self.measures.number)
+        return self.contour.name or tr("contour {number}", number=self.measures.number)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class ReviewedContours:
     """The contours of a reconstruction, longest first, with their marks.
 
@@ -70,7 +71,7 @@ class ReviewedContours:
 NO_CONTOURS = ReviewedContours()
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Proposal:
     """An object that is offered.
 
@@ -100,7 +101,7 @@ class Proposal:
         return self.followed or made(self.selection, self.clicks, self.number or 1, 1)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Preview:
     """What a click under the pointer would change.
 
@@ -119,7 +120,7 @@ class Preview:
     adds: bool
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class ShownObjects:
     """What is shown of the selection of objects next to those of the document.
 
@@ -141,7 +142,7 @@ class ShownObjects:
     hovered: int = 0
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class NearParticles:
     """The particles of a volume that a slice shows.
 
@@ -157,7 +158,7 @@ class NearParticles:
     away: Array
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Scene:
     """What is shown on the canvas.
 

@@ -215,7 +215,7 @@ class Session(QObject):
         """Remove the selected shape."""
         index = self.selected
         if index is not None:
-            name = tr("delete {shape}").format(shape=from_core(self.document.shapes[index].title))
+            name = tr("delete {shape}", shape=from_core(self.document.shapes[index].title))
             self.select(None)
             self.edit(name, lambda document: edits.delete_shape(document, index))
 
@@ -350,7 +350,7 @@ class Session(QObject):
     def export(self, order: ExportOrder, then: Callable[[tuple[bytes, ...]], object] | None = None) -> None:
         """Write files, all or none, or prepare what they would hold for `then`."""
         self.attempt(EXPORTING)
-        task = self.tasks.begin(tr("Writing {name}…").format(name=order.files[0].path.name))
+        task = self.tasks.begin(tr("Writing {name}…", name=order.files[0].path.name))
         self.post(write_files(task, self.scene.reconstruction, self.document, order, then))
 
     def warm_up(self) -> None:

@@ -196,8 +196,7 @@ class Board(QObject):
         if isinstance(found, ReconstructionFailed):
             trouble = found.sentence
             if self.scene.contours.items:
-                last = tr("{trouble} The contours that are shown are those of an earlier step.")
-                trouble = last.format(trouble=trouble)
+                trouble = tr("{trouble} The contours that are shown are those of an earlier step.", trouble=trouble)
             self.trouble(trouble, CONTOURS)
             return
         self.trouble("", CONTOURS)
@@ -250,7 +249,7 @@ class Board(QObject):
                 if generation == self.image_generation:
                     self._show(image_seeds=image_seeds)
             case Exported(path, counts):
-                written = tr("Written: {path}").format(path=path)
+                written = tr("Written: {path}", path=path)
                 self.say(f"{written} ({counts})" if counts else written, topic=EXPORTING)
             case CommandFailed(sentence, topic):
                 self.say(sentence, True, topic)

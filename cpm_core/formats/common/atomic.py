@@ -65,9 +65,7 @@ def drafts_of(*paths: Path) -> Iterator[list[Path]]:
             with _failures_told(path):
                 target = path.resolve()
                 _check_target(target)
-                stem = f"{_DRAFT}{hashlib.sha256(os.fsencode(target.name)).hexdigest()[:12]}"
-                remove_abandoned(target.parent, stem)  # left behind by writers of this target
-                moves.append((target.with_name(f"{stem}-{secrets.token_hex(6)}.part"), target))
+                moves.append((_new_draft(target), target))
         with _failures_told(paths[-1] if paths else Path()):
             yield [draft for draft, _ in moves]
         for draft, target in moves:
@@ -84,6 +82,17 @@ def drafts_of(*paths: Path) -> Iterator[list[Path]]:
         for draft, _ in moves:
             with contextlib.suppress(OSError):
                 draft.unlink()
+
+
+def _new_draft(target: Path) -> Path:
+    """A draft of its own for a writer: that of a killed writer of the same target, or another one while that is new."""
+    draft = target.with_name(f"{_DRAFT}{hashlib.sha256(os.fsencode(target.name)).hexdigest()[:12]}.part")
+    _remove_abandoned(draft)
+    try:
+        draft.touch(exist_ok=False)
+    except FileExistsError:
+        draft = draft.with_name(f"{draft.stem}-{secrets.token_hex(6)}.part")
+    return draft
 
 
 def append(path: Path, content: bytes) -> None:
@@ -142,13 +151,16 @@ def _failures_told(file: Path, more: str = "") -> Iterator[None]:
         raise ValueError(f"{placed(file)} cannot be written: {reason}.{more}") from error
 
 
-def remove_abandoned(folder: Path, stem: str = _DRAFT) -> None:
-    """Remove drafts from a folder whose writers were killed, of all targets or those whose names begin with a stem."""
-    oldest = time.time() - _ABANDONED
+def remove_abandoned(folder: Path) -> None:
+    """Remove drafts from a folder whose writers were killed."""
+    for draft in folder.glob(f"{_DRAFT}*.part"):
+        _remove_abandoned(draft)
+
+
+def _remove_abandoned(draft: Path) -> None:
     with contextlib.suppress(OSError):
-        for left in folder.glob(f"{stem}*.part"):
-            if left.stat().st_mtime < oldest:
-                left.unlink()
+        if draft.stat().st_mtime < time.time() - _ABANDONED:
+            draft.unlink()
 
 
 def _check_target(target: Path) -> os.stat_result | None:

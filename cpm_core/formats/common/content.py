@@ -8,10 +8,12 @@ import logging
 import os
 import stat
 import warnings
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import numpy as np
+
+from cpm_core.numerics.types import Callback
 
 AnyPath = str | os.PathLike[str]
 
@@ -95,7 +97,7 @@ def decoding(name: str, otherwise: str) -> Iterator[None]:
         raise ValueError(f"{name} {otherwise}") from error
 
 
-def fingerprint(path: Path, go_on: Callable[[], object] | None = None) -> str:
+def fingerprint(path: Path, go_on: Callback | None = None) -> str:
     """Hash of a file (SHA-256), 64 hexadecimal digits.
 
     Of a file above 1 GiB it is the hash of its size and of parts of it, the first and the last among them, after
@@ -121,7 +123,7 @@ def fingerprint(path: Path, go_on: Callable[[], object] | None = None) -> str:
     return f"{kind}{found.hexdigest()}"
 
 
-def fingerprint_if_read(path: Path, go_on: Callable[[], object] | None = None) -> str:
+def fingerprint_if_read(path: Path, go_on: Callback | None = None) -> str:
     """Hash of a file as `fingerprint` makes it; empty when the file cannot be read."""
     try:
         return fingerprint(path, go_on)

@@ -17,19 +17,17 @@ from types import UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import DTypeLike
 
 from cpm_core.contours.packed_surface import MOST_VOXELS, PackedVoxels, packed, unpacked
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions, Voxels
+from cpm_core.numerics.types import Entries, Numbers, Plain
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
 from cpm_core.shapes import SHAPES, Shape
 
 T = TypeVar("T")
-
-Entries = dict[str, Any]
-"""Names with plain values: an object of JSON."""
 
 LARGEST = 1e6
 """Largest absolute value of a number: far outside of any image, and sums of such numbers do not overflow."""
@@ -41,7 +39,7 @@ NAMES = tuple(_REGIONS)
 _UNPAIRED = re.compile("[\ud800-\udfff]")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class _Packed:
     """Voxels of a box, eight in a byte."""
 
@@ -118,7 +116,7 @@ def parameters_from_plain(plain: object) -> tuple[Parameters, tuple[str, ...]]:
     return Parameters(**values), tuple(sorted(set(given) - known))
 
 
-def mapping(value: object, where: str) -> Mapping[str, Any]:
+def mapping(value: object, where: str) -> Plain:
     """An object with named values, else ValueError."""
     if not isinstance(value, Mapping):
         raise ValueError(f"{where} is {shown(value)} but must be an object with named values.")
@@ -210,12 +208,12 @@ _READ: dict[Any, Callable[[object, str], Any]] = {
 }
 
 
-def array_to_plain(array: NDArray[Any]) -> Entries:
+def array_to_plain(array: Numbers) -> Entries:
     """An array of numbers as plain JSON, exactly."""
     return {"shape": list(array.shape), "data": packed(array)}
 
 
-def array_from_plain(plain: object, dtype: DTypeLike, shape: tuple[int | None, ...], where: str) -> NDArray[Any]:
+def array_from_plain(plain: object, dtype: DTypeLike, shape: tuple[int | None, ...], where: str) -> Numbers:
     """An array of this type and shape, None for any length along an axis; else ValueError, which names `where`."""
     given = mapping(plain, where)
     sides = given.get("shape")
@@ -235,12 +233,12 @@ def regions_to_plain(regions: AnyRegions | None) -> Entries:
     return {name: to_plain(regions) for name, kind in _REGIONS.items() if isinstance(regions, kind)}
 
 
-def regions_from_plain(plain: Mapping[str, Any], where: str) -> AnyRegions | None:
+def regions_from_plain(plain: Plain, where: str) -> AnyRegions | None:
     """The limits in an entry, None for no limits; ValueError when they cannot be any."""
     return next((from_plain(kind, plain[name], where) for name, kind in _REGIONS.items() if name in plain), None)
 
 
-def encoded_json(content: Mapping[str, Any]) -> bytes:
+def encoded_json(content: Plain) -> bytes:
     """Encode an object as UTF-8 with a line for each entry of its lists and objects; ValueError for what is no JSON."""
     lines = []
     for key, value in content.items():

@@ -7,17 +7,17 @@ never a folder.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, replace
 from pathlib import PurePosixPath, PureWindowsPath
 from typing import Any
 
 from cpm_core.contours.result import Result
-from cpm_core.formats.common.plain import Entries
 from cpm_core.formats.common.printable import printable
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import Extrusion, Voxels
 from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.numerics.types import Entries, Plain
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.shapes import SHAPES, EnclosedRegion, EnclosingWall, Shape
 
@@ -44,7 +44,7 @@ def facts_of(result: Outcome) -> Entries:
     return facts
 
 
-def facts_on(source: str, made: Provenance, shapes: Iterable[Mapping[str, Any]] = ()) -> Entries:
+def facts_on(source: str, made: Provenance, shapes: Iterable[Plain] = ()) -> Entries:
     """The same for an image by its name; those of `shapes` are added that the provenance does not have already."""
     image = {"name": printable(PurePosixPath(PureWindowsPath(source).name).name)}
     if made.sha256:
@@ -72,12 +72,12 @@ def facts_on(source: str, made: Provenance, shapes: Iterable[Mapping[str, Any]] 
     return facts
 
 
-def text_of(facts: Mapping[str, Any]) -> str:
+def text_of(facts: Plain) -> str:
     """The facts as JSON in one line of ASCII, for a comment or description in a file."""
     return json.dumps(facts, allow_nan=False, separators=(",", ":"))
 
 
-def entries_of(facts: Mapping[str, Any]) -> dict[str, str]:
+def entries_of(facts: Plain) -> dict[str, str]:
     """The facts as names and short texts, for files that hold no JSON, such as tables.
 
     No text but the name of an image has a comma: many programs that read tables know no quoted cells.
@@ -95,7 +95,7 @@ def entries_of(facts: Mapping[str, Any]) -> dict[str, str]:
     return entries
 
 
-def _plain(values: Mapping[str, Any]) -> str:
+def _plain(values: Plain) -> str:
     """Names with their values, of which nested lists are one list."""
     return " ".join(f"{name}={' '.join(_flat(value))}" for name, value in values.items())
 
@@ -108,7 +108,7 @@ def _flat(value: Any) -> Iterator[str]:
         yield str(value).replace(",", ";")
 
 
-def ascii_entries_of(facts: Mapping[str, Any]) -> dict[str, str]:
+def ascii_entries_of(facts: Plain) -> dict[str, str]:
     """The same with escapes, as in JSON, for all that is not ASCII."""
     return {
         name: "".join(letter if letter.isascii() else json.dumps(letter)[1:-1] for letter in text)
@@ -128,7 +128,7 @@ def plain_shapes(shapes: Iterable[Shape]) -> tuple[Entries, ...]:
     return tuple(found)
 
 
-def with_shapes(result: Result, shapes: Iterable[Shape], more: Iterable[Mapping[str, Any]] = ()) -> Result:
+def with_shapes(result: Result, shapes: Iterable[Shape], more: Iterable[Plain] = ()) -> Result:
     """The result of a run whose seeds, limits and charges come from these shapes, and from `more` as plain JSON."""
     return replace(result, provenance=replace(result.provenance, shapes=(*plain_shapes(shapes), *more)))
 

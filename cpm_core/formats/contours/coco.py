@@ -9,10 +9,11 @@ import numpy as np
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import Measures, measure
 from cpm_core.contours.rasterize import paint
-from cpm_core.formats.common.plain import Entries, encoded_json
+from cpm_core.formats.common.plain import encoded_json
 from cpm_core.formats.common.provenance import ENTRY, PROGRAM, Outcome, facts_of
 from cpm_core.formats.contours.contents import PIXEL, Contents, rgb, rounded
 from cpm_core.formats.contours.mask import mask_of_runs, outlines
+from cpm_core.numerics.types import Entries
 
 _OBJECT = "object"
 """Category of an instance without a name."""
@@ -131,4 +132,4 @@ def _add(found: Contents, entry: Entries, name: str) -> None:
 
 
 def _corners(ring: Any) -> Any:
-    return np.array(ring, dtype=np.float64).reshape(-1, 2)[:, ::-1] - PIXEL
+    return np.array(ring, np.float64).reshape(-1, 2)[:, ::-1] - PIXEL

@@ -14,8 +14,7 @@ import numpy as np
 from PIL import ImageColor
 
 from cpm_core.contours.contour import MOST_LETTERS, Contour, Reached
-from cpm_core.formats.common.plain import Entries
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Entries
 
 DEFAULT = "#d6006c"
 """Color of contours without one of their own: visible on gray and on white."""
@@ -40,7 +39,7 @@ def rounded(values: Array) -> list[Any]:
     return list(np.round(values, 4).tolist())
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Plane:
     """What is known of the image that contours belong to: its shape, and the size of a pixel in a unit."""
 
@@ -82,7 +81,7 @@ class Contents:
 
     def add(self, points: Any, closed: bool, *, page: int = 0, junctions: Any = (), **properties: Any) -> None:
         """Add a line of vertices (row, col); a single vertex is a point. Properties are those of a contour."""
-        vertices = np.array(points, dtype=np.float64)
+        vertices = np.array(points, np.float64)
         if vertices.ndim != 2 or vertices.shape[1] != 2:
             raise ValueError("vertices are not pairs")
         if not len(vertices):

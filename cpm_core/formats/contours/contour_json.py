@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -13,12 +12,12 @@ import numpy as np
 from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.measurements import measure
 from cpm_core.contours.result import Result
-from cpm_core.formats.common.plain import Entries, encoded_json, from_plain, to_plain
+from cpm_core.formats.common.plain import encoded_json, from_plain, to_plain
 from cpm_core.formats.common.provenance import ENTRY, Outcome, facts_of, facts_on
 from cpm_core.formats.contours.contents import Contents, checked, rounded
 from cpm_core.formats.images.decoded import MAXIMUM_PIXELS
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Entries, Plain
 from cpm_core.pages.page import Page, StackResult
 from cpm_core.pages.tracks import TrackEvent
 from cpm_core.parameters.provenance import Provenance
@@ -138,14 +137,14 @@ def read(content: Entries) -> Contents:
     return found
 
 
-def page_from_plain(plain: Mapping[str, Any]) -> Page:
+def page_from_plain(plain: Plain) -> Page:
     """The page of an entry; an exception of some kind for one that is damaged."""
     events = tuple(from_plain(TrackEvent, event, "event of a page") for event in plain["events"])
     result = _result_from(plain) if "contours" in plain else None
     return Page(int(plain["page"]), result, events, str(plain["trouble"]))
 
 
-def _result_from(plain: Mapping[str, Any]) -> Result:
+def _result_from(plain: Plain) -> Result:
     image, run = plain["image"], plain["run"]
     rows, cols = _shape_of(plain)
     height, width = map(float, image["spacing"])
@@ -181,12 +180,12 @@ def _result_from(plain: Mapping[str, Any]) -> Result:
     )
 
 
-def _shape_of(plain: Mapping[str, Any]) -> tuple[int, int]:
+def _shape_of(plain: Plain) -> tuple[int, int]:
     rows, cols = plain["image"]["shape"]
     return int(rows), int(cols)
 
 
-def _contour_from(plain: Mapping[str, Any]) -> Contour:
+def _contour_from(plain: Plain) -> Contour:
     first, last = plain["junctions"]
     known = {name: plain.get(name) for name in ("strength", "name", "color", "number", "reached", "bridged", "gray")}
     properties = checked(
@@ -196,8 +195,8 @@ def _contour_from(plain: Mapping[str, Any]) -> Contour:
     return Contour(_points(plain), bool(plain["closed"]), junctions=(bool(first), bool(last)), **properties)
 
 
-def _points(plain: Mapping[str, Any]) -> Array:
-    points = np.array(plain["points"], dtype=np.float64)
+def _points(plain: Plain) -> Array:
+    points = np.array(plain["points"], np.float64)
     if points.ndim != 2 or points.shape[1] != 2 or not (np.abs(points) <= _FARTHEST).all():
         raise ValueError("vertices are not pairs of numbers that can be measured")
     return points

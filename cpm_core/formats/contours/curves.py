@@ -26,23 +26,23 @@ def ellipse(
     second: Sequence[float] | Array,
 ) -> Array:
     """Vertices of an ellipse with two half axes as vectors, shape (K, 2)."""
-    one, other = np.asarray(first, dtype=float), np.asarray(second, dtype=float)
+    one, other = np.asarray(first, float), np.asarray(second, float)
     radius = max(float(np.linalg.norm(one)), float(np.linalg.norm(other)), _NEAR)
     turn = 2.0 * math.acos(1.0 - min(_NEAR / radius, 0.5))
     count = int(min(_MOST, max(_FEWEST, 2.0 * math.pi / turn))) + 1
     angle = 2.0 * math.pi * np.arange(count) / count
-    return np.asarray(center, dtype=float) + np.outer(np.cos(angle), one) + np.outer(np.sin(angle), other)
+    return np.asarray(center, float) + np.outer(np.cos(angle), one) + np.outer(np.sin(angle), other)
 
 
 def rectangle(corner: Sequence[float] | Array, opposite: Sequence[float] | Array) -> Array:
     """The corners of an upright rectangle of which two opposite ones are given."""
     (top, left), (bottom, right) = corner, opposite
-    return np.array([(top, left), (top, right), (bottom, right), (bottom, left)], dtype=float)
+    return np.array([(top, left), (top, right), (bottom, right), (bottom, left)], float)
 
 
 def bezier(*corners: Sequence[float] | Array) -> Array:
     """Vertices of a Bézier curve of degree two or three, without its first one."""
-    control = np.array([tuple(corner) for corner in corners], dtype=float)
+    control = np.array([tuple(corner) for corner in corners], float)
     if len(control) == 3:
         start, middle, end = control
         control = np.array([start, start + 2.0 / 3.0 * (middle - start), end + 2.0 / 3.0 * (middle - end), end])

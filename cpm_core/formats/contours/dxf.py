@@ -115,7 +115,7 @@ def read(content: bytes, plane: Plane) -> Contents:
     if own:
         rows, cols = map(int, own[_SHAPE].split())
         found.shape = shape = rows, cols
-        spacing = np.array(own[_SPACING].split(), dtype=float)
+        spacing = np.array(own[_SPACING].split(), float)
     elif drawing.units and plane.unit is not None:
         units = InsertUnits(drawing.units), InsertUnits(_UNITS[plane.unit])
         spacing, scale = np.array(plane.spacing), ezdxf.units.conversion_factor(*units)

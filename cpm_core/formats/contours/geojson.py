@@ -9,10 +9,10 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import Measures, measure
-from cpm_core.formats.common.plain import Entries, encoded_json
+from cpm_core.formats.common.plain import encoded_json
 from cpm_core.formats.common.provenance import ENTRY, Outcome, facts_of
 from cpm_core.formats.contours.contents import PIXEL, Contents, color_of, pairs, rgb
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Entries
 
 
 def encode(result: Outcome) -> bytes:

@@ -15,11 +15,10 @@ from roifile import ROI_OPTIONS, ROI_SUBTYPE, ROI_TYPE, ImagejRoi
 
 from cpm_core.contours.contour import Contour, numbers_of
 from cpm_core.formats.common.content import UnreadableError
-from cpm_core.formats.common.plain import Entries
 from cpm_core.formats.common.provenance import Outcome, ascii_entries_of, facts_of
 from cpm_core.formats.contours.contents import PIXEL, Contents, rgb
 from cpm_core.formats.contours.curves import bezier, ellipse, nested, rectangle
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Entries
 
 _COUNTS_CHARACTERS = tuple(map(int, roifile.__version__.split(".")[:2])) < (2026, 11)
 """Whether this release of roifile writes names with their number of characters."""
@@ -182,14 +181,14 @@ def _add(found: Contents, roi: ImagejRoi, selection: bytes, known: Entries) -> N
 
 
 def _rows(xy: object) -> Array:
-    return np.asarray(xy, dtype=np.float64)[:, ::-1]
+    return np.asarray(xy, np.float64)[:, ::-1]
 
 
 def _area(roi: ImagejRoi, selection: bytes) -> Array:
     """The line around an area, (row, col) from the corner of the image."""
     if roi.subtype in (ROI_SUBTYPE.ELLIPSE, ROI_SUBTYPE.ROTATED_RECT) and roi.roitype == ROI_TYPE.FREEHAND:
         (share,) = struct.unpack_from(">f", selection, _SHARE)
-        one, other = np.array([(roi.y1, roi.x1), (roi.y2, roi.x2)], dtype=float)
+        one, other = np.array([(roi.y1, roi.x1), (roi.y2, roi.x2)], float)
         half = 0.5 * (other - one)
         across = np.array([half[1], -half[0]])
         if roi.subtype == ROI_SUBTYPE.ELLIPSE:
@@ -198,7 +197,7 @@ def _area(roi: ImagejRoi, selection: bytes) -> Array:
         return np.array([one - side, one + side, other + side, other - side])
     if roi.roitype not in (ROI_TYPE.RECT, ROI_TYPE.OVAL):
         return _rows(roi.coordinates())
-    corners = np.array([(roi.top, roi.left), (roi.bottom, roi.right)], dtype=float)
+    corners = np.array([(roi.top, roi.left), (roi.bottom, roi.right)], float)
     if roi.subpixelrect:
         corners = np.array([(roi.yd, roi.xd), (roi.yd + roi.heightd, roi.xd + roi.widthd)])
     if roi.roitype == ROI_TYPE.RECT:

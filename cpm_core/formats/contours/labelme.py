@@ -14,13 +14,13 @@ import numpy as np
 import scipy
 
 from cpm_core.contours.contour import Contour
-from cpm_core.formats.common.plain import Entries, encoded_json
+from cpm_core.formats.common.plain import encoded_json
 from cpm_core.formats.common.provenance import ENTRY, Outcome, facts_of
 from cpm_core.formats.contours.contents import PIXEL, Contents, pairs
 from cpm_core.formats.contours.curves import ellipse, nested, rectangle
 from cpm_core.formats.contours.mask import opened, outlines
 from cpm_core.numerics.polyline import inside
-from cpm_core.numerics.types import Array, Position
+from cpm_core.numerics.types import Array, Entries, Position
 
 _CONTOUR = "contour"
 """Label of a contour without a name."""
@@ -131,7 +131,7 @@ def read(content: Entries) -> Contents:
         kind, label = shape.get("shape_type") or "polygon", str(shape["label"])
         name = "" if label == _CONTOUR else label
         known: Entries = {"name": shape.get("description") or name, "category": name}
-        corners = np.array(shape["points"], dtype=np.float64).reshape(-1, 2)[:, ::-1] - PIXEL
+        corners = np.array(shape["points"], np.float64).reshape(-1, 2)[:, ::-1] - PIXEL
         if kind == "mask":
             found.add_object(_mask(shape, corners), **known)
         elif kind in ("point", "points"):

@@ -52,7 +52,7 @@ def numbered_colors(file: Path) -> NDArray[np.integer] | None:
     try:
         with opened(file) as picture:
             if picture.mode == "P":
-                return np.array(picture, dtype=np.int32)
+                return np.array(picture, np.int32)
     except (OSError, SyntaxError, ValueError):  # no PNG, a damaged or large one, of which the reader of images reports
         return None
     return None
@@ -70,7 +70,7 @@ def mask_of_runs(plain: Any) -> Mask:
     """The mask of run lengths of COCO with ``size`` and ``counts``, plain or as text; ValueError when it is none."""
     height, width = (int(side) for side in plain["size"])
     counts = plain["counts"]
-    lengths = _unpacked(counts) if isinstance(counts, str) else np.array(counts, dtype=np.int64).reshape(-1)
+    lengths = _unpacked(counts) if isinstance(counts, str) else np.array(counts, np.int64).reshape(-1)
     if (
         min(height, width) < 1
         or height * width > MAXIMUM_PIXELS
@@ -101,4 +101,4 @@ def _unpacked(text: str) -> np.ndarray[Any, np.dtype[np.int64]]:
                 value -= 1 << shift
             lengths.append(value + (lengths[-2] if len(lengths) > 2 else 0))
             value = shift = 0
-    return np.array(lengths, dtype=np.int64)
+    return np.array(lengths, np.int64)

@@ -6,12 +6,12 @@ import csv
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.contours.result import Result
 from cpm_core.formats.common.content import AnyPath, content_of
 from cpm_core.formats.common.provenance import Outcome
 from cpm_core.formats.contours.contour_csv import Row, provenance_cells, table
+from cpm_core.numerics.types import Array
 from cpm_core.parameters.quotation import shown
 
 _NAMES = ("plane", "row", "col")
@@ -31,7 +31,7 @@ def encode(result: Outcome) -> bytes:
     return table(rows)
 
 
-def load_points(path: AnyPath, axes: int = 2) -> NDArray[np.float64]:
+def load_points(path: AnyPath, axes: int = 2) -> Array:
     """Read points from a CSV file.
 
     Parameters

@@ -10,18 +10,16 @@ from html import escape
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import contour_labels
 from cpm_core.formats.common.content import UnreadableError
-from cpm_core.formats.common.plain import Entries
 from cpm_core.formats.common.provenance import Outcome, facts_of, text_of
 from cpm_core.formats.contours.contents import DEFAULT, Contents, Plane
 from cpm_core.formats.contours.curves import bezier
 from cpm_core.formats.images import resolution
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Entries
 
 _PER_INCH = 96.0
 _SHAPES = ("path", "polygon", "polyline", "line", "rect", "circle", "ellipse")
@@ -72,7 +70,7 @@ def encode(result: Outcome) -> bytes:
     return ("\n".join(lines) + "\n").encode()
 
 
-def _path(contour: Contour, label: int, radii: NDArray[np.float64] | None = None) -> str:
+def _path(contour: Contour, label: int, radii: Array | None = None) -> str:
     vertices = contour.points if len(contour.points) > 1 else contour.points.repeat(2, axis=0)  # a single vertex: a dot
     points = " L".join(f"{col:.3f} {row:.3f}" for row, col in vertices)
     known = "" if radii is None else f'data-radii="{" ".join(f"{radius:.3f}" for radius in radii)}" '

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.formats.common.content import UnreadableError
 from cpm_core.image.colors import Colors, reduced
 from cpm_core.image.geometry import Geometry
+from cpm_core.numerics.types import Numbers, Sides, record
 
 MAXIMUM_PIXELS = 2**26
 """Most pixels of an image; the field of a larger one exceeds the memory of a common computer."""
@@ -20,7 +19,7 @@ ORIENTATION_TAG = 274
 """Number of the orientation tag of EXIF and TIFF, which cameras and scanners write."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Decoded:
     """Gray levels of a file, not yet checked.
 
@@ -42,8 +41,8 @@ class Decoded:
         Where it lies in space; None when the file does not state.
     """
 
-    values: NDArray[Any]
-    spacing: tuple[float, ...] = (1.0, 1.0)
+    values: Numbers
+    spacing: Sides = (1.0, 1.0)
     unit: str | None = None
     notes: tuple[str, ...] = ()
     colors: Colors | None = None
@@ -61,7 +60,7 @@ def check_size(name: str, rows: int, columns: int) -> None:
 
 
 def from_samples(
-    samples: NDArray[Any], alpha: NDArray[Any] | None = None, notes: tuple[str, ...] = (), white: float | None = None
+    samples: Numbers, alpha: Numbers | None = None, notes: tuple[str, ...] = (), white: float | None = None
 ) -> Decoded:
     """Reduce the samples of each pixel, along the last axis, to its gray level, and keep its colors; see `reduced`.
 
@@ -75,7 +74,7 @@ def from_samples(
     return Decoded(values.reshape(*shape, width), notes=(*notes, *said), colors=colors)
 
 
-def from_bands(samples: NDArray[Any]) -> Decoded:
+def from_bands(samples: Numbers) -> Decoded:
     """Gray levels of samples of which the last axis is red, green, blue and, if it has four, opacity."""
     return from_samples(samples[..., :3], samples[..., 3] if samples.shape[-1] == 4 else None)
 
@@ -88,7 +87,7 @@ def upright(decoded: Decoded, orientation: int) -> Decoded:
     flip_rows, flip_columns = turn in (2, 3), turn in (1, 2)
     spacing = decoded.spacing[::-1] if swap else decoded.spacing
 
-    def turned(pixels: NDArray[Any]) -> NDArray[Any]:
+    def turned(pixels: Numbers) -> Numbers:
         pixels = pixels.swapaxes(0, 1) if swap else pixels
         return np.ascontiguousarray(pixels[:: -1 if flip_rows else 1, :: -1 if flip_columns else 1])
 

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.formats.common.content import UnreadableError, content_of
 from cpm_core.formats.common.printable import printable
@@ -22,6 +21,7 @@ from cpm_core.formats.images.reading import Reading, series_of
 from cpm_core.formats.images.stack import Stack, check_content, joined
 from cpm_core.image.gray_levels import NO_DATA
 from cpm_core.image.image import MINIMUM_SIDE
+from cpm_core.numerics.types import Numbers
 from cpm_core.parameters.quotation import shown
 
 READS = {".dcm": "DICOM image, or a folder with the slices of a series", ".dicom": "the same", ".ima": "the same"}
@@ -172,7 +172,7 @@ def _decoded(dataset: Any, frame: Frame, name: str) -> Decoded:
     bits = int(dataset.get("BitsStored", 8 * stored.dtype.itemsize))
     if stored.ndim == 3:
         return from_samples(stored[..., :3], white=2.0**bits - 1.0)
-    values: NDArray[Any] = stored
+    values: Numbers = stored
     notes: tuple[str, ...] = ()
     if colors == "MONOCHROME1":
         ends = -1 if int(dataset.get("PixelRepresentation", 0)) else 2**bits - 1
@@ -182,7 +182,7 @@ def _decoded(dataset: Any, frame: Frame, name: str) -> Decoded:
     return Decoded(_without_padding(dataset, values, stored), notes=notes)
 
 
-def _without_padding(dataset: Any, values: NDArray[Any], stored: NDArray[Any]) -> NDArray[Any]:
+def _without_padding(dataset: Any, values: Numbers, stored: Numbers) -> Numbers:
     """Values with `NO_DATA` where a pixel is there but to fill the rectangle, as beyond the circle of a scanner."""
     names = ("PixelPaddingValue", "FloatPixelPaddingValue", "DoubleFloatPixelPaddingValue")
     given = next((dataset.get(name) for name in names if dataset.get(name) is not None), None)
@@ -197,7 +197,7 @@ def _without_padding(dataset: Any, values: NDArray[Any], stored: NDArray[Any]) -
     return np.where(absent, np.float64(NO_DATA), values) if absent.any() else values
 
 
-def _unpacked(dataset: Any, frame: Frame, name: str) -> NDArray[Any]:
+def _unpacked(dataset: Any, frame: Frame, name: str) -> Numbers:
     """Stored values of an image, shape (rows, columns) or (rows, columns, 3)."""
     from pydicom import encaps
     from pydicom.pixels.utils import pixel_array

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,7 @@ from cpm_core.formats.images.decoded import Decoded
 from cpm_core.formats.images.stack import Stack
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import MINIMUM_SIDE
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, record
 
 _ORDER = ("TemporalPositionIdentifier", "AcquisitionNumber", "EchoNumbers", "TriggerTime", "InstanceNumber")
 """What orders images of one place."""
@@ -46,7 +46,7 @@ _ALIKE = 4
 """Decimals by which directions and sizes of a pixel are compared: some programs write six digits, some all."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Frame:
     """One image of a file.
 

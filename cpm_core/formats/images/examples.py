@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.image.image import Image
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Numbers
 from cpm_core.parameters.quotation import shown
 
 _BRIGHT = 200.0
@@ -43,7 +40,7 @@ def example(name: str = "disk") -> Image:
     """
     disk, fog = _disk(32, 32, 20.0), np.exp(-0.5 * (_around(32, 52) / 6.0) ** 2)
     red = disk / _BRIGHT
-    drawn: dict[str, NDArray[Any]] = {
+    drawn: dict[str, Numbers] = {
         "disk": disk,
         "ring": _disk(32, 32, 24.0) - _disk(32, 32, 10.0),
         "disks": _disk(32, 18, 10.0) + _disk(32, 46, 10.0),

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.printable import printable
@@ -16,6 +15,7 @@ from cpm_core.formats.images.decoded import Decoded, from_bands
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.images.resolution import known_unit
 from cpm_core.formats.images.stack import Position, Stack, check_content, check_memory, file_beside, position_of
+from cpm_core.numerics.types import Numbers
 
 READS = {".mha": "MetaImage volume", ".mhd": "MetaImage volume of two files"}
 
@@ -54,7 +54,7 @@ def stack(path: Path, _reading: Reading) -> Stack:
     spacing, unit, geometry, notes = _position(entries, len(sizes))
     color = bands in (3, 4) and kind.kind == "u"
 
-    def values() -> NDArray[Any]:
+    def values() -> Numbers:
         if not packed:
             return np.memmap(file, kind, "r", begin if begin >= 0 else file.stat().st_size - needed, shape)
         check_memory(shape, kind.itemsize, name)

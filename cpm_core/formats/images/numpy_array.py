@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from numpy.lib import format as array_format
-from numpy.typing import NDArray
 
 from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.printable import printable
@@ -16,6 +15,7 @@ from cpm_core.formats.images.decoded import Decoded, check_size, from_bands
 from cpm_core.formats.images.reading import Reading, series_of
 from cpm_core.formats.images.stack import Stack, check_content, check_memory
 from cpm_core.image.image import MINIMUM_SIDE
+from cpm_core.numerics.types import Extent, Numbers
 
 READS = {".npy": "NumPy array", ".npz": "archive of NumPy arrays"}
 
@@ -70,7 +70,7 @@ def _header(path: Path, reading: Reading, name: str) -> tuple[tuple[int, ...], n
     """Shape and type of the array that is meant, and of an archive the names of all arrays and which of them it is."""
     with path.open("rb") as stream:
         if stream.read(4) != _ARCHIVE:
-            stored: NDArray[Any] = np.load(path, mmap_mode="r", allow_pickle=False)
+            stored: Numbers = np.load(path, mmap_mode="r", allow_pickle=False)
             return stored.shape, stored.dtype, (), 0
     with zipfile.ZipFile(path) as archive:
         members = [info for info in archive.infolist() if info.filename.endswith(_SUFFIX)]
@@ -95,12 +95,12 @@ def _header(path: Path, reading: Reading, name: str) -> tuple[tuple[int, ...], n
     return shape, kind, names, at
 
 
-def _is_image(shape: tuple[int, ...], kind: np.dtype[Any]) -> bool:
+def _is_image(shape: Extent, kind: np.dtype[Any]) -> bool:
     """Whether an array of an archive may be an image; others are its labels, sizes and the like."""
     return kind.kind in "buif" and len(shape) in (2, 3, 4) and min(shape[:2]) >= MINIMUM_SIDE
 
 
-def _values(path: Path, member: str) -> NDArray[Any]:
+def _values(path: Path, member: str) -> Numbers:
     """An array, of which a file of its own is read where it is used."""
     if not member:
         return np.asarray(np.load(path, mmap_mode="r", allow_pickle=False))

@@ -19,9 +19,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.formats.common.content import AnyPath, UnreadableError, content_of, decoding, fingerprint
-from cpm_core.formats.common.plain import Entries
 from cpm_core.formats.common.printable import printable
-from cpm_core.formats.images import dicom, metaimage, nifti, nrrd, numpy_array, raster, resolution, tiff
+from cpm_core.formats.images import dicom, metaimage, nifti, nrrd, numpy_array, ome_zarr, raster, resolution, tiff
 from cpm_core.formats.images.decoded import Decoded
 from cpm_core.formats.images.reading import Reading, checked_unit
 from cpm_core.formats.images.stack import Axis, Pages, Stack, plane_of, volume_of
@@ -29,6 +28,7 @@ from cpm_core.image.colors import LUMINANCE, LUMINANCE_NOTE, in_color
 from cpm_core.image.gray_levels import NO_DATA, no_data_note
 from cpm_core.image.image import MINIMUM_SIDE, Image
 from cpm_core.numerics.real_numbers import real_numbers
+from cpm_core.numerics.types import Entries
 
 # dicom comes first, because a DICOM file may begin as a TIFF does; the last one takes what no other reads
 _READERS: tuple[Any, ...] = (dicom, tiff, numpy_array, nifti, nrrd, metaimage, raster)
@@ -53,7 +53,7 @@ _FOREIGN: tuple[tuple[int, bytes, str], ...] = (
 )
 """Place of a signature in a file, the signature, and what the file is: kinds that are known but not read."""
 
-READABLE: dict[str, str] = {suffix: text for reader in _READERS for suffix, text in reader.READS.items()}
+READABLE: dict[str, str] = {suffix: text for reader in (*_READERS, ome_zarr) for suffix, text in reader.READS.items()}
 """Suffixes of the images that can be read -> what they are. The content of a file decides, not its suffix."""
 
 
@@ -299,6 +299,8 @@ def _opened(file: Path, reading: Reading) -> Stack:
     """What a file holds, opened by its reader."""
     if dicom.is_series(file):
         return dicom.stack(file, reading)
+    if ome_zarr.is_zarr(file):
+        return ome_zarr.stack(file, reading)
     head = content_of(file, part=_HEAD)
     if not head:
         raise UnreadableError(f"{file.name} is empty: get a sound copy of it.")

@@ -9,10 +9,10 @@ from typing import Annotated
 import numpy as np
 
 from cpm_core.formats.common.content import UnreadableError
-from cpm_core.formats.common.plain import Entries
 from cpm_core.formats.images import resolution
 from cpm_core.image.colors import LUMINANCE, checked_color
 from cpm_core.numerics.real_numbers import checked_number
+from cpm_core.numerics.types import Entries
 from cpm_core.parameters.quotation import shown
 
 

@@ -17,7 +17,7 @@ from cpm_core.image.colors import Colors
 from cpm_core.image.geometry import Convention, Geometry, Triple, from_affine
 from cpm_core.image.image import MINIMUM_SIDE, Image
 from cpm_core.numerics.memory import check_room
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Extent, record
 from cpm_core.parameters.quotation import counted, described, shown
 
 _BYTES_OF_GRAY = 16
@@ -36,7 +36,7 @@ _MOST_PACKED = 1100
 """How many times its size a packed file may hold: deflate packs 1032 equal bytes in one."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Stack:
     """What a file of several planes holds.
 
@@ -221,7 +221,7 @@ def position_of(affine: Array, convention: Convention, sides: Sequence[float], u
     return spacing, unit, geometry, ()
 
 
-def check_memory(shape: tuple[int, ...], each: float, name: str) -> None:
+def check_memory(shape: Extent, each: float, name: str) -> None:
     """Raise UnreadableError, which names a size that fits, where there is no memory for so many bytes a voxel."""
     try:
         check_room(shape, each, name)

@@ -7,10 +7,9 @@ import math
 import re
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.printable import printable
@@ -20,7 +19,7 @@ from cpm_core.formats.images.reading import Reading, series_of
 from cpm_core.formats.images.stack import Stack, check_content, joined
 from cpm_core.image.colors import full_scale
 from cpm_core.image.gray_levels import NO_DATA
-from cpm_core.numerics.types import Index
+from cpm_core.numerics.types import Index, Numbers
 
 if TYPE_CHECKING:
     import tifffile
@@ -148,7 +147,7 @@ def _taken(series: tifffile.TiffPageSeries, numbers: Index, name: str) -> Decode
     return joined([_decoded(keyframe, plane, name) for plane in every[numbers]])
 
 
-def _raw(page: tifffile.TiffPage, name: str) -> NDArray[Any]:
+def _raw(page: tifffile.TiffPage, name: str) -> Numbers:
     """Pixels as they are stored; an error, before memory is taken, for more of them than the file can hold."""
     check_size(name, int(page.imagelength), int(page.imagewidth))
     size = page.parent.filehandle.size
@@ -161,7 +160,7 @@ def _raw(page: tifffile.TiffPage, name: str) -> NDArray[Any]:
     return np.asarray(page.asarray(maxworkers=1))
 
 
-def _decoded(page: tifffile.TiffPage, raw: NDArray[Any], name: str) -> Decoded:
+def _decoded(page: tifffile.TiffPage, raw: Numbers, name: str) -> Decoded:
     """Gray levels of the samples of a page, upright."""
     if raw.ndim < 2 or raw.size != page.imagelength * page.imagewidth * page.samplesperpixel:
         raise ValueError("pixels are missing")
@@ -174,7 +173,7 @@ def _decoded(page: tifffile.TiffPage, raw: NDArray[Any], name: str) -> Decoded:
         samples, bits = samples.astype(np.uint8) * np.uint8(255), 8
         notes.append("Black and white were read as 0 and 255.")
     if colors == _PALETTE:
-        table = np.asarray(page.colormap, dtype=np.float64)
+        table = np.asarray(page.colormap, np.float64)
         table = table if table.max() < 256.0 else table / 257.0  # old programs write eight bits in sixteen
         samples, bits = np.rint(table).astype(np.uint8).T[samples[..., 0]], 8
     elif colors == _INKS:
@@ -214,7 +213,7 @@ def _uncommon(page: tifffile.TiffPage, name: str) -> UnreadableError:
     )
 
 
-def _without_no_data(page: tifffile.TiffPage, gray: NDArray[Any], stored: NDArray[Any]) -> NDArray[Any]:
+def _without_no_data(page: tifffile.TiffPage, gray: Numbers, stored: Numbers) -> Numbers:
     """Gray levels with `NO_DATA` where all samples are the value that a geographic program gives as no data."""
     try:
         absent_value = float(page.tags.valueof("GDAL_NODATA"))
@@ -224,7 +223,7 @@ def _without_no_data(page: tifffile.TiffPage, gray: NDArray[Any], stored: NDArra
     return np.where(absent, np.float64(NO_DATA), gray) if absent.any() else gray
 
 
-def _white(bits: object, samples: NDArray[Any]) -> float:
+def _white(bits: object, samples: Numbers) -> float:
     """Level of white, of pixels with fewer bits than their type too."""
     return 2.0**bits - 1.0 if isinstance(bits, int) and samples.dtype.kind == "u" else full_scale(samples)
 

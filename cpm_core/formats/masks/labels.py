@@ -16,11 +16,11 @@ from cpm_core.contours.contour import Contour, Label, numbers_of
 from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.rasterize import MOST_LABELS, label_type
 from cpm_core.contours.result import Result
-from cpm_core.formats.common.plain import Entries
 from cpm_core.formats.common.printable import printable
 from cpm_core.formats.common.provenance import PROGRAM, Outcome, entries_of, facts_of, text_of
 from cpm_core.formats.images import resolution
 from cpm_core.medial_axis.skeleton import Skeleton
+from cpm_core.numerics.types import Entries, Extent, Pixels
 
 _GOLDEN, _PLASTIC, _SILVER = 0.6180339887, 0.7548776662, 0.4142135624
 """Steps of hue, saturation and brightness from one label to the next; multiples of them are spread evenly."""
@@ -75,11 +75,9 @@ def named_labels(result: Outcome, *, outlines: bool = False) -> tuple[Label, ...
     )
 
 
-def paint_lines(
-    contours: Sequence[Contour], labels: Sequence[int], shape: tuple[int, ...]
-) -> NDArray[np.unsignedinteger]:
+def paint_lines(contours: Sequence[Contour], labels: Sequence[int], shape: Extent) -> NDArray[np.unsignedinteger]:
     """Draw each contour as a line one pixel wide with its label; where they meet, the first one is on top."""
-    mask = np.zeros(shape, dtype=label_type(max(labels, default=0)))
+    mask = np.zeros(shape, label_type(max(labels, default=0)))
     last = np.array(shape) - 1
     for contour, label in reversed(list(zip(contours, labels, strict=True))):
         pixels = np.clip(np.floor(contour.path + 0.5).astype(int), 0, last)
@@ -150,7 +148,7 @@ def entries_for_imagej(result: Outcome, axes: str) -> Entries:
     return {"axes": axes, "unit": resolution.in_ascii(result.unit, "pixel"), "Info": info}
 
 
-def palette(count: int) -> NDArray[np.uint8]:
+def palette(count: int) -> Pixels:
     """Colors of the labels up to `count`, shape (count + 1, 3): black for 0, then bright ones, neighbors far apart.
 
     No two have the same luminance, so that labels stay apart in programs that turn colors into gray.

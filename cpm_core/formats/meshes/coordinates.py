@@ -21,7 +21,7 @@ from cpm_core.formats.common.provenance import PROGRAM, Outcome, facts_of, text_
 from cpm_core.formats.images.resolution import factor, in_ascii, known_unit
 from cpm_core.image.geometry import Convention, Geometry
 from cpm_core.image.image import Image
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Sides, Single
 from cpm_core.parameters import DEFAULTS
 
 _FINE = 1e-3
@@ -54,7 +54,7 @@ class Mesh(NamedTuple):
     """
 
     points: NDArray[np.floating]
-    normals: NDArray[np.float32]
+    normals: Single
     faces: NDArray[np.int32]
     notes: tuple[str, ...]
     title: str
@@ -91,12 +91,12 @@ def mesh_of(result: Outcome, space: Convention = "LPS") -> Mesh:
     )
 
 
-def decimals_for(spacing: tuple[float, ...]) -> int:
+def decimals_for(spacing: Sides) -> int:
     """How many decimals place a vertex to less than a thousandth of a voxel."""
     return max(0, math.ceil(-math.log10(_FINE * min(spacing))))
 
 
-def positions(places: Array, spacing: tuple[float, ...], geometry: Geometry | None, space: Convention = "LPS") -> Array:
+def positions(places: Array, spacing: Sides, geometry: Geometry | None, space: Convention = "LPS") -> Array:
     """Places (plane, row, col) in voxels as (x, y, z) in LPS or RAS."""
     matrix = (geometry or Geometry()).affine(spacing, space)
     return places @ matrix[:3, :3].T + matrix[:3, 3]
@@ -118,7 +118,7 @@ class Place:
         How many units of `spacing` one unit of the file is.
     """
 
-    spacing: tuple[float, ...]
+    spacing: Sides
     unit: str | None
     matrix: Array
     scale: float
@@ -147,7 +147,7 @@ def place_of(head: str, image: Image | None, space: Convention | None) -> tuple[
             notes.append("It does not state where x, y and z point: LPS is taken; the other choice is RAS.")
     named = _UNIT.search(head)
     unit = known_unit(named[1]) if named else None
-    spacing: tuple[float, ...] = (1.0, 1.0, 1.0)
+    spacing: Sides = (1.0, 1.0, 1.0)
     geometry, own = Geometry(), unit
     if image is not None:
         if len(image.shape) != 3:

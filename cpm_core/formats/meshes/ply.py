@@ -6,11 +6,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cpm_core.formats.common.plain import Entries
 from cpm_core.formats.common.provenance import Outcome
 from cpm_core.formats.meshes.coordinates import mesh_of
 from cpm_core.formats.meshes.triangles import Triangles, split
 from cpm_core.image.geometry import Convention
+from cpm_core.numerics.types import Entries
 
 _OBJECT = "object"
 """Property of a triangle: the number of its object."""
@@ -74,7 +74,7 @@ def read(content: bytes) -> Triangles:
             case ["property", kind, name]:
                 properties[element].append(_Property(name, order + _KINDS[kind]))
     if form == "ascii":  # which is read as a binary file of double precision
-        body = np.array(body.split(), dtype=np.float64).astype("<f8").tobytes()
+        body = np.array(body.split(), np.float64).astype("<f8").tobytes()
         for element, known in properties.items():
             properties[element] = [_Property(one.name, "<f8", "<f8" if one.counts else "") for one in known]
     columns: dict[str, Entries] = {}

@@ -39,7 +39,7 @@ def read(content: bytes) -> Triangles:
     if count and len(content) >= _HEADER + 4 + count * _TRIANGLE.itemsize:
         corners = np.frombuffer(content, _TRIANGLE, count, _HEADER + 4)["corners"].reshape(-1, 3).astype(np.float64)
     elif content.lstrip()[:5].lower() == b"solid":
-        corners = np.array(_VERTEX.findall(content), dtype=np.float64).reshape(-1, 3)
+        corners = np.array(_VERTEX.findall(content), np.float64).reshape(-1, 3)
         corners = corners[: len(corners) // 3 * 3]
     else:
         raise UnreadableError("It has no triangles: write it again.")

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.provenance import Outcome
 from cpm_core.formats.meshes.coordinates import mesh_of
 from cpm_core.formats.meshes.triangles import Triangles, split
 from cpm_core.image.geometry import Convention
-from cpm_core.numerics.types import Index
+from cpm_core.numerics.types import Index, Numbers
 
 _TITLE = 255
 """Most characters of the title."""
@@ -66,7 +63,7 @@ class _Stream:
                 return words
         return []
 
-    def numbers(self, count: int, kind: str) -> NDArray[Any]:
+    def numbers(self, count: int, kind: str) -> Numbers:
         """The next numbers of a kind."""
         if self._binary:
             numbers = np.frombuffer(self._rest, ">" + _KINDS[kind.lower()], count)
@@ -74,7 +71,7 @@ class _Stream:
             return numbers
         words = self._rest.split(None, count)
         self._rest = b"".join(words[count:])
-        return np.array(words[:count], dtype=np.float64)
+        return np.array(words[:count], np.float64)
 
 
 def read(content: bytes) -> Triangles:
@@ -83,7 +80,7 @@ def read(content: bytes) -> Triangles:
     if not head.startswith(b"# vtk DataFile") or dataset.split() != [b"DATASET", b"POLYDATA"]:
         raise UnreadableError("It is no poly data of VTK: write it as such.")
     stream, modern = _Stream(rest, coding.strip() == b"BINARY"), head.split()[-1] >= b"5"
-    points: NDArray[Any] = np.empty((0, 3))
+    points: Numbers = np.empty((0, 3))
     counts, corners = np.empty(0, np.int64), np.empty(0, np.int64)
     numbers: Index | None = None
     while words := stream.line():

@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import Any, get_type_hints
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import DTypeLike
 
 from cpm_core.field.volume_field import pitch_of
 from cpm_core.formats.common.plain import array_from_plain, array_to_plain, mapping, number, text
@@ -19,6 +19,7 @@ from cpm_core.model.coverage import CELL, NEVER, Coverage, SurfaceCoverage, no_c
 from cpm_core.model.plane.repulsion import NO_MESH, PITCH, mesh_corner, mesh_shape, softening
 from cpm_core.model.starts import inside_image
 from cpm_core.model.state import MEMORY, MeshForce, Particles, SpaceState, State, SurfaceContact
+from cpm_core.numerics.types import Entries, Extent, Numbers, Sides
 
 _SCALARS = {name: kind for name, kind in get_type_hints(State).items() if kind in (int, float, bool, str)}
 _MOST = 2**40
@@ -26,12 +27,12 @@ _UNIT = 1.0 + 1e-6
 """Greatest length of a normal, with rounding."""
 
 
-def state_to_plain(state: State) -> dict[str, Any]:
+def state_to_plain(state: State) -> Entries:
     """A state as plain JSON; what is no number is null."""
     known = {name: kind(getattr(state, name)) for name, kind in _SCALARS.items()}
     plain = {name: None if isinstance(one, float) and not math.isfinite(one) else one for name, one in known.items()}
     particles, contact, space, mesh = state.particles, state.particles.contact, state.space, state.mesh
-    arrays: dict[str, NDArray[Any]] = {"start": state.start}
+    arrays: dict[str, Numbers] = {"start": state.start}
     arrays |= {name: getattr(particles, name) for name in ("position", "velocity", "force", "distance", "identity")}
     if contact is not None and space is not None:
         arrays |= {"normal": contact.normal, "seated": contact.seated.astype(np.int32), "strength": contact.strength}
@@ -47,7 +48,7 @@ def state_to_plain(state: State) -> dict[str, Any]:
     return plain | {name: array_to_plain(array) for name, array in arrays.items()}
 
 
-def state_from_plain(plain: object, shape: tuple[int, ...], scales: int, spacing: tuple[float, ...] = ()) -> State:
+def state_from_plain(plain: object, shape: Extent, scales: int, spacing: Sides = ()) -> State:
     """The state of a run on an image of this shape with so many scales; ValueError when it cannot be one.
 
     `spacing` has the sides of a voxel of a volume; without it they are equal.
@@ -58,7 +59,7 @@ def state_from_plain(plain: object, shape: tuple[int, ...], scales: int, spacing
         raise ValueError(f"scale of state is {values['scale']} but must be from 0 to {scales - 1}.")
     size, axes = shape_of_scale(shape, values["scale"]), len(shape)
 
-    def array(name: str, dtype: DTypeLike, *sides: int | None) -> NDArray[Any]:
+    def array(name: str, dtype: DTypeLike, *sides: int | None) -> Numbers:
         found = array_from_plain(given.get(name), dtype, sides, f"{name} of state")
         if np.isinf(found).any() or (name != "distance" and np.isnan(found).any()):
             raise ValueError(f"{name} of state holds a value that is not a number.")
@@ -116,7 +117,7 @@ def _scalar(kind: type, plain: object, where: str) -> Any:
     return kind(found)
 
 
-def _mesh(plain: object, size: tuple[int, ...]) -> MeshForce:
+def _mesh(plain: object, size: Extent) -> MeshForce:
     """The force on a mesh, whose nodes follow from the size of the image and the reach."""
     given = mapping(plain, "mesh of state")
     if not given:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -23,6 +22,7 @@ from cpm_core.formats.sessions.particle_state import state_from_plain, state_to_
 from cpm_core.formats.sessions.session_file import SessionFile, decode, encode
 from cpm_core.image.image import Image
 from cpm_core.model.state import State
+from cpm_core.numerics.types import Entries
 from cpm_core.parameters import Parameters
 from cpm_core.shapes.document_shapes import charges_of, regions_of, starts_of
 
@@ -50,7 +50,7 @@ def with_run(session: SessionFile, recorder: Recorder, name: str = "Run 1") -> S
     if state is None:
         return session
     regions = regions_of(session.shapes, session.objects.barriers)
-    action: dict[str, Any] = {"step": {}, "charges": [to_plain(charge) for charge in charges_of(session.shapes)]}
+    action: Entries = {"step": {}, "charges": [to_plain(charge) for charge in charges_of(session.shapes)]}
     action |= regions_to_plain(regions)
     bare = replace(session, image=None, marks=(), view={}, extra={}, hand_edits=(), runs={}, truth=None)
     branch = {

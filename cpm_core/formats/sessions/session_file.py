@@ -10,7 +10,7 @@ import json
 import math
 import os
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
 from functools import partial
 from pathlib import Path, PurePath
@@ -35,6 +35,7 @@ from cpm_core.formats.common.provenance import PROGRAM
 from cpm_core.formats.images.readers import open_stack
 from cpm_core.formats.images.reading import DEFAULT, Reading
 from cpm_core.medial_axis.outlines import Outlined
+from cpm_core.numerics.types import Callback, Entries, Plain
 from cpm_core.objects.methods import CONTOUR_METHODS, Compared, Settings
 from cpm_core.objects.segmented.segmented_object import SegmentedObjects
 from cpm_core.parameters import Parameters
@@ -47,15 +48,13 @@ T = TypeVar("T")
 MARK, VERSION = "cpm-session", 1
 """Entry that distinguishes a session file from other JSON, and its value."""
 
-Plain = Mapping[str, Any]
-
 SUFFIX = ".cpm"
 """Ending of the name of a session file."""
 
 _LARGEST = 64 * 2**20
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ImageFile:
     """The image that a session belongs to.
 
@@ -88,7 +87,7 @@ class ImageFile:
             raise ValueError(f"shape is {shown(self.shape)} but must be rows and columns.")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class TruthFile:
     """The ground truth of a session.
 
@@ -114,7 +113,7 @@ class TruthFile:
             raise ValueError(f"it names {shown(self.path)} within {self.tolerance:g} px.")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class SessionFile:
     """Content of a session file.
 
@@ -202,7 +201,7 @@ def save_session(session: SessionFile, path: Path) -> None:
 def encode(session: SessionFile, folder: Path) -> bytes:
     """The bytes of a session file that lies in a folder; ValueError for shapes that could not be read again."""
     check_axes(session.shapes, session.image.shape if session.image else ())
-    plain: dict[str, Any] = {MARK: VERSION, "program": PROGRAM}
+    plain: Entries = {MARK: VERSION, "program": PROGRAM}
     if session.image is not None:
         read = {name: to_plain(given) for name, given in session.image.reading.arguments.items()}
         plain["image"] = {**to_plain(session.image), **_place_to_plain(session.image.path, folder), "reading": read}
@@ -310,9 +309,7 @@ def _compared(plain: object) -> Compared:
     return Compared(tuple(filter(None, methods)), settings, given.get("around") is True)
 
 
-def find_image(
-    image: ImageFile, folder: Path, go_on: Callable[[], None] = lambda: None
-) -> tuple[Path, tuple[str, ...]]:
+def find_image(image: ImageFile, folder: Path, go_on: Callback = lambda: None) -> tuple[Path, tuple[str, ...]]:
     """Find the image of a session.
 
     Parameters
@@ -349,7 +346,7 @@ def find_image(
     raise ValueError(f"The image of the session was not found at {looked}: put it there, or name it.")
 
 
-def _place_to_plain(place: str, folder: Path) -> dict[str, Any]:
+def _place_to_plain(place: str, folder: Path) -> Entries:
     """A path relative to a folder if it lies there, with the absolute one, else as it is."""
     path, folder = Path(place), folder.resolve()
     if path.is_absolute() and path.is_relative_to(folder):
@@ -383,7 +380,7 @@ def _parsed(content: bytes, name: str) -> Plain:
     return plain
 
 
-def part_for(path: Path, reading: Reading) -> dict[str, Any]:
+def part_for(path: Path, reading: Reading) -> Entries:
     """What `load_image` needs besides the path to read another file as a session reads its own.
 
     Page, channel and point in time are chosen of a file that holds several. The size of a pixel that was set by hand

@@ -13,7 +13,6 @@ with those that stay.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
 
@@ -28,11 +27,11 @@ from cpm_core.model.plane.motion import AHEAD, edge_at, read_ahead
 from cpm_core.model.plane.repulsion import Cells, cells_around, row_of_cells
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
-from cpm_core.numerics.types import Array, Index, Mask, Single
+from cpm_core.numerics.types import Array, Index, Mask, Single, record
 from cpm_core.parameters import Parameters
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class EdgeContact:
     """Edge contact and neighbors of the particles of a step.
 
@@ -119,7 +118,7 @@ CROWD_RANGE, CROWD = 1.5, 3
 edge."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class Births:
     """New particles, shape (M, D), and the two parents of each (the same twice for a position ahead of one)."""
 

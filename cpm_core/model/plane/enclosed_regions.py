@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from cpm_core.field.interpolation import interpolate
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.model.plane.births import deletion
-from cpm_core.numerics.types import Array, Index
+from cpm_core.numerics.types import Array, Extent, Index
 
 Labels = NDArray[np.int32]
 
@@ -89,7 +89,7 @@ def _has_near(scale_field: ScaleField, place: NDArray[np.int64], positions: Arra
     return (found & (along > 0.0)).any(axis=1)
 
 
-def _stretch(place: NDArray[np.int64], chosen: NDArray[np.bool_], shape: tuple[int, ...]) -> NDArray[np.int64]:
+def _stretch(place: NDArray[np.int64], chosen: NDArray[np.bool_], shape: Extent) -> NDArray[np.int64]:
     """Size of the connected stretch of chosen pixels that each pixel belongs to; 0 for pixels that are not chosen."""
     mask = np.zeros(shape, bool)
     mask[tuple(place[chosen].T)] = True

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from cpm_core.model.coverage import cell_of, sorted_by
 from cpm_core.model.state import MeshForce
 from cpm_core.numerics.jit import compiled, reordered
-from cpm_core.numerics.types import Array, Index, Single
+from cpm_core.numerics.types import Array, Extent, Index, Single
 
 
 class Cells(NamedTuple):
@@ -57,7 +57,7 @@ class Cells(NamedTuple):
     x: Array
 
 
-def build_cells(position: Array, shape: tuple[int, ...], size: float) -> Cells:
+def build_cells(position: Array, shape: Extent, size: float) -> Cells:
     """Sort the particles `position`, shape (N, 2), on an image of this shape into cells of side `size` [px]."""
     rows, cols = (int(n / size) + 1 for n in shape)
     return Cells(size, rows, cols, *_in_cells(position, size, rows, cols))
@@ -223,18 +223,18 @@ _MARGIN = 4
 """Nodes along an axis beyond those that the image needs: splines reach one node further to each side."""
 
 
-def mesh_shape(shape: tuple[int, ...], reach: float) -> tuple[int, ...]:
+def mesh_shape(shape: Extent, reach: float) -> tuple[int, ...]:
     """Nodes along each axis of the mesh over an image of this shape."""
     return tuple(int(np.ceil(n / (PITCH * reach))) + _MARGIN for n in shape)
 
 
-def mesh_corner(shape: tuple[int, ...], reach: float) -> tuple[float, ...]:
+def mesh_corner(shape: Extent, reach: float) -> tuple[float, ...]:
     """Place of its first node [px]; it is centered, so that a mirrored image has a mirrored mesh."""
     sides = zip(shape, mesh_shape(shape, reach), strict=True)
     return tuple(0.5 * (n - 1) - 0.5 * (PITCH * reach) * (m - 1) for n, m in sides)
 
 
-def nodes(shape: tuple[int, ...], reach: float) -> int:
+def nodes(shape: Extent, reach: float) -> int:
     """Nodes of the padded mesh for an image of this shape: its cost is proportional to them."""
     return int(2 ** len(shape) * np.prod(mesh_shape(shape, reach)))
 
@@ -285,7 +285,7 @@ NO_MESH = MeshForce(np.zeros((0, 0, 2), np.float32), (0.0, 0.0), 1.0, np.inf, np
 """No mesh: the whole force is summed over pairs."""
 
 
-def mesh_force(position: Array, shape: tuple[int, ...], reach: float) -> MeshForce:
+def mesh_force(position: Array, shape: Extent, reach: float) -> MeshForce:
     """Smooth part of the Coulomb force of all particles, shape (N, 2) [px], on the nodes of a mesh over an image.
 
     `reach` is the distance R up to which pairs add what the mesh leaves out [px].

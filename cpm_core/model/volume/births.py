@@ -41,9 +41,7 @@ def thinned(particles: Particles, cells: Cells, turn: Index, d_min: float) -> Ma
     Of two nearer than ``d_min / 2`` the one on the weaker edge is deleted, and of equal ones the later, unless both are
     seated, on different sheets. Only those that have their `turn` have moved since the last use.
     """
-    kept = np.ones(len(particles), np.bool_)
-    contact = particles.contact
-    assert contact is not None
+    kept, contact = np.ones(len(particles), np.bool_), particles.on_surface
     sheets = (particles.position, contact.normal, contact.seated)
     share(partial(_find_close, cells, turn, *sheets, NEAR * d_min, kept), len(turn), _WORTH_A_THREAD)
     close = np.flatnonzero(~kept)
@@ -142,8 +140,7 @@ def insertion(
 
     `d_max` is the annealed insertion range [units]. They are where the placed charges leave particles on the edge.
     """
-    contact = particles.contact
-    assert contact is not None
+    contact = particles.on_surface
     looking, looks = turn[contact.seated[turn]], np.zeros(len(particles), np.bool_)
     looks[looking] = True
     found, count = np.empty((len(looking), _MOST, 7)), np.zeros(len(looking), np.int64)
@@ -192,7 +189,7 @@ def _look_between(q: int, i: int, looks: Mask, around: Index, search: _Search, d
         j = cells.order[k]
         if not seated[j] or (looks[j] and j <= i) or not faces_alike(normal, row_of(normals, j)):
             continue
-        away = difference((cells.z[k], cells.y[k], cells.x[k]), place)
+        away = difference(row_of(cells.place, k), place)
         distance = length(away)
         if d_min < distance <= reach:
             middle, room = moved(place, 0.5, away), 0.5 * distance - _ROUNDING_ERROR
@@ -267,7 +264,7 @@ def _widest_gap(
     """
     own, count = row_of(normals, i), 0
     for k in around:
-        away = difference((cells.z[k], cells.y[k], cells.x[k]), place)
+        away = difference(row_of(cells.place, k), place)
         j = cells.order[k]
         near_it = dot(away, away) < reach * reach and j != i and seated[j] and count < _MOST_NEIGHBORS
         if near_it and faces_alike(own, row_of(normals, j)):
@@ -301,7 +298,7 @@ def _inside(place: Vector, shape: tuple[int, int, int], pitch: Vector) -> bool:
 def _is_taken(cells: Cells, crowd: Index, place: Vector, normal: Vector, normals: Array, room: float) -> bool:
     """Whether one of a crowd is too near to a place: one of its sheet, or one at nearly the same place."""
     for k in crowd:
-        away = length(difference((cells.z[k], cells.y[k], cells.x[k]), place))
+        away = length(difference(row_of(cells.place, k), place))
         if away < room and (away < _SAME_PLACE or faces_alike(normal, row_of(normals, cells.order[k]))):
             return True
     return False

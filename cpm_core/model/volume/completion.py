@@ -15,7 +15,6 @@ import numpy as np
 from cpm_core.field.placed_charges import Placed, radius_at, torn_off
 from cpm_core.field.volume_field import VolumeField
 from cpm_core.field.volume_surface import Ridges, faces_alike, on_ridges
-from cpm_core.image.volume_regions import Walls
 from cpm_core.model.state import State, SurfaceContact
 from cpm_core.model.volume.births import apart
 from cpm_core.model.volume.inseparable import inseparable
@@ -54,7 +53,12 @@ def reseed_surface(state: State, field: VolumeField, d_min: float) -> State | No
     """The state with particles on the stretches that fronts did not reach; None when there are none."""
     if state.reseedings >= LAUNCHES or state.erased:
         return None
-    ridges = _within_walls(field.ridges, state, field.walls)
+    ridges = field.ridges
+    if field.walls is not None:  # which part what is connected: the ridges in rooms with particles
+        rooms, taken = field.walls.rooms(ridges.place), field.walls.rooms(state.particles.position)
+        _, number = np.unique(np.stack([ridges.component, rooms]), axis=1, return_inverse=True)
+        inside = np.flatnonzero((rooms >= 0) & np.isin(rooms, taken))
+        ridges = ridges._replace(component=number.ravel()).where(inside)
     cover = _cover(state, field, ridges, d_min)
     reached = np.zeros(int(ridges.component.max(initial=-1)) + 1, np.bool_)
     reached[ridges.component[cover == _ON]] = True
@@ -92,20 +96,9 @@ def _with_launched(state: State, field: VolumeField, ridges: Ridges, d_min: floa
     )
 
 
-def _within_walls(ridges: Ridges, state: State, walls: Walls | None) -> Ridges:
-    """The ridges in rooms with particles; walls part what is connected."""
-    if walls is None:
-        return ridges
-    rooms, taken = walls.rooms(ridges.place), walls.rooms(state.particles.position)
-    _, number = np.unique(np.stack([ridges.component, rooms]), axis=1, return_inverse=True)
-    inside = np.flatnonzero((rooms >= 0) & np.isin(rooms, taken))
-    return ridges._replace(component=number.ravel()).where(inside)
-
-
 def _cover(state: State, field: VolumeField, ridges: Ridges, d_min: float) -> Index:
     """How particles cover each ridge voxel, shape (M,)."""
-    contact = state.particles.contact
-    assert contact is not None
+    contact = state.particles.on_surface
     cover = np.zeros(len(ridges.place), np.int64)
     position, normal = state.particles.position[contact.seated], contact.normal[contact.seated]
     reach = max(_COVERED * d_min, _TOUCHED)
@@ -125,14 +118,13 @@ def _find_cover(
         for n in range(near(cells, here, reach, found)):
             k = found[n]
             if cover[q] < _ON and faces_alike(normal, row_of(normals, cells.order[k])):
-                away = length(difference((cells.z[k], cells.y[k], cells.x[k]), here))
+                away = length(difference(row_of(cells.place, k), here))
                 cover[q] = max(cover[q], _ON if away < _TOUCHED else _NEAR)
 
 
 def drop_unseated(state: State, field: VolumeField) -> State:
     """The particles on surfaces, each pulled to the ridge; the others are left out."""
-    contact = state.particles.contact
-    assert contact is not None
+    contact = state.particles.on_surface
     found = state.particles.where(contact.seated & (contact.strength >= field.floor))
     position = _pulled(field, found.position)
     crossing = field.crossed(found.position, position)

@@ -38,7 +38,7 @@ class Cells(NamedTuple):
     """Particles sorted into cubic cells of a side `size` [px]; a plain tuple for the compiled loops.
 
     The particles of a row of cells along the last axis, from `start` on, are contiguous, with the column of the cell,
-    the index and the position [px] of each. Those beyond the grid belong to its outermost cells.
+    the index and the place [px] of each. Those beyond the grid belong to its outermost cells.
     """
 
     size: float
@@ -48,9 +48,7 @@ class Cells(NamedTuple):
     start: Index
     col: Index
     order: Index
-    z: Array
-    y: Array
-    x: Array
+    place: Array
 
 
 LEAST_CELL = 4.0
@@ -64,9 +62,7 @@ def build_cells(position: Array, shape: Vector, size: float) -> Cells:
 
 
 @compiled
-def _in_cells(
-    position: Array, size: float, planes: int, rows: int, cols: int
-) -> tuple[Index, Index, Index, Array, Array, Array]:
+def _in_cells(position: Array, size: float, planes: int, rows: int, cols: int) -> tuple[Index, Index, Index, Array]:
     """What `Cells` contains of particles in a grid of so many cells, from `start` on."""
     count = len(position)
     col, line = np.empty(count, np.int64), np.empty(count, np.int64)
@@ -77,12 +73,12 @@ def _in_cells(
         place = row_of(position, by_col[n])
         line[n] = cell_of(place[0], size, planes) * rows + cell_of(place[1], size, rows)
     order, start = sorted_by(line, planes * rows)
-    z, y, x = np.empty(count), np.empty(count), np.empty(count)
+    sorted_places = np.empty((count, 3))
     for n in range(count):
         order[n] = by_col[order[n]]
-        z[n], y[n], x[n] = row_of(position, order[n])
+        set_row(sorted_places, n, row_of(position, order[n]))
         line[n] = col[order[n]]
-    return start, line, order, z, y, x
+    return start, line, order, sorted_places
 
 
 @compiled
@@ -103,7 +99,7 @@ def near(cells: Cells, place: Vector, reach: float, found: Index) -> int:
             end = cells.start[line + 1]
             k = _first_from(cells.col, left, cells.start[line], end)
             while k < end and cells.col[k] <= right:
-                away = difference(place, (cells.z[k], cells.y[k], cells.x[k]))
+                away = difference(place, row_of(cells.place, k))
                 found[count] = k  # the next one takes its place unless it is near: no branch to mispredict
                 count += dot(away, away) < reach * reach
                 k += 1
@@ -185,15 +181,14 @@ def move(
 
     `idle`, shape (N,), are the steps since new ground was found near each; `placed` are the placed charges.
     """
-    old = particles.contact
-    assert old is not None
+    old = particles.on_surface
     new = SurfaceContact(old.normal.copy(), old.seated.copy(), old.strength.copy(), old.woken)
     distance = np.roll(particles.distance, 1, axis=1)
     moving = particles.position.copy(), particles.velocity.copy(), particles.force.copy()
     after = Particles(*moving, distance, particles.identity, new)
     before = particles.position, particles.velocity, particles.force, old.normal
-    felt = _felt(field, law, placed)
-    work = partial(_move, turn, cells, idle, before, old.seated, (*moving, new.normal, new.strength), new.seated, *felt)
+    felt, written = _felt(field, law, placed), (*moving, new.normal, new.strength)
+    work = partial(_move, turn, cells, idle, before, old.seated, written, new.seated, felt)
     share(work, len(turn), _WORTH_A_THREAD)
     distance[:, 0] = lengths(after.position)
     return Moved(after, lengths(after.position - particles.position))
@@ -207,18 +202,15 @@ def parts_of_force(
     field: VolumeField,
     law: Parameters,
     placed: Placed = NOTHING_PLACED,
-) -> tuple[Array, Array, Array, Array]:
-    """Coulomb force, Lorentz force, that of placed charges, and friction on some particles, shape (M, 3) each.
+) -> Array:
+    """Coulomb force, Lorentz force, that of placed charges, and friction on some particles, shape (4, M, 3).
 
     With their weights, as in a step; see `move`.
     """
-    contact = particles.contact
-    assert contact is not None
-    fields, grid, charges, weights = _felt(field, law, placed)
-    position = particles.position
-    parts = np.empty((4, len(which), 3))
-    _parts(which, cells, idle, position, contact.normal, contact.seated, fields, grid, charges, weights, parts)
-    return parts[0], parts[1], parts[2], parts[3]
+    contact, parts = particles.on_surface, np.empty((4, len(which), 3))
+    felt = _felt(field, law, placed)
+    _parts(which, cells, idle, particles.position, contact.normal, contact.seated, felt, parts)
+    return parts
 
 
 def _felt(field: VolumeField, law: Parameters, placed: Placed) -> _Felt:
@@ -240,22 +232,19 @@ def _move(
     was_seated: Mask,
     after: tuple[Array, Array, Array, Array, Array],
     seated: Mask,
-    fields: _Fields,
-    grid: _Grid,
-    charges: Array,
-    law: _Law,
+    felt: _Felt,
     first: int,
     last: int,
 ) -> None:
     """Move some of the particles that have their turn."""
     position, velocity, force, normals = before
     to_position, to_velocity, to_force, to_normal, strength = after
-    beta, dt, found = law[2], law[3], room_for(cells)
+    (_, _, beta, dt, _), found = felt[3], room_for(cells)
     for q in range(first, last):
         i = turn[q]
         place, speed = row_of(position, i), row_of(velocity, i)
         coulomb, lorentz, placed, held, normal, here, on_edge = _forces_on(
-            i, place, cells, found, idle[i], normals, was_seated, fields, grid, charges, law
+            i, place, cells, found, idle[i], normals, was_seated, felt
         )
         total = moved(moved(coulomb, 1.0, lorentz), 1.0, placed)
         if held:
@@ -282,24 +271,21 @@ def _forces_on(
     idle: int,
     normals: Array,
     was_seated: Mask,
-    fields: _Fields,
-    grid: _Grid,
-    charges: Array,
-    law: _Law,
+    felt: _Felt,
 ) -> tuple[Vector, Vector, Vector, bool, Vector, float, bool]:
     """Coulomb force, Lorentz force and that of placed charges on a particle, and whether friction holds it.
 
     Then the normal of the edge there, its strength, and whether the particle is on it.
     """
-    w1, w2, d_min = law[0], law[1], law[4]
+    fields, (pitch, block, floor, radius), charges, (w1, w2, _, _, d_min) = felt
     coulomb = (0.0, 0.0, 0.0)
     left = repulsion_left(idle)
     if left > 0.0:
         coulomb = scaled(_repulsion(cells, found, place, i, normals, was_seated, d_min), w1 * left)
-    pull, normal, here, slope, near = force_at(*fields, grid[0], grid[1], grid[2], place)
-    drawn = placed_at(charges, grid[3], place)
+    pull, normal, here, slope, near = force_at(*fields, pitch, block, floor, place)
+    drawn = placed_at(charges, radius, place)
     placed = scaled(drawn, w2)
-    on_edge, held = is_seated(slope + dot(drawn, normal), near, here, grid[2]), False
+    on_edge, held = is_seated(slope + dot(drawn, normal), near, here, floor), False
     if on_edge:
         coulomb = moved(coulomb, -dot(coulomb, normal), normal)
         along = moved(coulomb, 1.0, moved(placed, -dot(placed, normal), normal))
@@ -315,10 +301,7 @@ def _parts(
     position: Array,
     normals: Array,
     seated: Mask,
-    fields: _Fields,
-    grid: _Grid,
-    charges: Array,
-    law: _Law,
+    felt: _Felt,
     parts: Array,
 ) -> None:
     """Write the forces on some particles."""
@@ -327,7 +310,7 @@ def _parts(
         i = which[q]
         place = row_of(position, i)
         coulomb, lorentz, placed, held, normal, _, _ = _forces_on(
-            i, place, cells, found, idle[i], normals, seated, fields, grid, charges, law
+            i, place, cells, found, idle[i], normals, seated, felt
         )
         along = moved(coulomb, 1.0, placed)
         friction = scaled(moved(along, -dot(along, normal), normal), -1.0 if held else 0.0)
@@ -344,7 +327,7 @@ def _repulsion(cells: Cells, found: Index, place: Vector, i: int, normals: Array
     for n in range(near(cells, place, REACH * d_min, found)):
         k = found[n]
         j = cells.order[k]
-        away = difference(place, (cells.z[k], cells.y[k], cells.x[k]))
+        away = difference(place, row_of(cells.place, k))
         apart = (j == i) | (on_surface & seated[j] & (not faces_alike(own, row_of(normals, j))))
         # no branches: half of them would be mispredicted in a thin object
         squared = np.inf if apart else max(dot(away, away), _NEAREST)

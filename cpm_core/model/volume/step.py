@@ -65,14 +65,14 @@ def moved_on(state: State, field: VolumeField, parameters: Parameters) -> State:
     moved = move(before, cells.order[awake[cells.order]], cells, idle, field, parameters, placed)
     after, motion = moved.particles, moved.motion
     after.velocity[~awake] = 0.0
-    stays = _inside(after.position, extent, space) & (_contact(before).seated | (idle < _PATIENCE))
+    stays = _inside(after.position, extent, space) & (before.on_surface.seated | (idle < _PATIENCE))
     if field.walls is not None:
         after = held_back(field.walls, before, after)
     flying = (
-        ~_contact(after).seated & is_fast(after.velocity, parameters) & (step < 2.0 * max(extent) + state.reactivated)
+        ~after.on_surface.seated & is_fast(after.velocity, parameters) & (step < 2.0 * max(extent) + state.reactivated)
     )
-    arrived = _contact(after).seated & ~_contact(before).seated
-    after = replace(after, contact=_contact(after).woken_at(step + 1, flying))
+    arrived = after.on_surface.seated & ~before.on_surface.seated
+    after = replace(after, contact=after.on_surface.woken_at(step + 1, flying))
     particles, stay, cells = _thinned(after, stays, awake, cells, extent, d_min)
     awake, arrived = awake[stay], arrived[stay]
     deleted = len(before) - len(particles)
@@ -106,14 +106,9 @@ def cells_of(particles: Particles, field: VolumeField, d_min: float) -> Cells:
     return build_cells(particles.position, field.extent, max(REACH * d_min, LEAST_CELL))
 
 
-def _contact(particles: Particles) -> SurfaceContact:
-    assert particles.contact is not None
-    return particles.contact
-
-
 def rested(particles: Particles, step: int) -> tuple[Index, Mask]:
     """Steps since new ground was found near each particle, and which are awake."""
-    contact = _contact(particles)
+    contact = particles.on_surface
     idle = np.maximum(step - contact.woken, 0)
     return idle, (idle < _AWAKE) | (~contact.seated & (idle < _PATIENCE))
 
@@ -144,7 +139,7 @@ def _joined(
     state: State, particles: Particles, births: Births, cells: Cells, arrived: Mask, d_min: float
 ) -> tuple[Particles, SurfaceCoverage, int]:
     """The particles with the new ones, those near new ground awake; the coverage; how many have found new ground."""
-    contact, step = _contact(particles), state.step_of_scale + 1
+    contact, step = particles.on_surface, state.step_of_scale + 1
     assert state.space is not None
     covered = state.space.covered
     if covered.side != d_min:  # the ground of the present particles, in cells of another size
@@ -221,8 +216,7 @@ _LEAST_SQUARE = 1e-4
 
 def energies(state: State, field: VolumeField, parameters: Parameters) -> Energies:
     """Energies of a state with its placed charges; `field` is without them. See `Engine.energies`."""
-    particles, contact = state.particles, state.particles.contact
-    assert contact is not None
+    particles, contact = state.particles, state.particles.on_surface
     position, reach = particles.position, REACH * parameters.d_min
     cells = cells_of(particles, field, parameters.d_min)
     pairs = _pair_energy(cells, position, contact.normal, contact.seated, reach)
@@ -241,7 +235,7 @@ def _pair_energy(cells: Cells, position: Array, normals: Array, seated: Mask, re
         place = row_of(position, i)
         for n in range(near(cells, place, reach, found)):
             k = found[n]
-            away = difference(place, (cells.z[k], cells.y[k], cells.x[k]))
+            away = difference(place, row_of(cells.place, k))
             if cells.order[k] < i and on_one_sheet(i, cells.order[k], normals, seated):
                 total += 0.5 * (1.0 / max(dot(away, away), _LEAST_SQUARE) - 1.0 / (reach * reach))
     return total

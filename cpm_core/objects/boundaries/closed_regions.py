@@ -7,7 +7,6 @@ its holes, where it is certain (`segmentation.reach.certain`): then nothing has 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -18,7 +17,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.field.edge_map import edge_map
 from cpm_core.field.interpolation import interpolate
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.numerics.types import Array, Extent, Index, Mask, record
 from cpm_core.segmentation.reach.certain import MARGIN, is_certain
 from cpm_core.segmentation.reach.drawn_area import LEAST_PLACES, drawn_area
 
@@ -35,7 +34,7 @@ _AT_CONTOUR = 2
 """Distance from a certain contour up to which a place is at odds with the contour rather than beyond it [px]."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class ClosedRegion:
     """What a certain contour encloses.
 
@@ -265,7 +264,7 @@ class ClosedRegions:
         return ClosedRegion(box, filled, mask, rises) if is_certain(along, inside) else None
 
 
-def _pixels(contour: Contour, corner: Index, shape: tuple[int, ...]) -> tuple[Index, ...]:
+def _pixels(contour: Contour, corner: Index, shape: Extent) -> tuple[Index, ...]:
     """Rows and columns of the pixels that a contour runs through, in a box of some shape at a corner."""
     points = np.rint(polyline.sampled(contour.path, 0.5)).astype(np.int64) - corner
     return tuple(np.clip(points, 0, np.array(shape) - 1).T)

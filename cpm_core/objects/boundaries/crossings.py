@@ -8,19 +8,18 @@ a fraction of one.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 
 import numpy as np
 
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Mask, Single
+from cpm_core.numerics.types import Array, Extent, Mask, Single, record
 
 _ASIDE = np.array([1.37e-7, 2.61e-7])
 """Displacement of all lines, so that none runs through the very center of a pixel, where its side would not be defined
 [px]."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Crossings:
     """Links that lines cross.
 
@@ -50,7 +49,7 @@ class Crossings:
         return found
 
 
-def crossings(paths: Iterable[Array], shape: tuple[int, ...]) -> Crossings:
+def crossings(paths: Iterable[Array], shape: Extent) -> Crossings:
     """Find the links that paths, each of shape (K, 2) [px], cross in an image of this shape."""
     right, down = (np.full(shape, -1.0, dtype=np.float32) for _ in range(2))
     for path in paths:

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from cpm_core.numerics.grids import running_maximum
-from cpm_core.numerics.types import Array, Mask
+from cpm_core.numerics.types import Array, Mask, record
 from cpm_core.objects.boundaries.crossings import Crossings, crossings
 
 STRONG_PERCENTILE = 95.0
 """Percentile of the edge map above which an edge is strong."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Ground:
     """What the boundary of an object follows.
 

@@ -18,6 +18,7 @@ from cpm_core.field.edge_map import edge_map
 from cpm_core.field.interpolation import interpolate
 from cpm_core.image.image import Image, as_image
 from cpm_core.numerics.real_numbers import checked_number
+from cpm_core.numerics.types import record
 from cpm_core.objects.methods.level_sets import GEODESIC, GEOMETRIC_GVF
 from cpm_core.objects.methods.method import AnyMethod, ContourMethod, ContourState, Settings, Start
 from cpm_core.objects.methods.particles import PARTICLES, PROPOSED_OBJECT
@@ -81,7 +82,7 @@ class Compared:
         return replace(self, settings=tuple(changed.items()))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Moment:
     """A state of a run, and the time that it took to come there.
 

@@ -22,7 +22,7 @@ from cpm_core.field.edge_map import edge_map
 from cpm_core.image.image import Image
 from cpm_core.numerics.polyline import resampled
 from cpm_core.numerics.real_numbers import real_numbers
-from cpm_core.numerics.types import Array, Mask
+from cpm_core.numerics.types import Array, Extent, Mask, record
 from cpm_core.parameters import ParameterInfo, Parameters
 from cpm_core.parameters.quotation import counted, described, shown
 
@@ -34,7 +34,7 @@ _FARTHEST = 1e6
 """Distance of a corner from the first pixel up to which it is usable [px]."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Start:
     """Closed outlines from which every method begins.
 
@@ -93,7 +93,7 @@ class Start:
         closed = (np.concatenate([outline, outline[:1]]) for outline in self.outlines)
         return tuple(resampled(outline, spacing)[:-1] for outline in closed)
 
-    def mask(self, shape: tuple[int, ...]) -> Mask:
+    def mask(self, shape: Extent) -> Mask:
         """The pixels inside one outline at least, shape (H, W); an outline that lies within others bounds a hole."""
         check_plane(shape)
         found = np.zeros(shape, bool)
@@ -182,7 +182,7 @@ def distance_of(inside: Mask) -> Array:
     return np.where(inside, edt(inside) - 0.5, 0.5 - edt(~inside))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class ContourState:
     """A moment of the run of any method.
 

@@ -13,7 +13,7 @@ import skimage
 from numpy.typing import NDArray
 
 from cpm_core.image.image import Image
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Extent
 from cpm_core.objects.methods.method import (
     ContourMethod,
     ContourState,
@@ -221,7 +221,7 @@ class RandomWalkerSettings(Settings):
     )  # fmt: skip
 
 
-def seeds(start: Start, shape: tuple[int, ...], settings: RandomWalkerSettings) -> NDArray[np.int32]:
+def seeds(start: Start, shape: Extent, settings: RandomWalkerSettings) -> NDArray[np.int32]:
     """Labels of the seeds, of this shape: `_OBJECT_SEED`, `_BACKGROUND_SEED`, or 0 where there is none.
 
     A start in the object is all object, and the border of the image, or what lies far from the start, background. A

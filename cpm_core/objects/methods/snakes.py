@@ -21,7 +21,7 @@ from cpm_core.field.edge_map import gradient
 from cpm_core.image.image import Image
 from cpm_core.numerics.polyline import length, resampled
 from cpm_core.numerics.segments import SegmentTree
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Extent
 from cpm_core.objects.methods.method import (
     ContourMethod,
     ContourState,
@@ -135,7 +135,7 @@ class Elasticity:
     gamma: float
 
 
-def moved(curve: Array, force: Force, elasticity: Elasticity, shape: tuple[int, ...]) -> Array:
+def moved(curve: Array, force: Force, elasticity: Elasticity, shape: Extent) -> Array:
     """A closed curve, shape (N, 2), after a step; it stays within the image."""
     wave = 2.0 - 2.0 * np.cos(2.0 * np.pi * np.arange(len(curve) // 2 + 1) / len(curve))
     matrix = elasticity.alpha * wave + elasticity.beta * wave**2 + elasticity.gamma
@@ -145,9 +145,7 @@ def moved(curve: Array, force: Force, elasticity: Elasticity, shape: tuple[int, 
     return np.clip(after, 0.0, np.array(shape) - 1.0)
 
 
-def evolution(
-    curves: tuple[Array, ...], force: Force, elasticity: Elasticity, shape: tuple[int, ...]
-) -> Iterator[ContourState]:
+def evolution(curves: tuple[Array, ...], force: Force, elasticity: Elasticity, shape: Extent) -> Iterator[ContourState]:
     """States of closed curves until all are at rest or have collapsed."""
     before = curves
     yield _state(0, curves)

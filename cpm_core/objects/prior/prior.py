@@ -7,16 +7,15 @@ counts whose answer promises the largest overlap; then at one around the answer 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from cpm_core.numerics.grids import ends
-from cpm_core.numerics.types import Array, Index, Mask, Single
+from cpm_core.numerics.types import Array, Extent, Index, Mask, Numbers, Single, record
 from cpm_core.objects.prior.network import Network, trained
 from cpm_core.objects.prior.windows import Views, Window, holding
 
@@ -52,7 +51,7 @@ _FADES = 6.0
 """Distance over which a place counts [px of the window]."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Prompt:
     """What is known about an object.
 
@@ -107,7 +106,7 @@ class Answer(NamedTuple):
         on = ends(self.seen > _LIKELY)
         return np.stack([line[on[:, axis]] for axis, line in enumerate(self.window.lines)], axis=1)
 
-    def touches(self, shape: tuple[int, ...]) -> bool:
+    def touches(self, shape: Extent) -> bool:
         """Whether it reaches the rim of the window inside of an image of this shape."""
         near = _RIM * self.window.scale
         first, last = np.array([line[[0, -1]] for line in self.window.lines]).T
@@ -158,7 +157,7 @@ class Likely(NamedTuple):
     agreement: float
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Prior:
     """What the network makes of prompts on an image.
 
@@ -170,7 +169,7 @@ class Prior:
         The network.
     """
 
-    values: NDArray[Any]
+    values: Numbers
     network: Network = field(default_factory=trained)
 
     def objects_of(self, prompt: Prompt, areas: Array = _NO_AREAS) -> Iterator[Likely]:

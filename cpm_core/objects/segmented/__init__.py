@@ -14,7 +14,6 @@ from cpm_core.objects.segmented.in_volumes import brush_in as brush_in
 from cpm_core.objects.segmented.in_volumes import painted_in as painted_in
 from cpm_core.objects.segmented.segmented_object import CLASSES as CLASSES
 from cpm_core.objects.segmented.segmented_object import Click as Click
-from cpm_core.objects.segmented.segmented_object import Line as Line
 from cpm_core.objects.segmented.segmented_object import ObjectClass as ObjectClass
 from cpm_core.objects.segmented.segmented_object import SegmentedObject as SegmentedObject
 from cpm_core.objects.segmented.segmented_object import SegmentedObjects as SegmentedObjects

@@ -15,8 +15,8 @@ from cpm_core.contours.surface_agreement import Triangles
 from cpm_core.image.volume_regions import Voxels
 from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import zero_surface
-from cpm_core.numerics.types import Array, Index, Position
-from cpm_core.objects.segmented.segmented_object import Line, SegmentedObject
+from cpm_core.numerics.types import Array, Extent, Index, Line, Position
+from cpm_core.objects.segmented.segmented_object import SegmentedObject
 
 _MARGIN = 3
 """Width around the surfaces in which distances are taken [voxels]."""
@@ -56,7 +56,7 @@ def body_of_both(first: PackedBody, second: PackedBody) -> PackedBody:
     return PackedSurface.of(Surface(vertices + begin, triangles))
 
 
-def _signed(voxels: Voxels, surface: Surface, begin: Index, shape: tuple[int, ...]) -> Array:
+def _signed(voxels: Voxels, surface: Surface, begin: Index, shape: Extent) -> Array:
     """Distance of the voxels of a part of a volume from a surface, negative inside, exact near it [voxels]."""
     inside = np.zeros(shape, np.bool_)
     assert voxels.first is not None
@@ -85,7 +85,7 @@ _DECIMALS = 3
 
 
 def painted(
-    boundary: Sequence[Line], path: Sequence[Position], radius: float, adds: bool, shape: tuple[int, ...]
+    boundary: Sequence[Line], path: Sequence[Position], radius: float, adds: bool, shape: Extent
 ) -> tuple[Line, ...]:
     """The boundary of an area with, or without, what a disk of a radius goes over along a path [px].
 

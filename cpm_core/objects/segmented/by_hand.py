@@ -14,9 +14,9 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.hand_edits import HandEdit, apply
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Index, Mask, Position
+from cpm_core.numerics.types import Array, Index, Line, Mask, Position
 from cpm_core.objects.segmented.areas import area_of, boundary_of, lies_on
-from cpm_core.objects.segmented.segmented_object import Line, SegmentedObject
+from cpm_core.objects.segmented.segmented_object import SegmentedObject
 from cpm_core.reconstruction.by_hand.live_wire import on_ridge
 from cpm_core.reconstruction.curve.subpixel import ridge_points
 
@@ -51,7 +51,7 @@ _GRID, _DECIMALS = 1e-3, 3
 """Grid to which lines are rounded where they meet [px], and decimals of what is kept."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Halves:
     """Two objects in place of one, and the lines, each of shape (K, 2) [px], along which it was cut.
 

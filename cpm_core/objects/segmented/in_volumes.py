@@ -12,7 +12,7 @@ import scipy
 
 from cpm_core.contours.packed_surface import PackedBody, PackedVoxels
 from cpm_core.image.volume_regions import Voxels
-from cpm_core.numerics.types import Array, Index, Mask, Place
+from cpm_core.numerics.types import Array, Extent, Index, Mask, Place, Sides
 from cpm_core.objects.segmented.segmented_object import SegmentedObject, SegmentedObjects
 
 Part = tuple[Index, Mask]
@@ -22,9 +22,7 @@ _ROUGH = 0.01
 """Largest height of a ripple along the way of a brush, which consists of balls [smallest sides of a voxel]."""
 
 
-def brush_in(
-    shape: tuple[int, ...], path: Sequence[Place], radius: float, sides: tuple[float, ...], axis: int | None = None
-) -> Part:
+def brush_in(shape: Extent, path: Sequence[Place], radius: float, sides: Sides, axis: int | None = None) -> Part:
     """The voxels of a volume that a brush goes over on the way between two places, or covers at one.
 
     Parameters
@@ -108,7 +106,7 @@ def painted_in(
     return replace(ends, items=tuple(known.values()))
 
 
-def between_slices(body: PackedBody, axis: int, sides: tuple[float, ...]) -> tuple[Part, int]:
+def between_slices(body: PackedBody, axis: int, sides: Sides) -> tuple[Part, int]:
     """The voxels between the slices across an axis in which a body has any, and the number of slices that get some.
 
     Signed distances from the outlines are interpolated (S. P. Raya and J. K. Udupa, 1990) between the pieces of two

@@ -12,10 +12,8 @@ from cpm_core.contours.packed_surface import PackedBody
 from cpm_core.contours.surface import Surface
 from cpm_core.image.volume_regions import Voxels
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Mask, Place, Position
+from cpm_core.numerics.types import Array, Extent, Line, Mask, Place, Position, Sides
 from cpm_core.objects.selection import Selection
-
-Line = tuple[Position, ...]
 
 MOST_CLASSES = 9
 """Number of classes, one for each digit key."""
@@ -24,7 +22,7 @@ _AT_ONCE = 2**20
 """Pixels that are tested at once, so that a large image takes little memory."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Click:
     """Places that were said to be inside of an object, or outside of it, in one gesture.
 
@@ -52,7 +50,7 @@ class Click:
             raise ValueError("A click has no position: give at least one, (row, col).")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ObjectClass:
     """A class of objects: its name, which may be empty, and its color, ``"#rrggbb"``."""
 
@@ -66,7 +64,7 @@ class ObjectClass:
         check_color("a class", self.color)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class SegmentedObject:
     """An object of an image with its boundary.
 
@@ -152,7 +150,7 @@ class SegmentedObject:
             found ^= polyline.inside(curve, places)
         return found
 
-    def mask(self, shape: tuple[int, ...]) -> Mask:
+    def mask(self, shape: Extent) -> Mask:
         """The pixels of an image, or the voxels of a volume, of this shape whose centers lie inside."""
         found = np.zeros(shape, np.bool_)
         for packed in self.surface:
@@ -180,12 +178,12 @@ class SegmentedObject:
         outer = self.outer
         return float(sum(polyline.area(curve) * (1.0 if curve in outer else -1.0) for curve in self.boundary))
 
-    def perimeter(self, spacing: tuple[float, ...] = (1.0, 1.0)) -> float:
+    def perimeter(self, spacing: Sides = (1.0, 1.0)) -> float:
         """Length of the boundary, that of holes included, in the unit of the size of a pixel."""
         curves = (np.array((*curve, curve[0])) * spacing for curve in self.boundary)
         return sum(polyline.length(curve) for curve in curves)
 
-    def bridged(self, spacing: tuple[float, ...] = (1.0, 1.0)) -> float:
+    def bridged(self, spacing: Sides = (1.0, 1.0)) -> float:
         """Length of the stretches of the boundary that follow no contour, in the unit of the size of a pixel."""
         return sum(polyline.length(np.array(gap) * spacing) for gap in self.gaps)
 
@@ -202,7 +200,7 @@ class SegmentedObject:
         row, col = (0.5 * (low + high)).tolist()
         return row, col
 
-    def innermost(self, shape: tuple[int, ...]) -> Place:
+    def innermost(self, shape: Extent) -> Place:
         """The pixel (row, col) inside that is farthest from the boundary and the border of an image of this shape.
 
         A vertex when no pixel lies inside. In a volume it is that of the plane with most of its voxels.
@@ -221,7 +219,7 @@ class SegmentedObject:
         row, col = np.unravel_index(int(np.argmax(depth)), window.shape)
         return (*plane, float(row + first[0]), float(col + first[1]))
 
-    def _window(self, shape: tuple[int, ...]) -> tuple[tuple[int, int], Mask]:
+    def _window(self, shape: Extent) -> tuple[tuple[int, int], Mask]:
         """First row and column of the part of an image that the boundary is around, and which of its pixels are inside.
 
         Boundaries may reach far beyond the image.
@@ -256,7 +254,7 @@ CLASSES: tuple[ObjectClass, ...] = tuple(
 """The classes at first: hues after Okabe and Ito, which color-blind people can distinguish, and two more."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class SegmentedObjects:
     """The objects of an image, their classes, and the selection that is being made.
 
@@ -332,7 +330,7 @@ def places_of(clicks: tuple[Click, ...], *, inside: bool) -> Array:
     return np.array(found, dtype=float).reshape(-1, len(clicks[0].places[0]) if clicks else 2)
 
 
-def selection_of(item: SegmentedObject, shape: tuple[int, ...]) -> Selection:
+def selection_of(item: SegmentedObject, shape: Extent) -> Selection:
     """The selection that an object is, in an image of this shape."""
     return Selection(
         mask=item.mask(shape),

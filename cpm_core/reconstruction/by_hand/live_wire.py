@@ -70,13 +70,13 @@ class LiveWire:
         spared: Sequence[Position] = (),
     ) -> None:
         self._field, self._start = scale_field, start
-        self._avoided, self._spared = avoided, np.array([start, *spared], dtype=float)
+        self._avoided, self._spared = avoided, np.array([start, *spared], float)
         self._low, self._high = self._around(self._pixel(start), _MARGIN)
         self._search: skimage.graph.MCP_Geometric | None = None
 
     def to(self, place: Position) -> Array:
         """The path from the start to another place, both included, shape (K, 2) [px]."""
-        ends = np.array([self._start, place], dtype=float)
+        ends = np.array([self._start, place], float)
         if np.linalg.norm(ends[1] - ends[0]) < _SPACING:
             return ends
         goal = self._pixel(place)

@@ -7,18 +7,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations, groupby
 
 import numpy as np
 
 from cpm_core.contours.contour import Contour, bridges_on
-from cpm_core.contours.hand_edits import HandEdit, Path, apply
+from cpm_core.contours.hand_edits import HandEdit, apply
 from cpm_core.contours.polygonal_line import PolygonalLine
 from cpm_core.contours.result import Result
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Position
+from cpm_core.numerics.types import Array, Line, Position, record
 from cpm_core.reconstruction.by_hand.live_wire import LiveWire, nearest_ridge
 from cpm_core.reconstruction.curve.hysteresis import measured
 
@@ -38,7 +38,7 @@ _SNAP = 4.0
 """Distance from an edge within which what is pulled snaps to it [px]."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Contact:
     """A place on a contour, by the length along it [px]."""
 
@@ -73,7 +73,7 @@ class Contact:
         return self.at_last or (not self.line.closed and self.along <= _AT_END)
 
     @property
-    def behind(self) -> Path:
+    def behind(self) -> Line:
         """Of an end, the place by which its contour is found again; of any other place none."""
         return (self.off(-_BEHIND if self.at_last else _BEHIND),) if self.at_end else ()
 
@@ -201,7 +201,7 @@ def pull(held: Contact, to: Position, scale_field: ScaleField | None = None) -> 
     return _instead(stretch, path, begin, end)
 
 
-def places(path: Array) -> Path:
+def places(path: Array) -> Line:
     """A path as the places of an edit, none of them twice in a row."""
     rounded = [_rounded(place) for place in path.tolist()]
     kept = [place for place, _ in groupby(rounded)]

@@ -8,7 +8,6 @@ the bridge on that curve.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 import scipy
@@ -19,7 +18,7 @@ from cpm_core.contours.graph import Graph
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.polyline import length, lengths_along, resampled
 from cpm_core.numerics.segments import first_crossing
-from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.numerics.types import Array, Index, Mask, record
 
 _EASE = 20.0
 """Ratio, less one, of the costs of a step without an edge and on an edge as strong as at the ends."""
@@ -51,7 +50,7 @@ _SMOOTHINGS = 6
 """Number of smoothing passes over a pixel path."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class _Way:
     """A possible bridge: its cost, its two vertices, and its points including theirs, shape (K, 2)."""
 

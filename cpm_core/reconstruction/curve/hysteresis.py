@@ -83,14 +83,14 @@ def drop_unconnected(graph: Graph, strength: Array, sure: float) -> None:
     graph.drop_ways(strongest[part] < sure)
 
 
-def shortest(scale_field: ScaleField, parameters: Parameters) -> float:
-    """Least length of a contour for any value of `min_length` [px]."""
-    return max(LEAST_LENGTH * parameters.d_min, _LEAST_IN_SIGMA * scale_field.smoothing)
+def shortest(smoothing: float, parameters: Parameters) -> float:
+    """Least length of a contour for any value of `min_length`, after a Gaussian of `smoothing` px [px]."""
+    return max(LEAST_LENGTH * parameters.d_min, _LEAST_IN_SIGMA * smoothing)
 
 
 def choose(contours: tuple[Contour, ...], scale_field: ScaleField, parameters: Parameters) -> tuple[Contour, ...]:
     """The contours of a graph that are neither too short nor degenerate, with their strength and contrast."""
-    least = max(shortest(scale_field, parameters), parameters.min_length)
+    least = max(shortest(scale_field.smoothing, parameters), parameters.min_length)
     chosen = [c for c in contours if c.length >= least and (not c.closed or c.area >= parameters.d_min**2)]
     return measured(chosen, scale_field)
 

@@ -68,12 +68,12 @@ def find_contours(
         drop_weak(graph, scale_field, parameters)
         graph.drop_spurs(_SPUR * parameters.d_min)
     if parameters.max_gap == 0.0:  # else a short branch may be one side of a gap
-        graph.drop_spurs(max(shortest(scale_field, parameters), parameters.min_length))
-    graph.drop_ties(shortest(scale_field, parameters))
+        graph.drop_spurs(max(shortest(scale_field.smoothing, parameters), parameters.min_length))
+    graph.drop_ties(shortest(scale_field.smoothing, parameters))
     spacing = min(parameters.d_min, _BRIDGE_SPACING)
     bridges = bridge_gaps(graph, scale_field, parameters.max_gap, spacing, LEAST_LENGTH * parameters.d_min)
     contours = choose(
-        graph.contours(max(shortest(scale_field, parameters), parameters.min_length)), scale_field, parameters
+        graph.contours(max(shortest(scale_field.smoothing, parameters), parameters.min_length)), scale_field, parameters
     )
     return contours, bridges_on(bridges, contours)
 

@@ -8,7 +8,7 @@ import scipy
 from cpm_core.contours.surface import Surface
 from cpm_core.numerics.grids import Labels, parts_of
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Index, Mask, Single
+from cpm_core.numerics.types import Array, Index, Mask, Sides, Single
 
 _APART = 4
 """The distance to this neighbor is about that between points, in regular patterns and at random."""
@@ -29,7 +29,7 @@ def well_supported(
     faces: Index,
     points: Array,
     supported: Mask,
-    spacing: tuple[float, ...],
+    spacing: Sides,
     unit: str | None,
 ) -> Surface:
     """Surface of the components that are not left out; `supported` marks which vertices have a particle near.

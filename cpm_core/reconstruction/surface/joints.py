@@ -18,7 +18,6 @@ that far.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -27,7 +26,7 @@ import skimage
 
 from cpm_core.numerics.grids import Labels, Parts, parts_of, root
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Index, Mask, Single
+from cpm_core.numerics.types import Array, Index, Mask, Single, record
 from cpm_core.reconstruction.surface.components import FAR
 from cpm_core.reconstruction.surface.sharpened import gray_at
 
@@ -50,7 +49,7 @@ _BANK = 0.3
 """How far beyond a saddle the particles of a bank may lie, likewise."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Surroundings:
     """What is known around saddles: gray levels that are higher inside than outside, and particles on the edges.
 
@@ -224,7 +223,7 @@ def way_between(values: Single, parts: Parts, saddle: Index, one: int, other: in
     Voxels up to `reach` from the saddle are looked at.
     """
     low = np.maximum(saddle - reach, 0)
-    passable = values[tuple(slice(a, b) for a, b in zip(low, saddle + reach + 1, strict=True))] >= values[tuple(saddle)]
+    passable = values[tuple(map(slice, low, saddle + reach + 1))] >= values[tuple(saddle)]
     costs = skimage.graph.MCP_Geometric(np.where(passable, 1.0, -1.0))
     reached, _ = costs.find_costs([tuple(saddle - low)])
     voxels = np.argwhere(passable)
@@ -297,8 +296,18 @@ def spin(height: Single, begin: Index, surroundings: Surroundings, width: float)
     floor = background + max(_SIGNIFICANT * noise, _SHARE * (float(np.quantile(edges, _FAINT)) - background))
 
     def is_thread(way: Index, _: Index) -> bool:
-        outside = way[parts.part_at(way) < 0] + low.astype(float)
-        return _is_thread(outside, surroundings, width, background, noise)
+        """Whether gray levels fall to all sides of a way, shape (K, 3), all along, by more than noise would."""
+        outside, size = way[parts.part_at(way) < 0] + low.astype(float), surroundings.size
+        steps = np.linalg.norm(np.diff(outside * size, axis=0), axis=1)
+        if len(outside) <= _ALONG or not _SHORTEST * width <= steps.sum() <= _LONGEST * width:
+            return False
+        falls = surroundings.sign * falls_around(outside, surroundings, width)
+        near = np.asarray(scipy.spatial.KDTree(outside[[0, -1]] * size).query(surroundings.points * size)[0]) < _NEAR
+        if not near.any():
+            return False
+        contrast = scipy.ndimage.uniform_filter1d(falls.mean(1), _ALONG)[_ALONG // 2 : -(_ALONG // 2)]
+        least = max(_SIGNIFICANT * noise, _SHARE * (edges[near].mean() - background))
+        return bool(contrast.min() >= least and (falls.mean(0) >= _FALLS * falls.mean()).all())
 
     reach = int(np.ceil(_LONGEST * width / 2.0 / surroundings.size.min())) + 2
     for way in ways_over_saddles(gray, gray > floor, parts, wanted, _SADDLES_APART, reach, is_thread):
@@ -317,22 +326,6 @@ def _level_and_noise(gray: Single, background: Mask) -> tuple[float, float]:
         return 0.0, np.inf
     level = float(np.median(some))
     return level, float(np.median(np.abs(some - np.median(some))) / _QUARTILE)
-
-
-def _is_thread(outside: Array, surroundings: Surroundings, width: float, background: float, noise: float) -> bool:
-    """Whether gray levels fall to all sides of a way, shape (K, 3), all along, by more than noise would."""
-    size = surroundings.size
-    steps = np.linalg.norm(np.diff(outside * size, axis=0), axis=1)
-    if len(outside) <= _ALONG or not _SHORTEST * width <= steps.sum() <= _LONGEST * width:
-        return False
-    falls = surroundings.sign * falls_around(outside, surroundings, width)
-    near = np.asarray(scipy.spatial.KDTree(outside[[0, -1]] * size).query(surroundings.points * size)[0]) < _NEAR
-    if not near.any():
-        return False
-    at_edges = surroundings.sign * gray_at(surroundings.volume, surroundings.points[near]).mean()
-    contrast = scipy.ndimage.uniform_filter1d(falls.mean(1), _ALONG)[_ALONG // 2 : -(_ALONG // 2)]
-    least = max(_SIGNIFICANT * noise, _SHARE * (at_edges - background))
-    return bool(contrast.min() >= least and (falls.mean(0) >= _FALLS * falls.mean()).all())
 
 
 def falls_around(way: Array, surroundings: Surroundings, width: float) -> Array:

@@ -7,7 +7,6 @@ gray levels change from place to place, as no single threshold does.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +14,7 @@ from numpy.typing import NDArray
 
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
-from cpm_core.numerics.types import Array, Index, Single
+from cpm_core.numerics.types import Array, Index, Single, record
 
 _LEAST_PLANES = 4
 """Planes that one thread takes at least."""
@@ -27,7 +26,7 @@ _THICKEST = 2.0
 """Least half thickness of the band around the particles [voxels]: it holds voxels on both sides of every edge."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Levels:
     """Particles on the edges of a volume, shape (N, 3) [voxels], and what the surface needs to know of each.
 

@@ -14,7 +14,7 @@ from cpm_core.field.volume_edges import Edges
 from cpm_core.field.volume_field import pitch_of
 from cpm_core.field.volume_surface import on_ridges
 from cpm_core.numerics.grids import join_corners, zero_surface
-from cpm_core.numerics.types import Array, Mask, Single
+from cpm_core.numerics.types import Array, Mask, Sides, Single
 from cpm_core.reconstruction.surface.components import (
     fill_regions,
     set_border,
@@ -43,7 +43,7 @@ def find_surface(
     volume: Single,
     edges: Edges,
     points: Array,
-    spacing: tuple[float, ...] = (1.0, 1.0, 1.0),
+    spacing: Sides = (1.0, 1.0, 1.0),
     unit: str | None = None,
     *,
     smoothing: float = 1.0,
@@ -57,7 +57,7 @@ def find_surface(
     """
     size = np.array(pitch_of(spacing))
     if len(points) < _FEWEST:
-        return Surface(np.empty((0, 3)), np.empty((0, 3), np.int64), spacing, unit)
+        return Surface(np.empty(0), np.empty(0, np.int64), spacing, unit)
     places = on_ridges(volume, edges, pitch_of(spacing), points * size, _ROUNDS)
     points = np.clip(places / size, 0.0, np.array(volume.shape) - 1.0)
     levels, normals = levels_at(volume, edges, points, size, step_width(smoothing))

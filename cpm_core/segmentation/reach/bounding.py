@@ -23,7 +23,7 @@ import skimage
 from cpm_core.field.edge_map import background_strength, gradient, magnitude
 from cpm_core.field.scale_field import WEAKEST_EDGE
 from cpm_core.numerics.grids import Labels, parts_joined
-from cpm_core.numerics.types import Array, Mask
+from cpm_core.numerics.types import Array, Extent, Mask
 from cpm_core.segmentation.reach.drawn_area import LEAST_PLACES, drawn_area, hollow_part, is_everywhere, radius_of
 from cpm_core.segmentation.reach.surrounded import flooded, surrounded
 
@@ -121,7 +121,7 @@ def thing_within(values: Array, places: Array, closed: Mask) -> Mask | None:
     return bounds.inside if bounds is not None and bounds.around else None
 
 
-def _drawn(start: Array, shape: tuple[int, ...]) -> tuple[Mask, Mask]:
+def _drawn(start: Array, shape: Extent) -> tuple[Mask, Mask]:
     """What a start covers, and what of it it only encloses."""
     area = drawn_area(start, shape)
     return area, hollow_part(start, area)
@@ -285,7 +285,7 @@ def _parts(strength: Array, pieces: Labels, basins: Labels, beta: float) -> Labe
     return flooded(strength, parts.astype(np.int32), basins > 0)
 
 
-def _frame(shape: tuple[int, ...], sigma: float) -> Mask:
+def _frame(shape: Extent, sigma: float) -> Mask:
     """Pixels at the image border, which often has a line along it that bounds nothing."""
     frame = np.ones(shape, bool)
     width = 1 + round(sigma)

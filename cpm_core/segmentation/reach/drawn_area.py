@@ -12,7 +12,7 @@ import skimage
 from numpy.typing import NDArray
 
 from cpm_core.numerics.grids import Window, around, box_of, whole_window
-from cpm_core.numerics.types import Array, Mask
+from cpm_core.numerics.types import Array, Extent, Mask
 
 _LINK = 0.75
 """Multiple of the usual distance of neighbors up to which a row of particles is closed."""
@@ -33,7 +33,7 @@ _WITHIN = 0.8
 """Share of a part between a row of particles and the border of the image that lies in the hull of an enclosed one."""
 
 
-def drawn_area(points: Array, shape: tuple[int, ...]) -> Mask:
+def drawn_area(points: Array, shape: Extent) -> Mask:
     """Pixels of an image of this shape that a start covers.
 
     `points`, shape (N, 2), are its particles [px of the image]. Rows of particles are closed up to about the distance
@@ -83,7 +83,7 @@ def _in_hull(on: Mask, parts: NDArray[np.integer[Any]], count: int) -> Mask:
     return (share >= _WITHIN) & (np.arange(count + 1) > 0)
 
 
-def is_everywhere(points: Array, shape: tuple[int, ...]) -> bool:
+def is_everywhere(points: Array, shape: Extent) -> bool:
     """Whether particles, shape (N, 2) [px], lie evenly all over an image of this shape, as a uniform grid does."""
     side = _EVEN_SIDE * np.sqrt(np.prod(shape) / max(len(points), 1))
     cells = tuple(int(np.ceil(n / side)) for n in shape)
@@ -99,7 +99,7 @@ def hollow_part(points: Array, area: Mask) -> Mask:
     return hollow
 
 
-def _marked(points: Array, shape: tuple[int, ...]) -> tuple[Mask, float]:
+def _marked(points: Array, shape: Extent) -> tuple[Mask, float]:
     """Pixels with particles, and the usual distance of neighbors [px], infinite where there are none."""
     on = np.zeros(shape, bool)
     on[tuple(np.clip(np.rint(points).astype(int), 0, np.array(shape) - 1).T)] = True

@@ -11,8 +11,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import scipy
 import skimage
@@ -21,7 +19,7 @@ from numpy.typing import NDArray
 from cpm_core.contours.contour import Reached
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.grids import ends
-from cpm_core.numerics.types import Array, Mask
+from cpm_core.numerics.types import Array, Extent, Mask, record
 from cpm_core.parameters import UNLIMITED_REACH, Parameters
 from cpm_core.segmentation.reach.bounding import Bounds, bounds_of
 from cpm_core.segmentation.reach.certain import certain_edges
@@ -47,7 +45,7 @@ _USUAL_PUSH, _USUAL_ANNEALING = 1.6 / (1.75 - 1.6), 0.99
 """Push against hold, and annealing, of the paper."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class ReachMap:
     """How a start reaches the edges of an image.
 
@@ -71,7 +69,7 @@ class ReachMap:
     ridge: Mask
     crept: NDArray[np.float32]
     corner: tuple[int, ...]
-    shape: tuple[int, ...]
+    shape: Extent
     leaves: bool
 
     def within(self, budget: float) -> Mask:
@@ -144,7 +142,7 @@ def reach_map(scale_field: ScaleField, start: Array, closed: Mask, parameters: P
     return ReachMap(way, ridge, crept, scale_field.corner, shape, _leaves(bounds, scale_field.corner, shape))
 
 
-def _leaves(bounds: Bounds, corner: tuple[int, ...], shape: tuple[int, ...]) -> bool:
+def _leaves(bounds: Bounds, corner: tuple[int, ...], shape: Extent) -> bool:
     """Whether what a boundary encloses reaches the end of a window that begins at a corner in an image of a shape."""
     if not bounds.inside.any():
         return False

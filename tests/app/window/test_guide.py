@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import numpy as np
 import PIL.Image
@@ -12,12 +13,16 @@ from cpm_app.model.text.assets import asset, guide_page
 from cpm_app.views.features.help import HelpFeature
 from cpm_app.views.window.guide import KEYS, PAGES, Guide
 from PySide6.QtCore import Qt, QUrl
+from PySide6.QtGui import QKeySequence
 
 pytestmark = pytest.mark.shared_window
 
 TEXTS = {name: [block.text for block in guide_page(name)] for name in PAGES}
 NAMED = sorted({name for texts in TEXTS.values() for text in texts for name in re.findall(r"\{(\w+)\}", text)})
 LINKS = sorted({link for texts in TEXTS.values() for text in texts for link in re.findall(r"href='([^']+)'", text)})
+
+
+COMING_FROM = (Path(__file__).parents[3] / "docs" / "coming_from.md").read_text(encoding="utf-8")
 
 
 @pytest.fixture
@@ -33,6 +38,20 @@ def test_every_action_that_is_named_exists(window, guide) -> None:
         guide.turn_to(name)
         assert "{" not in guide.text.toPlainText()
         assert TEXTS[name][0] in guide.text.toPlainText()
+
+
+def test_the_page_for_users_of_other_programs_names_menus_and_keys_as_they_are(window) -> None:
+    def entries(menu):
+        return {action.text().replace("&", ""): action for action in menu.actions()}
+
+    menus = {title: entries(action.menu()) for title, action in entries(window.menuBar()).items()}
+    actions, _ = COMING_FROM.split("## Files")
+    ours = " ".join(row.split("|")[2] for row in actions.splitlines() if row.startswith("| "))
+    named = re.findall(r"\*(\w+)\*, \*([^*]+)\*(?: \(`([^`]+)`\))?", ours)
+    assert len(named) > 20
+    for menu, entry, key in named:
+        assert not key or QKeySequence(key) in menus[menu][entry].shortcuts(), entry
+        assert entry in menus[menu]
 
 
 def test_every_link_has_a_target_and_every_picture_exists(window, guide) -> None:

@@ -240,7 +240,7 @@ def test_an_image_with_open_contours_only_keeps_all_files_that_can_hold_them(com
     assert ", 1 without some files; wrote " in out
     assert command(*line)[0] == 1  # done before
     (row,) = table(tmp_path / "o")
-    assert (row["closed"], row["trouble"], row["files"]) == ("0", "", "cut_contours.svg; cut_contours.csv")
+    assert (row["closed"], row["trouble"], row["files"]) == ("0", "", "cut_contours.svg; cut_contours.measures.csv")
     assert "No contour of cut.png is closed" in row["notes"]
     assert command(*line, "--export", "png", "--again")[0] == 1  # nothing at all can be written
 
@@ -260,3 +260,18 @@ def test_edits_by_hand_of_a_session_are_carried_out(command, told, disks, tmp_pa
     batch = ("batch", disks, "--session", session, "--output", out, "--workers", 1, "--export", ".measures.csv")
     assert command(*batch)[0] == 0
     assert (out / "disks_contours.measures.csv").read_text() == (tmp_path / "a.measures.csv").read_text()
+
+
+def test_one_table_joins_the_measures_of_all_images_of_a_folder(command, session, disks, tmp_path):
+    out, tables = tmp_path / "o", []
+    for shift in range(3):
+        image, alone = tmp_path / f"{shift}.png", tmp_path / f"{shift}.measures.csv"
+        PIL.Image.fromarray(np.roll(PIL.Image.open(disks), shift, axis=1)).save(image)
+        run = ("--session", session, "--max-steps", 60)
+        command("run", image, *run, "--export", alone)
+        tables += csv.DictReader(alone.read_text().splitlines())
+        command("batch", image, *run, "--output", out, "--workers", 1)
+    with (out / "measures.csv").open(newline="") as stream:
+        joined = csv.DictReader(stream)
+        assert (joined.fieldnames[0], list(joined)) == ("image", tables)
+    assert [row["image"] for row in tables] == ["0.png", "1.png", "2.png"]

@@ -6,15 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_app.model.display.lengths import round_up
 from cpm_app.model.display.plots import RunMetrics
 from cpm_app.model.text.language import tr
 from cpm_core.numerics import Array
+from cpm_core.numerics.types import Pixels, record
 from cpm_core.segmentation import MethodState
-
-Marks = NDArray[np.uint8]
 
 SHADES = 32
 """Colors of a palette; one more stands for values that are not known yet."""
@@ -66,7 +64,7 @@ QUANTITIES = {
 }
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Colored:
     """Colors of particles.
 
@@ -78,7 +76,7 @@ class Colored:
         Value of the last color; the first one is 0.
     """
 
-    marks: Marks
+    marks: Pixels
     high: float
 
 

@@ -12,6 +12,7 @@ from cpm_app.model.display.lengths import short_text
 from cpm_app.model.parameters.controls import Control, slider_range, value_of, with_value
 from cpm_app.model.text.language import from_core, tr
 from cpm_core import CONTOUR_METHODS, Parameters
+from cpm_core.numerics.types import record
 from cpm_core.objects.methods import Compared
 
 FEWEST, MOST = 2, 6
@@ -32,7 +33,7 @@ class Axis:
     values: tuple[float, ...]
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Trial:
     """A run that is compared with others.
 

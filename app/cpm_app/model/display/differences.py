@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -13,12 +12,13 @@ from cpm_app.model.volume.surface_section import section
 from cpm_core import Comparison, Contour, Surface, SurfaceComparison, Truth, VolumeTruth
 from cpm_core.contours import distance_to
 from cpm_core.numerics import Array, Place, polyline
+from cpm_core.numerics.types import record
 
 _APART = 0.6
 """Distance of neighboring points above which a new part begins; along a boundary it is a quarter of a pixel [px]."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Difference:
     """A part of a boundary without a counterpart.
 
@@ -59,11 +59,10 @@ def differences(contours: Sequence[Contour], comparison: Comparison) -> tuple[Di
 
 def _difference(kind: Literal["missing", "wrong"], points: Array, away: Array) -> Difference:
     worst = away.argmax()
-    row, col = points[worst].tolist()
-    return Difference(kind, points, float(away[worst]), (row, col))
+    return Difference(kind, points, float(away[worst]), tuple(points[worst].tolist()))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Apart:
     """The triangles of a surface that are farther from another one than the tolerance.
 
@@ -95,10 +94,7 @@ class Apart:
         order = np.argsort(self.surface.component_of_vertex, kind="stable")
         ends = np.flatnonzero(np.diff(self.surface.component_of_vertex[order])) + 1
         for members in np.split(order, ends) if len(order) else []:
-            worst = members[self.away[members].argmax()]
-            plane, row, col = self.surface.vertices[worst].tolist()
-            places = self.surface.vertices[members]
-            yield Difference(self.kind, places, float(self.away[worst]), (plane, row, col))
+            yield _difference(self.kind, self.surface.vertices[members], self.away[members])
 
 
 def apart_from(surface: Surface | None, truth: VolumeTruth, found: SurfaceComparison) -> tuple[Apart, ...]:

@@ -7,14 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import PIL.Image
-from numpy.typing import NDArray
 
 from cpm_core import Image
 from cpm_core.numerics import Array
 from cpm_core.numerics.grids import in_bands
-
-Shades = NDArray[np.uint8]
-"""One byte a pixel, shape (H, W), or one for red, green and blue each, shape (H, W, 3)."""
+from cpm_core.numerics.types import Extent, Pixels, record
 
 _AT_ONCE = 1 << 16
 """Gray values that are processed at once: few enough for the processor's cache, which is several times faster."""
@@ -41,7 +38,7 @@ class IntensityWindow:
     gamma: float = 1.0
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class DisplayImage:
     """Shades for the canvas at full size and reduced, so that a view draws about as many pixels as it shows.
 
@@ -56,12 +53,12 @@ class DisplayImage:
         Rows and columns at full size, of a preview; empty where the levels tell it.
     """
 
-    levels: tuple[Shades, ...]
+    levels: tuple[Pixels, ...]
     finest: int = 0
-    size: tuple[int, ...] = ()
+    size: Extent = ()
 
     @staticmethod
-    def of(shades: Shades) -> DisplayImage:
+    def of(shades: Pixels) -> DisplayImage:
         """Reduce shades until the longest side is short."""
         levels = [np.ascontiguousarray(shades)]
         while max(levels[-1].shape[:2]) > _OVERVIEW:
@@ -76,7 +73,7 @@ class DisplayImage:
         return replace(DisplayImage.of(apply_window(some, window)), finest=finest, size=values.shape)
 
     @property
-    def shades(self) -> Shades:
+    def shades(self) -> Pixels:
         """The shades at full size, or the finest that there are."""
         return self.levels[0]
 
@@ -87,7 +84,7 @@ class DisplayImage:
         return rows, cols
 
 
-def _halved(shades: Shades) -> Shades:
+def _halved(shades: Pixels) -> Pixels:
     """Means of two by two pixels."""
     rows, cols, *channels = shades.shape
     half = np.empty((-(-rows // 2), -(-cols // 2), *channels), np.uint8)
@@ -99,11 +96,11 @@ def _halved(shades: Shades) -> Shades:
     return half
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class DisplayVolume:
     """Shades of a volume, shape (P, R, C), of which a slice at a time is shown."""
 
-    shades: Shades
+    shades: Pixels
 
 
 def display_of(image: Image) -> DisplayImage:
@@ -113,7 +110,7 @@ def display_of(image: Image) -> DisplayImage:
     return DisplayImage.of(apply_window(image.stored, IntensityWindow(*image.gray_range)))
 
 
-def apply_window(values: Array, window: IntensityWindow) -> Shades:
+def apply_window(values: Array, window: IntensityWindow) -> Pixels:
     """Shades of an intensity window, ``255 ((v - low) / (high - low))^gamma``, rounded and clipped.
 
     It has the shape of the gray values, (H, W) or (P, H, W), and is made from them directly, so that the narrowest
@@ -133,7 +130,7 @@ def apply_window(values: Array, window: IntensityWindow) -> Shades:
     return shown
 
 
-def color_curve(window: IntensityWindow, white: float) -> Shades:
+def color_curve(window: IntensityWindow, white: float) -> Pixels:
     """Curve of an intensity window for each channel of a color image, shape (256,).
 
     `white` is the gray level that a byte of 255 stands for.
@@ -160,7 +157,7 @@ def percentile_window(values: Array, percent: float) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def display_of_edge_map(edge_map: Array) -> Shades:
+def display_of_edge_map(edge_map: Array) -> Pixels:
     """Edge strengths from zero, 0, to the largest, 255; the square root makes weak edges visible."""
     return apply_window(edge_map, IntensityWindow(0.0, float(edge_map.max()), 0.5))
 
@@ -169,6 +166,6 @@ _OUTLIERS = 0.5
 """Percentage of the pixels at either end that the display image of a potential leaves out."""
 
 
-def display_of_potential(potential: Array) -> Shades:
+def display_of_potential(potential: Array) -> Pixels:
     """Potentials from the lowest, 0, to the highest, 255, without a few pixels at either end."""
     return apply_window(potential, IntensityWindow(*percentile_window(potential, _OUTLIERS)))

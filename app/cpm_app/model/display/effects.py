@@ -42,11 +42,11 @@ def effects(
     if not isinstance(state, State) or not state.step or image is None:
         return words
     found = figures(state, parameters, length)
-    speed = tr("{speed} px per step").format(speed=written(f"{found['beta']:.2f}"))
+    speed = tr("{speed} px per step", speed=written(f"{found['beta']:.2f}"))
     words["beta"] = tr("at rest") if state.converged else speed
     if length:
-        words[RATIO] = tr("{length} of contours").format(length=measured(length, image.spacing, image.unit, 0))
-    words["annealing"] = tr("fills gaps up to {length} px").format(length=written(f"{found['annealing']:.1f}"))
+        words[RATIO] = tr("{length} of contours", length=measured(length, image.spacing, image.unit, 0))
+    words["annealing"] = tr("fills gaps up to {length} px", length=written(f"{found['annealing']:.1f}"))
     return words
 
 
@@ -57,5 +57,5 @@ def contours_left(rows: Sequence[Measures], name: str, value: float, before: int
         return ""
     left = sum(measured >= value for measured in values)
     if before is None:
-        return tr("1 contour") if left == 1 else tr("{count} contours").format(count=left)
-    return tr("{before} → {after} contours").format(before=before, after=left)
+        return tr("1 contour") if left == 1 else tr("{count} contours", count=left)
+    return tr("{before} → {after} contours", before=before, after=left)

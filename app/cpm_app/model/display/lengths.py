@@ -14,6 +14,7 @@ import numpy as np
 
 from cpm_app.model.text.language import tr, written
 from cpm_core.image import KNOWN, Bar, longest_bar
+from cpm_core.numerics.types import Sides
 
 _PIXEL = "px"
 _OF_THE_IMAGE = "image"
@@ -41,7 +42,7 @@ def prefer_unit(name: str) -> None:
 class PixelSize:
     """Size of a pixel in a unit, which is None for px; `factor` leads to it from the unit of the image."""
 
-    spacing: tuple[float, ...]
+    spacing: Sides
     unit: str | None
     factor: float = 1.0
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from cpm_app.model.text.language import from_core, tr
 from cpm_core import Page, measure
 from cpm_core.contours import Measures, centroid
+from cpm_core.numerics.types import record
 from cpm_core.pages import StackResult, Track
 
 _ENDS = {
@@ -16,7 +15,7 @@ _ENDS = {
 }
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class PageRow:
     """A contour on a page, or a page that could not be used.
 
@@ -60,18 +59,12 @@ def _rows(page: Page, tracks: dict[int, Track], first: int) -> list[PageRow]:
     for contour, measures in zip(page.contours, measure(page.contours, page.result.spacing), strict=True):
         if contour.hole:
             continue
-        happens = _happens(tracks[contour.number], page.number, first)
+        track, happens = tracks[contour.number], []
+        if page.number == track.pages[0] and page.number != first:
+            happens.append(tr("splits off track {track}", track=track.origin) if track.origin else tr("begins"))
+        if page.number == track.pages[-1] and track.end is not None:
+            happens.append(_ENDS[track.end.kind].format(track=" ".join(map(str, track.end.others))))
         row, col = centroid(contour)
-        rows.append(PageRow(page.number, contour.number, measures, row, col, contour.gray, happens, contour.group > 0))
+        said, gray = ", ".join(happens), contour.gray
+        rows.append(PageRow(page.number, contour.number, measures, row, col, gray, said, contour.group > 0))
     return rows
-
-
-def _happens(track: Track, page: int, first: int) -> str:
-    """What happens to a track on a page: it comes, goes, or neither."""
-    said = []
-    if page == track.pages[0] and page != first:
-        split = tr("splits off track {track}").format(track=track.origin)
-        said.append(split if track.origin else tr("begins"))
-    if page == track.pages[-1] and track.end is not None:
-        said.append(_ENDS[track.end.kind].format(track=" ".join(map(str, track.end.others))))
-    return ", ".join(said)

@@ -13,9 +13,10 @@ from cpm_app.model.display.page_rows import PageRow
 from cpm_app.model.text.language import tr
 from cpm_core.model import EPSILON
 from cpm_core.numerics import Array
+from cpm_core.numerics.types import record
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class RunMetrics:
     """The run so far, for plots: arrays of equal length, one entry a step, NaN for what a method does not measure.
 
@@ -62,7 +63,7 @@ class Metrics(Protocol):
         """Where lines are drawn."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class PageMetrics:
     """Objects over the pages of a stack: area and mean gray value by track; `marks` is the page that is open."""
 

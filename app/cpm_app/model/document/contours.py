@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from cpm_app.model.document.document import Document
 from cpm_app.model.text.language import tr
 from cpm_core import Contour
 from cpm_core.contours import HandEdit, Mark, Outline, Verdict, outline_of
 from cpm_core.numerics import Position
+from cpm_core.numerics.types import record
 
 NAMES = {
     "cut": tr("cut contour"),
@@ -34,7 +35,7 @@ def drop_hand_edits(document: Document, indices: Collection[int]) -> Document:
     return replace(document, hand_edits=left)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Target:
     """A contour to mark: its mark so far, the place (row, col) [px] of its first mark, where it runs."""
 

@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Hashable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
-
-import numpy as np
-from numpy.typing import NDArray
 
 from cpm_app.model.text.language import tr
 from cpm_core import PARAMETERS, PRESETS, Image, Parameters, PlacedCharge
@@ -17,10 +14,12 @@ from cpm_core.contours import HandEdit, Mark, PackedBody
 from cpm_core.formats import Reading
 from cpm_core.formats.images import resolution
 from cpm_core.formats.images.reading import DEFAULT
-from cpm_core.image import AnyRegions, most_scales
+from cpm_core.image import AnyRegions
 from cpm_core.medial_axis import Outlined
+from cpm_core.numerics.types import Array, Extent, Line, Sides
 from cpm_core.objects.methods import Compared
-from cpm_core.objects.segmented import Line, SegmentedObjects
+from cpm_core.objects.segmented import SegmentedObjects
+from cpm_core.pages import fitting
 from cpm_core.shapes import (
     NO_SEEDS,
     ImageSeeds,
@@ -58,10 +57,10 @@ class ImageReference:
 
     name: str
     path: str
-    shape: tuple[int, ...]
+    shape: Extent
     contrast: float
     sha256: str = ""
-    spacing: tuple[float, ...] = (1.0, 1.0)
+    spacing: Sides = (1.0, 1.0)
     unit: str | None = None
     reading: Reading = DEFAULT
 
@@ -143,8 +142,7 @@ class Document:
 
     def fitting(self, parameters: Parameters) -> Parameters:
         """The parameters with no more scales than the image has room for."""
-        most = most_scales(self.image.shape) if self.image is not None else parameters.scales
-        return replace(parameters, scales=most) if parameters.scales > most else parameters
+        return parameters if self.image is None else fitting(parameters, self.image.shape)
 
     @property
     def regions(self) -> AnyRegions | None:
@@ -164,7 +162,7 @@ class Document:
         chosen = self.outlined.objects
         return tuple(packed for item in self.objects.items if item.number in chosen for packed in item.surface)
 
-    def seeds(self, image_seeds: ImageSeeds = NO_SEEDS) -> NDArray[np.float64]:
+    def seeds(self, image_seeds: ImageSeeds = NO_SEEDS) -> Array:
         """Seeds of the starts, shape (N, D) [px of the image], given those of each of `image_starts`.
 
         ValueError when there is no start.

@@ -13,6 +13,7 @@ from cpm_app.model.document.document import Document
 from cpm_app.model.parameters import controls
 from cpm_core import Parameters
 from cpm_core.numerics import Array, Place, Position, polyline, voxel_sides
+from cpm_core.numerics.types import Sides
 from cpm_core.shapes import Everywhere, Kind, Points, Shape
 
 
@@ -64,7 +65,7 @@ def _erased(shape: Shape, path: Sequence[Place], radius: float, sides: Array) ->
             return shape
         left = tuple(point for point, gone in zip(shape.positions, near.tolist(), strict=True) if not gone)
         return Points(left) if left else None
-    stops = polyline.resampled(np.array(path, dtype=float), 0.5 * radius).tolist()
+    stops = polyline.resampled(np.array(path, float), 0.5 * radius).tolist()
     return None if any(shape.distance(tuple(at)) <= radius for at in stops) else shape
 
 
@@ -78,9 +79,7 @@ def clear_shapes(document: Document) -> Document:
     return set_shapes(document, ())
 
 
-def set_pixel_size(
-    document: Document, spacing: tuple[float, ...], unit: str | None, *, by_hand: bool = True
-) -> Document:
+def set_pixel_size(document: Document, spacing: Sides, unit: str | None, *, by_hand: bool = True) -> Document:
     """The document with the size of a pixel set by hand, or as the file gives it.
 
     ValueError when voxels are flatter than can be computed.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -16,6 +16,7 @@ from cpm_core import Centerlines, Contour, Image, Surface, VolumePartition
 from cpm_core.contours import Label, PackedSurface, alone, inside_of
 from cpm_core.formats import ContourFile
 from cpm_core.numerics import Place
+from cpm_core.numerics.types import Extent, record
 from cpm_core.objects.segmented import Click, SegmentedObject, line_of
 from cpm_core.shapes import Points, Polygon, Stroke, start_on_surface, starts_along, starts_in
 
@@ -25,7 +26,7 @@ MOST = 1000
 Kind = Literal["contours", "surface", "center lines"]
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Imported:
     """What was read, ready to be taken into a document.
 
@@ -142,7 +143,7 @@ def bodies_of(surface: Surface, volume: Image) -> tuple[SegmentedObject, ...]:
     )
 
 
-def _innermost(body: Surface, shape: tuple[int, ...]) -> Place:
+def _innermost(body: Surface, shape: Extent) -> Place:
     """The voxel inside a body that is farthest from its boundary; a vertex when no voxel lies inside."""
     vertices = body.vertices[np.unique(body.faces)]
     first = np.clip(np.floor(vertices.min(axis=0)), 0, shape).astype(np.int64)
@@ -163,18 +164,15 @@ def add_objects(document: Document, made: Sequence[SegmentedObject], classes: Se
     taken = {item.number for item in (*document.objects.items, *document.objects.rejected)}
     first = document.objects.next_number - 1 if taken.intersection(item.number for item in made) else 0
     for index, item in enumerate(made):
-        document, category = _class_called(document, classes[index] if classes else "")
-        objects, added = document.objects, replace(item, number=first + item.number, category=category)
-        document = replace(document, objects=replace(objects, items=(*objects.items, added)))
+        objects, name = document.objects, classes[index] if classes else ""
+        used = {item.category for item in objects.items}
+        numbered = list(enumerate(objects.classes, start=1))
+        known = [number for number, one in numbered if name and one.name == name]
+        # the first class without name and objects gets a name that none has
+        free = [number for number, one in numbered if name and not one.name and number not in used]
+        category = next(iter([*known, *free]), 0)
+        if category:
+            document = name_class(document, category, name)
+        added = replace(item, number=first + item.number, category=category or objects.category)
+        document = replace(document, objects=replace(document.objects, items=(*objects.items, added)))
     return document
-
-
-def _class_called(document: Document, name: str) -> tuple[Document, int]:
-    """The number of a class by its name, which the first class without name and objects gets where none has it."""
-    objects = document.objects
-    used = {item.category for item in objects.items}
-    numbers = range(1, len(objects.classes) + 1)
-    known = [number for number in numbers if objects.classes[number - 1].name == name]
-    free = [number for number in numbers if not objects.classes[number - 1].name and number not in used]
-    number = next(iter([*known, *free]), 0) if name else 0
-    return (name_class(document, number, name), number) if number else (document, objects.category)

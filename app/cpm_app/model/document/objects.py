@@ -15,11 +15,11 @@ from cpm_app.model.text.language import tr
 from cpm_core import Bridge, Contour, Result, Selection, Surface, VolumeSelection
 from cpm_core.contours import Label, PackedBody, surfaces_joined
 from cpm_core.numerics import Array, Place, Position, length, polyline, thinned
+from cpm_core.numerics.types import Extent, Line, Sides
 from cpm_core.objects import boundaries_result
 from cpm_core.objects.segmented import (
     Click,
     Halves,
-    Line,
     ObjectClass,
     SegmentedObject,
     SegmentedObjects,
@@ -46,7 +46,7 @@ _DECIMALS = 3
 # Selecting
 
 
-def first_clicks(item: SegmentedObject, shape: tuple[int, ...]) -> tuple[Click, ...]:
+def first_clicks(item: SegmentedObject, shape: Extent) -> tuple[Click, ...]:
     """The clicks by which an object of an image of this shape is selected anew: its own, or one where it is widest."""
     return item.clicks or (Click((item.innermost(shape),)),)
 
@@ -124,6 +124,7 @@ def replace_boundaries(document: Document, found: Iterable[Found]) -> Document:
 def made(selection: AnySelection, clicks: tuple[Click, ...], number: int, category: int) -> SegmentedObject:
     """The object of a selection that is not empty."""
     if isinstance(selection, VolumeSelection):
+        clicks = clicks if selection.voxels is None else ()  # of which what has been painted is not the answer
         return SegmentedObject(number, clicks, category=category, surface=(selection.packed,))
     confidence = round(min(max(float(selection.confidence), 0.0), 1.0), _DECIMALS)
     item = bounded(number, category, selection.contours, selection.gaps)
@@ -265,7 +266,7 @@ def objects_result(document: Document, only: Container[int] | None = None) -> Re
     return replace(found, surface=surface, provenance=Provenance("objects", sha256=image.sha256))
 
 
-def surface_of(items: Iterable[SegmentedObject], spacing: tuple[float, ...], unit: str | None) -> Surface | None:
+def surface_of(items: Iterable[SegmentedObject], spacing: Sides, unit: str | None) -> Surface | None:
     """The surfaces of objects in a volume as one, with the number of its object for each triangle."""
     bodies = [(item.number, item.body) for item in items if item.body is not None]
     return surfaces_joined(bodies, spacing, unit) if bodies else None
@@ -284,7 +285,7 @@ def class_title(objects: SegmentedObjects, category: int) -> str:
     name = objects.classes[category - 1].name
     if name:
         return name
-    return tr("object") if category == 1 else tr("class {number}").format(number=category)
+    return tr("object") if category == 1 else tr("class {number}", number=category)
 
 
 def listed_classes(objects: SegmentedObjects) -> tuple[int, ...]:

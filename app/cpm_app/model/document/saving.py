@@ -58,7 +58,7 @@ def changed_parts(document: Document, known: Document | None) -> tuple[str, ...]
     before = known or Document(document.image, parameters=document.parameters, mode=document.mode)
     saved = {item.number: item for item in before.objects.items}
     count = sum(saved.get(item.number) != item for item in document.objects.items)
-    counted = tr("1 object") if count == 1 else tr("{count} objects").format(count=count)
+    counted = tr("1 object") if count == 1 else tr("{count} objects", count=count)
     found = tuple(
         counted if count and name == "objects" else words
         for name, words in _PARTS.items()

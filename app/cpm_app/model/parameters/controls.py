@@ -129,8 +129,11 @@ class Control:
         """Symbol, equation, range of the slider with its unit and default in one line."""
         unit = f" {self.unit}" if self.unit else ""
         default = self.default if isinstance(self.default, str) else written(f"{self.default:.3g}")
-        span = tr("{low} to {high}, default {default}").format(
-            low=written(f"{self.slider_low:g}"), high=written(f"{self.slider_high:.3g}{unit}"), default=default
+        span = tr(
+            "{low} to {high}, default {default}",
+            low=written(f"{self.slider_low:g}"),
+            high=written(f"{self.slider_high:.3g}{unit}"),
+            default=default,
         )
         return " · ".join(part for part in (self.symbol, self.equation, span) if part)
 
@@ -256,7 +259,7 @@ class ChoiceControl:
     @property
     def lines(self) -> tuple[str, ...]:
         """The explanation, one line for each choice."""
-        effects = (tr("{choice}: {effect}").format(choice=title, effect=about) for _, title, about in self.choices)
+        effects = (tr("{choice}: {effect}", choice=title, effect=about) for _, title, about in self.choices)
         return (self.meaning, *effects, self.acts)
 
 

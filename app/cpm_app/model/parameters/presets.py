@@ -64,7 +64,7 @@ def checked_name(name: str) -> str:
         message = tr("The name has {length} characters, but at most {most} are allowed: shorten it.")
         raise ValueError(message.format(length=len(name), most=_LONGEST_NAME))
     if any(name == preset.name for preset in built_in()):
-        raise ValueError(tr("“{name}” is built in: choose another name.").format(name=name))
+        raise ValueError(tr("“{name}” is built in: choose another name.", name=name))
     return name
 
 

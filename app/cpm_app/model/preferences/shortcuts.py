@@ -73,5 +73,5 @@ def with_key(key: str, action: Keyed, actions: Sequence[Keyed], chosen: Chosen) 
 def refusal(key: str) -> str:
     """Why a key cannot be chosen, empty if it can."""
     if key in ON_THE_IMAGE:
-        return tr("{key} is reserved for the image: choose another key.").format(key=key)
+        return tr("{key} is reserved for the image: choose another key.", key=key)
     return ""

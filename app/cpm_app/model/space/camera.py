@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 import scipy
-from numpy.typing import NDArray
 
 from cpm_core.numerics import Array
-
-Seen = NDArray[np.float32]
-"""Positions in the picture: column and row [px] from its top left corner, and distance behind its plane [px]."""
+from cpm_core.numerics.types import Numbers, Single, record
 
 _MARGIN = 1.0
 """Part of the picture that a volume fills when it is seen as a whole."""
@@ -25,7 +21,7 @@ _TILT = -0.45, 0.35
 """Angles to the right and down from which a volume is seen first [rad]: three of its sides show."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Camera:
     """A parallel projection: equal lengths look equal wherever they are, so that a scale bar holds.
 
@@ -82,7 +78,7 @@ class Camera:
         """The same view in a picture with `factor` times as many rows and columns."""
         return replace(self, scale=self.scale * factor)
 
-    def seen(self, positions: NDArray[Any], size: tuple[int, int]) -> Seen:
+    def seen(self, positions: Numbers, size: tuple[int, int]) -> Single:
         """Where positions (N, 3) in units of length lie in a picture of so many rows and columns."""
         away = np.asarray(positions, np.float32) - self.center.astype(np.float32)
         found = away @ (self.axes * self.scale).astype(np.float32).T

@@ -3,18 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from PIL import Image
 
-from cpm_app.model.space.camera import Seen
 from cpm_core.numerics import compiled, share
-
-Colors = NDArray[np.uint8]
-"""Red, green and blue, one byte each, in the last axis."""
+from cpm_core.numerics.types import Pixels, Single, record
 
 FAR = np.float32(3e38)
 """Distance of what shows nothing."""
@@ -23,12 +18,12 @@ _ROWS = 32
 """Rows that one thread fills at the least."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Picture:
     """Colors, shape (H, W, 3), and distances behind the picture's plane [px], shape (H, W)."""
 
-    colors: Colors
-    depths: NDArray[np.float32]
+    colors: Pixels
+    depths: Single
 
     @staticmethod
     def blank(size: tuple[int, int], color: tuple[int, int, int]) -> Picture:
@@ -62,13 +57,13 @@ class Picture:
         share(some, self.size[0], _ROWS)
 
 
-def draw_lines(picture: Picture, seen: Seen, colors: Colors) -> None:
+def draw_lines(picture: Picture, seen: Single, colors: Pixels) -> None:
     """Draw lines one pixel wide between places 0 and 1, 2 and 3, ..., each in its color, shape (N / 2, 3)."""
     _draw_lines(seen, colors, picture.colors, picture.depths)
 
 
 @compiled
-def _draw_lines(seen: Seen, colors: Colors, shown: Colors, depths: NDArray[np.float32]) -> None:
+def _draw_lines(seen: Single, colors: Pixels, shown: Pixels, depths: Single) -> None:
     height, width = depths.shape
     for i in range(seen.shape[0] // 2):
         start = seen[2 * i].astype(np.float64)
@@ -93,18 +88,18 @@ def within(start: float, way: float, size: int, begin: float, end: float) -> tup
     return max(begin, min(one, other)), min(end, max(one, other))
 
 
-def draw_balls(picture: Picture, seen: Seen, colors: Colors, radius: float) -> None:
+def draw_balls(picture: Picture, seen: Single, colors: Pixels, radius: float) -> None:
     """Draw balls of a radius [px] at places in a picture, in their colors (N, 3)."""
     picture.draw(_draw_balls, seen, colors, np.float32(radius))
 
 
 @compiled
 def _draw_balls(
-    seen: Seen,
-    colors: Colors,
+    seen: Single,
+    colors: Pixels,
     radius: np.float32,
-    shown: Colors,
-    depths: NDArray[np.float32],
+    shown: Pixels,
+    depths: Single,
     begin: int,
     end: int,
 ) -> None:

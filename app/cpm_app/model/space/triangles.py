@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_app.model.space.camera import Camera, Seen
-from cpm_app.model.space.picture import Colors, Picture
+from cpm_app.model.space.camera import Camera
+from cpm_app.model.space.picture import Picture
 from cpm_core import Surface
 from cpm_core.numerics import compiled
-
-Single = NDArray[np.float32]
+from cpm_core.numerics.types import Numbers, Pixels, Single, record
 
 _LIGHT = np.array([-0.35, -0.45, -0.82])
 """Direction to the light: from the left above, behind the viewer; along right, down, away."""
@@ -27,12 +25,12 @@ class Cut:
     axis: int
     at: float
 
-    def before(self, positions: NDArray[Any]) -> Single:
+    def before(self, positions: Numbers) -> Single:
         """How far positions (N, 3) lie before the plane; negative for those that are drawn."""
         return np.asarray(np.float32(self.at) - np.asarray(positions[:, self.axis], np.float32))
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Mesh:
     """A surface, ready to be drawn: in units of length and single precision."""
 
@@ -74,13 +72,13 @@ def draw_mesh(
 
 @compiled
 def _draw(
-    seen: Seen,
+    seen: Single,
     lit: Single,
     beyond: Single,
     faces: NDArray[np.int32],
     turn: np.float32,
     colors: Single,
-    shown: Colors,
+    shown: Pixels,
     depths: Single,
     begin: int,
     end: int,
@@ -119,7 +117,7 @@ def _draw(
 
 
 @compiled
-def _shade(shown: Colors, row: int, col: int, color: Single, light: np.float32) -> None:
+def _shade(shown: Pixels, row: int, col: int, color: Single, light: np.float32) -> None:
     """A matt surface with a faint highlight, never black where no light falls."""
     gloss = light * light
     gloss *= gloss

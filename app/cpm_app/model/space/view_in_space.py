@@ -9,12 +9,13 @@ import numpy as np
 
 from cpm_app.model.display.display_image import apply_window
 from cpm_app.model.space.camera import Camera
-from cpm_app.model.space.picture import Colors, Picture, draw_balls, draw_lines
+from cpm_app.model.space.picture import Picture, draw_balls, draw_lines
 from cpm_app.model.space.triangles import Cut, Mesh, draw_mesh
 from cpm_app.model.space.voxels import Shaded, draw_projection, draw_slice
 from cpm_app.model.volume.slices import Slices
 from cpm_core import Image
 from cpm_core.numerics import Array, Index
+from cpm_core.numerics.types import Pixels, record
 
 Color = tuple[int, int, int]
 
@@ -57,7 +58,7 @@ class ShownParts:
     cut_at: float = 0.5
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Particles:
     """Positions (N, 3) [voxels] and colors (N, 3); `size` is a factor for their radius.
 
@@ -65,7 +66,7 @@ class Particles:
     """
 
     positions: Array
-    colors: Colors
+    colors: Pixels
     size: float = 1.0
     run: int = 0
     step: int = 0
@@ -79,15 +80,15 @@ class Particles:
         return np.where(same[:, None], before.positions[known], self.positions)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Wires:
     """Ends of straight lines, shape (N, 2, 3) [voxels], and their colors, shape (N, 3)."""
 
     ends: Array
-    colors: Colors
+    colors: Pixels
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class ColoredMesh:
     """A surface in a color of its own."""
 
@@ -95,7 +96,7 @@ class ColoredMesh:
     color: Color
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class ViewInSpace:
     """All that could be seen of a volume, and which of it is shown.
 
@@ -127,7 +128,7 @@ class ViewInSpace:
     particles: Particles | None = None
     mesh: Mesh | None = None
     wires: Wires | None = None
-    table: Colors = field(default_factory=lambda: GRAY)
+    table: Pixels = field(default_factory=lambda: GRAY)
     objects: tuple[ColoredMesh, ...] = ()
     truth: tuple[ColoredMesh, ...] = ()
     shown: ShownParts = field(default_factory=ShownParts)

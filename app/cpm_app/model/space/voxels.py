@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cpm_app.model.display.display_image import IntensityWindow, apply_window
 from cpm_app.model.space.camera import Camera
-from cpm_app.model.space.picture import Colors, Picture, within
+from cpm_app.model.space.picture import Picture, within
 from cpm_app.model.volume.slices import Slice
 from cpm_core.numerics import Array, compiled
-
-Bytes = NDArray[np.uint8]
+from cpm_core.numerics.types import Pixels, Sides, Single, record
 
 _BLOCK = 8
 """Side of the blocks whose maxima are kept [voxels]: one that cannot raise the maximum is skipped."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Shaded:
     """A volume with one byte a voxel, made of its gray values when it is drawn first, since that takes a while."""
 
@@ -28,12 +25,12 @@ class Shaded:
     window: IntensityWindow
 
     @cached_property
-    def voxels(self) -> Bytes:
+    def voxels(self) -> Pixels:
         """Shades of the window, in the shape of the volume."""
         return apply_window(self.values, self.window)
 
     @cached_property
-    def maxima(self) -> Bytes:
+    def maxima(self) -> Pixels:
         """The brightest voxel of each block."""
         found = self.voxels
         for axis in range(3):
@@ -41,9 +38,7 @@ class Shaded:
         return np.ascontiguousarray(found)
 
 
-def draw_projection(
-    picture: Picture, volume: Shaded, camera: Camera, spacing: tuple[float, ...], table: Colors
-) -> None:
+def draw_projection(picture: Picture, volume: Shaded, camera: Camera, spacing: Sides, table: Pixels) -> None:
     """Draw the brightest voxels behind everything else, by a table of 256 colors; black ones are left out."""
     sizes = np.asarray(spacing, float)
     corner = camera.corner(picture.size) / sizes
@@ -55,15 +50,15 @@ def draw_projection(
 
 @compiled
 def _draw_projection(
-    voxels: Bytes,
-    maxima: Bytes,
+    voxels: Pixels,
+    maxima: Pixels,
     corner: Array,
     right: Array,
     down: Array,
     away: Array,
-    table: Colors,
-    shown: Colors,
-    depths: NDArray[np.float32],
+    table: Pixels,
+    shown: Pixels,
+    depths: Single,
     begin: int,
     end: int,
 ) -> None:
@@ -81,7 +76,7 @@ def _draw_projection(
 
 
 @compiled
-def _brightest(voxels: Bytes, maxima: Bytes, start: tuple[float, float, float], away: Array) -> int:
+def _brightest(voxels: Pixels, maxima: Pixels, start: tuple[float, float, float], away: Array) -> int:
     """The brightest voxel on a line, by steps of one voxel along its longest component."""
     near, far = -1e30, 1e30
     for axis in range(3):
@@ -111,7 +106,7 @@ def _leaving(start: float, away: float, index: int) -> float:
     return (block * _BLOCK - start) / away
 
 
-def draw_slice(picture: Picture, place: Slice, colors: Colors, camera: Camera, spacing: tuple[float, ...]) -> None:
+def draw_slice(picture: Picture, place: Slice, colors: Pixels, camera: Camera, spacing: Sides) -> None:
     """Draw a slice of a volume whose voxels have this size; nothing where it is seen from the side."""
     across = place.axis
     if abs(camera.axes[2, across]) < 1e-6:
@@ -125,9 +120,7 @@ def draw_slice(picture: Picture, place: Slice, colors: Colors, camera: Camera, s
 
 
 @compiled
-def _draw_slice(
-    colors: Colors, places: Array, shown: Colors, depths: NDArray[np.float32], begin: int, end: int
-) -> None:
+def _draw_slice(colors: Pixels, places: Array, shown: Pixels, depths: Single, begin: int, end: int) -> None:
     """Row and column of the slice, and the depth, which `places` gives for each pixel of the picture."""
     for row in range(begin, end):
         for col in range(depths.shape[1]):

@@ -79,14 +79,14 @@ def resolve(situation: Situation) -> Resolved:
 
 
 def _named(text: str, name: str) -> str:
-    return tr("{undo} {change}").format(undo=text, change=name) if name else text
+    return tr("{undo} {change}", undo=text, change=name) if name else text
 
 
 def pace_text(pace: float | None) -> str:
     """A speed as text."""
     if pace is None:
         return FULL_SPEED
-    return tr("1 step/s") if pace == 1 else tr("{pace} steps/s").format(pace=written(f"{pace:g}"))
+    return tr("1 step/s") if pace == 1 else tr("{pace} steps/s", pace=written(f"{pace:g}"))
 
 
 def _run_text(status: RunStatus) -> str:
@@ -105,16 +105,16 @@ def _state(situation: Situation) -> str:
         case "empty":
             return tr("No image is open.")
         case "running":
-            return tr("Running, step {step}").format(step=written(f"{status.step:,}"))
+            return tr("Running, step {step}", step=written(f"{status.step:,}"))
         case "paused":
-            return tr("Paused at step {step}").format(step=written(f"{status.step:,}"))
+            return tr("Paused at step {step}", step=written(f"{status.step:,}"))
         case "finished":
             message = tr("Finished: {reason}") if status.converged else tr("Stopped – {reason}")
             return message.format(reason=from_core(status.stop_reason))
     if document.starts or not needs_start(document.mode):
         return tr("Ready")
     if items := document.objects.items:
-        return tr("1 object") if len(items) == 1 else tr("{count} objects").format(count=len(items))
+        return tr("1 object") if len(items) == 1 else tr("{count} objects", count=len(items))
     return tr("No start yet")
 
 
@@ -210,7 +210,7 @@ def _numbers(status: RunStatus, image: ImageReference | None) -> _Numbers:
     if image is not None and image.is_volume:
         return (*_known(status.has_particles, numbers), *figure_texts(status.surface))
     closed = sum(contour.closed for contour in status.contours)
-    found = tr("{closed} closed, {open} open").format(closed=closed, open=len(status.contours) - closed)
+    found = tr("{closed} closed, {open} open", closed=closed, open=len(status.contours) - closed)
     bridges = status.found.bridges if isinstance(status.found, Result) else ()
     bridged = tr("no gap")
     if bridges:
@@ -242,7 +242,7 @@ def _numbers_of_skeleton(status: RunStatus, image: ImageReference | None) -> _Nu
 def skeleton_of(polarity: int, width: float) -> str:
     """What a skeleton of this polarity and largest width [px] is of, in words."""
     what = {-1: tr("what is dark"), 1: tr("what is light")}.get(polarity, tr("all objects"))
-    return tr("{what}, up to {width} px wide").format(what=what, width=written(f"{width:.0f}")) if width else what
+    return tr("{what}, up to {width} px wide", what=what, width=written(f"{width:.0f}")) if width else what
 
 
 def _length(pixels: float, image: ImageReference | None, decimals: int = 1) -> str:

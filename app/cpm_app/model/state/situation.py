@@ -217,7 +217,7 @@ def remaining_text(seconds: float | None) -> str:
     if seconds < 10.0:
         return tr("a few seconds left")
     if seconds < 100.0:
-        return tr("about {seconds} s left").format(seconds=5 * round(seconds / 5))
+        return tr("about {seconds} s left", seconds=5 * round(seconds / 5))
     if seconds < 6000.0:
-        return tr("about {minutes} min left").format(minutes=round(seconds / 60))
-    return tr("about {hours} h left").format(hours=round(seconds / 3600))
+        return tr("about {minutes} min left", minutes=round(seconds / 60))
+    return tr("about {hours} h left", hours=round(seconds / 3600))

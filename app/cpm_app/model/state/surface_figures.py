@@ -32,13 +32,11 @@ def figure_texts(found: Surface | None) -> tuple[tuple[str, str, str], ...]:
 def _texts(found: Surface) -> tuple[str, ...]:
     size = shown_in(found.spacing, found.unit)
     unit = size.unit or tr("voxels")
-    parts = (
-        tr("1 part") if found.components == 1 else tr("{count} parts").format(count=written(f"{found.components:,}"))
-    )
+    parts = tr("1 part") if found.components == 1 else tr("{count} parts", count=written(f"{found.components:,}"))
     if found.left_out:
-        parts = tr("{parts}, {count} left out").format(parts=parts, count=written(f"{found.left_out:,}"))
+        parts = tr("{parts}, {count} left out", parts=parts, count=written(f"{found.left_out:,}"))
     edges = found.free_edges + found.nonmanifold_edges
-    closed = tr("yes") if not edges else tr("no, {count} open edges").format(count=written(f"{edges:,}"))
+    closed = tr("yes") if not edges else tr("no, {count} open edges", count=written(f"{edges:,}"))
     area, volume = found.area * size.factor**2, found.volume * size.factor**3
     support = "–" if math.isnan(found.unsupported) else written(f"{100.0 * (1.0 - found.unsupported):.1f} %")
     square, cube = (f"{unit}²", f"{unit}³") if size.unit else (tr("voxel faces"), unit)

@@ -8,6 +8,7 @@ from pathlib import Path
 from cpm_app.model.text.language import tr
 from cpm_core.formats import ONLY_THESE, Reading, Stack
 from cpm_core.image import MINIMUM_SIDE
+from cpm_core.numerics.types import Sides
 
 _WORDS = {
     "plane": (tr("{count} planes"), tr("plane {number}")),
@@ -16,7 +17,7 @@ _WORDS = {
 }
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Parts:
     """What a file holds.
 
@@ -54,7 +55,7 @@ class Parts:
     word: str = "page"
     usual: int = 1
     deep: bool = False
-    spacing: tuple[float, ...] = (1.0, 1.0, 1.0)
+    spacing: Sides = (1.0, 1.0, 1.0)
     unit: str | None = None
     planes: int = 0
     doubts: tuple[str, ...] = ()
@@ -111,5 +112,5 @@ class Parts:
         )
         said = [text.format(number=number) for text, count, number in numbers if count > 1 and number is not None]
         if len(self.series) > 1:
-            said.append(tr("series {name}").format(name=self.series[self.number - 1]))
+            said.append(tr("series {name}", name=self.series[self.number - 1]))
         return ", ".join(said)

@@ -12,6 +12,7 @@ from cpm_app.model.volume.slices import Slice
 from cpm_app.model.volume.surface_section import boundary_in
 from cpm_core.field import RADIUS
 from cpm_core.numerics import Array, Position
+from cpm_core.numerics.types import Line, Sides
 from cpm_core.shapes import (
     Barrier,
     Box,
@@ -45,12 +46,12 @@ _IN = 0.5
 """Distance from a slice up to which a place lies in it [voxels]."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class StartSection:
     """Where a slice cuts a start: a line or an area, with the handles and particles that the start has in the slice."""
 
     line: Ellipse | Polygon | Grid
-    held: tuple[Position, ...]
+    held: Line
     particles: Array = field(compare=False)
 
     @property
@@ -58,7 +59,7 @@ class StartSection:
         """The line, shape (K, 2)."""
         return self.line.outline
 
-    def handles(self) -> tuple[Position, ...]:
+    def handles(self) -> Line:
         """Those of the start that lie in the slice."""
         return self.held
 
@@ -75,29 +76,29 @@ class StartSection:
         return self.line.encloses(position)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class RegionSection(Region):
     """Where a slice cuts a region of interest; `held` are its handles."""
 
-    held: tuple[Position, ...] = ()
+    held: Line = ()
 
-    def handles(self) -> tuple[Position, ...]:
+    def handles(self) -> Line:
         """Those that the shape has in this slice."""
         return self.held
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class RegionElsewhere(Region):
     """A region of interest that a slice does not cut: nothing of the slice lies in it."""
 
-    points: tuple[Position, ...] = ((0.0, 0.0), (0.0, 1.0), (1.0, 0.0))
+    points: Line = ((0.0, 0.0), (0.0, 1.0), (1.0, 0.0))
 
     @property
     def outline(self) -> Array:
         """Empty, shape (0, 2)."""
         return np.empty((0, 2))
 
-    def handles(self) -> tuple[Position, ...]:
+    def handles(self) -> Line:
         """Empty."""
         return ()
 
@@ -106,7 +107,7 @@ class RegionElsewhere(Region):
         return math.inf
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ChargeSection(WithoutOutline):
     """A charge that acts in a slice.
 
@@ -148,7 +149,7 @@ class ChargeSection(WithoutOutline):
 Section = Shape | StartSection | ChargeSection
 
 
-def sections(shape: Shape, here: Slice, sides: tuple[float, ...] = (1.0, 1.0, 1.0)) -> tuple[Section, ...]:
+def sections(shape: Shape, here: Slice, sides: Sides = (1.0, 1.0, 1.0)) -> tuple[Section, ...]:
     """The sections of a shape by a slice; empty where the slice does not show it.
 
     `sides` are those of a voxel in the smallest of them. Shapes in the plane belong to no volume and are not shown.
@@ -157,9 +158,12 @@ def sections(shape: Shape, here: Slice, sides: tuple[float, ...] = (1.0, 1.0, 1.
     return (RegionElsewhere(),) if not found and isinstance(shape, Interest) else found
 
 
-def _sections(shape: Shape, here: Slice, sides: tuple[float, ...]) -> Iterator[Section]:
+def _sections(shape: Shape, here: Slice, sides: Sides) -> Iterator[Section]:
     if isinstance(shape, Sphere):
-        yield from _of_sphere(shape, here)
+        circle = circle_in(shape, here)
+        if circle is not None:
+            near = _near(shape.seeds(), here, NEAR / shape.sides[here.axis])
+            yield StartSection(circle, circle.handles()[:4], _spread(near))
     elif isinstance(shape, Everywhere):
         yield shape
     elif isinstance(shape, Cuboid):
@@ -192,13 +196,6 @@ def _of_particles(seeds: Array, here: Slice) -> Iterator[Points]:
 def _near(seeds: Array, here: Slice, reach: float) -> Array:
     """Particles so many voxels from a slice, as places in it."""
     return here.flattened(seeds[np.abs(seeds[:, here.axis] - here.index) <= reach])
-
-
-def _of_sphere(sphere: Sphere, here: Slice) -> Iterator[StartSection]:
-    line = circle_in(sphere, here)
-    if line is not None:
-        particles = _spread(_near(sphere.seeds(), here, NEAR / sphere.sides[here.axis]))
-        yield StartSection(line, line.handles()[:4], particles)
 
 
 def circle_in(sphere: Sphere, here: Slice) -> Ellipse | None:
@@ -251,7 +248,7 @@ def _of_extruded(shape: Extruded, here: Slice) -> Iterator[Shape]:
     other = 3 - here.axis - shape.axis
     cuts = _crossings(shape, here, other)
 
-    def turned(*places: Position) -> tuple[Position, ...]:
+    def turned(*places: Position) -> Line:
         """Places along the range and the other axis, of which the first one runs down."""
         return places if shape.axis < other else tuple((right, down) for down, right in places)
 
@@ -284,7 +281,7 @@ _MOST_EDGES = 24
 """Corners of a drawn line that are joined from its first to its last slice."""
 
 
-def wires(shape: Shape, sides: tuple[float, ...]) -> Array:
+def wires(shape: Shape, sides: Sides) -> Array:
     """The ends of straight lines, shape (N, 2, 3) [voxels]; none for shapes in the plane.
 
     `sides` are those of a voxel, in the smallest of them.
@@ -320,7 +317,7 @@ def _pieces_of(path: Array) -> Array:
     return np.stack([path[:-1], path[1:]], axis=1)
 
 
-def _crosses(places: Array, sides: tuple[float, ...]) -> Array:
+def _crosses(places: Array, sides: Sides) -> Array:
     """Three lines at each place, shape (N, 3)."""
     arms = np.diag(_ARM / np.array(sides))
     return (places[:, None, None] + np.stack([-arms, arms], axis=1)).reshape(-1, 2, 3)

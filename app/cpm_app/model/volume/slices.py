@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from cpm_app.model.text.language import tr
 from cpm_core import Image
 from cpm_core.numerics import Array, Place, Position, Single
+from cpm_core.numerics.types import Extent, Sides, record
 from cpm_core.shapes import sides_of
 
 T = TypeVar("T")
@@ -21,7 +22,7 @@ AXES = (tr("plane"), tr("row"), tr("column"))
 """Names of the axes of a volume: a slice lies across one of them."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Slice:
     """A slice across an axis of a volume, 0 for planes, 1 for rows and 2 for columns, at an index along it.
 
@@ -53,7 +54,7 @@ class Slice:
         return found
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Slices:
     """The three slices through one voxel of a volume.
 
@@ -67,12 +68,12 @@ class Slices:
         The axis of the slice that is worked on.
     """
 
-    shape: tuple[int, ...]
+    shape: Extent
     voxel: tuple[int, ...]
     axis: int = 0
 
     @classmethod
-    def of(cls, shape: tuple[int, ...]) -> Slices | None:
+    def of(cls, shape: Extent) -> Slices | None:
         """The slices through the middle of a volume; None for the shape of an image."""
         return cls(shape, tuple(side // 2 for side in shape)) if len(shape) == 3 else None
 
@@ -182,21 +183,21 @@ _MOST_FORCES = 1 << 18
 """Voxels of which a force is kept, at most about so many: a view shows some hundred arrows."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class SampledForce:
     """The force on every so manieth voxel, shape (3, P, R, C), in smallest sides of a voxel, and those sides."""
 
     force: Single
     step: int
-    sides: tuple[float, ...]
+    sides: Sides
 
     @classmethod
-    def of(cls, force: Array, spacing: tuple[float, ...]) -> SampledForce:
+    def of(cls, force: Array, spacing: Sides) -> SampledForce:
         """That of a force on all voxels, of which nothing is kept."""
         step = max(1, int(np.ceil((force[0].size / _MOST_FORCES) ** (1.0 / 3.0))))
         return cls(force[:, ::step, ::step, ::step].astype(np.float32), step, sides_of(spacing))
 
-    def slice_of(self, here: Slice, shape: tuple[int, ...]) -> Array:
+    def slice_of(self, here: Slice, shape: Extent) -> Array:
         """The force along a slice of this shape, (2, H, W), as a displacement in its pixels."""
         places = np.insert(np.indices(shape) / self.step, here.axis, here.index / self.step, axis=0)
         along = [

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from cpm_core import Contour, Result, measure
 from cpm_core.contours import REACH, Mark, Measures, attached, middle, neighborhood, with_kept
 from cpm_core.numerics import Position
+from cpm_core.numerics.types import record
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class TrackedContours:
     """The contours of a reconstruction, each with a key that later reconstructions keep, and its measures."""
 

@@ -38,6 +38,7 @@ from cpm_core.formats import Reading, SessionFile
 from cpm_core.formats.images.reading import DEFAULT
 from cpm_core.image import AnyRegions
 from cpm_core.numerics import Array
+from cpm_core.numerics.types import Callback, Mask, record
 from cpm_core.segmentation import MethodState
 from cpm_core.shapes import ImageSeeds
 from cpm_core.warm_up import warm_up_runs, warm_up_volumes
@@ -75,12 +76,17 @@ def sentence(error: Exception, activity: str) -> str:
     if isinstance(error, ValueError | OSError):
         text = reason(error)
     elif isinstance(error, MemoryError):
-        message = tr("There was not enough memory while {activity}: close other programs, or use a smaller image")
-        text = message.format(activity=activity)
+        text = tr(
+            "There was not enough memory while {activity}: close other programs, or use a smaller image",
+            activity=activity,
+        )
     else:
         log.error("unexpected error while %s", activity, exc_info=error)
-        message = tr("An unexpected error occurred while {activity}: {error}")
-        text = message.format(activity=activity, error=str(error) or type(error).__name__)
+        text = tr(
+            "An unexpected error occurred while {activity}: {error}",
+            activity=activity,
+            error=str(error) or type(error).__name__,
+        )
     text = " ".join(text.split())
     if text.partition(" ")[0].isalpha():  # file names are not changed
         text = text[:1].upper() + text[1:]
@@ -93,7 +99,7 @@ _ENDS = (".", "!", "?", "。", "！", "？")
 # Snapshots: the newest wins.
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Snapshot:
     """The particles after a step, as the window shows them.
 
@@ -121,13 +127,13 @@ class Snapshot:
     method: str
     state: MethodState
     position: Array
-    resting: NDArray[np.bool_]
+    resting: Mask
     steps_per_second: float
     metrics: RunMetrics
     timeline: Outline
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Reconstruction:
     """The contours of a recent snapshot, with edits by hand; `tracked` is None for a skeleton.
 
@@ -161,7 +167,7 @@ Drawn = NDArray[np.generic] | DisplayImage | DisplayVolume | SampledForce
 """An overlay: an array or an image, or what those of the slices of a volume are made from."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Overlays:
     """The requested overlays by name, for the image opened as `generation`.
 
@@ -186,7 +192,7 @@ class Report:
 class Finished(Report):
     """Work on another thread is done; `then` is called on the window's thread."""
 
-    then: Callable[[], object]
+    then: Callback
 
 
 @dataclass(frozen=True)
@@ -204,7 +210,7 @@ class Saved(Report):
     known: Document | None = None
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Opened(Report):
     """An image is opened: it has been read, and a method is ready.
 
@@ -229,7 +235,7 @@ class Opened(Report):
     reading: Reading = DEFAULT
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class ImageReady(Report):
     """An image has been prepared and can replace the one that is open."""
 
@@ -243,7 +249,7 @@ class NotOpened(Report):
     sentence: str
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class RunsKept(Report):
     """The runs on the timeline while none of them is shown, as after a reset."""
 
@@ -266,7 +272,7 @@ class WentOn(Report):
     generation: int
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class SeedsFound(Report):
     """Seeds that depend on the image opened as `generation`, or an error message."""
 

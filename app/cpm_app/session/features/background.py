@@ -13,6 +13,7 @@ from PySide6.QtCore import QObject, Signal
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import sentence
 from cpm_app.session.session import Session
+from cpm_core.numerics.types import Callback
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -41,9 +42,7 @@ class LatestOnlyWorker(QObject):
         """Whether there is no work."""
         return self._newest is None or self._newest.done()
 
-    def ask(
-        self, work: Callable[[], T], then: Callable[[T], object], failed: Callable[[], object] = lambda: None
-    ) -> None:
+    def ask(self, work: Callable[[], T], then: Callable[[T], object], failed: Callback = lambda: None) -> None:
         """Do this in place of work that is still waiting; nothing is done any more once this is closed.
 
         On the window's thread, `then` is called with the result, or else `failed`.
@@ -64,7 +63,7 @@ class LatestOnlyWorker(QObject):
             self._pool.shutdown()
             self._pool = None
 
-    def _work(self, work: Callable[[], T], then: Callable[[T], object], failed: Callable[[], object]) -> None:
+    def _work(self, work: Callable[[], T], then: Callable[[T], object], failed: Callback) -> None:
         try:
             result = work()
         except Exception as error:  # shown to the user
@@ -72,7 +71,7 @@ class LatestOnlyWorker(QObject):
         else:
             self._done.emit("", partial(then, result))
 
-    def _finish(self, trouble: str, then: Callable[[], object]) -> None:  # Qt calls no lambda on the window's thread
+    def _finish(self, trouble: str, then: Callback) -> None:  # Qt calls no lambda on the window's thread
         self._session.trouble(trouble, self._name)
         then()
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -42,6 +42,7 @@ from cpm_core import (
 from cpm_core.contours import TOLERANCE, numbered, truth_of_contours
 from cpm_core.formats import TruthFile
 from cpm_core.formats.contours import mask
+from cpm_core.numerics.types import record
 from cpm_core.objects.segmented import SegmentedObject
 
 NOW = 0
@@ -55,7 +56,7 @@ Agreed = Comparison | SurfaceComparison
 _Marked = tuple[tuple[Difference, ...], tuple[Apart, ...]]
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Row:
     """A result that is compared.
 
@@ -160,7 +161,7 @@ class ComparedResults(QObject):
         """Keep the present result, to compare later ones with it."""
         scene = self._session.scene
         step = scene.snapshot.state.step if scene.snapshot is not None else 0
-        title = tr("Kept, step {step}").format(step=step) if step else tr("Kept")
+        title = tr("Kept, step {step}", step=step) if step else tr("Kept")
         shown = Scene(
             document=scene.document, snapshot=scene.snapshot, reconstruction=scene.reconstruction,
             contours=scene.contours,
@@ -189,7 +190,7 @@ class ComparedResults(QObject):
         for key, trial in planned.items():
             self._add(Row(key, trial.title, state=tr("waiting"), trial=trial))
         self.task = self._session.tasks.start(
-            tr("Running {count} results to compare…").format(count=len(trials)),
+            tr("Running {count} results to compare…", count=len(trials)),
             partial(run_trials, image, document, planned, self._news.emit),
             tr("running results to compare"),
         )
@@ -243,19 +244,19 @@ class ComparedResults(QObject):
         trial, found = row.trial, row.found
         if trial is not None and trial.values:
             self._session.edit(
-                tr("use {values}").format(values=trial.title),
+                tr("use {values}", values=trial.title),
                 lambda document: replace(document, parameters=with_values(document.parameters, trial.values)),
             )
         elif row.branch is not None:
             self._navigation.go(row.branch, self._navigation.last(row.branch))
         elif found is not None and image is not None:
             self._session.tasks.start(
-                tr("Adding objects from {name}…").format(name=row.title),
+                tr("Adding objects from {name}…", name=row.title),
                 lambda task: _objects(row, found, image),
-                tr("adding objects from {name}").format(name=row.title),
+                tr("adding objects from {name}", name=row.title),
                 partial(CommandFailed, topic=_TOPIC),
                 then=lambda made: self._session.edit(
-                    tr("add objects from {name}").format(name=row.title), lambda document: add_objects(document, made)
+                    tr("add objects from {name}", name=row.title), lambda document: add_objects(document, made)
                 ),
             )
 
@@ -286,9 +287,9 @@ class ComparedResults(QObject):
                 self.refer_to(key)
 
         self._session.tasks.start(
-            tr("Reading {name}…").format(name=file.name),
+            tr("Reading {name}…", name=file.name),
             lambda task: _read(file, image, holes),
-            tr("reading {name}").format(name=file.name),
+            tr("reading {name}", name=file.name),
             partial(CommandFailed, topic=_TOPIC),
             then=use,
         )
@@ -470,8 +471,7 @@ def _truth_of(row: Row, holes: bool) -> Truth | VolumeTruth:
     if len(found.shape) == 2:
         return truth_of_contours(found.contours, found.shape, row.title, holes=holes)
     if surface is None or not surface.closed:
-        text = tr("The surface of {name} is not closed, so nothing can be compared with it.")
-        raise ValueError(text.format(name=row.title))
+        raise ValueError(tr("The surface of {name} is not closed, so nothing can be compared with it.", name=row.title))
     labels = numbered(surface, found.shape).astype(np.int32)
     return VolumeTruth(labels, found.spacing, found.unit, row.title, boundary=surface)
 

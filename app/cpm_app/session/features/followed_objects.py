@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -21,6 +21,7 @@ from cpm_app.session.session import Session
 from cpm_app.session.signals import RUNNING
 from cpm_app.session.tasks.tasks import Task
 from cpm_core import Image, Partition, TrackEvent
+from cpm_core.numerics.types import record
 from cpm_core.objects.segmented import Click, SegmentedObject, selection_of
 from cpm_core.pages import FollowedObject, ObjectFollower, fitting
 
@@ -31,7 +32,7 @@ _MOST_EVENTS = 3
 """Number of events that a message lists; the table has all."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class Former:
     """The last two pages with objects before a page, by number, and the largest number of any object of the stack."""
 
@@ -92,7 +93,7 @@ class FollowedObjects(QObject):
                 task.advance((number - numbers[0]) / len(numbers))
                 image, document = source.pages[number - 1], documents.get(number, base)
                 if not document.objects.items:
-                    parameters = fitting(parameters_everywhere(document), image)
+                    parameters = fitting(parameters_everywhere(document), image.shape)
                     partition = from_everywhere(Everywhere(image, parameters, document.regions), task)
                     found, events = follower.follow(number, partition, task.check_cancelled)
                     happened += events
@@ -106,7 +107,7 @@ class FollowedObjects(QObject):
                 before = document
             return happened, 0
 
-        title = tr("Following objects on {count} pages…").format(count=len(numbers))
+        title = tr("Following objects on {count} pages…", count=len(numbers))
         self._task = session.tasks.start(title, work, tr("following objects"), then=self._report)
 
     # Internal
@@ -150,9 +151,7 @@ class FollowedObjects(QObject):
             self._session.edit(tr("follow objects"), lambda document: numbered(document, taken))
         said = [_sentences(events)] if events else []
         if lost:
-            said.append(
-                tr("Page {number}: no object was found again. Accept one there to follow it.").format(number=lost)
-            )
+            said.append(tr("Page {number}: no object was found again. Accept one there to follow it.", number=lost))
         self._session.say(" ".join(said) or tr("The objects were followed through all pages."))
 
 

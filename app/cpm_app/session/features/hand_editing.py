@@ -128,7 +128,7 @@ class HandEditing(QObject):
     def way_from(self, start: Position, avoided: Sequence[Array] = ()) -> Way:
         """Paths from a place along the edges that keep off some lines, each of shape (K, 2)."""
         if self.edges is None:
-            return lambda place: np.array([start, place], dtype=float)
+            return lambda place: np.array([start, place], float)
         return LiveWire(self.edges, start, avoided, [tuple(line[0].tolist()) for line in avoided]).to
 
     def way_from_end(self, end: Contact) -> Way:
@@ -149,7 +149,7 @@ class HandEditing(QObject):
         new = redrawn(item, held.line.source, edit, self.edges if snapping else None)
         objects = self._session.document.objects
         self._session.edit(
-            tr("redraw boundary of {what}").format(what=title(objects, item)),
+            tr("redraw boundary of {what}", what=title(objects, item)),
             lambda document: accept(document, (new,), ends=objects.edited == item.number),
         )
 

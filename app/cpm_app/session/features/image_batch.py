@@ -18,9 +18,6 @@ from cpm_core.formats import SUFFIX, SessionFile, save_session
 TOPIC = "batch"
 """What messages on it belong to."""
 
-WRITTEN = (".svg", ".measures.csv", ".png")
-"""The formats that are written for each image."""
-
 _RESULTS, _APPLIED, _TABLE = "contours", f"session{SUFFIX}", "summary.csv"
 """The folder of the results in that of the images, and in it the session they were made with and the table of all."""
 
@@ -44,13 +41,13 @@ def apply_to_folder(session: Session, folder: Path, then: Callable[[BatchDone], 
     if not document.starts:
         session.say(document.nothing_to_start_from, True, TOPIC)
         return None
-    name = tr("Running the images of {folder}…").format(folder=folder.name)
+    name = tr("Running the images of {folder}…", folder=folder.name)
     work = partial(_apply, to_file(document, {}), folder)
     return session.tasks.start(name, work, tr("running many images"), partial(CommandFailed, topic=TOPIC), then=then)
 
 
 def _apply(session: SessionFile, folder: Path, task: Task) -> BatchDone:
-    from cpm_core.cli.batch import Batch
+    from cpm_core.cli.batch import WRITTEN, Batch
     from cpm_core.cli.workers import here
 
     images, output = tuple(map(str, images_in(folder))), folder / _RESULTS
@@ -59,8 +56,9 @@ def _apply(session: SessionFile, folder: Path, task: Task) -> BatchDone:
     try:
         output.mkdir(exist_ok=True)
     except OSError as error:
-        text = tr("{folder} is not a folder and cannot be created: {reason}.")
-        raise ValueError(text.format(folder=output, reason=cause(error))) from error
+        raise ValueError(
+            tr("{folder} is not a folder and cannot be created: {reason}.", folder=output, reason=cause(error))
+        ) from error
     save_session(session, output / _APPLIED)
     batch = Batch(images, session, output / _APPLIED, output, WRITTEN)
     for _ in batch.write(here(batch.jobs, None, task.check_cancelled)):

@@ -71,7 +71,7 @@ def _start(
     """Read on a thread, and use what has been found unless another image has been opened."""
     image = session.image_generation
     then: Callable[[Found], object] = lambda found: use(found) if image == session.image_generation else None  # noqa: E731
-    session.tasks.start(tr("Reading {name}…").format(name=name), work, activity, then=then)
+    session.tasks.start(tr("Reading {name}…", name=name), work, activity, then=then)
 
 
 def keep_picture(session: Session, picture: QImage, use: Callable[[Path], object]) -> None:
@@ -89,7 +89,7 @@ def keep_picture(session: Session, picture: QImage, use: Callable[[Path], object
         write_together([(path, content)])
         return path
 
-    session.tasks.start(tr("Reading {name}…").format(name=tr("the clipboard")), work, "keeping the picture", then=use)
+    session.tasks.start(tr("Reading {name}…", name=tr("the clipboard")), work, "keeping the picture", then=use)
 
 
 def folder_of_pasted() -> Path:
@@ -101,7 +101,7 @@ def _in_volume(path: Path, volume: Image) -> Imported:
     """A surface or center lines in a volume."""
     suffix, notes = path.suffix.lower(), list[str]()
     if suffix in CONTOURS_READABLE:
-        raise ValueError(tr("{name} has contours for an image, but a volume is open.").format(name=path.name))
+        raise ValueError(tr("{name} has contours for an image, but a volume is open.", name=path.name))
     if suffix in FOR_CENTERLINES:
         lines = load_centerlines(path, volume, warn=notes.append)
         return Imported.of_lines(lines, tuple(notes))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
@@ -23,12 +23,13 @@ from cpm_core import Page, Result, load_pages
 from cpm_core.contours import apply, middle, with_kept
 from cpm_core.formats import Pages, Reading, decode, encode, page_from_plain, page_to_plain
 from cpm_core.formats.sessions.recorded_run import Recorder, with_run
+from cpm_core.numerics.types import Entries, Plain, record
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.pages import Follower, StackResult, fitting, pages_of, trouble_of, without_image
 from cpm_core.shapes import SeedCache, Start, check_axes
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class StackSource:
     """A file whose pages are images of their own.
 
@@ -80,7 +81,7 @@ class StackSource:
         return load_pages(self.path, **given)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class KeptPage:
     """What is kept of a page while another one is open.
 
@@ -101,7 +102,7 @@ class KeptPage:
     """
 
     document: Document
-    runs: Mapping[str, Any] = field(default_factory=dict)
+    runs: Plain = field(default_factory=dict)
     history: History = field(default_factory=History)
     known: Document | None = None
     given: tuple[Start, ...] = ()
@@ -158,7 +159,7 @@ class Linked(NamedTuple):
 def linked(
     source: StackSource,
     found: Mapping[int, Page],
-    drawn: tuple[Mapping[str, Any], ...],
+    drawn: tuple[Plain, ...],
     documents: Mapping[int, Document],
     known: Measured,
 ) -> Linked:
@@ -191,10 +192,10 @@ _MOST = 24 * 2**20
 def pages_to_plain(
     others: Mapping[int, KeptPage],
     following: bool,
-    drawn: tuple[Mapping[str, Any], ...],
+    drawn: tuple[Plain, ...],
     given: bool,
     result: StackResult | None,
-) -> dict[str, Any]:
+) -> Entries:
     """What a session file holds of a stack, as `StoredPages`; runs are left out beyond a size that can be read.
 
     `others` are the pages that are not open, `given` is whether that which is open was given its starts.
@@ -218,7 +219,7 @@ def pages_to_plain(
     }
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class StoredPages:
     """What a session file holds of the pages of a stack.
 
@@ -241,17 +242,17 @@ class StoredPages:
     kept: dict[int, KeptPage]
     found: dict[int, Page]
     following: bool
-    drawn: tuple[Mapping[str, Any], ...]
+    drawn: tuple[Plain, ...]
     given: tuple[Start, ...]
     trouble: str
 
     @classmethod
-    def of(cls, plain: Mapping[str, Any], here: Document, source: StackSource) -> StoredPages:
+    def of(cls, plain: Plain, here: Document, source: StackSource) -> StoredPages:
         """The pages of a session file, of which that with the document `here` is open; what is damaged is left out."""
 
-        def session(entry: Mapping[str, Any]) -> tuple[int, KeptPage]:
+        def session(entry: Plain) -> tuple[int, KeptPage]:
             number = _checked(entry["page"], source)
-            file = decode(json.dumps(entry["session"]).encode(), tr("page {number}").format(number=number))
+            file = decode(json.dumps(entry["session"]).encode(), tr("page {number}", number=number))
             image = here.image and replace(here.image, reading=source.reading_of(number))
             if image is None:
                 raise ValueError("there is no image")
@@ -260,7 +261,7 @@ class StoredPages:
             given = document.starts if entry.get("given") is True else ()
             return number, KeptPage(document, file.runs, known=document, given=given)
 
-        def found(entry: Mapping[str, Any]) -> tuple[int, Page]:
+        def found(entry: Plain) -> tuple[int, Page]:
             page = page_from_plain(entry)
             return _checked(page.number, source), page
 
@@ -275,11 +276,11 @@ class StoredPages:
 class PlainPages(Mapping[str, Any]):
     """Pages as plain JSON, made when it is asked for: on the thread that writes a file, and not in the window's."""
 
-    def __init__(self, make: Callable[[], dict[str, Any]]) -> None:
+    def __init__(self, make: Callable[[], Entries]) -> None:
         self._make = make
 
     @cached_property
-    def _plain(self) -> dict[str, Any]:
+    def _plain(self) -> Entries:
         return self._make()
 
     def __getitem__(self, name: str) -> Any:
@@ -298,14 +299,14 @@ def _checked(given: object, source: StackSource) -> int:
     return given
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class PageDone:
     """A page that has been run: its document with the starts that it was given, its run and what was found."""
 
     page: Page
     document: Document
     given: tuple[Start, ...] = ()
-    runs: Mapping[str, Any] = field(default_factory=dict)
+    runs: Plain = field(default_factory=dict)
 
 
 def run_pages(
@@ -328,7 +329,7 @@ def run_pages(
         try:
             image = source.pages[number - 1]
             reference = ImageReference.of(Path(source.path), image, source.reading_of(number))
-            document = replace(document, image=reference, parameters=fitting(document.parameters, image))
+            document = replace(document, image=reference, parameters=fitting(document.parameters, image.shape))
             method = core.methods["cpm"](image, document.parameters, document.regions)
             seen = document.parameters
             seeds = SeedCache(image).seeds_for(document.image_starts, seen.smoothing, document.regions, seen.channel)
@@ -345,10 +346,10 @@ def run_pages(
             raise
         except Exception as error:  # one page must not end the others
             known = isinstance(error, ValueError | MemoryError)
-            trouble = trouble_of(error) if known else sentence(error, tr("running page {number}").format(number=number))
+            trouble = trouble_of(error) if known else sentence(error, tr("running page {number}", number=number))
             yield PageDone(Page(number, None, trouble=trouble), document, given)
             continue
         page = follower.take(number, result)
         placed = [{"number": contour.number, "place": list(middle(contour))} for contour in page.contours]
-        session = with_run(to_file(document, {}), recorder, tr("Run {number}").format(number=1))
+        session = with_run(to_file(document, {}), recorder, tr("Run {number}", number=1))
         yield PageDone(page, document, given, {**session.runs, "numbers": placed})

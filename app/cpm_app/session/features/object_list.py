@@ -24,9 +24,9 @@ from cpm_app.session.session import Session
 from cpm_core import Image, Surface
 from cpm_core.contours import bridges_on
 from cpm_core.numerics import Array, Place, Position, polyline
+from cpm_core.numerics.types import Line, record
 from cpm_core.objects.segmented import (
     Halves,
-    Line,
     SegmentedObject,
     SegmentedObjects,
     between_slices,
@@ -41,7 +41,7 @@ BINS = 32
 """Number of bars of a histogram."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Figures:
     """Figures of an object.
 
@@ -79,7 +79,7 @@ KINDS: tuple[Kind, ...] = get_args(Kind)
 """What a row can be, in the order shown."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class Row:
     """One row of the list: an object, what accepting it would make an object, or a contour.
 
@@ -158,7 +158,7 @@ def _holds(row: Row, place: Place) -> bool:
     if row.drawn is None:
         line = row.contour.contour if row.kind == "closed" and row.contour is not None else None
         return line is not None and len(place) == 2 and bool(polyline.inside(line.points, np.array([place]))[0])
-    return holds(row.drawn, place) if len(place) == 3 else bool(row.drawn.encloses(np.array([place], dtype=float))[0])
+    return holds(row.drawn, place) if len(place) == 3 else bool(row.drawn.encloses(np.array([place], float))[0])
 
 
 def _size(row: Row) -> float:
@@ -245,7 +245,7 @@ class ObjectList(QObject):
 
         rows = [
             *(row("object", one) for one in known.items),
-            *(row("proposal", one, ("proposal", key), tr("proposal {number}").format(number=at))
+            *(row("proposal", one, ("proposal", key), tr("proposal {number}", number=at))
               for (at, key), one in zip(found, offered, strict=True)),
             *(row("rejected", one) for one in known.rejected),
             *(Row(("contour", one.key), "rejected" if one.reviewed.rejected else
@@ -296,7 +296,7 @@ class ObjectList(QObject):
         if len(at) == 3:
             around = [item for item in self.objects.items if not item.hidden and holds(item, at)]
         else:
-            place = np.array([at], dtype=float)
+            place = np.array([at], float)
             around = [item for item in self.near(place, 0.0) if item.encloses(place)[0]]
         return min(around, key=size_of).number if around else 0
 
@@ -512,7 +512,7 @@ class ObjectList(QObject):
     def split(self, whole: SegmentedObject, halves: Halves) -> None:
         """Put the halves of an object, or of what is not accepted yet, in its place, and choose them."""
         before = {item.number for item in self.objects.items} - {whole.number}
-        words = tr("split {what}").format(what=self.title(whole))
+        words = tr("split {what}", what=self.title(whole))
         self._session.edit(words, lambda document: objects.split(document, whole, halves))
         self.choose(item.number for item in self.objects.items if item.number not in before)
 
@@ -635,11 +635,11 @@ class ObjectList(QObject):
         if not any(known is item for known in self.objects.items):
             self._session.say(tr("The objects changed meanwhile: fill between the slices again."), True)
         elif not count:
-            self._session.say(tr("{name} has no gap between the slices across this axis.").format(name=name))
+            self._session.say(tr("{name} has no gap between the slices across this axis.", name=name))
         else:
-            words = tr("fill {what} between slices").format(what=name)
+            words = tr("fill {what} between slices", what=name)
             self._session.edit(words, partial(paint_in_volume, number=item.number, part=part, over_others=over_others))
-            self._session.say(tr("Slices of {name} that were filled: {count}.").format(name=name, count=count))
+            self._session.say(tr("Slices of {name} that were filled: {count}.", name=name, count=count))
 
 
 _LEAST_MOVE = 0.3

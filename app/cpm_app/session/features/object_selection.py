@@ -33,6 +33,7 @@ from cpm_app.session.session import Session
 from cpm_app.session.tasks.tasks import Task
 from cpm_core import Partition, Result, Selection, select_all
 from cpm_core.numerics import Place
+from cpm_core.numerics.types import Callback
 from cpm_core.objects.segmented import Click, selection_of
 from cpm_core.shapes import Everywhere, Start
 
@@ -48,7 +49,7 @@ def percent(selection: AnySelection) -> str:
     return written(f"{100.0 * selection.confidence:.0f} %") if isinstance(selection, Selection) else ""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Pointed:
     """One more click at the pointer, on the object of the clicks before."""
 
@@ -63,7 +64,7 @@ class Pointed:
         return None if after is None else Preview(after, self.selector.selection(self.clicks), self.said.inside)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Stepped:
     """By how many candidates the object of some clicks shall become larger, or smaller below 0."""
 
@@ -72,7 +73,7 @@ class Stepped:
     by: int
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Question:
     """What is asked for: the object of some clicks, what the run offers, what one more click would change, a step."""
 
@@ -116,7 +117,7 @@ class ObjectSelection(QObject):
         self._in_use, self._over = False, False
         self._pointed: Click | None = None
         self._steps = 0
-        self._next: Callable[[], object] | None = None
+        self._next: Callback | None = None
         self._searched: AnyPartition | None = None
         self._found: tuple[Proposal, ...] = ()
         self._selectors: dict[int, Selector] = {}
@@ -185,7 +186,7 @@ class ObjectSelection(QObject):
 
     def under(self, at: Place) -> int:
         """Number of the smallest object at a place, or key of the proposal there, which comes first; 0 for none."""
-        place = np.array([at], dtype=float)
+        place = np.array([at], float)
         around = [each for each in self.proposals if each.key and each.selection.holds(place)[0]]
         return min(around, key=lambda each: extent(each.selection)).key if around else self._list.under(at)
 
@@ -226,7 +227,7 @@ class ObjectSelection(QObject):
         self._steps += by
         self._follow()
 
-    def when_answered(self, do: Callable[[], object]) -> None:
+    def when_answered(self, do: Callback) -> None:
         """Do something with the object of the clicks, as soon as it is known."""
         if self.selecting and not any(each.clicks == self._session.document.objects.clicks for each in self.proposals):
             self._next = do

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
-from typing import Any, TypeVar, cast
+from typing import TypeVar, cast
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from cpm_app.session.worker.requests import Probed
 from cpm_core import Image, Skeleton
 from cpm_core.contours import ReviewedContour
 from cpm_core.numerics import Array, Index, Place
+from cpm_core.numerics.types import Plain
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.shapes import ImageSeeds, ImageStart, Shape, sides_of
 
@@ -239,35 +240,30 @@ class ShownSlices:
 
     def go(self, by: int) -> None:
         """Show the slice so many further along its axis."""
-        if self.now is not None:
-            self._use(self.now.at(self.now.current.index + by))
+        self._use(lambda now: now.at(now.current.index + by))
 
     def at(self, index: int) -> None:
         """Show the slice at an index along its axis."""
-        if self.now is not None:
-            self._use(self.now.at(index))
+        self._use(lambda now: now.at(index))
 
     def pass_on(self, axis: int, by: int) -> None:
         """Show the slice so many further along an axis, whichever is worked on."""
-        if self.now is not None:
-            self._use(self.now.turned(axis).at(self.now.voxel[axis] + by).turned(self.now.axis))
+        self._use(lambda now: now.turned(axis).at(now.voxel[axis] + by).turned(now.axis))
 
     def turn(self, axis: int) -> None:
         """Work on the slice across another axis."""
-        if self.now is not None:
-            self._use(self.now.turned(axis))
+        self._use(lambda now: now.turned(axis))
 
     def through(self, place: Place) -> None:
         """Show the slices through a place of the volume."""
-        if self.now is not None:
-            self._use(self.now.through(place))
+        self._use(lambda now: now.through(place))
 
     def view_state(self) -> dict[str, object]:
         """Where the slices are, as plain JSON for a session file; empty for an image."""
         now = self.now
         return {} if now is None else {"slices": {"voxel": list(now.voxel), "axis": now.axis}}
 
-    def use_view_state(self, state: Mapping[str, Any]) -> None:
+    def use_view_state(self, state: Plain) -> None:
         """Restore the slices from a session file; missing or invalid entries change nothing."""
         kept = state.get("slices")
         if self.now is None or not isinstance(kept, Mapping):
@@ -279,6 +275,6 @@ class ShownSlices:
         if known and all(isinstance(at, int) and abs(at) <= _FAR for at in known):
             self.through(tuple(known))
 
-    def _use(self, slices: Slices) -> None:
-        if slices != self.now:
+    def _use(self, change: Callable[[Slices], Slices]) -> None:
+        if self.now is not None and (slices := change(self.now)) != self.now:
             self._session.show(replace(self._session.scene, slices=slices))

@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
@@ -45,6 +44,7 @@ from cpm_app.session.undo_history import Change
 from cpm_core import Page, Result
 from cpm_core.contours import apply, centroid
 from cpm_core.formats import ImageFile, export_stack, plain_shapes
+from cpm_core.numerics.types import Plain
 from cpm_core.pages import StackResult
 from cpm_core.shapes import Start, starts_along
 
@@ -87,10 +87,15 @@ class StackPages(QObject):
         self.task: Task | None = None
         self._core = core
         self._seen: Result | None = None
-        self._drawn: tuple[Mapping[str, Any], ...] = ()
+        self._drawn: tuple[Plain, ...] = ()
         self._linking = LatestOnlyWorker(session, "cpm-pages", tr("following objects through the pages"))
         self._later = QTimer(self, singleShot=True)
-        self._later.timeout.connect(self._link)
+        self._later.timeout.connect(
+            lambda: self._linking.ask(
+                partial(linked, self.source, dict(self._found), self._drawn, self.documents, self._measured),
+                self._take_linked,
+            )
+        )
         self._wanted: PageRow | None = None
         self._review = review
         review.changed.connect(self._select_wanted)
@@ -292,7 +297,7 @@ class StackPages(QObject):
             for done in run_pages(source, numbers, document_of, before, self._core, task):
                 self._session.tasks.call(partial(self._take_page, source.path, kept.get(done.page.number), done))
 
-        title = tr("Running {count} pages…").format(count=len(numbers))
+        title = tr("Running {count} pages…", count=len(numbers))
         self.task = self._session.tasks.start(title, work, tr("running the pages"))
         self.changed.emit()
 
@@ -347,11 +352,6 @@ class StackPages(QObject):
         if not self._later.isActive():
             self._later.start(_WHILE_RUNNING if self.running else _QUIET)
 
-    def _link(self) -> None:
-        """Find the tracks again, from what was found on each page."""
-        make = partial(linked, self.source, dict(self._found), self._drawn, self.documents, self._measured)
-        self._linking.ask(make, self._take_linked)
-
     def _take_linked(self, made: Linked) -> None:
         if made.source.path != self.source.path or not self.count:
             return
@@ -372,13 +372,11 @@ class StackPages(QObject):
 
         def work(_: Task) -> Report:
             export_stack(result, *paths)
-            return Exported(path, tr("{count} files").format(count=len(paths)) if len(paths) > 1 else "")
+            return Exported(path, tr("{count} files", count=len(paths)) if len(paths) > 1 else "")
 
-        self._session.tasks.start(
-            tr("Writing {name}…").format(name=path.name), work, tr("writing {name}").format(name=path.name)
-        )
+        self._session.tasks.start(tr("Writing {name}…", name=path.name), work, tr("writing {name}", name=path.name))
 
-    def _plain(self) -> Mapping[str, Any]:
+    def _plain(self) -> Plain:
         """The other pages as a session keeps them."""
         if not self.count:
             return {}

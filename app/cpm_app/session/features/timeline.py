@@ -135,7 +135,7 @@ class TimelineNavigation(QObject):
         """Set the parameters of the step that is shown."""
         taken = self.other_parameters
         if taken is not None:
-            name = tr("use the parameters of step {step}").format(step=self._here[1])
+            name = tr("use the parameters of step {step}", step=self._here[1])
             self._session.edit(name, lambda document: replace(document, parameters=taken))
             self.changed.emit()
 
@@ -165,8 +165,12 @@ class TimelineNavigation(QObject):
         fallen = outline.fallen[len(self.outline.fallen) :]
         self.outline = outline
         if fallen:
-            message = tr("{runs} had to be removed from the timeline to make room; renamed runs are kept longer.")
-            self._session.say(message.format(runs=", ".join(fallen)))
+            self._session.say(
+                tr(
+                    "{runs} had to be removed from the timeline to make room; renamed runs are kept longer.",
+                    runs=", ".join(fallen),
+                )
+            )
 
     def _follow_phase(self) -> None:
         if self._session.status.phase == "running" and self._target is not None:

@@ -92,7 +92,7 @@ def run_trials(
         except Cancelled:
             return
         except Exception as error:  # an error is shown in its row, and the others go on
-            report(key, {"state": sentence(error, tr("running {name}").format(name=trials[key].title))})
+            report(key, {"state": sentence(error, tr("running {name}", name=trials[key].title))})
         with lock:
             done += 1
             task.fraction = done / len(trials)

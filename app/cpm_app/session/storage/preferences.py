@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TypeVar
 
 from PySide6.QtCore import QByteArray, QObject, QSettings, Signal
 
 from cpm_app.model.preferences.table import Preference
+from cpm_core.numerics.types import Callback
 
 Value = TypeVar("Value", bool, int, float, str, list[str], QByteArray)
 V = TypeVar("V")
@@ -43,7 +43,7 @@ class Preferences(QObject):
                 self._settings.setValue(preference.name, value)
             self.changed.emit(preference.name)
 
-    def follow(self, preference: Preference[V], do: Callable[[], object]) -> None:
+    def follow(self, preference: Preference[V], do: Callback) -> None:
         """Call a function now and whenever the value changes, as long as these preferences exist."""
         self.changed.connect(lambda key: do() if key == preference.name else None)
         do()

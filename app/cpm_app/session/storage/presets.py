@@ -49,7 +49,7 @@ class PresetStore(QObject):
     def delete(self, name: str) -> None:
         """Remove a preset of the user; ValueError when there is none of this name."""
         if name not in self._files:
-            raise ValueError(tr("You have no preset named “{name}”.").format(name=name))
+            raise ValueError(tr("You have no preset named “{name}”.", name=name))
         self._files[name].unlink(missing_ok=True)
         self._read_folder()
 

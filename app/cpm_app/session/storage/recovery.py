@@ -9,7 +9,7 @@ from __future__ import annotations
 import uuid
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
 
@@ -23,6 +23,7 @@ from cpm_app.session.storage.preferences import Preferences, settings
 from cpm_app.session.storage.session_file import DocumentFile
 from cpm_app.session.tasks.opening import Wanted
 from cpm_core.formats import SUFFIX, SessionFile, load_session, remove_abandoned, save_session
+from cpm_core.numerics.types import record
 
 KEY = "journal"
 """Key under which a journal, otherwise a session file, names the file and the work that it belongs to."""
@@ -110,18 +111,20 @@ class Journal(QObject):
             else:
                 self.path.parent.mkdir(parents=True, exist_ok=True)
                 if not (self._lock.isLocked() or self._lock.tryLock(0)):
-                    raise ValueError(tr("{folder} is not writable.").format(folder=self.path.parent))
+                    raise ValueError(tr("{folder} is not writable.", folder=self.path.parent))
                 save_session(file, self.path)
         except Exception as error:  # the user can still work without a journal
             if file is not None:
                 reason = _sentence(error, tr("keeping unsaved work"))
-                lost = tr("Unsaved work cannot be protected against a crash: save the session yourself. {reason}")
-                trouble = lost.format(reason=reason)
+                trouble = tr(
+                    "Unsaved work cannot be protected against a crash: save the session yourself. {reason}",
+                    reason=reason,
+                )
         self._worked.emit(trouble)
         return trouble
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Leftover:
     """A journal whose process has ended; while its lock is held, no other window offers it.
 
@@ -139,7 +142,7 @@ class Leftover:
     def wanted(self) -> Wanted:
         """The request to open it as unsaved work."""
         saved = Saved(self.path, self.file, recovered=True)
-        note = tr("{name} was restored and is not saved yet.").format(name=self.name)
+        note = tr("{name} was restored and is not saved yet.", name=self.name)
         return Wanted(self.path or Path(self.name), self.file.parameters, saved=saved, notes=(note,))
 
     def keep(self) -> None:
@@ -171,8 +174,13 @@ def left_behind(folder: Path) -> tuple[list[Leftover], list[str]]:
             if not isinstance(error, OSError) and not isinstance(error.__cause__, OSError):
                 with suppress(OSError):
                     kept = journal.rename(journal.with_suffix(UNREADABLE))
-            text = tr("Unsaved work of an earlier session cannot be restored. {reason} It is kept as {path}.")
-            troubles.append(text.format(reason=_sentence(error, tr("reading unsaved work")), path=kept))
+            troubles.append(
+                tr(
+                    "Unsaved work of an earlier session cannot be restored. {reason} It is kept as {path}.",
+                    reason=_sentence(error, tr("reading unsaved work")),
+                    path=kept,
+                )
+            )
             lock.unlock()
     return sorted(found, key=lambda leftover: leftover.when, reverse=True), troubles
 
@@ -181,7 +189,7 @@ def _read(journal: Path, lock: QLockFile) -> Leftover:
     file, when = load_session(journal), datetime.fromtimestamp(journal.stat().st_mtime)
     named = file.extra.get(KEY)
     if file.image is None or not isinstance(named, dict):
-        raise ValueError(tr("{name} is not a recovery file.").format(name=journal.name))
+        raise ValueError(tr("{name} is not a recovery file.", name=journal.name))
     path, name = str(named.get("session") or ""), str(named.get("name") or journal.name)
     bare = replace(file, extra={key: value for key, value in file.extra.items() if key != KEY})
     return Leftover(journal, name, Path(path) if path else None, when, bare, lock)

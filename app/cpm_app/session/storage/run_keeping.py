@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from concurrent.futures import Future
 
 from PySide6.QtCore import QObject, QTimer, Signal
 
 from cpm_app.session.exchange.messages import Opened, RunsKept
 from cpm_app.session.session import Session
-from cpm_app.session.timeline.plain_runs import Plain
 from cpm_app.session.timeline.timeline import Outline
 from cpm_app.session.worker.commands import RunsCollected, RunsRestored, collect_runs
+from cpm_core.numerics.types import Callback, Plain
 
 _QUIET = 500
 """Time from a change of the runs until they are collected, with further changes in between [ms]."""
@@ -30,7 +29,7 @@ class RunKeeping(QObject):
         self._outline: Outline | None = None
         self._collected = self._saved = -1
         self._recovered = False
-        self._then: list[Callable[[], object]] = []
+        self._then: list[Callback] = []
         self._timer = QTimer(self, singleShot=True, interval=_QUIET)
         self._timer.timeout.connect(self.collect)
         session.scene_changed.connect(self._follow)
@@ -50,7 +49,7 @@ class RunKeeping(QObject):
         other = taken is not None and taken.steering != parameters.steering
         return outline.steered or status.stale or (status.started and other)
 
-    def collect(self, then: Callable[[], object] | None = None) -> Future[RunsCollected]:
+    def collect(self, then: Callback | None = None) -> Future[RunsCollected]:
         """Collect the runs, and call `then` afterwards; other threads can wait for the result."""
         if then is not None:
             self._then.append(then)

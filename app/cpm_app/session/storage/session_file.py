@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from PySide6.QtCore import QObject, Signal
 
@@ -20,12 +19,13 @@ from cpm_app.session.signals import SAVING
 from cpm_app.session.storage.run_keeping import RunKeeping
 from cpm_app.session.tasks.tasks import Task
 from cpm_core.formats import SUFFIX, SessionFile, TruthFile, save_session
+from cpm_core.numerics.types import Plain, record
 
 _PATIENCE = 10.0
 """Longest time that a file waits for the worker to finish its step; then it has the runs collected last [s]."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Written(Report):
     """A session file has been written: what it holds, as which number its image was opened, the edition of its runs."""
 
@@ -56,7 +56,7 @@ class DocumentFile(QObject):
         self.runs = RunKeeping(session)
         self.truth: Callable[[], TruthFile | None] = lambda: None
         """Gives the ground truth to be saved; set by the window."""
-        self.pages: Callable[[], Mapping[str, Any]] = dict
+        self.pages: Callable[[], Plain] = dict
         """Gives the other pages of a stack, as plain JSON; set by what keeps them."""
         self.pages_unsaved: Callable[[], bool] = lambda: False
         """Whether closing would lose changes on other pages; set by what keeps them."""
@@ -115,9 +115,9 @@ class DocumentFile(QObject):
             return task
 
         self._saving = self._session.tasks.start(
-            tr("Saving {name}…").format(name=path.name),
+            tr("Saving {name}…", name=path.name),
             work,
-            tr("saving {name}").format(name=path.name),
+            tr("saving {name}", name=path.name),
             partial(CommandFailed, topic=SAVING),
             cancellable=False,
             then=self._announce_written,
@@ -168,7 +168,7 @@ class DocumentFile(QObject):
         if self.is_current(written):
             self.path, self._file, self.known = written.path, written.file, written.document
             self.runs.saved(written.edition)
-        self._session.say(tr("Saved: {path}").format(path=written.path), topic=SAVING)
+        self._session.say(tr("Saved: {path}", path=written.path), topic=SAVING)
         self._announce()
 
     def _announce(self) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -28,7 +27,9 @@ from cpm_core.formats import (
 )
 from cpm_core.formats.images import raster
 from cpm_core.formats.images.reading import DEFAULT
-from cpm_core.image import MINIMUM_SIDE, most_scales
+from cpm_core.image import MINIMUM_SIDE
+from cpm_core.numerics.types import Callback
+from cpm_core.pages import fitting
 from cpm_core.shapes import check_axes
 
 _EXPORTED = re.compile(rf"(.+)_(?:{'|'.join(KINDS)})\.")
@@ -112,7 +113,7 @@ class Wanted:
     reading: Reading = DEFAULT
 
 
-def prepare(core: Core, wanted: Wanted, check_cancelled: Callable[[], None]) -> Opened:
+def prepare(core: Core, wanted: Wanted, check_cancelled: Callback) -> Opened:
     """Read an image and prepare the charged particles for it, with as many scales as it has room for.
 
     `check_cancelled` is called between the steps, and raises when the task has been cancelled. ValueError when the
@@ -127,7 +128,7 @@ def prepare(core: Core, wanted: Wanted, check_cancelled: Callable[[], None]) -> 
     if saved is not None:
         parameters, named = saved.file.parameters, saved.file.image
         if named is None:
-            raise ValueError(tr("{name} does not name an image.").format(name=path.name))
+            raise ValueError(tr("{name} does not name an image.", name=path.name))
         path, warnings = find_image(named, path.absolute().parent, check_cancelled)
         notes = (*notes, *saved.file.notes, *warnings)
     parts, reading = parts_of(path, wanted.reading if named is None else named.reading)
@@ -140,10 +141,9 @@ def prepare(core: Core, wanted: Wanted, check_cancelled: Callable[[], None]) -> 
         _check(saved, image)
     elif image.ndim == 3:
         parameters = PRESETS["volume"]
-    most, scales = most_scales(image.shape), parameters.scales
-    if scales > most:
-        parameters = replace(parameters, scales=most)
-        notes = (*notes, tr("The image is small: the scales are set to {most}.").format(most=most))
+    scales, parameters = parameters.scales, fitting(parameters, image.shape)
+    if scales > parameters.scales:
+        notes = (*notes, tr("The image is small: the scales are set to {most}.", most=parameters.scales))
     method = core.methods["cpm"](image, parameters, None)
     check_cancelled()
     display = display_of(image) if image.ndim == 2 else None
@@ -170,7 +170,7 @@ def _read(
     reading: Reading,
     asked: bool | None,
     parts: Parts | None,
-    check_cancelled: Callable[[], None],
+    check_cancelled: Callback,
 ) -> tuple[Image, tuple[str, ...]]:
     """The image or the volume of a file, of which the range of gray levels is known afterwards.
 
@@ -199,7 +199,7 @@ class Opener:
         self._core = core
         self._tasks = tasks
         self._task: Task | None = None
-        self._afterwards: list[Callable[[], None]] = []
+        self._afterwards: list[Callback] = []
         tasks.changed.connect(self._go_on)
 
     @property
@@ -217,14 +217,14 @@ class Opener:
             return ImageReady(prepare(self._core, wanted, task.check_cancelled))
 
         self._task = self._tasks.start(
-            tr("Opening {name}…").format(name=name),
+            tr("Opening {name}…", name=name),
             work,
-            tr("opening {name}").format(name=name),
+            tr("opening {name}", name=name),
             NotOpened,
         )
         return self._task
 
-    def afterwards(self, do: Callable[[], None]) -> None:
+    def afterwards(self, do: Callback) -> None:
         """Call `do` as soon as no image is being opened."""
         self._afterwards.append(do)
         self._go_on()

@@ -16,6 +16,7 @@ from PySide6.QtCore import QObject, Signal
 
 from cpm_app.model.state.situation import seconds_left
 from cpm_app.session.exchange.messages import CommandFailed, Finished, Report, sentence
+from cpm_core.numerics.types import Callback
 
 T = TypeVar("T")
 
@@ -94,9 +95,7 @@ class Tasks(QObject):
     advanced = Signal()
     """The progress of tasks may have changed; sent a few times a second."""
 
-    def __init__(
-        self, report: Callable[[Report], None], wake: Callable[[], None], parent: QObject | None = None
-    ) -> None:
+    def __init__(self, report: Callable[[Report], None], wake: Callback, parent: QObject | None = None) -> None:
         super().__init__(parent)
         self._report = report
         self._wake = wake
@@ -162,7 +161,7 @@ class Tasks(QObject):
         thread.start()
         return task
 
-    def call(self, then: Callable[[], object]) -> None:
+    def call(self, then: Callback) -> None:
         """Call something on the window's thread, from any thread."""
         self._report(Finished(then))
 

@@ -16,6 +16,7 @@ from cpm_app.model.display.plots import RunMetrics
 from cpm_core import Method, Parameters, PlacedCharge
 from cpm_core.image import AnyRegions
 from cpm_core.numerics import Array, Place, polyline
+from cpm_core.numerics.types import Sides
 from cpm_core.segmentation import MethodState, Steerable
 
 BranchStep = tuple[int, int]
@@ -197,7 +198,7 @@ class Erased:
         """Remove the particles."""
         return method.erased(state, lambda at: self.reaches(at, method.image.spacing))
 
-    def reaches(self, places: Array, spacing: tuple[float, ...]) -> ArrayLike:
+    def reaches(self, places: Array, spacing: Sides) -> ArrayLike:
         """Which places, shape (N, D), are no farther from the path than the radius."""
         sides = np.array(spacing) / min(spacing) if len(self.path[0]) == 3 else 1.0
         return polyline.distances(np.array(self.path) * sides, places * sides) <= self.radius

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -41,6 +41,7 @@ from cpm_core.formats import (
     to_plain,
 )
 from cpm_core.numerics import Position
+from cpm_core.numerics.types import Entries, Plain
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.parameters import shown
 
@@ -50,7 +51,6 @@ MOST = 24 * 2**20
 MOST_STEPS = 200_000
 """Most steps of a branch that are read."""
 
-Plain = Mapping[str, Any]
 T = TypeVar("T")
 
 
@@ -86,7 +86,7 @@ def runs_to_plain(stored: StoredRuns) -> Plain:
 
 
 @lru_cache(2 * MOST_RUNS)
-def _packed(state: State) -> tuple[dict[str, Any], int]:
+def _packed(state: State) -> tuple[Entries, int]:
     """A state as plain JSON, and its size [characters]; runs are collected many times, most with the same states."""
     plain = state_to_plain(state)
     return plain, len(json.dumps(plain))
@@ -136,7 +136,7 @@ def sound(plain: Plain, name: str, read: Callable[[Plain], T], faults: list[Exce
     return found
 
 
-def _run_to_plain(run: StoredRun) -> dict[str, Any]:
+def _run_to_plain(run: StoredRun) -> Entries:
     numbers: dict[RunAction, int] = {}
     branches = []
     for stored in run.branches:
@@ -159,9 +159,9 @@ def _run_to_plain(run: StoredRun) -> dict[str, Any]:
     }
 
 
-def _action_to_plain(action: RunAction, usual: Parameters) -> dict[str, Any]:
+def _action_to_plain(action: RunAction, usual: Parameters) -> Entries:
     """An action, whose parameters are written as far as they differ from the usual ones."""
-    plain: dict[str, Any] = {}
+    plain: Entries = {}
     if isinstance(action, Stepped):
         known, taken = to_plain(usual), to_plain(action.parameters)
         plain["step"] = {name: value for name, value in taken.items() if value != known[name]}

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from cpm_app.model.document.document import Document
 from cpm_app.session.timeline.moments import BranchStep, RunAction
 from cpm_core.numerics import Array, Position
+from cpm_core.numerics.types import record
 from cpm_core.segmentation import MethodState
 from cpm_core.shapes import Points, Start
 
@@ -45,7 +46,7 @@ class Branch:
     renamed: bool = False
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class StoredBranch:
     """A branch with the actions of its steps, of the first one only those that changed its state.
 
@@ -57,7 +58,7 @@ class StoredBranch:
     figures: Array | None = None
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class StoredRun:
     """A run: its first document, the sources of its particles until now, and its branches, parents first."""
 
@@ -66,7 +67,7 @@ class StoredRun:
     branches: tuple[StoredBranch, ...]
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class StoredRuns:
     """All runs, the oldest first, branch and step that are shown, and states that need not be computed again.
 

@@ -23,6 +23,7 @@ from cpm_app.session.timeline.moments import BranchStep, KeptStates, Moment, Run
 from cpm_app.session.timeline.stored_runs import Branch, StoredBranch, StoredRun, StoredRuns
 from cpm_core import Method, Parameters
 from cpm_core.image import AnyRegions
+from cpm_core.numerics.types import record
 from cpm_core.segmentation import MethodState
 from cpm_core.shapes import Shape
 
@@ -38,7 +39,7 @@ _METHODS = 3
 """Methods with different regions that are kept for repeating steps."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Outline:
     """State of the timeline, as the window shows it.
 
@@ -302,8 +303,9 @@ class Timeline:
             raise ValueError(tr("The only run cannot be deleted."))
         rest = [other for other in self._lines.values() if other.run == line.run and other is not line]
         if any(not other.common(rest[0]) and rest[0].path[0] not in other.path[0].of_step for other in rest):
-            message = tr("{name} cannot be deleted: several branches begin with its step {step}.")
-            raise ValueError(message.format(name=line.name, step=0))
+            raise ValueError(
+                tr("{name} cannot be deleted: several branches begin with its step {step}.", name=line.name, step=0)
+            )
         del self._lines[branch]
         if self._line is line and rest:
             other = max(rest, key=line.common)
@@ -395,7 +397,7 @@ class Timeline:
 
     def _known(self, branch: int) -> _Line:
         if branch not in self._lines:
-            raise ValueError(tr("Branch {number} no longer exists.").format(number=branch))
+            raise ValueError(tr("Branch {number} no longer exists.", number=branch))
         return self._lines[branch]
 
     def _root(self, run: int) -> _Line:

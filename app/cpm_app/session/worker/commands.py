@@ -10,13 +10,13 @@ import gc
 from collections import Counter
 from collections.abc import Callable, Hashable, Mapping
 from concurrent.futures import Future
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache, partial
 from pathlib import Path
 from typing import Concatenate, ParamSpec
 
 from cpm_app.model.document.document import Document, ImageReference
-from cpm_app.model.export import ExportFile, ExportOrder, What, chosen, summary_text, thinned
+from cpm_app.model.export import ExportOrder, What, chosen, summary_text, thinned
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.messages import (
     CommandFailed,
@@ -33,10 +33,11 @@ from cpm_app.session.exchange.messages import (
     WentOn,
 )
 from cpm_app.session.tasks.tasks import Task
-from cpm_app.session.timeline.plain_runs import Plain, runs_from_plain, runs_to_plain
+from cpm_app.session.timeline.plain_runs import runs_from_plain, runs_to_plain
 from cpm_app.session.worker.run import Run
-from cpm_core import Image, Result, Skeleton
+from cpm_core import Result, Skeleton
 from cpm_core.formats import DRAWN, descriptions, located, write_together
+from cpm_core.numerics.types import Plain, record
 from cpm_core.shapes import NO_SEEDS
 
 P = ParamSpec("P")
@@ -44,7 +45,7 @@ P = ParamSpec("P")
 _CHANGING_RUNS = (Run.discard, Run.rename_branch, Run.drop_branch, Run.set_timeline_budget)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class CommandContext:
     """What commands work with; only the worker thread touches it.
 
@@ -66,7 +67,7 @@ class CommandContext:
     closing: Callable[[], bool]
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class Command:
     """Work for the worker thread between two steps.
 
@@ -171,7 +172,11 @@ def write_files(
                 if key not in made:
                     result = chosen(whole, document, order, file.what, image)
                     made[key] = thinned(result, order.tolerance) if key[1] else result
-                shaped = _shaped(made[key], file, document, image)
+                shaped = made[key]
+                if file.suffix in DRAWN and shaped.image is None:
+                    shaped = replace(shaped, image=image)
+                elif file.suffix == ".labelme.json" and source is not None:
+                    shaped = located(shaped, file.path, Path(source))
                 contents.append((file.path, context.core.encode(shaped, file.suffix, space=order.space, image=source)))
                 contents += [] if then else descriptions(made[key], file.path)
                 counts.setdefault(file.what, summary_text(made[key], file.what, file.suffix))
@@ -179,23 +184,14 @@ def write_files(
                 context.report(Finished(partial(then, tuple(content for _, content in contents))))
                 return
             write_together(contents)
-            several = tr("{count} files").format(count=len(contents))
+            several = tr("{count} files", count=len(contents))
             text = ", ".join([several] * (len(contents) > 1) + [*counts.values()])
             context.report(Exported(order.files[0].path, text))
         finally:
             task.end()
 
-    activity = tr("writing {name}").format(name=order.files[0].path.name)
+    activity = tr("writing {name}", name=order.files[0].path.name)
     return Command(work, activity, failed=partial(CommandFailed, topic="exporting"))
-
-
-def _shaped(result: Result | Skeleton, file: ExportFile, document: Document, image: Image | None) -> Result | Skeleton:
-    """A result with what the format of a file needs: the image, or where that lies as seen from the file."""
-    if file.suffix in DRAWN and result.image is None:
-        return replace(result, image=image)
-    if file.suffix == ".labelme.json" and document.image is not None:
-        return located(result, file.path, Path(document.image.path))
-    return result
 
 
 def warm_up(volumes: bool = False) -> Command:
@@ -226,7 +222,7 @@ def _keep_loaded(volumes: bool) -> None:
     gc.freeze()
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class RunsCollected(Report):
     """The runs on the image opened as `generation`, as plain JSON, or a sentence on why there are none.
 
@@ -260,7 +256,7 @@ def collect_runs(generation: int, drawn: Mapping[int, Counter[Hashable]], found:
     )
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class RunsRestored(Report):
     """The runs of a session are on the timeline.
 

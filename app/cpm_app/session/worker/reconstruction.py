@@ -7,7 +7,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from cpm_app.session.exchange.messages import Reconstruction, ReconstructionFail
 from cpm_core import Method, Parameters, Result, Skeleton
 from cpm_core.contours import HandEdit
 from cpm_core.model import ImageFields
+from cpm_core.numerics.types import record
 from cpm_core.reconstruction import carried_out
 from cpm_core.segmentation import MethodState
 
@@ -31,7 +32,7 @@ _CHECK_EVERY = 0.05
 """Time between two checks whether a reconstruction is still wanted [s]."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class Request:
     """A state to reconstruct contours from; where `last`, none follows soon and there is no pause before it.
 

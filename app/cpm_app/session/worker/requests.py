@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import partial
 
 import numpy as np
@@ -18,6 +18,7 @@ from cpm_core import Image, Parameters
 from cpm_core.field import ScaleField
 from cpm_core.model import ImageFields
 from cpm_core.numerics import Array, Place
+from cpm_core.numerics.types import record
 from cpm_core.segmentation import Steerable
 
 
@@ -35,7 +36,7 @@ NAMES = ("coulomb", "lorentz", "placed", "friction", "damping", "total")
 """Forces that are reported: attributes of the core's `Forces`."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class Probed(Report):
     """The forces on a particle.
 
@@ -94,7 +95,7 @@ def probe(generation: int, place: Place, reach: float) -> Command:
     return Command(work, activity, "probe", lambda trouble: Probed(generation, -1, trouble=trouble))
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class FrameTaken:
     """All that is shown in one frame, or an error message; `moment` is None when the run has been replaced."""
 
@@ -131,7 +132,7 @@ def take_frame(
     return Command(work, tr("drawing a step"), failed=lambda sentence: report(sentence=sentence))
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class Shaded(Report):
     """An image in an intensity window."""
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import pyqtgraph as pg
 from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QCursor
@@ -14,6 +12,7 @@ from cpm_app.views.canvas.canvas import Canvas
 from cpm_app.views.items.item import Markers
 from cpm_app.views.theme import theme
 from cpm_core.numerics import Position
+from cpm_core.numerics.types import Callback
 
 _Z = 9.0
 _SIZE = 36.0
@@ -29,7 +28,7 @@ _MARGIN = 24.0
 class Crosshair:
     """Presses, drags and releases on the canvas like the left button; `changed` is called when `advice` may change."""
 
-    def __init__(self, canvas: Canvas, changed: Callable[[], None]) -> None:
+    def __init__(self, canvas: Canvas, changed: Callback) -> None:
         self._canvas = canvas
         self._changed = changed
         self.at: Position | None = None

@@ -19,6 +19,7 @@ from cpm_app.views.layers.layer import NoRequests, Requests
 from cpm_app.views.theme import theme
 from cpm_app.views.widgets.turns import Turns
 from cpm_core.numerics import Place, Position
+from cpm_core.numerics.types import Extent
 
 _MARGIN = 0.04
 
@@ -60,7 +61,7 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
                 layer.changed.connect(self._copy_settings)
 
     @property
-    def shape(self) -> tuple[int, ...] | None:
+    def shape(self) -> Extent | None:
         """Shape of the image; None while there is none."""
         return self.drawn.image.shape if self.drawn.image is not None else None
 

@@ -33,6 +33,7 @@ from cpm_app.views.widgets.actions import add_choice
 from cpm_app.views.widgets.containers import Scrolled, Section, arrange, wrapped
 from cpm_app.views.widgets.fields import MarkedSlider
 from cpm_core.contours import TOLERANCE
+from cpm_core.numerics.types import Callback
 
 _LEAST = 120
 """Least height of the choice of methods and of parameters [px]."""
@@ -139,8 +140,8 @@ class ComparePanel(QWidget):
         session: Session,
         compared: ComparedResults,
         navigation: TimelineNavigation,
-        load: Callable[[], object],
-        export: Callable[[], object],
+        load: Callback,
+        export: Callback,
         jump: Callable[[Difference], object],
     ) -> None:
         super().__init__()
@@ -202,7 +203,7 @@ class ComparePanel(QWidget):
 
     # Internal
 
-    def _act(self, text: str, do: Callable[[], object], tip: str) -> QAction:
+    def _act(self, text: str, do: Callback, tip: str) -> QAction:
         """An action of the chosen result, which the menu of the table has, too."""
         return add_choice(self.table, text, do, tip)
 

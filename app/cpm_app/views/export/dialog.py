@@ -63,7 +63,7 @@ _WIDTH = 430
 _SPACES = {"LPS": tr("Left, back, head (LPS), as in DICOM"), "RAS": tr("Right, front, head (RAS), as in NIfTI")}
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Exportable:
     """What there is besides the scene: chosen objects and contours, done pages, the last step of the run.
 

@@ -32,7 +32,7 @@ NARROWEST, WIDEST = 64, 3840
 """Smallest and largest width of a frame [px]."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class AnimationPlan:
     """Settings of an animation: a step for each frame, width and height of a frame [px], and the speed."""
 

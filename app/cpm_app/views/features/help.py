@@ -57,7 +57,7 @@ class HelpFeature(Feature):
         """Open the guide, at a named page if given, or bring it to the front."""
         if self.guide is None:
             self.guide = Guide(self.window, self.window.shortcuts, self._open_sample)
-            self.guide.finished.connect(self._forget_guide)
+            self.guide.finished.connect(lambda: setattr(self, "guide", None))
         self.guide.show()
         self.guide.raise_()
         self.guide.activateWindow()
@@ -69,9 +69,6 @@ class HelpFeature(Feature):
         if self.guide is not None:
             self.guide.close()
         return True
-
-    def _forget_guide(self) -> None:
-        self.guide = None
 
     def _show_keys(self) -> None:
         if self.guide is not None and self.guide.page == KEYS:

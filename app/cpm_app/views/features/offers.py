@@ -26,6 +26,7 @@ from cpm_app.views.window.window import Feature
 from cpm_core import PRESETS
 from cpm_core.formats import Reading
 from cpm_core.image import Kind, guessed_kind
+from cpm_core.numerics.types import Sides
 from cpm_core.segmentation import LargeImageSettings, large_image_settings
 
 
@@ -222,7 +223,7 @@ class PixelSizeFeature(Feature):
         self.dialog.finished.connect(self.dialog.deleteLater)
         self.dialog.open()
 
-    def _use(self, spacing: tuple[float, ...], unit: str | None, by_hand: bool = True) -> None:
+    def _use(self, spacing: Sides, unit: str | None, by_hand: bool = True) -> None:
         name = tr("voxel size") if len(spacing) == 3 else tr("pixel size")
         self.session.edit(
             name if by_hand else tr("size in the file"),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
@@ -32,6 +31,7 @@ from cpm_app.views.window.window import Feature, MainWindow
 from cpm_core import Image
 from cpm_core.formats import write_picture
 from cpm_core.numerics import Place
+from cpm_core.numerics.types import Callback
 
 _MENU = ">" + tr("Slices and pages")
 _JUMP = 10
@@ -70,7 +70,7 @@ class SlicesFeature(Feature):
         def several(situation: Situation) -> bool:
             return has_volume(situation) or pages.count > 1
 
-        def go(by: int) -> Callable[[], None]:
+        def go(by: int) -> Callback:
             return lambda: (pages if pages.count else slices).go(by)
 
         def turn_to(axis: int) -> None:

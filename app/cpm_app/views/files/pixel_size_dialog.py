@@ -15,6 +15,7 @@ from PySide6.QtWidgets import (
 from cpm_app.model.text.language import tr
 from cpm_app.views.widgets.containers import AcceptButtons, lay_out_form
 from cpm_app.views.widgets.fields import DecimalField
+from cpm_core.numerics.types import Sides
 
 UNITS = ("nm", "µm", "mm", "cm", "m")
 _SIDES = (tr("Distance between planes"), tr("Distance between rows"), tr("Distance between columns"))
@@ -41,7 +42,7 @@ class PixelSizeDialog(QDialog):
     reset = Signal()
     """The user wants the size in the file."""
 
-    def __init__(self, parent: QWidget, spacing: tuple[float, ...], unit: str | None, stated: str) -> None:
+    def __init__(self, parent: QWidget, spacing: Sides, unit: str | None, stated: str) -> None:
         super().__init__(parent)
         volume = len(spacing) == 3
         self.setWindowTitle(tr("Voxel size") if volume else tr("Pixel size"))

@@ -16,6 +16,7 @@ from cpm_app.session.storage.preferences import Preferences
 from cpm_app.views.widgets.actions import add_choice
 from cpm_core.formats import Reading, from_plain
 from cpm_core.formats.images.reading import DEFAULT
+from cpm_core.numerics.types import Callback
 
 MOST = 12
 """Largest number of files in the list."""
@@ -34,7 +35,7 @@ class RecentFiles:
     def __init__(self, preferences: Preferences, open_file: Callable[[Path], None]) -> None:
         self._preferences = preferences
         self._open_file = open_file
-        self.cleared: list[Callable[[], None]] = []
+        self.cleared: list[Callback] = []
         """Called when the list has been cleared."""
 
     @property

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 
 from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
@@ -13,12 +12,13 @@ from PySide6.QtWidgets import QHBoxLayout, QLabel, QListWidgetItem, QPushButton,
 from cpm_app.model.text.language import tr
 from cpm_app.views.theme.theme import Theme
 from cpm_app.views.widgets.containers import PictureGrid, Scrolled, arrange, dim_label, keep_escape, wrapped
+from cpm_core.numerics.types import record
 
 _PICTURE, _CELL = QSize(192, 120), QSize(212, 172)
 _MARGIN = 32
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class Entry:
     """A file that can be opened: its picture, which may be null, its name, a line below it, and what it is."""
 

@@ -16,6 +16,7 @@ from PySide6.QtWidgets import QGraphicsItem, QStyleOptionGraphicsItem, QWidget
 from cpm_app.views.theme import theme
 from cpm_app.views.theme.theme import Kind, look
 from cpm_core.numerics import Array, Place, Position
+from cpm_core.numerics.types import Extent
 
 
 def to_xy(positions: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -28,7 +29,7 @@ def to_position(point: QPointF) -> Position:
     return (point.y(), point.x())
 
 
-def image_rectangle(shape: tuple[int, ...]) -> QRectF:
+def image_rectangle(shape: Extent) -> QRectF:
     """Rectangle of an image on the canvas; it begins half a pixel before the center of the first pixel."""
     rows, cols = shape
     return QRectF(-0.5, -0.5, cols, rows)
@@ -69,7 +70,7 @@ class OverImage(QtWidgets.QGraphicsObject):  # type: ignore[misc]  # `show` of i
         self.setZValue(z)
         self.setVisible(True)
 
-    def use_shape(self, shape: tuple[int, ...], rim: float | None = None) -> None:
+    def use_shape(self, shape: Extent, rim: float | None = None) -> None:
         """Cover an image of this shape and a rim around it."""
         width = self._rim if rim is None else rim
         self.prepareGeometryChange()

@@ -11,8 +11,9 @@ from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QImage, QPainter, qRgba
 from PySide6.QtWidgets import QGraphicsItem, QStyleOptionGraphicsItem
 
-from cpm_app.model.display.display_image import DisplayImage, Shades
+from cpm_app.model.display.display_image import DisplayImage
 from cpm_app.views.items.item import OverImage
+from cpm_core.numerics.types import Pixels
 
 _BLOCK = 256
 """Parts of a level begin and end at multiples of this, so that a small move of the view needs no other part [px]."""
@@ -36,7 +37,7 @@ class TiledImage(OverImage):
         self.display: DisplayImage | None = None
         """The image that is drawn."""
         self._colors: list[int] | None = None
-        self._curve: Shades | None = None
+        self._curve: Pixels | None = None
         self._made: tuple[Part, QImage] | None = None
         self.setFlag(QGraphicsItem.GraphicsItemFlag.ItemUsesExtendedStyleOption)
 
@@ -54,7 +55,7 @@ class TiledImage(OverImage):
         self._colors = None if table is None else [qRgba(*(int(c) for c in (*row, 255)[:4])) for row in table]
         self._renew()
 
-    def use_curve(self, curve: Shades | None) -> None:
+    def use_curve(self, curve: Pixels | None) -> None:
         """Draw each channel of colored shades by a curve of 256 values; None leaves them as they are."""
         self._curve = curve
         self._renew()
@@ -87,7 +88,7 @@ class TiledImage(OverImage):
         """The pixels of a part, as the screen has them."""
         assert self.display is not None
         level, top, left, bottom, right = part
-        shades: Shades = self.display.levels[level - self.display.finest][top:bottom, left:right]
+        shades: Pixels = self.display.levels[level - self.display.finest][top:bottom, left:right]
         if shades.ndim == 3 and self._curve is not None:
             shades = self._curve[shades]
         if shades.ndim == 3:
@@ -102,7 +103,7 @@ class TiledImage(OverImage):
         return picture.convertToFormat(screen)
 
 
-def _view(shades: Shades, kind: QImage.Format) -> QImage:
+def _view(shades: Pixels, kind: QImage.Format) -> QImage:
     """Rows of an image, whose bytes stay where they are as long as it is used."""
     rows, cols = shades.shape[:2]
     last = (rows - 1) * shades.strides[0] + cols * shades.strides[1]

@@ -21,6 +21,7 @@ from cpm_app.views.layers.layer import Layer
 from cpm_app.views.theme import theme
 from cpm_core.field import RADIUS, REACH
 from cpm_core.numerics import Array, Place
+from cpm_core.numerics.types import Extent
 from cpm_core.shapes import (
     Barrier,
     Charge,
@@ -175,7 +176,7 @@ class DrawingLayer(Layer):
         """The shapes: of a volume, their sections."""
         return self.scene.document.shapes
 
-    def use_shape(self, shape: tuple[int, ...]) -> None:
+    def use_shape(self, shape: Extent) -> None:
         """Cover an image of this shape; shapes may lie next to it."""
         for item, _ in self._items:
             if isinstance(item, OverImage):

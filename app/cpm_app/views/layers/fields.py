@@ -9,7 +9,7 @@ import numpy as np
 import pyqtgraph as pg
 from PySide6.QtCore import QRectF
 
-from cpm_app.model.display.display_image import DisplayImage, Shades
+from cpm_app.model.display.display_image import DisplayImage
 from cpm_app.model.text.language import tr
 from cpm_app.session.scene import Scene
 from cpm_app.views.items.item import cached, line_pen, to_xy
@@ -17,6 +17,7 @@ from cpm_app.views.items.tiled_image import TiledImage
 from cpm_app.views.layers.layer import Choice, Layer
 from cpm_app.views.theme import color_maps, theme
 from cpm_core.numerics import Array
+from cpm_core.numerics.types import Pixels
 
 _STRONGEST = 235
 """Opacity of the strongest edges, out of 255."""
@@ -45,7 +46,7 @@ class ScalarOverlay(Layer):
         self.add(self._item)
 
     @property
-    def shades(self) -> Shades | None:
+    def shades(self) -> Pixels | None:
         """Shades shown, before the color map is applied; None while nothing is shown."""
         return self._item.display.shades if self._item.display is not None and self._item.isVisible() else None
 

@@ -13,7 +13,6 @@ from PySide6.QtWidgets import QWidget
 from cpm_app.model.display.display_image import (
     DisplayImage,
     IntensityWindow,
-    Shades,
     apply_window,
     color_curve,
     percentile_window,
@@ -25,6 +24,7 @@ from cpm_app.views.items.item import cached
 from cpm_app.views.items.tiled_image import TiledImage
 from cpm_app.views.layers.layer import Amount, Choice, Layer
 from cpm_app.views.theme import color_maps
+from cpm_core.numerics.types import Pixels
 
 WHOLE, AUTOMATIC, _HAND = "0", "0.1", "hand"
 """Ranges of gray values: all, all but the most extreme, and one chosen by hand."""
@@ -101,7 +101,7 @@ class ImageLayer(Layer):
         """Within which a window may be chosen: the ends, of CT also the usual windows."""
 
     @property
-    def shades(self) -> Shades | None:
+    def shades(self) -> Pixels | None:
         """Shades shown, before the color map is applied."""
         return self._item.display.shades if self._item.display is not None else None
 

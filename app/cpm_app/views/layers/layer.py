@@ -13,11 +13,12 @@ from PySide6.QtWidgets import QGraphicsItem
 from cpm_app.session.scene import Scene
 from cpm_app.session.worker.commands import Command
 from cpm_app.views.items.item import OverImage
+from cpm_core.numerics.types import Extent
 
 Value = str | float | bool
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Choice:
     """One of several alternatives.
 
@@ -42,7 +43,7 @@ class Choice:
         return value if isinstance(value, str) and value in self.ways else None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Amount:
     """A number between `low` and `high` in increments of `step`, by default `first`; the rest is as in `Choice`."""
 
@@ -59,7 +60,7 @@ class Amount:
         return float(value) if isinstance(value, int | float) and self.low <= value <= self.high else None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Switch:
     """Something that is on or off, by default `first`; the rest is as in `Choice`."""
 
@@ -80,7 +81,7 @@ Sign = Literal["line", "dashed", "dot", "check", "area"]
 """How it is drawn: as a line, a dashed line, a disc, or not in a way of its own."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class LegendEntry:
     """One kind of thing on the canvas.
 
@@ -189,7 +190,7 @@ class Layer(QObject):
             self.use_shape(scene.image.shape)
         self.follow(before)
 
-    def use_shape(self, shape: tuple[int, ...]) -> None:
+    def use_shape(self, shape: Extent) -> None:
         """Cover an image of this shape."""
         for item, _ in self._items:
             if isinstance(item, OverImage):

@@ -17,7 +17,8 @@ from cpm_app.views.layers.layer import Amount, Layer, LegendEntry, Switch
 from cpm_app.views.theme import theme
 from cpm_core import Selection
 from cpm_core.numerics import Array
-from cpm_core.objects.segmented import CLASSES, Line
+from cpm_core.numerics.types import Line
+from cpm_core.objects.segmented import CLASSES
 
 _OFFERED, _DOUBTFUL, _CHANGED = 0.2, 0.08, 0.4
 """Opacity of the area of what is offered, of what is doubtful, and of what a click would change."""

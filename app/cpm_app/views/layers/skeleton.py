@@ -14,6 +14,7 @@ from cpm_app.views.layers.layer import Layer
 from cpm_app.views.theme import theme
 from cpm_core import Skeleton
 from cpm_core.numerics import Array
+from cpm_core.numerics.types import Sides
 
 _THICK = 95.0
 """Percentile of the radii from which all are shown as thick, so that one wide place does not make all others thin."""
@@ -85,7 +86,7 @@ def _sides(scene: Scene) -> tuple[float, ...]:
     return tuple(side / min(scene.volume.spacing) for side in scene.image.spacing)
 
 
-def disks(path: Array, radii: Array, sides: tuple[float, ...] = (1.0, 1.0)) -> list[Array]:
+def disks(path: Array, radii: Array, sides: Sides = (1.0, 1.0)) -> list[Array]:
     """Outlines of inscribed disks along a branch, at least a radius apart; `sides` are those of a pixel."""
     angle = np.linspace(0.0, 2.0 * np.pi, _CORNERS)
     around = np.stack([np.sin(angle), np.cos(angle)], axis=1) / np.array(sides)

@@ -45,6 +45,7 @@ from cpm_app.views.widgets.containers import arrange, wrapped
 from cpm_app.views.widgets.fields import DecimalField
 from cpm_core import Image
 from cpm_core.contours import Measures
+from cpm_core.numerics.types import Sides
 from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects
 
 REACHED: Mapping[str, str] = {
@@ -87,7 +88,7 @@ def _state(row: Row) -> str | None:
 CONFIDENCE = tr("Confidence: the estimated probability that the object covers most of the true one and little else.")
 
 
-def columns_of(objects: SegmentedObjects, spacing: tuple[float, ...] = (1.0, 1.0)) -> tuple[Column[Row], ...]:
+def columns_of(objects: SegmentedObjects, spacing: Sides = (1.0, 1.0)) -> tuple[Column[Row], ...]:
     """The columns, those that matter most first, with the classes of the objects and the size of a pixel."""
     pixel = float(np.prod(spacing))
     solid = len(spacing) == 3

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 
 from PySide6.QtCore import QPoint, Qt
@@ -18,6 +17,7 @@ from cpm_app.views.widgets.actions import add_choice
 from cpm_app.views.window.dialogs import Button, Question, ask_for_text
 from cpm_app.views.window.window import MainWindow
 from cpm_core import PRESETS
+from cpm_core.numerics.types import Callback
 
 _TOPIC = "preset"
 
@@ -71,7 +71,7 @@ class Presets(QToolButton):
         menu.addSeparator()
         menu.addActions([self.save, self.delete])
 
-    def _make(self, text: str, do: Callable[[], None], tip: str) -> QAction:
+    def _make(self, text: str, do: Callback, tip: str) -> QAction:
         action = QAction(text, self, toolTip=tip, statusTip=tip)
 
         def attempt() -> None:

@@ -34,7 +34,7 @@ class Ink(str):
     name: str
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Look:
     """Factors for the widths of lines and the size of points, and the colors that were chosen, by name."""
 
@@ -94,7 +94,7 @@ DISK = "#70ffffff"
 COULOMB, LORENTZ, DAMPING = "#ff9d1e", "#56b4e9", "#2bd4a4"
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Theme:
     """Colors of the window."""
 

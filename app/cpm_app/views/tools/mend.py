@@ -20,6 +20,7 @@ from cpm_app.views.tools.brush_tools import RingTool
 from cpm_app.views.tools.tool import MEND, TAKING_AWAY, Cursor
 from cpm_core.contours import HandEdit
 from cpm_core.numerics import Array, Place, Position
+from cpm_core.numerics.types import Line
 from cpm_core.objects.segmented import SegmentedObject
 from cpm_core.reconstruction import Contact, connect, deletion, pull
 
@@ -154,7 +155,7 @@ class MendTool(RingTool):
             self._find(at, self._reach)
         self._show()
 
-    def work(self, path: tuple[Position, ...]) -> None:
+    def work(self, path: Line) -> None:
         """Begin a stroke, or paint on."""
         if len(path) == 1:
             self._objects = self._session.document.objects

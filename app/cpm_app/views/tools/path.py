@@ -15,7 +15,8 @@ from cpm_app.session.signals import EDITING
 from cpm_app.views.theme import theme
 from cpm_app.views.tools.drawn import box_between
 from cpm_app.views.tools.tool import AREA, CIRCLE, LIMIT, STROKE, Tool
-from cpm_core.numerics import Place, Position, polyline
+from cpm_core.numerics import Place, polyline
+from cpm_core.numerics.types import Line
 from cpm_core.shapes import (
     Barrier,
     BoxGrid,
@@ -36,8 +37,6 @@ _FINEST = 1.0
 
 _SHORTEST, _SMALLEST = 1.0, 4.0
 """Length [px] and area [px²] below which a path is taken for an accident."""
-
-_Flat = tuple[Position, ...]
 
 
 class PathTool(Tool):
@@ -66,7 +65,7 @@ class PathTool(Tool):
         self._begun: Slice | None = None
         self._reach = 0.0
 
-    def solid(self, path: _Flat, here: Slice, volume: ImageReference) -> Shape:
+    def solid(self, path: Line, here: Slice, volume: ImageReference) -> Shape:
         """What a path in a slice becomes in a volume."""
         raise NotImplementedError
 
@@ -222,7 +221,7 @@ class GridTool(PathTool):
     tip = tr("Drag, or click corner by corner, around an area to cover with an even grid; [ and ] change its spacing.")
     made = Grid
 
-    def solid(self, path: _Flat, here: Slice, volume: ImageReference) -> Shape:
+    def solid(self, path: Line, here: Slice, volume: ImageReference) -> Shape:
         """A grid in the box around the path."""
         return BoxGrid.between(*_box_around(path, here, volume), volume.spacing)
 
@@ -239,7 +238,7 @@ class ThresholdTool(PathTool):
     )
     made = Threshold
 
-    def solid(self, path: _Flat, here: Slice, volume: ImageReference) -> Shape:
+    def solid(self, path: Line, here: Slice, volume: ImageReference) -> Shape:
         """The box around the path."""
         return BoxThreshold(*_box_around(path, here, volume))
 
@@ -255,7 +254,7 @@ class RegionTool(PathTool):
     made = Region
     color = theme.REGION
 
-    def solid(self, path: _Flat, here: Slice, volume: ImageReference) -> Shape:
+    def solid(self, path: Line, here: Slice, volume: ImageReference) -> Shape:
         """The box around a rectangle that has been dragged, or all that is seen through the area."""
         if self._boxed:
             return BoxRegion(*_box_around(path, here, volume))
@@ -274,11 +273,11 @@ class BarrierTool(PathTool):
     color = theme.BARRIER
     closed = False
 
-    def solid(self, path: _Flat, here: Slice, volume: ImageReference) -> Shape:
+    def solid(self, path: Line, here: Slice, volume: ImageReference) -> Shape:
         """A wall across all slices."""
         return Wall(path, here.axis, 0.0, volume.shape[here.axis] - 1.0)
 
 
-def _box_around(path: _Flat, here: Slice, volume: ImageReference) -> tuple[Place, Place]:
+def _box_around(path: Line, here: Slice, volume: ImageReference) -> tuple[Place, Place]:
     (top, left), (bottom, right) = (tuple(map(end, zip(*path, strict=True))) for end in (min, max))
     return box_between((top, left), (bottom, right), here, volume)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
 from typing import Literal
 
 from PySide6.QtCore import Qt
@@ -16,6 +15,7 @@ from cpm_app.model.volume.slices import Slice
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.views.layers.drawing import DrawingLayer
 from cpm_core.numerics import Place
+from cpm_core.numerics.types import Callback
 from cpm_core.shapes import Shape, sides_of
 
 Cursor = Qt.CursorShape
@@ -73,7 +73,7 @@ class Tool:
     modifiers = Qt.KeyboardModifier.NoModifier
     """Modifier keys that are held; they may constrain the shape."""
 
-    def __init__(self, workspace: Workspace, drawing: DrawingLayer, advised: Callable[[], None]) -> None:
+    def __init__(self, workspace: Workspace, drawing: DrawingLayer, advised: Callback) -> None:
         self._workspace, self._drawing, self._advised = workspace, drawing, advised
         self._session = workspace.session
         self.used = False

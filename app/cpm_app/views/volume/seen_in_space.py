@@ -11,7 +11,6 @@ import numpy as np
 from PySide6.QtGui import QColor
 
 from cpm_app.model.display.coloring import QUANTITIES, SHADES, colored
-from cpm_app.model.space.picture import Colors
 from cpm_app.model.space.triangles import Mesh
 from cpm_app.model.space.view_in_space import ColoredMesh, Particles, ViewInSpace, Wires
 from cpm_app.model.space.voxels import Shaded
@@ -26,6 +25,7 @@ from cpm_app.views.theme import color_maps, theme
 from cpm_app.views.theme.theme import Ink, look
 from cpm_core import Image, Skeleton, Surface, Truth, VolumeSelection, VolumeTruth
 from cpm_core.contours import PackedVoxels
+from cpm_core.numerics.types import Pixels, Sides
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.shapes import Charge, Interest, Limit, Shape, sides_of
 
@@ -87,7 +87,7 @@ def _mesh(found: Reconstruction | None) -> Mesh | None:
 def _objects(
     objects: SegmentedObjects | None,
     offered: tuple[Proposal, ...],
-    spacing: tuple[float, ...],
+    spacing: Sides,
     bodies: Mapping[int, Surface],
 ) -> tuple[ColoredMesh, ...]:
     """The objects except hidden ones and the one that is being changed, and those that are offered."""
@@ -105,7 +105,7 @@ def _objects(
     )
 
 
-def _truth(truth: Truth | VolumeTruth | None, spacing: tuple[float, ...]) -> tuple[ColoredMesh, ...]:
+def _truth(truth: Truth | VolumeTruth | None, spacing: Sides) -> tuple[ColoredMesh, ...]:
     return (_colored(truth.surface, spacing, look().color(theme.TRUTH)),) if isinstance(truth, VolumeTruth) else ()
 
 
@@ -113,7 +113,7 @@ _MESHES: WeakKeyDictionary[Surface, Mesh] = WeakKeyDictionary()
 """What has been drawn of surfaces that are there."""
 
 
-def _colored(surface: Surface, spacing: tuple[float, ...], color: str) -> ColoredMesh:
+def _colored(surface: Surface, spacing: Sides, color: str) -> ColoredMesh:
     """A surface in a color; its mesh is the same as before, with its normals, while others change."""
     mesh, shade = _MESHES.get(surface), QColor(color)
     if mesh is None or mesh.surface.spacing != spacing:
@@ -142,6 +142,6 @@ def _wires(
     return Wires(np.concatenate(ends), np.concatenate(colors).astype(np.uint8)) if any(map(len, ends)) else None
 
 
-def _rgb(ink: Ink | str) -> Colors:
+def _rgb(ink: Ink | str) -> Pixels:
     color = QColor(look().color(ink))
     return np.array([color.red(), color.green(), color.blue()], np.uint8)

@@ -13,6 +13,7 @@ from cpm_app.session.session import Session
 from cpm_app.views.tools.tool import TAKING_AWAY
 from cpm_core import VolumePartition
 from cpm_core.numerics import Place
+from cpm_core.numerics.types import Sides
 from cpm_core.shapes import Points, Shape, Sphere
 
 _SMALL, _LEAST = 0.03, 2.0
@@ -36,7 +37,7 @@ def draw_at(session: Session, tool: str, at: Place) -> None:
     session.select(len(session.document.shapes) - 1)
 
 
-def select_at(selection: ObjectSelection, camera: Camera, spacing: tuple[float, ...], at: Place) -> None:
+def select_at(selection: ObjectSelection, camera: Camera, spacing: Sides, at: Place) -> None:
     """Report that the body behind a place on something seen belongs to the object; with Shift, not.
 
     Where none lies behind it, the place itself is meant.

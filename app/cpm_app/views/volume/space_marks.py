@@ -11,10 +11,10 @@ from PySide6.QtGui import QColor, QImage, QPainter, QPen
 
 from cpm_app.model.display.lengths import bar
 from cpm_app.model.space.camera import Camera
-from cpm_app.model.space.picture import Colors
 from cpm_app.model.space.view_in_space import AXIS_COLORS, Look, ViewInSpace
 from cpm_app.model.volume.slices import ends_of
 from cpm_app.views.theme import theme
+from cpm_core.numerics.types import Pixels
 
 LOOK = Look(background=(0x14, 0x16, 0x1A))
 """With the background of the canvas."""
@@ -66,7 +66,7 @@ _LONGEST_FRAME = 720
 """Longer side of the frames of an animation [px]."""
 
 
-def picture_of(view: ViewInSpace, camera: Camera, size: tuple[int, int]) -> Colors:
+def picture_of(view: ViewInSpace, camera: Camera, size: tuple[int, int]) -> Pixels:
     """The view in a picture of so many rows and columns, with names and scale bar; on any thread."""
     colors = np.ascontiguousarray(view.drawn(camera, size, LOOK).colors)
     rows, cols = size
@@ -84,7 +84,7 @@ def animation_size(size: tuple[int, int]) -> tuple[int, int]:
     return rows, cols
 
 
-def turn(view: ViewInSpace, camera: Camera, size: tuple[int, int]) -> Iterator[Colors]:
+def turn(view: ViewInSpace, camera: Camera, size: tuple[int, int]) -> Iterator[Pixels]:
     """The frames of a full turn, drawn one by one."""
     for frame in range(FRAMES):
         yield picture_of(view, camera.turned(2.0 * pi * frame / FRAMES, 0.0), size)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from functools import partial
 from math import inf, pi, radians
 
@@ -32,6 +32,7 @@ from cpm_app.session.session import Session
 from cpm_app.views.theme import theme
 from cpm_app.views.volume.space_marks import LOOK, draw_marks, write
 from cpm_core.numerics import Array, Place
+from cpm_core.numerics.types import record
 
 _STEP, _ZOOM = radians(5.0), 1.2
 """What a press of a key turns and enlarges."""
@@ -68,7 +69,7 @@ _CLICK = 4.0
 """Distance within which a press and a release are a click [px of the screen]."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class _Frame:
     """A picture that has been drawn, of which particles, and how."""
 

@@ -26,6 +26,7 @@ from cpm_app.model.text.language import from_core
 from cpm_app.views.theme.icons import icon
 from cpm_app.views.theme.theme import Theme
 from cpm_app.views.widgets.turns import Turns
+from cpm_core.numerics.types import Callback
 
 
 def native(key: str) -> str:
@@ -37,7 +38,7 @@ LAYER = "layer_"
 """What the names of the actions that show or hide a layer begin with."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class ActionSpec:
     """One action.
 
@@ -81,7 +82,7 @@ class ActionSpec:
     menu: str
     text: str
     tip: str
-    do: Callable[[], object]
+    do: Callback
     keys: str = ""
     icon: str = ""
     group: str = ""
@@ -109,7 +110,7 @@ class ActionSpec:
         return self.text.replace("&", "").rstrip("…")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Submenu:
     """A submenu that `fill` fills each time before it opens; the rest is as in `ActionSpec`."""
 
@@ -226,9 +227,7 @@ def _plain(text: str) -> str:
     return re.sub(r"\(&\w\)", "", text).replace("&", "")
 
 
-def add_choice(
-    menu: QWidget, text: str, do: Callable[[], object], tip: str = "", checked: bool | None = None
-) -> QAction:
+def add_choice(menu: QWidget, text: str, do: Callback, tip: str = "", checked: bool | None = None) -> QAction:
     """Add something to a menu that is filled whenever it opens, or to what comes first in the menu of a widget.
 
     There is room for a check mark unless `checked` is None.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Sequence
+from collections.abc import Container, Sequence
 from typing import TypeVar
 
 from PySide6.QtCore import QEvent, QObject, QSize, Qt, Signal
@@ -29,6 +29,7 @@ from PySide6.QtWidgets import (
 from cpm_app.model.text.language import tr
 from cpm_app.views.theme.icons import icon
 from cpm_app.views.theme.theme import Theme
+from cpm_core.numerics.types import Callback
 
 Layout = TypeVar("Layout", bound=QBoxLayout)
 
@@ -72,7 +73,7 @@ def dim_label(text: str = "", tip: str = "") -> QLabel:
     return label
 
 
-def flat_button(text: str, tip: str, do: Callable[[], object]) -> QToolButton:
+def flat_button(text: str, tip: str, do: Callback) -> QToolButton:
     """A button without a frame; one without a text is called by its tip."""
     button = QToolButton(autoRaise=True)
     button.setText(text)
@@ -252,7 +253,7 @@ class OfferBar(QFrame):
         self.cross.setObjectName("quiet")
         row = QHBoxLayout(self)
         self._row = arrange(row, self._label, self.cross, margins=(12, 4, 6, 4), spacing=8, wide=self._label)
-        self._offers: list[tuple[str, tuple[tuple[str, Callable[[], object]], ...]]] = []
+        self._offers: list[tuple[str, tuple[tuple[str, Callback], ...]]] = []
         self.hide()
 
     @property
@@ -260,7 +261,7 @@ class OfferBar(QFrame):
         """The offer, or empty."""
         return self._offers[0][0] if self._offers else ""
 
-    def offer(self, sentence: str, *answers: tuple[str, Callable[[], object]]) -> None:
+    def offer(self, sentence: str, *answers: tuple[str, Callback]) -> None:
         """Offer something after what is offered already; each answer has a text and what it does."""
         self._offers.append((sentence, answers))
         self._show()
@@ -291,7 +292,7 @@ class OfferBar(QFrame):
             self._row.insertWidget(place, button)
         self.setVisible(bool(self._offers))
 
-    def _button(self, text: str, do: Callable[[], object]) -> QPushButton:
+    def _button(self, text: str, do: Callback) -> QPushButton:
         button = QPushButton(text, autoDefault=False)
 
         def take() -> None:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
 
 from PySide6.QtCore import QObject, QTimer
+
+from cpm_core.numerics.types import Callback
 
 
 class Turns(QObject):
@@ -13,7 +14,7 @@ class Turns(QObject):
 
     def __init__(self, parent: QObject) -> None:
         super().__init__(parent)
-        self._waiting: deque[Callable[[], None]] = deque()
+        self._waiting: deque[Callback] = deque()
         # A timer, since Qt calls what is queued within one turn in the same turn.
         self._timer = QTimer(self, interval=0)
         self._timer.timeout.connect(self._next)
@@ -23,7 +24,7 @@ class Turns(QObject):
         """Whether nothing waits."""
         return not self._waiting
 
-    def ask(self, work: Callable[[], None]) -> None:
+    def ask(self, work: Callback) -> None:
         """Do this after what waits already; what is the same piece of work and waits is done once."""
         if work not in self._waiting:
             self._waiting.append(work)

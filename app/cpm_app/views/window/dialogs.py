@@ -27,7 +27,7 @@ _LEAST_WIDTH, _BESIDE_TITLE = 360, 180
 """Least width of a dialog, and what its frame needs next to its title, so that the title is not cut off [px]."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Button:
     """A button of a question: the answer it gives, its text, and what it does."""
 
@@ -111,7 +111,7 @@ _SHORT = QFileDialog.Option.HideNameFilterDetails
 """Kinds of files are shown by their names, without a list of suffixes."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Files:
     """A kind of files that a dialog shows: its name and its suffixes; all files have none."""
 

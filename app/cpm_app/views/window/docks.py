@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import partial
 
 from PySide6.QtCore import QByteArray, QEvent, QObject, Qt
@@ -12,9 +11,10 @@ from PySide6.QtWidgets import QApplication, QBoxLayout, QDockWidget, QMainWindow
 
 from cpm_app.model.text.language import from_core, tr
 from cpm_app.views.window.keyboard import Keyboard, in_panel, take_keyboard
+from cpm_core.numerics.types import record
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@record
 class Panel:
     """A panel, as a tab of the column or below the canvas.
 

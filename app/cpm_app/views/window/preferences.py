@@ -39,6 +39,7 @@ from cpm_app.views.widgets.actions import native
 from cpm_app.views.widgets.containers import Contents, arrange, wrapped
 from cpm_app.views.widgets.fields import ChoiceBox, DecimalField
 from cpm_app.views.window.shortcuts import Shortcuts
+from cpm_core.numerics.types import Callback
 
 _WIDTH, _HEIGHT, _MARGIN = 720, 540, 80
 """Size of the dialog, and space that it leaves free on the screen [px]."""
@@ -64,7 +65,7 @@ class PreferencesDialog(QDialog):
         self._keys, self._pages = shortcuts, QStackedWidget()
         self.rows: dict[str, QWidget] = {}
         self._preferences = preferences
-        self._show: dict[str, Callable[[], object]] = {}
+        self._show: dict[str, Callback] = {}
         self.contents = Contents(tr("Pages of the preferences"), [*PAGES.values()])
         preferences.changed.connect(self._follow)
         self._made = {name: self._make_page(name) for name in BY_PAGE} | {"shortcuts": ShortcutsPage(shortcuts)}

@@ -1,0 +1,122 @@
+"""The grid of chunks: each owns the pixels of its core, and sees those around it as well."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+
+from cpm_core.formats.images.ome_zarr import Levels, open_levels
+from cpm_core.formats.images.reading import Reading
+from cpm_core.numerics.grids import Window, around, tiles
+from cpm_core.numerics.types import Array
+from cpm_core.parameters import Parameters
+
+SIDE = 1024
+"""Side of a core [px]: a run on it with what is around takes less than 1.5 GB."""
+
+_OVERLAP = 128
+"""Least number of pixels that a chunk sees around its core: objects of up to about 100 px are seen as a whole."""
+
+_DISTURBED, _IN_SIGMA = 16, 8.0
+"""Distance from the border of what a chunk sees in which contours may differ: in px, and in addition in sigma."""
+
+_STEP = 32
+"""What the overlap is a multiple of, so that the pyramids of neighbors have the same pixels [px]."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """A plane of an image in a folder of Zarr; each process opens it by itself."""
+
+    path: Path
+    reading: Reading
+
+    @property
+    def levels(self) -> Levels:
+        """The image, of which nothing has been read."""
+        return _opened(self.path, self.reading)
+
+    def gray(self, window: Window) -> Array:
+        """Gray levels in a window, shape (H, W)."""
+        return self.levels.part(window, self.reading).astype(np.float64)
+
+
+@lru_cache(2)
+def _opened(path: Path, reading: Reading) -> Levels:
+    return open_levels(path, reading)
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """A part of an image.
+
+    Attributes
+    ----------
+    number : int
+        From 0, row by row.
+    core, padded : Window
+        The pixels that it owns, and those that it sees.
+    """
+
+    number: int
+    core: Window
+    padded: Window
+
+
+@dataclass(frozen=True)
+class Grid:
+    """The chunks of an image.
+
+    Attributes
+    ----------
+    shape : tuple of int
+        Shape of the image.
+    side, overlap : int
+        Side of the cores, and how far a chunk sees beyond [px].
+    whole : float
+        Longest side of the box of a contour that each chunk whose core it touches sees as a whole, undisturbed [px].
+    """
+
+    shape: tuple[int, int]
+    side: int
+    overlap: int
+    whole: float
+
+    @property
+    def chunks(self) -> tuple[Chunk, ...]:
+        """All chunks."""
+        cores = tiles(self.shape, self.side)
+        return tuple(Chunk(n, core, around(core, self.overlap, self.shape)) for n, core in enumerate(cores))
+
+    @property
+    def columns(self) -> int:
+        """Number of chunks in a row."""
+        return -(-self.shape[1] // self.side)
+
+    def chunk_at(self, places: Array) -> Array:
+        """Number of the chunk in whose core each of places lies, shape (N,); beyond the border the nearest one."""
+        last = (np.array(self.shape) - 1) // self.side
+        row, col = np.clip(np.floor((places + 0.5) / self.side).astype(int), 0, last).T
+        return row * self.columns + col
+
+    def around(self, number: int) -> list[int]:
+        """Numbers of a chunk and its neighbors."""
+        row, col = divmod(number, self.columns)
+        rows = -(-self.shape[0] // self.side)
+        return [
+            r * self.columns + c
+            for r in range(max(row - 1, 0), min(row + 2, rows))
+            for c in range(max(col - 1, 0), min(col + 2, self.columns))
+        ]
+
+
+def grid_for(shape: tuple[int, int], parameters: Parameters, smoothing: float, side: int = SIDE) -> Grid:
+    """The grid for a run with these parameters and a Gaussian of `smoothing` px."""
+    disturbed = _DISTURBED + math.ceil(_IN_SIGMA * smoothing)
+    needed = disturbed + max(parameters.min_length, parameters.max_gap)
+    overlap = -(-max(_OVERLAP, math.ceil(needed)) // _STEP) * _STEP
+    return Grid(shape, side, overlap, float(overlap - disturbed))

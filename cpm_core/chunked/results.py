@@ -1,0 +1,197 @@
+"""Files of what has been found chunk by chunk: a label image, tiles of GeoJSON, and a table."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cpm_core.chunked.grid import Chunk
+from cpm_core.chunked.run import Compute, Found
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.rasterize import paint
+from cpm_core.contours.region_table import region_table
+from cpm_core.contours.result import Result
+from cpm_core.formats.common.atomic import write_together
+from cpm_core.formats.common.plain import encoded_json
+from cpm_core.formats.common.provenance import ENTRY, facts_of, plain_shapes
+from cpm_core.formats.contours.geojson import features_of
+from cpm_core.formats.images.ome_zarr import create_levels, halve_part, write_part
+from cpm_core.formats.images.resolution import in_ascii
+from cpm_core.numerics.grids import Window, tiles
+from cpm_core.numerics.types import Array
+from cpm_core.parameters.provenance import Provenance, taken
+from cpm_core.segmentation.engine import Engine
+from cpm_core.shapes import Everywhere
+
+WRITABLE = {
+    ".zarr": "insides of closed contours as a label image in levels of resolution (OME-Zarr)",
+    ".geojson": "contours for QuPath, a file for each chunk, with its first row and column in the name",
+    ".csv": "a table of what closed contours enclose",
+    ".parquet": "the same table for programs",
+}
+"""Suffixes of the files -> what they hold."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """A file that is written chunk by chunk; `draft` is where, until it is whole."""
+
+    path: Path
+    draft: Path
+
+
+def write(found: Found, paths: Sequence[str], compute: Compute) -> list[str]:
+    """Write files by their suffixes, and give the names of those that were written."""
+    written = []
+    for path in map(Path, paths):
+        with _draft(path) as draft:
+            written += _WRITERS[path.suffix.lower()](found, Target(path, draft), compute)
+    return written
+
+
+@contextmanager
+def _draft(path: Path) -> Iterator[Path]:
+    """A place next to a file or a folder, which it replaces at the end."""
+    draft = path.with_name(f".cpm-{path.name}.part")
+    shutil.rmtree(draft, ignore_errors=True)
+    yield draft
+    if draft.exists():
+        if path.is_dir():
+            shutil.rmtree(path)
+        draft.replace(path)
+
+
+def _near(found: Found, number: int, window: Window) -> list[Contour]:
+    """Contours of a chunk and its neighbors, and longer ones, that reach into a window."""
+    low, high = np.array([[side.start - 0.5, side.stop - 0.5] for side in window]).T
+    known = [one for at in found.grid.around(number) for one in found.contours(at)]
+    known += found.long(low, high)
+    unique = {one.number: one for one in known if (one.box[1] >= low).all() and (one.box[0] <= high).all()}
+    return [unique[at] for at in sorted(unique)]
+
+
+def _label_image(found: Found, target: Target, compute: Compute) -> list[str]:
+    grid, levels = found.grid, found.task.source.levels
+    more = {"image-label": {"version": "0.5"}}
+    count = create_levels(target.draft, grid.shape, np.uint32, grid.side, levels.spacing[1:], levels.unit, more)
+    _done(compute(partial(_paint, found, target.draft), grid.chunks, "labels"))
+    for level in range(1, count):
+        shape = tuple(-(-n // 2**level) for n in grid.shape)
+        _done(compute(partial(halve_part, target.draft, level), tiles(shape, grid.side), "levels of labels"))
+    return [str(target.path)]
+
+
+def _paint(found: Found, path: Path, chunk: Chunk) -> None:
+    """Write the labels in the core of a chunk, which are the numbers of the contours."""
+    contours = [one for one in _near(found, chunk.number, chunk.core) if one.closed]
+    if contours:
+        labels = paint(_moved(contours, chunk.core), tuple(side.stop - side.start for side in chunk.core))
+        numbers = np.array([0, *(one.number for one in contours)], np.uint32)
+        write_part(path, 0, chunk.core, numbers[labels])
+
+
+def _moved(contours: Sequence[Contour], window: Window) -> list[Contour]:
+    """Contours in px of a window."""
+    corner = np.array([side.start for side in window])
+    return [Contour(one.points - corner, one.closed, group=one.group, hole=one.hole) for one in contours]
+
+
+def _geojson(found: Found, target: Target, compute: Compute) -> list[str]:
+    names = dict(compute(partial(_tile, found, target.path), found.grid.chunks, "GeoJSON"))
+    return [names[at] for at in sorted(names) if names[at]]
+
+
+def _tile(found: Found, path: Path, chunk: Chunk) -> str:
+    """Write the contours of a chunk; the name of the file, empty where there are none."""
+    own = found.contours(chunk.number)
+    if not own:
+        return ""
+    result = _result(found, _with_inner(found, chunk, own))
+    numbers, mine = [one.number for one in result.contours if not one.hole], {one.number for one in own}
+    features = [one for one, number in zip(features_of(result), numbers, strict=True) if number in mine]
+    name = path.with_stem(f"{path.stem}_{chunk.core[0].start}_{chunk.core[1].start}")
+    write_together([(name, encoded_json({"type": "FeatureCollection", ENTRY: facts_of(result), "features": features}))])
+    return str(name)
+
+
+def _with_inner(found: Found, chunk: Chunk, own: Sequence[Contour]) -> list[Contour]:
+    """Contours of a chunk, and those of its neighbors that may lie in one of them."""
+    boxes = np.array([one.box for one in own])
+    low, high = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
+    others = [one for at in found.grid.around(chunk.number) if at != chunk.number for one in found.contours(at)]
+    return [*own, *(one for one in others if (one.box[0] >= low).all() and (one.box[1] <= high).all())]
+
+
+def _result(found: Found, contours: Sequence[Contour]) -> Result:
+    """Some contours as a result, for writers."""
+    task, levels = found.task, found.task.source.levels
+    made = Provenance("cpm", taken(task.parameters, Engine.parameters), None, plain_shapes([Everywhere(task.kind)]), 0)
+    return Result(
+        np.empty((0, 2)), tuple(contours), None, 0, True, "run chunk by chunk", found.grid.shape, levels.spacing[1:],
+        levels.unit, levels.name, provenance=made,
+    )  # fmt: skip
+
+
+def _table(found: Found, target: Target, compute: Compute) -> list[str]:
+    import pyarrow
+    from pyarrow import csv, parquet
+
+    tables: dict[int, Any] = {}
+    writer, following = None, 0
+    make = parquet.ParquetWriter if target.path.suffix.lower() == ".parquet" else csv.CSVWriter
+    for at, columns in compute(partial(_rows, found), found.grid.chunks, "table"):
+        tables[at] = columns
+        while following in tables:  # in the order of the chunks
+            table = pyarrow.table(tables.pop(following))
+            writer = writer or make(str(target.draft), table.schema)
+            writer.write_table(table)
+            following += 1
+    if writer is not None:
+        writer.close()
+    return [str(target.path)]
+
+
+def _rows(found: Found, chunk: Chunk) -> dict[str, Array]:
+    """Columns on what the closed contours of a chunk enclose, lengths in the unit of the image where it has one.
+
+    Of contours that no single chunk sees, the area includes what lies inside, and gray levels are not measured.
+    """
+    levels = found.task.source.levels
+    own = [one for one in found.contours(chunk.number) if one.closed]
+    long = [one for one in own if (one.box[1] - one.box[0]).max() > found.grid.whole]
+    short = [one for one in own if (one.box[1] - one.box[0]).max() <= found.grid.whole]
+    near = [one for one in _with_inner(found, chunk, short) if one.closed] if short else []
+    gray = found.task.source.gray(chunk.padded)
+    columns: dict[str, list[Array]] = {"label": [np.array([one.number for one in (*short, *long)], np.int64)]}
+    for contours, count in ((near, len(short)), (long, len(long))):
+        labels = paint(_moved(contours, chunk.padded), gray.shape)
+        table = region_table(contours, labels, None if contours is long else gray, levels.spacing[1:], levels.unit)
+        for name in dict.fromkeys((*table, *_GRAY)):
+            if name not in ("label", "name"):
+                values = table[name][:count] if name in table else np.full(count, np.nan)
+                unit = in_ascii(table.units.get(name), "")
+                columns.setdefault(f"{name} [{unit}]" if unit else name, []).append(np.asarray(values, float))
+    return {name: np.concatenate(parts) for name, parts in columns.items()}
+
+
+_GRAY = ("intensity_mean", "intensity_std", "intensity_min", "intensity_max")
+
+
+def _done(results: Iterable[object]) -> None:
+    """Wait until all jobs are done."""
+    for _ in results:
+        pass
+
+
+_WRITERS: dict[str, Callable[[Found, Target, Compute], list[str]]] = {
+    ".zarr": _label_image,
+    ".geojson": _geojson,
+    **dict.fromkeys((".csv", ".parquet"), _table),
+}

@@ -1,0 +1,167 @@
+"""Seams: which chunk a contour belongs to, and contours joined across the borders of chunks.
+
+A closed contour whose box is at most `Grid.whole` long belongs to the chunk with the middle of its box, which sees all
+of it undisturbed, as do all chunks whose cores it touches: none asks another. Of others each chunk keeps what lies in
+its core and a little beyond, so that pieces of neighbors overlap; there they are joined, and what one piece shares with
+another is kept once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+import scipy
+
+from cpm_core.chunked.grid import Chunk, Grid
+from cpm_core.chunked.store import Piece
+from cpm_core.contours.contour import Contour
+from cpm_core.numerics.types import Array, Index, Mask
+
+_BEYOND = 6.0
+"""Distance beyond its core up to which a chunk keeps long contours [px]."""
+
+_UNSURE = 1.0
+"""Distance from the border of a core in which the middle of a box may be in another one for the neighbor [px]."""
+
+_SAME = 0.5
+"""Distance up to which two chunks see the same boundary [px]; they differ by some thousandths."""
+
+
+def owned(contours: Sequence[Contour], chunk: Chunk, grid: Grid) -> tuple[list[Piece], list[Piece]]:
+    """What a chunk keeps of the contours that it sees: those that it owns, and pieces of long ones."""
+    low, high = np.array([[side.start - 0.5, side.stop - 0.5] for side in chunk.core]).T
+    low, high = np.where(low < 0.0, -np.inf, low), np.where(high > np.array(grid.shape) - 1.0, np.inf, high)
+    whole, pieces = [], []
+    for one in contours:
+        middle = one.box.mean(axis=0)
+        if not one.closed or (one.box[1] - one.box[0]).max() > grid.whole:
+            pieces += _clipped(one, low - _BEYOND, high + _BEYOND)
+        elif ((middle >= low - _UNSURE) & (middle < high + _UNSURE)).all():
+            whole.append(Piece(one))
+    return whole, pieces
+
+
+def _clipped(contour: Contour, low: Array, high: Array) -> Iterator[Piece]:
+    """The stretches of a contour within limits, with one vertex beyond."""
+    points = contour.points
+    inside = ((points >= low) & (points <= high)).all(axis=1)
+    if inside.all():
+        yield Piece(contour)
+        return
+    if contour.closed:  # from a vertex outside on, and back to it
+        first = int(np.argmin(inside))
+        points = np.roll(points, -first, axis=0)
+        points, inside = np.concatenate([points, points[:1]]), np.append(np.roll(inside, -first), False)
+    steps = np.flatnonzero(np.diff(inside.astype(np.int8), prepend=0, append=0)).reshape(-1, 2)
+    for first, end in steps.tolist():
+        cut = (first > 0, end < len(points))
+        stretch = points[max(first - 1, 0) : end + 1]
+        ends = tuple(known and not gone for known, gone in zip(contour.junctions, cut, strict=True))
+        yield Piece(replace(contour, points=stretch, closed=False, junctions=ends), cut)
+
+
+def twice(boxes: Array, chunks: Index, grid: Grid) -> Mask:
+    """Which contours that chunks own are in another one as well, of which one stays; shape (N,).
+
+    `boxes`, shape (N, 2, 2), are those of the contours of all chunks, and `chunks`, shape (N,), the chunks.
+    """
+    middle = boxes.mean(axis=1)
+    edge = (middle + 0.5) % grid.side
+    near = np.flatnonzero((np.minimum(edge, grid.side - edge) <= _UNSURE + _SAME).any(axis=1))
+    found = np.zeros(len(boxes), np.bool_)
+    if len(near):
+        pairs = scipy.spatial.KDTree(boxes[near].reshape(-1, 4)).query_pairs(_SAME, p=np.inf, output_type="ndarray")
+        one, other = near[pairs].T
+        apart = chunks[one] != chunks[other]
+        found[np.maximum(one, other)[apart]] = True
+    return found
+
+
+class _End(NamedTuple):
+    """The other piece at an end of a piece: which it is, which of its ends lies here, and where it is continued."""
+
+    piece: int
+    end: int
+    vertex: int
+
+
+def joined(pieces: list[Piece], chunks: Sequence[int], least: float) -> list[Contour]:
+    """Whole contours from the pieces of all chunks, of at least this length; `chunks` has the chunk of each."""
+    import shapely
+
+    lines = [shapely.LineString(piece.contour.path) for piece in pieces]
+    tree = shapely.STRtree(lines)
+    order = sorted(range(len(pieces)), key=lambda n: (lines[n].length, n))
+    gone: set[int] = set()
+    for n in order:  # what lies all on pieces of other chunks
+        near = tree.query(lines[n], "dwithin", _SAME).tolist()
+        others = [lines[m] for m in near if chunks[m] != chunks[n] and m not in gone]
+        if others and shapely.union_all(others).buffer(_SAME).covers(lines[n]):
+            gone.add(n)
+    ends: dict[tuple[int, int], _End] = {}
+    for n in (n for n in order if n not in gone):
+        for end in (0, 1):
+            if pieces[n].cut[end] and (n, end) not in ends:
+                points = pieces[n].contour.points[:: -1 if end == 0 else 1]
+                near = tree.query(shapely.Point(points[-1]), "dwithin", _SAME).tolist()
+                others = [m for m in near if m != n and m not in gone and chunks[m] != chunks[n]]
+                for m in sorted(others, key=lambda m: lines[m].distance(shapely.Point(points[-1]))):
+                    known = _continued(points, pieces[m].contour.points)
+                    if pieces[m].cut[known[0]] and (m, known[0]) not in ends:
+                        ends[n, end] = _End(m, *known)
+                        back = pieces[m].contour.points[:: -1 if known[0] == 0 else 1]
+                        ends[m, known[0]] = _End(n, end, _continued(back, pieces[n].contour.points)[1])
+                        break
+    left = [n for n in range(len(pieces)) if n not in gone]
+    for n, end in ((n, end) for n in left for end in (0, 1) if pieces[n].cut[end] and (n, end) not in ends):
+        near = tree.query(lines[n], "dwithin", _SAME).tolist()
+        others = shapely.union_all([lines[m] for m in near if chunks[m] != chunks[n] and m not in gone])
+        pieces[n] = _shortened(pieces[n], end, shapely.dwithin(shapely.points(pieces[n].contour.points), others, _SAME))
+    return [one for one in _chains(pieces, left, ends) if one.length >= least]
+
+
+def _shortened(piece: Piece, end: int, shared: Mask) -> Piece:
+    """A piece without the vertices up to one of its ends that it shares with others, except for the last of them."""
+    points, way = piece.contour.points, 1 if end == 0 else -1
+    own = np.flatnonzero(~shared[::way])
+    first = max(int(own[0]) - 1, 0) if len(own) else 0
+    return replace(piece, contour=replace(piece.contour, points=points[::way][first:][::way]))
+
+
+def _continued(points: Array, other: Array) -> tuple[int, int]:
+    """The end of another line that a line runs over before its last point, and the vertex after that point."""
+    back = points[max(len(points) - 3, 0)]
+    here, before = (int(np.argmin(((other - at) ** 2).sum(axis=1))) for at in (points[-1], back))
+    if here == before:  # the line is shorter than the step between vertices
+        along = other[min(here + 1, len(other) - 1)] - other[max(here - 1, 0)]
+        before = here - 1 if (points[-1] - back) @ along >= 0.0 else here + 1
+    return (0, min(here + 1, len(other) - 1)) if here > before else (1, max(here - 1, 0))
+
+
+def _chains(pieces: Sequence[Piece], left: Sequence[int], ends: dict[tuple[int, int], _End]) -> list[Contour]:
+    """Contours along pieces that are connected at their ends, from the loose ones on, then around."""
+    found, used = [], set[int]()
+    loose = [(n, end) for n in left for end in (0, 1) if (n, end) not in ends]
+    for first, begun in (*loose, *((n, 0) for n in left)):
+        if first in used:
+            continue
+        following: _End | None = _End(first, begun, 0 if begun == 0 else len(pieces[first].contour.points) - 1)
+        passed: list[Contour] = []
+        paths: list[Array] = []
+        while following is not None and following.piece not in used:
+            n, end, vertex = following
+            used.add(n)
+            passed.append(pieces[n].contour)
+            paths.append(passed[-1].points[vertex:] if end == 0 else passed[-1].points[vertex::-1])
+            following = ends.get((n, 1 - end))
+        around = following is not None and following.piece == first
+        if around and following is not None:  # the first stretch begins where the last one ends
+            paths[0] = paths[0][following.vertex :]
+        closed = around or passed[0].closed
+        strength = float(np.average([one.strength for one in passed], weights=[one.length for one in passed]))
+        tips = (passed[0].junctions[begun], passed[-1].junctions[1 - end])
+        found.append(Contour(np.concatenate(paths), closed, strength, (False, False) if closed else tips))
+    return found

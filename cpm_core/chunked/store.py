@@ -1,0 +1,103 @@
+"""The folder of a run chunk by chunk: what has been found so far, so that a run that was ended is continued."""
+
+from __future__ import annotations
+
+import io
+import json
+import shutil
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cpm_core.contours.contour import Contour
+from cpm_core.formats.common.atomic import write_together
+from cpm_core.formats.common.plain import Entries
+
+_SETTINGS = "settings.json"
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """A contour that a chunk sees as a whole, or what it owns of a longer one.
+
+    Attributes
+    ----------
+    contour : Contour
+        In px of the image.
+    cut : tuple of two bool
+        Whether the contour continues in another chunk beyond the first and the last vertex.
+    """
+
+    contour: Contour
+    cut: tuple[bool, bool] = (False, False)
+
+
+@dataclass(frozen=True)
+class Store:
+    """Files of a run, each written next to its place and then put there: it is whole, or absent."""
+
+    folder: Path
+
+    def begin(self, settings: Entries) -> bool:
+        """Prepare the folder for a run with these settings; whether it holds files of the same."""
+        known = self.folder / _SETTINGS
+        text = json.dumps(settings, sort_keys=True).encode()
+        if known.is_file() and known.read_bytes() == text:
+            return True
+        if self.folder.exists():
+            shutil.rmtree(self.folder)
+        self.folder.mkdir(parents=True)
+        write_together([(known, text)])
+        return False
+
+    def has(self, name: str) -> bool:
+        """Whether a file is there."""
+        return (self.folder / name).is_file()
+
+    def save(self, name: str, **arrays: Any) -> None:
+        """Write arrays by name."""
+        content = io.BytesIO()
+        np.savez(content, **arrays)
+        write_together([(self.folder / name, content.getvalue())])
+
+    def load(self, name: str, *keys: str) -> dict[str, Any]:
+        """Read arrays, all or those of some names."""
+        with np.load(self.folder / name, allow_pickle=False) as known:
+            return {key: known[key] for key in keys or known.files}
+
+    def remove(self) -> None:
+        """Remove the folder."""
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+def packed(pieces: Sequence[Piece]) -> dict[str, Any]:
+    """Pieces as arrays."""
+    contours = [piece.contour for piece in pieces]
+    return {
+        "points": np.concatenate([np.empty((0, 2)), *(one.points for one in contours)]),
+        "counts": np.array([len(one.points) for one in contours], np.int64),
+        "closed": np.array([one.closed for one in contours], np.bool_),
+        "strength": np.array([one.strength for one in contours]),
+        "junctions": np.array([one.junctions for one in contours], np.bool_).reshape(-1, 2),
+        "group": np.array([one.group for one in contours], np.int64),
+        "hole": np.array([one.hole for one in contours], np.bool_),
+        "cut": np.array([piece.cut for piece in pieces], np.bool_).reshape(-1, 2),
+    }
+
+
+def unpacked(arrays: dict[str, Any], prefix: str = "") -> list[Piece]:
+    """The pieces of arrays."""
+    known = {key.removeprefix(prefix): values for key, values in arrays.items() if key.startswith(prefix)}
+    points = np.split(known["points"], np.cumsum(known["counts"])[:-1]) if len(known["counts"]) else []
+    rows = zip(
+        points,
+        *(known[key].tolist() for key in ("closed", "strength", "junctions", "group", "hole", "cut")),
+        strict=True,
+    )
+    return [
+        Piece(Contour(path, closed, strength, tuple(junctions), group=group, hole=hole), tuple(cut))
+        for path, closed, strength, junctions, group, hole, cut in rows
+    ]

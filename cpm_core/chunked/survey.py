@@ -1,0 +1,189 @@
+"""What depends on the whole image, found once and given to each chunk: without it, seams would be seen."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cache, partial
+from typing import NamedTuple
+
+import numpy as np
+
+from cpm_core.chunked.grid import Chunk, Grid, Source
+from cpm_core.field.edge_map import automatic_smoothing, gradient, magnitude
+from cpm_core.field.scale_field import ScaleField, packed_force, weakest_edge
+from cpm_core.image.border import inside_border, within
+from cpm_core.image.gray_levels import automatic_gamma
+from cpm_core.image.pyramid import pyramid
+from cpm_core.numerics.grids import relative
+from cpm_core.numerics.types import Array
+from cpm_core.parameters import Parameters
+from cpm_core.segmentation.large_images import strongest_part
+
+_SAMPLES = 2**22
+"""Pixels of the whole image whose gray levels and edge strengths decide what is usual in it."""
+
+_MARGIN = 4
+"""Distance beyond the image border up to which the edge map is kept, as in a run in one piece [px]."""
+
+_COARSEST = 2048
+"""Longest side of the coarse image in which the image border and the strongest edge are looked for [px]."""
+
+
+class GrayLevels(NamedTuple):
+    """Gray levels of the core of a chunk: the least, the largest, some of them, and means of blocks."""
+
+    low: float
+    high: float
+    sample: Array
+    blocks: Array
+
+
+class Edges(NamedTuple):
+    """Edges in the core of a chunk: the largest strength at each scale, and some strengths at each."""
+
+    strongest: tuple[float, ...]
+    samples: tuple[Array, ...]
+
+
+@dataclass(frozen=True)
+class Tone:
+    """How the gray levels of an image are taken.
+
+    Attributes
+    ----------
+    low, high, exponent : float
+        Range and exponent of the power scale.
+    smoothing : float
+        Gaussian before the gradient [px].
+    inside : tuple of int
+        First row and column within the image border, and those after the last [px].
+    """
+
+    low: float
+    high: float
+    exponent: float
+    smoothing: float
+    inside: tuple[int, int, int, int]
+
+    def apply(self, values: Array) -> Array:
+        """Gray levels on the power scale, as `gray_levels.toned` makes them of the whole image."""
+        if self.exponent == 1.0 or self.high <= self.low:
+            return values
+        return self.low + (self.high - self.low) * ((values - self.low) / (self.high - self.low)) ** self.exponent
+
+    def parameters(self, parameters: Parameters) -> Parameters:
+        """Parameters of a run on gray levels in this tone."""
+        return replace(parameters, gamma=1.0, smoothing=self.smoothing, max_border=0.0)
+
+
+@dataclass(frozen=True)
+class Whole:
+    """What the fields of an image are measured by.
+
+    Attributes
+    ----------
+    tone : Tone
+        How its gray levels are taken.
+    strongest, floor : tuple of float
+        Largest edge strength, and least one for edge contact, at each scale [gray levels / px].
+    """
+
+    tone: Tone
+    strongest: tuple[float, ...]
+    floor: tuple[float, ...]
+
+    def imposed(self, field: ScaleField, scale: int, corner: tuple[int, int], edge_floor: float) -> ScaleField:
+        """The field of a chunk, whose first pixel is `corner` of the image, with what depends on the whole image."""
+        strongest, strength = self.strongest[scale], field.edge_map
+        top, left, bottom, right = self.tone.inside
+        rows, cols = (
+            (start <= at) & (at < end)
+            for n, first, start, end in zip(strength.shape, corner, (top, left), (bottom, right), strict=True)
+            for at in [first + (np.arange(n) + 0.5) * 2**scale - 0.5]
+        )
+        inside = rows[:, None] & cols
+        cut = not inside.all()
+        charged = np.where(inside & (strength >= edge_floor * strongest), strength, strength.dtype.type(0))
+        if cut:
+            strength = np.where(within(inside, _MARGIN), strength, strength.dtype.type(0))
+        return replace(
+            field,
+            force=cache(partial(packed_force, field.exponent, charged, field.slopes, strength, strongest, cut)),
+            edge_map=strength,
+            strongest=strongest,
+            fixed_charges=charged,
+            floor=self.floor[scale],
+            cut=cut,
+        )
+
+
+def block_of(shape: tuple[int, int]) -> int:
+    """Side of the blocks whose means make the coarse image: a power of two [px]."""
+    return 2 ** max(math.ceil(math.log2(max(shape) / _COARSEST)), 0)
+
+
+def _step(shape: tuple[int, int]) -> int:
+    """Distance of the pixels whose gray levels and strengths are sampled."""
+    return max(math.ceil(math.sqrt(math.prod(shape) / _SAMPLES)), 1)
+
+
+def gray_levels(source: Source, chunk: Chunk) -> GrayLevels:
+    """What is to be known of the gray levels of a chunk."""
+    values, step, side = source.gray(chunk.core), _step(source.levels.shape), block_of(source.levels.shape)
+    rows, cols = (-(-n // side) for n in values.shape)
+    even = np.pad(values, ((0, rows * side - values.shape[0]), (0, cols * side - values.shape[1])), mode="edge")
+    blocks = even.reshape(rows, side, cols, side).mean(axis=(1, 3))
+    return GrayLevels(float(values.min()), float(values.max()), values[::step, ::step].ravel(), blocks)
+
+
+def tone_of(source: Source, grid: Grid, seen: Sequence[GrayLevels], parameters: Parameters) -> Tone:
+    """How the gray levels of the whole image are taken, from those of the chunks in the order of the grid."""
+    low, high = min(one.low for one in seen), max(one.high for one in seen)
+    if low == high:
+        raise ValueError(f"{source.path.name} is constant ({low:g} everywhere) and has no edges: open another image.")
+    sample = np.concatenate([one.sample for one in seen])
+    exponent = automatic_gamma(sample) if parameters.gamma == "auto" else float(parameters.gamma)
+    columns, side = grid.columns, block_of(grid.shape)
+    coarse = np.block([[one.blocks for one in seen[at : at + columns]] for at in range(0, len(seen), columns)])
+    smoothing = parameters.smoothing
+    if smoothing == "auto":
+        part = strongest_part(coarse, side, grid.shape)
+        smoothing = automatic_smoothing(Tone(low, high, exponent, 0.0, (0, 0, 0, 0)).apply(source.gray(part)))
+    sigma = max(float(smoothing) / side, 1.0 if side > 1 else 0.0)
+    slopes = gradient(Tone(low, high, exponent, sigma, (0, 0, 0, 0)).apply(coarse), sigma)
+    inside = inside_border(lambda part: slopes[(slice(None), *part)], magnitude(slopes), sigma, parameters.max_border)
+    ends = []
+    for axis, n in enumerate(grid.shape):
+        free = np.flatnonzero(inside.any(axis=1 - axis))
+        first, end = (int(free[0]), int(free[-1]) + 1) if len(free) else (0, 0)
+        ends.append((first * side, n if end == inside.shape[axis] else end * side))
+    (top, bottom), (left, right) = ends
+    return Tone(low, high, exponent, float(smoothing), (top, left, bottom, right))
+
+
+def edges(source: Source, chunk: Chunk, tone: Tone, parameters: Parameters) -> Edges:
+    """What is to be known of the edges of a chunk."""
+    step = _step(source.levels.shape)
+    top, left, bottom, right = tone.inside
+    core = tuple(
+        slice(min(max(side.start, low), high), max(min(side.stop, high), low))
+        for side, low, high in zip(chunk.core, (top, left), (bottom, right), strict=True)
+    )
+    strongest, samples = [], []
+    for scale, values in enumerate(pyramid(tone.apply(source.gray(chunk.padded)), parameters.scales)):
+        strength = magnitude(gradient(values, tone.smoothing))
+        size = 2**scale
+        part = strength[tuple(slice(-(-s.start // size), -(-s.stop // size)) for s in relative(core, chunk.padded))]
+        strongest.append(float(part.max(initial=0.0)))
+        samples.append(part[:: max(step // size, 1), :: max(step // size, 1)].astype(np.float32).ravel())
+    return Edges(tuple(strongest), tuple(samples))
+
+
+def whole_of(tone: Tone, seen: Sequence[Edges], parameters: Parameters) -> Whole:
+    """What the fields of the whole image are measured by, from the edges of the chunks."""
+    strongest = tuple(max(scale) for scale in zip(*(one.strongest for one in seen), strict=True))
+    samples = (np.concatenate(scale) for scale in zip(*(one.samples for one in seen), strict=True))
+    floor = (weakest_edge(sample, most, parameters.edge_floor) for sample, most in zip(samples, strongest, strict=True))
+    return Whole(tone, strongest, tuple(floor))

@@ -1,0 +1,92 @@
+"""The branch of ``cpm run`` for an image larger than memory, which is run chunk by chunk."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from cpm_core.chunked import grid, results
+from cpm_core.chunked.chunk_run import KINDS
+from cpm_core.chunked.run import Task, run
+from cpm_core.chunked.store import Store
+from cpm_core.cli.arguments import check_targets, refuse
+from cpm_core.cli.output import Files, StatusLine, announce_compilation, report
+from cpm_core.cli.workers import cluster, finished
+from cpm_core.formats.common.atomic import suffix_among
+from cpm_core.formats.images.ome_zarr import is_zarr
+from cpm_core.formats.images.reading import Reading
+from cpm_core.numerics.parallel import at_most
+from cpm_core.parameters import Parameters
+from cpm_core.parameters.quotation import counted, sized
+from cpm_core.segmentation.reach.reach_map import is_limited
+
+_WHOLE = "an image that is run in one piece"
+_FOLDER = ".cpm-chunks"
+
+
+def is_large(arguments: argparse.Namespace, path: Path) -> bool:
+    """Whether a run works chunk by chunk: everywhere in an image of a format of which parts can be read."""
+    return bool(arguments.auto) and not arguments.volume and is_zarr(path)
+
+
+def run_large(arguments: argparse.Namespace, path: Path, part: Mapping[str, Any], parameters: Parameters) -> int:
+    """Find the contours of an image chunk by chunk; a run that was ended is continued by the same command."""
+    drawn = ("session", "circle", "stroke", "points", "start", "region", "barrier", "object", "not", "pages", "truth")
+    refuse(arguments, (*drawn, "save_session"), _WHOLE)
+    _check(arguments, path, parameters)
+    source = grid.Source(path, Reading(**part))
+    first = Path(arguments.export[0])
+    store = Store(first.with_name(f"{first.name}{_FOLDER}"))
+    task = Task(source, parameters, arguments.auto, store, arguments.max_steps)
+    began = time.perf_counter()
+    announce_compilation()
+    with cluster(arguments.scheduler, arguments.workers) as client, StatusLine() as line:
+
+        def compute(function: Callable[[Any], Any], jobs: Sequence[Any], title: str) -> Iterator[tuple[int, Any]]:
+            line.begin(title)
+            for done, (at, future) in enumerate(finished(client, partial(_alone, function), jobs), start=1):
+                result = future.result()
+                line.count(done, len(jobs))
+                yield at, result
+
+        found = run(task, compute, grid.SIDE)
+        files = Files()
+        files.written += results.write(found, arguments.export, compute)
+    store.remove()
+    seconds, chunks = time.perf_counter() - began, len(found.counts)
+    count, smoothing = sum(found.counts), found.whole.tone.smoothing
+    facts = {"contours": count, "chunks": chunks, "seconds": round(seconds, 3), "smoothing": smoothing}
+    size = sized(found.grid.shape)
+    lines = [
+        f"{source.levels.name}: {counted(count, 'contour')} in {size}",
+        f"{counted(chunks, 'chunk')} in {seconds:.1f} s",
+    ]
+    return report(arguments, facts, lines, files)
+
+
+def _alone(function: Callable[[Any], Any], job: Any) -> Any:
+    """Do a job on one core: the other ones have workers of their own."""
+    with at_most(1):
+        return function(job)
+
+
+def _check(arguments: argparse.Namespace, path: Path, parameters: Parameters) -> None:
+    """Raise ValueError for what does not work chunk by chunk."""
+    if arguments.auto not in KINDS:
+        raise ValueError(f"--auto is {arguments.auto}, which looks at the whole image: use one of {', '.join(KINDS)}.")
+    if parameters.edges == "vessels":
+        raise ValueError("--edges vessels looks at the whole image at once: use gradient, or a smaller image.")
+    if is_limited(parameters):
+        raise ValueError("--reach and --weakest-edge are for a start that is drawn: leave them out.")
+    if not arguments.export:
+        raise ValueError(f"--export is missing: name files that end in {', '.join(results.WRITABLE)}.")
+    for target in arguments.export:
+        if not suffix_among(target, results.WRITABLE):
+            raise ValueError(f"{target} cannot be written chunk by chunk: choose one of {', '.join(results.WRITABLE)}.")
+        if not Path(target).absolute().parent.is_dir():
+            raise ValueError(f"{target} cannot be written: there is no such folder.")
+    check_targets(arguments.export, arguments, path)

@@ -1,0 +1,231 @@
+"""OME-Zarr: images in levels of resolution, of which any part is read or written by itself (OME-NGFF 0.4 and 0.5)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cpm_core.formats.common.content import UnreadableError
+from cpm_core.formats.common.plain import Entries
+from cpm_core.formats.common.printable import printable
+from cpm_core.formats.images import resolution
+from cpm_core.formats.images.decoded import Decoded
+from cpm_core.formats.images.reading import Reading, index_of, series_of
+from cpm_core.formats.images.stack import Stack
+from cpm_core.numerics.grids import Window
+from cpm_core.parameters.quotation import sized
+
+READS = {".zarr": "OME-Zarr image"}
+
+_MARKS = ("zarr.json", ".zgroup", ".zarray")
+"""Files of which a folder of Zarr has one."""
+
+_MOST = 2**26
+"""Pixels of the finest level that is opened as an image in memory."""
+
+_TILE = 256
+"""Side of the tiles that are written [px]; each file holds those of a shard."""
+
+_LEAST = 512
+"""Longest side of the coarsest level that is written, at most [px]."""
+
+_VERSION = "0.5"
+_AXES = "tczyx"
+
+
+def is_zarr(folder: Path) -> bool:
+    """Whether a folder is a Zarr array or group."""
+    return any((folder / mark).is_file() for mark in _MARKS)
+
+
+@dataclass(frozen=True, eq=False)
+class Levels:
+    """An image in levels of resolution, none of which has been read.
+
+    Attributes
+    ----------
+    name : str
+        Of the file.
+    arrays : tuple of zarr.Array
+        The levels, the finest first.
+    axes : str
+        One letter for each axis of the arrays: t, c, z, y, x.
+    spacing : tuple of float
+        Size of a voxel of the finest level along (plane, row, col), in `unit`.
+    unit : str or None
+        Unit of length; None when it is not known.
+    series : tuple of str
+        Names of all images of the file; empty where it holds one.
+    number : int
+        Which of them this is, from 0.
+    """
+
+    name: str
+    arrays: tuple[Any, ...]
+    axes: str
+    spacing: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    unit: str | None = None
+    series: tuple[str, ...] = ()
+    number: int = 0
+
+    def count(self, axis: str, level: int = 0) -> int:
+        """Length of an axis, by its letter; 1 where there is none such."""
+        return int(self.arrays[level].shape[self.axes.index(axis)]) if axis in self.axes else 1
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns of the finest level."""
+        return self.count("y"), self.count("x")
+
+    def planes(self, level: int, time: int, channel: int, planes: slice, window: Window) -> NDArray[Any]:
+        """Part of a level at a time and in a channel, shape (planes, rows, columns)."""
+        chosen: dict[str, int | slice] = {"t": time, "c": channel, "z": planes, "y": window[0], "x": window[1]}
+        found: NDArray[Any] = np.asarray(self.arrays[level][tuple(chosen[axis] for axis in self.axes)])
+        return found if "z" in self.axes else found[None]
+
+    def part(self, window: Window, reading: Reading) -> NDArray[Any]:
+        """A window of the finest level of the plane that is chosen, by default the first."""
+        chosen = (("time", reading.time, "t"), ("channel", reading.channel, "c"), ("page", reading.page, "z"))
+        time, channel, plane = (index_of(what, given, self.count(at), 0, self.name) for what, given, at in chosen)
+        return self.planes(0, time, channel, slice(plane, plane + 1), window)[0]
+
+
+def open_levels(path: Path, reading: Reading = Reading()) -> Levels:  # noqa: B008 - a frozen value
+    """Open an image of a folder of Zarr; UnreadableError when it holds none, or the package zarr is missing."""
+    try:
+        import zarr
+    except ImportError:
+        raise UnreadableError(
+            f"{path.name} needs the package zarr, which is not installed: install it "
+            '(pip install "cpm-particles[scale]").'
+        ) from None
+    name = printable(path.name)
+    found = zarr.open(path, mode="r")
+    if isinstance(found, zarr.Array):
+        if found.ndim not in range(2, len(_AXES) + 1):
+            raise UnreadableError(f"{name} has {found.ndim} axes, but an image has two to five.")
+        return Levels(name, (found,), _AXES[-found.ndim :])
+    series = (
+        () if _scales_of(found) else tuple(sorted((key for key, _ in found.groups()), key=lambda key: (len(key), key)))
+    )
+    number = series_of(reading.series, series, 0, name) if series else 0
+    group = found[series[number]] if series else found
+    scales = _scales_of(group)
+    if not scales:
+        raise UnreadableError(f"{name} is a folder of Zarr without an image: name the one in it that has levels.")
+    axes = [one if isinstance(one, dict) else {"name": one} for one in scales.get("axes", _AXES)]
+    letters = "".join(one["name"] for one in axes)
+    if not set("yx") <= set(letters) <= set(_AXES):
+        raise UnreadableError(f"{name} has the axes {letters}, but an image has rows and columns, y and x.")
+    levels = tuple(group[one["path"]] for one in scales["datasets"])
+    sizes = dict(zip(letters, _scale(scales["datasets"][0]) * _scale(scales), strict=True)) if "axes" in scales else {}
+    sides = tuple(float(sizes.get(axis, 1.0)) for axis in "zyx")
+    units = {resolution.known_unit(str(one.get("unit", ""))) for one in axes if one["name"] in "yx"}
+    unit = units.pop() if len(units) == 1 else None
+    spacing = sides if unit and min(sides) > 0.0 else (1.0, 1.0, 1.0)
+    return Levels(name, levels, letters, spacing, unit, series, number)  # type: ignore[arg-type]
+
+
+def _scales_of(group: Any) -> Entries:
+    """The first entry of a group on levels of resolution; empty where it has none."""
+    known = dict(group.attrs)
+    found: Sequence[Entries] = known.get("ome", known).get("multiscales", ())
+    return dict(found[0]) if found else {}
+
+
+def _scale(entry: Mapping[str, Any]) -> NDArray[np.float64]:
+    """Factors of the transformations of an entry, for each axis; 1 where there are none."""
+    scales = [one["scale"] for one in entry.get("coordinateTransformations", ()) if one["type"] == "scale"]
+    return np.prod(np.array(scales, dtype=float), axis=0)  # of none it is 1
+
+
+def stack(path: Path, reading: Reading) -> Stack:
+    """Open an image, in the finest level that has a moderate number of pixels."""
+    levels = open_levels(path, reading)
+    planes = levels.count("z")
+    fitting = (k for k in range(len(levels.arrays)) if math.prod(levels.count(a, k) for a in "zyx") <= _MOST)
+    level = next(fitting, len(levels.arrays) - 1)
+    shape = (levels.count("z", level), levels.count("y", level), levels.count("x", level))
+
+    def take(time: int, channel: int, first: int, end: int) -> Decoded:
+        return Decoded(levels.planes(level, time, channel, slice(first, end), (slice(None), slice(None))))
+
+    notes: tuple[str, ...] = ()
+    if level:
+        notes = (
+            f"It has {sized(levels.shape)}, of which level {level} was opened, {shape[1]} x {shape[2]} px; "
+            "cpm run with --auto works on all of them.",
+        )
+    sides = (planes / shape[0], levels.shape[0] / shape[1], levels.shape[1] / shape[2])
+    deep, row, col = (size * side for size, side in zip(levels.spacing, sides, strict=True))
+    return Stack(
+        levels.name,
+        shape,
+        take,
+        float(levels.arrays[level].dtype.itemsize),
+        levels.count("t"),
+        levels.count("c"),
+        (deep, row, col),
+        levels.unit,
+        notes=notes,
+        otherwise=shape[0] // 2,
+        series=levels.series,
+        number=levels.number,
+    )
+
+
+def create_levels(
+    path: Path,
+    shape: tuple[int, int],
+    dtype: Any,
+    side: int,
+    spacing: Sequence[float] = (1.0, 1.0),
+    unit: str | None = None,
+    more: Mapping[str, Any] = {},
+) -> int:
+    """Create an image of zeros with levels of half the size each, and give their number.
+
+    Windows of `side` px, a multiple of 256, can be written at the same time. Pixels of a level have their centers on
+    those of every second row and column of the level before. `more` is added to the metadata.
+    """
+    import zarr
+
+    group = zarr.open_group(path, mode="w")
+    count = 1 + max(math.ceil(math.log2(max(shape) / _LEAST)), 0)
+    for level in range(count):
+        size = tuple(-(-n // 2**level) for n in shape)
+        group.create_array(str(level), shape=size, dtype=dtype, chunks=(_TILE, _TILE), shards=(side, side))
+    units = {"unit": {resolution.MICROMETER: "micrometer", "nm": "nanometer", "mm": "millimeter"}[unit]} if unit else {}
+    levels = [
+        {
+            "path": str(level),
+            "coordinateTransformations": [{"type": "scale", "scale": [float(size) * 2**level for size in spacing]}],
+        }
+        for level in range(count)
+    ]
+    axes = [{"name": name, "type": "space", **units} for name in "yx"]
+    scales = [{"name": path.stem, "axes": axes, "datasets": levels}]
+    group.attrs["ome"] = {"version": _VERSION, "multiscales": scales, **more}
+    return count
+
+
+def write_part(path: Path, level: int, window: Window, values: NDArray[Any]) -> None:
+    """Write a window of a level."""
+    import zarr
+
+    zarr.open_group(path, mode="r+")[str(level)][window] = values
+
+
+def halve_part(path: Path, level: int, window: Window) -> None:
+    """Make a window of a level of every second row and column of the level before."""
+    import zarr
+
+    group = zarr.open_group(path, mode="r+")
+    finer = tuple(slice(2 * side.start, 2 * side.stop) for side in window)
+    group[str(level)][window] = group[str(level - 1)][finer][::2, ::2]

@@ -1,0 +1,182 @@
+"""An image larger than memory, here a small one with small chunks: what is found is what a run in one piece finds."""
+
+import json
+
+import numpy as np
+import pytest
+import scipy
+
+import cpm_core as cpm
+from cpm_core.chunked import grid as grids
+from cpm_core.chunked import results
+from cpm_core.chunked.run import Found, Task, run
+from cpm_core.chunked.seams import joined
+from cpm_core.chunked.store import Piece, Store
+from cpm_core.contours.agreement import distance_to
+from cpm_core.contours.contour import Contour
+from cpm_core.formats.images import ome_zarr
+from cpm_core.formats.images.reading import Reading
+
+pytest.importorskip("zarr", reason="the extra `scale` is not installed")
+
+SIDE = 128
+PARAMETERS = cpm.Parameters(smoothing=1.5, edge_floor=0.1, scales=1)
+
+
+def picture():
+    """Disks on and off seams, brighter to the right, a hole in one of them, and a ring larger than a chunk."""
+    row, col = np.indices((320, 360))
+    values = np.zeros(row.shape)
+    middles = [(25, 25), (128, 200), (190, 128), (25, 128), (200, 220), (128, 330), (300, 128), (294, 256)]
+    for n, (r, c) in enumerate(middles):
+        values[np.hypot(row - r, col - c - 0.3 * n) < 10 + n] = 60.0 + 12.0 * n
+    values[np.hypot(row - 294, col - 258) < 7] = 0.0
+    away = np.hypot(row - 160, col - 180) - 8.0 * np.sin(5.0 * np.arctan2(row - 160, col - 180))
+    values[np.abs(away - 100) < 9] = 120.0
+    noise = np.random.default_rng(3).normal(0.0, 1.0, row.shape)
+    return np.clip(scipy.ndimage.gaussian_filter(values, 1.0) + 20.0 + noise, 0.0, 255.0).round().astype(np.uint8)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def small():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(ome_zarr, "_TILE", 64)
+        patch.setattr(grids, "_OVERLAP", 64)
+        yield
+
+
+@pytest.fixture(scope="module")
+def source(tmp_path_factory):
+    values, path = picture(), tmp_path_factory.mktemp("image") / "cells.zarr"
+    ome_zarr.create_levels(path, values.shape, values.dtype, SIDE, (0.5, 0.5), "µm")
+    ome_zarr.write_part(path, 0, np.s_[:, :], values)
+    return grids.Source(path, Reading())
+
+
+def serial(function, jobs, _title):
+    return ((at, function(job)) for at, job in enumerate(jobs))
+
+
+def found_in(source, tmp_path, parameters=PARAMETERS, kind="grid", compute=serial) -> Found:
+    return run(Task(source, parameters, kind, Store(tmp_path / "chunks")), compute, SIDE)
+
+
+@pytest.fixture(scope="module")
+def found(source, tmp_path_factory):
+    return found_in(source, tmp_path_factory.mktemp("run"))
+
+
+def contours_of(found):
+    return [one for chunk in range(len(found.counts)) for one in found.contours(chunk)]
+
+
+@pytest.mark.parametrize("kind", ["grid", "gradient"])
+def test_contours_are_those_of_a_run_in_one_piece(source, tmp_path, found, kind):
+    image = cpm.load_image(source.path)
+    seeds = cpm.uniform_grid(image.shape)
+    if kind == "gradient":
+        found, seeds = found_in(source, tmp_path, kind=kind), cpm.gradient_threshold(image.values, smoothing=1.5)
+    one, several = cpm.segment(image, seeds, PARAMETERS).contours, contours_of(found)
+    assert len(found.counts) == 9
+    assert found.grid.whole < 88  # the ring is seen as a whole by no chunk
+    assert sorted(round(c.length) for c in several) == sorted(round(c.length) for c in one)
+    assert all(contour.closed for contour in (*one, *several))
+    assert len(one) == 11
+    for some, others in ((one, several), (several, one)):
+        assert distance_to(np.concatenate([c.points for c in some]), others).max() < 0.05
+    assert [c.number for c in several] == list(range(1, 12))
+
+
+def test_what_depends_on_the_whole_image_is_that_of_a_run_in_one_piece(source, tmp_path):
+    parameters = cpm.Parameters(gamma="auto", smoothing=2.0, max_border=0.08, scales=2)
+    whole = found_in(source, tmp_path, parameters).whole
+    engine = cpm.Engine(cpm.load_image(source.path), parameters)
+    for scale in (0, 1):
+        field = engine.scale_field(parameters, scale)
+        assert whole.strongest[scale] == pytest.approx(field.strongest, rel=1e-2 if scale else 1e-9)
+        assert whole.floor[scale] == pytest.approx(field.floor, rel=3e-2 if scale else 1e-6)
+
+
+def test_a_run_that_was_ended_is_continued_with_the_other_chunks(source, tmp_path):
+    done = []
+
+    def killed(function, jobs, title):
+        for at, job in enumerate(jobs):
+            if title == "contours" and len(done) == 4:
+                raise KeyboardInterrupt
+            yield at, function(job)
+            done.extend([job.number] if title == "contours" else [])
+
+    with pytest.raises(KeyboardInterrupt):
+        found_in(source, tmp_path, compute=killed)
+    again = []
+
+    def continued(function, jobs, title):
+        again.extend([job.number for job in jobs] if title == "contours" else [])
+        return serial(function, jobs, title)
+
+    assert len(contours_of(found_in(source, tmp_path, compute=continued))) == 11
+    assert again == [number for number in range(9) if number not in done]
+    assert Store(tmp_path / "chunks").begin({"other": "settings"}) is False  # another run
+    assert list((tmp_path / "chunks").glob("chunk_*")) == []
+
+
+def test_files_hold_what_was_found(found, tmp_path):
+    names = [str(tmp_path / name) for name in ("labels.zarr", "cells.geojson", "cells.csv", "cells.parquet")]
+    written = results.write(found, names, serial)
+    contours = contours_of(found)
+    labels = ome_zarr.open_levels(tmp_path / "labels.zarr")
+    finest = np.asarray(labels.arrays[0])
+    assert (labels.spacing[1:], labels.unit) == ((0.5, 0.5), "µm")
+    assert sorted(np.unique(finest)) == list(range(12))
+    painted = cpm.Truth(finest.astype(np.int32), tuple(contours))
+    assert cpm.compare(contours, painted).objects.found == 11
+    features = [
+        feature
+        for name in written if name.endswith(".geojson")
+        for feature in json.loads((tmp_path / name).read_text())["features"]
+    ]  # fmt: skip
+    assert sorted(int(one["properties"]["name"].split()[1]) for one in features) == list(range(1, 12))
+    rings = sorted(len(one["geometry"]["coordinates"]) for one in features)
+    assert rings[-3:] == [2, 2, 4]  # the disk and the ring have a hole each, and in the ring are three disks
+    from pyarrow import csv, parquet  # noqa: PLC0415
+
+    table, same = parquet.read_table(tmp_path / "cells.parquet"), csv.read_csv(tmp_path / "cells.csv")
+    assert table.column_names == same.column_names
+    assert sorted(table["label"].to_pylist()) == list(range(1, 12))
+    pixels = np.bincount(finest.ravel())[table["label"].to_numpy()]
+    areas = table["area [µm²]"].to_numpy() / 0.25
+    short = np.isfinite(table["intensity_mean"].to_numpy())
+    assert short.sum() == 9
+    assert areas[short] == pytest.approx(pixels[short], rel=0.03)
+
+
+def test_pieces_are_joined_to_closed_contours_without_a_seam():
+    turn = np.linspace(0.0, 2.0 * np.pi, 400, endpoint=False)
+    circle = np.stack([100.0 + 80.0 * np.sin(turn), 100.0 + 80.0 * np.cos(turn)], axis=1)
+
+    def half(chunk):
+        own = (circle[:, 1] < 106) if chunk == 0 else (circle[:, 1] > 94)
+        first = int(np.flatnonzero(own & ~np.roll(own, 1))[0])
+        points = np.roll(circle, -first, axis=0)[: own.sum()]
+        return points[::-1] if chunk else points
+
+    pieces = [Piece(Contour(half(chunk) + 0.001 * chunk, False, 1.0 + chunk), (True, True)) for chunk in (0, 1)]
+    (one,) = joined(pieces, [0, 1], 8.0)
+    assert one.closed
+    assert one.length == pytest.approx(2.0 * np.pi * 80.0, abs=0.1)
+    assert one.area == pytest.approx(np.pi * 80.0**2, rel=1e-3)
+
+
+def test_an_image_is_opened_in_the_level_that_has_room(source, tmp_path, monkeypatch):
+    image = cpm.load_image(source.path)
+    assert (image.values == picture()).all()
+    assert (image.spacing, image.unit, image.notes) == ((0.5, 0.5), "µm", ())
+    monkeypatch.setattr(ome_zarr, "_MOST", 2**19)
+    values = np.arange(1200 * 800, dtype=np.uint32).reshape(1200, 800)
+    ome_zarr.create_levels(tmp_path / "x.zarr", values.shape, values.dtype, SIDE)
+    ome_zarr.write_part(tmp_path / "x.zarr", 0, np.s_[:, :], values)
+    ome_zarr.halve_part(tmp_path / "x.zarr", 1, np.s_[0:600, 0:400])
+    small = cpm.load_image(tmp_path / "x.zarr")
+    assert (small.values == values[::2, ::2]).all()
+    assert "level 1 was opened" in small.notes[0]
