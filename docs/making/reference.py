@@ -31,7 +31,7 @@ GROUPS: dict[str, tuple[str, tuple[str, ...]]] = {
     "objects": (
         "Objects chosen by places",
         ("select", "select_all", "partition", "Partition", "Selection", "VolumePartition", "VolumeSelection",
-         "objects_result"),
+         "objects_result", "view", "View"),
     ),
     "skeletons": ("Skeletons", ("skeleton", "Skeleton", "centerlines", "Centerlines")),
     "files": (
