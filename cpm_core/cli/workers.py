@@ -197,14 +197,14 @@ def _in_processes(
 def _begin(use: int) -> None:
     """Let a new process use so many cores, and end when the one that has started it is killed."""
     at_most(use).__enter__()
-    threading.Thread(target=_end_with_parent, daemon=True).start()
-
-
-def _end_with_parent() -> None:
     parent = multiprocessing.parent_process()
-    if parent is not None:
-        parent.join()
-        os._exit(1)
+
+    def end_with_parent() -> None:
+        if parent is not None:
+            parent.join()
+            os._exit(1)
+
+    threading.Thread(target=end_with_parent, daemon=True).start()
 
 
 def elsewhere(jobs: Sequence[Job], address: str) -> Generator[tuple[Job, Row], None, None]:

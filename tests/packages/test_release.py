@@ -4,17 +4,22 @@ import importlib
 import re
 import shutil
 import subprocess
+import tomllib
 from configparser import ConfigParser
 from importlib import metadata
 from xml.etree import ElementTree
 
 import pytest
+from packaging.requirements import Requirement
+from packaging.specifiers import SpecifierSet
 
 from cpm_core.formats.common.provenance import VERSION
 from cpm_core.formats.sessions.session_file import MARK, SUFFIX
 from tests.packages.places import ROOT
 
 LINUX = ROOT / "release" / "linux"
+RECIPE = (ROOT / "release" / "conda" / "recipe.yaml").read_text("utf-8")
+CONDA = {"matplotlib": "matplotlib-base", "PySide6-Essentials": "pyside6"}
 NAMESPACE = {"m": "http://www.freedesktop.org/standards/shared-mime-info"}
 
 
@@ -49,6 +54,16 @@ def test_the_version_is_the_same_for_readers_and_software_centers(told) -> None:
     assert re.search(r"^version: (.*)$", (ROOT / "CITATION.cff").read_text("utf-8"), re.MULTILINE)[1] == VERSION
     assert re.search(r"^## (\S+)", (ROOT / "CHANGELOG.md").read_text("utf-8"), re.MULTILINE)[1] == VERSION
     assert told.find("releases/release").get("version").replace("~", "") == VERSION
+    assert f"  version: {VERSION}\n" in RECIPE
+
+
+def test_conda_installs_what_pip_installs_with_the_window() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    wanted = map(Requirement, (*project["dependencies"], *project["optional-dependencies"]["gui"]))
+    run = re.findall(r"^    - (\S+) (\S+)$", RECIPE.partition("  run:\n")[2].partition("tests:")[0], re.MULTILINE)
+    assert {(name, SpecifierSet(bounds)) for name, bounds in run} == {
+        (CONDA.get(each.name, each.name), each.specifier) for each in wanted
+    }
 
 
 def test_session_files_are_known_by_name_and_content(kind) -> None:
