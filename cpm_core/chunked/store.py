@@ -62,7 +62,7 @@ class Store:
         np.savez(content, **arrays)
         write_together([(self.folder / name, content.getvalue())])
 
-    def load(self, name: str, *keys: str) -> dict[str, Any]:
+    def load(self, name: str, *keys: str) -> Entries:
         """Read arrays, all or those of some names."""
         with np.load(self.folder / name, allow_pickle=False) as known:
             return {key: known[key] for key in keys or known.files}
@@ -72,7 +72,7 @@ class Store:
         shutil.rmtree(self.folder, ignore_errors=True)
 
 
-def packed(pieces: Sequence[Piece]) -> dict[str, Any]:
+def packed(pieces: Sequence[Piece]) -> Entries:
     """Pieces as arrays."""
     contours = [piece.contour for piece in pieces]
     return {
@@ -87,7 +87,7 @@ def packed(pieces: Sequence[Piece]) -> dict[str, Any]:
     }
 
 
-def unpacked(arrays: dict[str, Any], prefix: str = "") -> list[Piece]:
+def unpacked(arrays: Entries, prefix: str = "") -> list[Piece]:
     """The pieces of arrays."""
     known = {key.removeprefix(prefix): values for key, values in arrays.items() if key.startswith(prefix)}
     points = np.split(known["points"], np.cumsum(known["counts"])[:-1]) if len(known["counts"]) else []

@@ -5,13 +5,12 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from cpm_core.numerics.types import Array, Extent, Pixels
+from cpm_core.numerics.types import Array, Extent, Pixels, frozen
 from cpm_core.parameters.quotation import shown
 
 if TYPE_CHECKING:
@@ -90,11 +89,16 @@ def show_image(ax: Axes, values: Array, spacing: Sequence[float] = (1.0, 1.0), c
     if colors is not None:
         ax.imshow(colors, interpolation="nearest")
     else:
-        low, high = np.percentile(values, EXTREMES)
-        unit = max(high - low, 1e-300) / (BRIGHTEST - DARKEST)
-        darkest, brightest = low - DARKEST * unit, high + (1.0 - BRIGHTEST) * unit
+        darkest, brightest = gray_limits(values)
         ax.imshow(values, cmap="gray", vmin=darkest, vmax=brightest, interpolation="nearest")
     frame(ax, (rows, cols), spacing)
+
+
+def gray_limits(values: Array) -> tuple[float, float]:
+    """The gray levels that are shown as black and as white."""
+    low, high = np.percentile(values, EXTREMES)
+    unit = max(high - low, 1e-300) / (BRIGHTEST - DARKEST)
+    return low - DARKEST * unit, high + (1.0 - BRIGHTEST) * unit
 
 
 def frame(ax: Axes, shape: Extent, spacing: Sequence[float] = (1.0, 1.0)) -> None:
@@ -178,7 +182,7 @@ KNOWN = {**METRIC, "um": 1e-6, "cm": 1e-2}
 """Units that images have."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Bar:
     """A scale bar of round length, `pixels` of the image long."""
 

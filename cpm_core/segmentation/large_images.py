@@ -36,7 +36,6 @@ def large_image_settings(values: Array) -> LargeImageSettings | None:
     """
     if values.size <= LARGE:
         return None
-    # the part around the strongest edge, as it is seen in the means of blocks of pixels
     side = max(max(values.shape) // _COARSEST, 1)
     rows, cols = (n // side for n in values.shape)
     blocks = values[: rows * side, : cols * side].reshape(rows, side, cols, side).mean(axis=(1, 3))
@@ -50,7 +49,7 @@ def scales_for(shape: Extent) -> int:
     return min(wanted, most_scales(shape))
 
 
-def strongest_part(blocks: Array, side: int, shape: tuple[int, ...]) -> Window:
+def strongest_part(blocks: Array, side: int, shape: Extent) -> Window:
     """The window around the strongest edge of an image of this shape, from the means of blocks of `side` px."""
     strength = magnitude(gradient(blocks, 1.0))
     middle = side * np.array(np.unravel_index(int(np.argmax(strength)), strength.shape))

@@ -16,7 +16,7 @@ from cpm_core.contours.surface import Surface
 from cpm_core.field.interpolation import value_at
 from cpm_core.numerics.grids import parts_of, zero_surface
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Index, Single
+from cpm_core.numerics.types import Array, Extent, Index, Sides, Single
 from cpm_core.objects.prior.bodies import FAR, Body
 from cpm_core.objects.prior.windows import Cube
 
@@ -40,7 +40,7 @@ _LEAST = 0.5
 
 
 def body_surface(
-    body: Body, values: Array, size: Array, inside: Array, outside: Array, spacing: tuple[float, ...], unit: str | None
+    body: Body, values: Array, size: Array, inside: Array, outside: Array, spacing: Sides, unit: str | None
 ) -> Surface:
     """The closed surface of the parts of a body that hold places.
 
@@ -77,7 +77,7 @@ def body_surface(
     return Surface(vertices, faces, spacing, unit)
 
 
-def _linked(body: Body, inside: Array, outside: Array, shape: tuple[int, ...], size: Array) -> Single:
+def _linked(body: Body, inside: Array, outside: Array, shape: Extent, size: Array) -> Single:
     """Logits of the parts of a body that hold places, and beyond the volume as at its border; one step wider."""
     logits = np.pad(body.logits, 1, constant_values=-FAR)
     for axis, line in enumerate(body.cube.lines):

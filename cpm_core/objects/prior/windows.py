@@ -13,7 +13,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from cpm_core.numerics.types import Array, Index, Mask, Single, record
+from cpm_core.numerics.types import Array, Extent, Index, Mask, Single, record
 
 SIDE = 96
 """Pixels along each side of what the network looks at."""
@@ -88,7 +88,7 @@ class Window(Patch):
         """The map of another window in this one; zeros beyond."""
         return _sampled_within(seen, *other.steps_along(self.lines))
 
-    def back(self, seen: Single, shape: tuple[int, ...]) -> tuple[tuple[slice, slice], Single]:
+    def back(self, seen: Single, shape: Extent) -> tuple[tuple[slice, slice], Single]:
         """Rows and columns of an image of this shape that the window holds, and its map, shape (SIDE, SIDE), there."""
         lines = [np.arange(n) for n in shape]
         lines = [line[(line >= of[0]) & (line <= of[-1])] for line, of in zip(lines, self.lines, strict=True)]
