@@ -107,7 +107,9 @@ def selection_in(selection: AnySelection, here: Slice) -> Selection:
 
 
 def holds(item: SegmentedObject, place: Place) -> bool:
-    """Whether a place (plane, row, col) lies in an object."""
+    """Whether a place (row, col) [px], or (plane, row, col), lies in an object."""
+    if len(place) == 2:
+        return bool(item.encloses(np.array([place], float))[0])
     if any(isinstance(body, PackedVoxels) for body in item.surface):
         return bool(item.surface[0].part([round(at) for at in place], (1, 1, 1)).all())
     here = Slice(0, round(place[0]))
