@@ -67,6 +67,8 @@ class VolumePartition:
     ((31, 31, 31), 1, [1], '')
     >>> len(bodies.candidates([(15, 15, 15)]))
     1
+    >>> bodies.selection_of(bodies.select([(15, 15, 15)]).packed, [(15, 15, 15)])
+    <VolumeSelection ball, 1 part>
     """
 
     image: Image
