@@ -9,7 +9,7 @@ const HTML = `
     <g class="objects"></g>
   </g>
 </svg>
-<input type="range" min="0" aria-label="Plane" style="width: 100%" hidden>
+<input type="range" min="0" aria-label="Plane" style="width: 100%; margin: 0" hidden>
 <div role="status" style="font-size: 90%"></div>`;
 
 function path(d, stroke, fill = "none") {
@@ -31,7 +31,8 @@ function render({ model, el }) {
     model.send(message);
   };
   const ask = () => {  // for one plane at a time, however fast the slider moves
-    if (!asked && slider.valueAsNumber !== model.get("ground").plane) {
+    const { planes, plane } = model.get("ground");
+    if (planes && !asked && slider.valueAsNumber !== plane) {
       asked = true;
       send({ plane: slider.valueAsNumber });
     }

@@ -133,13 +133,13 @@ class View(drawing.Pictured):
         if found.found and not found.only_places:
             self.objects = [*(one for one in self.objects if one is not former), found]
             self.selection = found
-            self._said = f"{repr(found).strip('<>')}. {found.remark}"
+            self._said = f"{repr(found).strip('<>')}. {found.remark}".strip()
         self._send()
 
     def remove(self) -> None:
         """Remove the selected object."""
         self.objects = [one for one in self.objects if one is not self.selection]
-        self.selection = None
+        self.selection, self._said = None, _HELP
         self._send()
 
     def turn_to(self, plane: int) -> None:
