@@ -197,7 +197,7 @@ class PackedVoxels:
 
     def part(self, begin: Corner, shape: Corner) -> Mask:
         """Which voxels of another box, given its first voxel and its shape, are among them."""
-        found = np.zeros(tuple(shape), np.bool_)
+        found = np.zeros(tuple(shape), bool)
         low, high = np.maximum(begin, self.first), np.minimum(np.add(begin, shape), np.add(self.first, self.shape))
         if (low < high).all():
             (plane, row, col), (planes, rows, cols) = low - self.first, high - low

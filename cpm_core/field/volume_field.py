@@ -186,7 +186,7 @@ class VolumeField:
 
     def crossed(self, start: Array, end: Array) -> Mask:
         """Which of the straight moves between positions, shapes (N, 3) [units], cross a wall."""
-        return np.zeros(len(start), np.bool_) if self.walls is None else self.walls.crossed(start, end)
+        return np.zeros(len(start), bool) if self.walls is None else self.walls.crossed(start, end)
 
     @cached_property
     def ridges(self) -> Ridges:

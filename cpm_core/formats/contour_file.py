@@ -167,7 +167,7 @@ def _checked(found: Contents, name: str, page: int | None) -> ContourFile:
         notes.append(f"The contours lie on {len(pages)} pages, and those of all were taken.")
     for what, count in sorted(found.left_out.items()):
         notes.append(f"Left out: {what} ({count}).")
-    drawn = np.array(places, np.float64).reshape(-1, 2)
+    drawn = np.array(places, float).reshape(-1, 2)
     if not all(np.isfinite(points).all() for points in (drawn, *(one.points for one in kept))):
         raise ValueError(f"{name} holds vertices that are not finite numbers: write it again.")
     if page is not None and pages and page not in pages:

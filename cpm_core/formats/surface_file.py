@@ -187,7 +187,7 @@ def _put(labels: Decoded, name: str, volume: Image, into: Array) -> None:
     """
     from nibabel.orientations import apply_orientation, inv_ornt_aff, io_orientation
 
-    values: Array = np.asarray(labels.values, np.float64)
+    values: Array = np.asarray(labels.values, float)
     part: tuple[slice, ...] = (slice(None),) * 3
     if labels.geometry is not None and volume.geometry is not None:
         spacing = labels.spacing

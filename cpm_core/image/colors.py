@@ -136,7 +136,7 @@ def reduced(samples: Numbers, alpha: Numbers | None = None, white: float | None 
             line = line * opacity + white * (1.0 - opacity)
         gray[first:end] = line[..., 0] if colors is None else luminance(line)
         if colors is not None:
-            shares = np.asarray(np.clip(line, 0.0, white), np.float64) / white
+            shares = np.asarray(np.clip(line, 0.0, white), float) / white
             colors.samples[first:end] = np.rint(np.nan_to_num(255.0 * shares))
 
     in_bands(reduce_rows, shape[0])

@@ -176,7 +176,7 @@ def along(points: Array, radii: Array) -> Array:
 
 def covered(disks: Array, shape: Extent) -> Mask:
     """Pixels whose centers lie in one of the disks (row, col, radius), shape (M, 3) [px]."""
-    found = np.zeros(shape, np.bool_)
+    found = np.zeros(shape, bool)
     for row, col, radius in disks.tolist():
         found[skimage.draw.disk((row, col), radius + _RIM, shape=shape)] = True  # type: ignore[no-untyped-call]
     return found

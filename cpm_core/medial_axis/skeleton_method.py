@@ -313,7 +313,7 @@ class SkeletonMethod(ImageFields):
         image, dark = self.image, parameters.polarity < 0.0
         low, high = image.gray_range
         if self._within:
-            inside = np.zeros(image.shape, np.bool_)
+            inside = np.zeros(image.shape, bool)
             for one in self._within:
                 if isinstance(one, PackedSurface | PackedVoxels):
                     one.voxels.fill(inside)

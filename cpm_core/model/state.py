@@ -69,13 +69,13 @@ class SurfaceContact:
     @classmethod
     def none(cls, count: int) -> SurfaceContact:
         """Contact of particles that are not on any surface, awake since the first step."""
-        return cls(np.zeros((count, 3)), np.zeros(count, np.bool_), np.zeros(count), np.zeros(count, np.int64))
+        return cls(np.zeros((count, 3)), np.zeros(count, bool), np.zeros(count), np.zeros(count, np.int64))
 
     @classmethod
     def of_seated(cls, normal: Array, strength: Array, step: int) -> SurfaceContact:
         """Contact of particles that lie on surfaces with these normals, awake since a step."""
         count = len(normal)
-        return cls(normal, np.ones(count, np.bool_), strength, np.full(count, step))
+        return cls(normal, np.ones(count, bool), strength, np.full(count, step))
 
     def taken(self, index: Index) -> SurfaceContact:
         """That of the particles with the given indices, in this order."""

@@ -194,7 +194,7 @@ def _voxels(plain: object, where: str) -> Voxels:
     if min(box.shape) < 1 or count > MOST_VOXELS:
         raise ValueError(f"shape of {where} is {shown(box.shape)} but may be {MOST_VOXELS:,} voxels at most.")
     bits = unpacked(box.voxels, np.uint8, -(-count // 8), where)
-    return Voxels(np.unpackbits(bits, count=count).reshape(box.shape).astype(np.bool_), box.first)
+    return Voxels(np.unpackbits(bits, count=count).reshape(box.shape).astype(bool), box.first)
 
 
 _READ: dict[Any, Callable[[object, str], Any]] = {

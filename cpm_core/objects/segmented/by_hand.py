@@ -171,7 +171,7 @@ class _Edges:
     def on(self, path: Array) -> Mask:
         """Which vertices lie on the ridge of an edge."""
         if self._field is None:
-            return np.zeros(len(path), np.bool_)
+            return np.zeros(len(path), bool)
         ridge, found = ridge_points(path, self._field)
         strong = self._strength(ridge) >= max(_STRONG * self._boundary, self._field.floor)
         return found & strong & (np.linalg.norm(ridge - path, axis=1) <= _ON)

@@ -145,14 +145,14 @@ class SegmentedObject:
 
     def encloses(self, places: Array) -> Mask:
         """Which of places, shape (N, 2) [px], lie inside, shape (N,)."""
-        found = np.zeros(len(places), np.bool_)
+        found = np.zeros(len(places), bool)
         for curve in self.boundary:
             found ^= polyline.inside(curve, places)
         return found
 
     def mask(self, shape: Extent) -> Mask:
         """The pixels of an image, or the voxels of a volume, of this shape whose centers lie inside."""
-        found = np.zeros(shape, np.bool_)
+        found = np.zeros(shape, bool)
         for packed in self.surface:
             packed.voxels.fill(found)
         if self.surface:
@@ -228,7 +228,7 @@ class SegmentedObject:
         top, left = np.clip(np.floor(low), 0, shape).astype(int).tolist()
         bottom, right = np.clip(np.ceil(high) + 1, (top, left), np.maximum(shape, (top, left))).tolist()
         rows, cols = np.arange(top, bottom), np.arange(left, right)
-        window = np.zeros((len(rows), len(cols)), np.bool_)
+        window = np.zeros((len(rows), len(cols)), bool)
         height = max(1, _AT_ONCE // max(1, len(cols)))
         for first in range(0, len(rows), height):
             part = window[first : first + height]
