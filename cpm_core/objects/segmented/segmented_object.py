@@ -50,6 +50,10 @@ class Click:
             raise ValueError("A click has no position: give at least one, (row, col).")
 
 
+Clicks = tuple[Click, ...]
+"""Clicks, one after the other."""
+
+
 @dataclass(frozen=True)
 class ObjectClass:
     """A class of objects: its name, which may be empty, and its color, ``"#rrggbb"``."""
@@ -102,7 +106,7 @@ class SegmentedObject:
     """
 
     number: int
-    clicks: tuple[Click, ...]
+    clicks: Clicks
     boundary: tuple[Line, ...] = ()
     gaps: tuple[Line, ...] = ()
     confidence: float = 0.0
@@ -284,7 +288,7 @@ class SegmentedObjects:
     items: tuple[SegmentedObject, ...] = ()
     classes: tuple[ObjectClass, ...] = CLASSES
     category: int = 1
-    clicks: tuple[Click, ...] = ()
+    clicks: Clicks = ()
     edited: int = 0
     rejected: tuple[SegmentedObject, ...] = ()
     taken: int = 0
@@ -324,7 +328,7 @@ class SegmentedObjects:
         return item.color or self.classes[item.category - 1].color
 
 
-def places_of(clicks: tuple[Click, ...], *, inside: bool) -> Array:
+def places_of(clicks: Clicks, *, inside: bool) -> Array:
     """Places of the clicks inside, or of those outside, shape (N, D) [px]."""
     found = [place for click in clicks if click.inside == inside for place in click.places]
     return np.array(found, dtype=float).reshape(-1, len(clicks[0].places[0]) if clicks else 2)
