@@ -17,7 +17,7 @@ from cpm_core.formats.contours import coco, contour_csv, contour_json, dxf, geoj
 from cpm_core.formats.contours.contents import Contents, Plane
 from cpm_core.formats.images.readers import READABLE, load_image
 from cpm_core.image.image import Image
-from cpm_core.numerics.types import Array, record
+from cpm_core.numerics.types import Array, Texts, record
 from cpm_core.parameters.quotation import shown
 
 _LOG = logging.getLogger(__name__)
@@ -56,7 +56,7 @@ class ContourFile:
     contours: tuple[Contour, ...]
     shape: tuple[int, int] | None = None
     places: Array = field(default_factory=lambda: np.empty((0, 2)))
-    notes: tuple[str, ...] = ()
+    notes: Texts = ()
 
 
 def load_contours(

@@ -31,7 +31,7 @@ from cpm_core.medial_axis.structure import DARK, Structure, find_structure, with
 from cpm_core.model.image_fields import ImageFields
 from cpm_core.model.starts import inside_image
 from cpm_core.model.state import Particles
-from cpm_core.numerics.types import Array, Mask, Numbers, record
+from cpm_core.numerics.types import Array, Mask, Numbers, Texts, record
 from cpm_core.parameters import OF_CHARGES, OF_STARTS, PRESETS, Parameters, invalidating
 from cpm_core.parameters.provenance import Provenance, taken
 from cpm_core.parameters.quotation import described, shown, sized
@@ -151,7 +151,7 @@ class SkeletonMethod(ImageFields):
 
     name: ClassVar[str] = "skeleton"
     title: ClassVar[str] = "Skeleton"
-    parameters: ClassVar[tuple[str, ...]] = tuple(
+    parameters: ClassVar[Texts] = tuple(
         name for name in invalidating("field", "contours") if name not in (*OF_STARTS, *OF_CHARGES)
     )
     seeded: ClassVar[bool] = False

@@ -24,6 +24,9 @@ Mask = NDArray[np.bool_]
 Pixels = NDArray[np.uint8]
 """Pixels for the screen, (H, W) or (H, W, 3)."""
 
+Texts = tuple[str, ...]
+"""Names or sentences, one after the other."""
+
 Numbers = NDArray[Any]
 """Numbers of any type."""
 

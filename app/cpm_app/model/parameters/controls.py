@@ -9,7 +9,7 @@ from typing import Any
 from cpm_app.model.text.language import from_core, tr, written
 from cpm_app.model.text.wording import rich
 from cpm_core import PARAMETERS, Parameters
-from cpm_core.numerics.types import frozen
+from cpm_core.numerics.types import Texts, frozen
 from cpm_core.parameters import AUTOMATIC, CHOICES, OF_STARTS, Invalidates
 
 RATIO = "ratio"
@@ -258,7 +258,7 @@ class ChoiceControl:
     acts: str
 
     @property
-    def lines(self) -> tuple[str, ...]:
+    def lines(self) -> Texts:
         """The explanation, one line for each choice."""
         effects = (tr("{choice}: {effect}", choice=title, effect=about) for _, title, about in self.choices)
         return (self.meaning, *effects, self.acts)
