@@ -111,7 +111,12 @@ def apply(contours: Contours, edits: Sequence[HandEdit]) -> tuple[tuple[Contour,
         return tuple(contours), ()
     lines, missed = [PolygonalLine.of(contour) for contour in contours], []
     for number, edit in enumerate(edits):
-        lines, done = _removed(lines, edit.removed) if edit.removed else (lines, True)
+        done = not edit.removed
+        if len(edit.removed) == 1:
+            lines, done = _cut(lines, edit.removed[0])
+        for reach in _CLOSEST:
+            if not done and len(edit.removed) > 1:
+                lines, done = _without(lines, np.array(edit.removed), reach)
         if edit.added:
             lines, held = _added(lines, edit)
             done = done and held
@@ -122,18 +127,6 @@ def apply(contours: Contours, edits: Sequence[HandEdit]) -> tuple[tuple[Contour,
 
 
 # Removing
-
-
-def _removed(lines: list[PolygonalLine], stretch: Line) -> tuple[list[PolygonalLine], bool]:
-    """The lines cut at a place, or without a stretch; and whether a line was found there."""
-    if len(stretch) == 1:
-        return _cut(lines, stretch[0])
-    path = np.array(stretch)
-    for reach in _CLOSEST:
-        rest, along = _without(lines, path, reach)
-        if along:
-            return rest, True
-    return lines, False
 
 
 def _cut(lines: list[PolygonalLine], place: Position) -> tuple[list[PolygonalLine], bool]:

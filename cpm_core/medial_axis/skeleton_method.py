@@ -224,31 +224,22 @@ class SkeletonMethod(ImageFields):
                     structure = find_structure(self.scale_field, parameters)
                 points = self._in_image(structure.boundary.points)
             return replace(state, made_of=made_of, structure=structure, axis=None, points=points, first=0)
-        if isinstance(state.structure, Structure):
-            return self._step_in_plane(state, state.structure, parameters)
-        return self._step_in_volume(state, state.structure, parameters.pruning)
-
-    def _step_in_plane(self, state: SkeletonState, found: Structure, parameters: Parameters) -> SkeletonState:
-        """The second or third step in an image."""
-        if not isinstance(state.axis, Axis):
-            found, axis = self._with_axis(found, parameters)
-            points = self._in_image(axis.points[np.unique(axis.edges)])
-            return replace(state, structure=found, axis=axis, points=points, first=len(state.points))
-        rest = found.pruned(state.axis, parameters.pruning, self.image.shape)
-        drawn = branches(rest, found.boundary, found.smoothing)
-        drawn.sort(key=lambda branch: -branch[0].length)
-        contours, radii = tuple(contour for contour, _ in drawn), tuple(radii for _, radii in drawn)
-        reason = "the skeleton is found" if contours else _nothing(found)
-        return replace(state, contours=contours, radii=radii, stop_reason=reason, converged=bool(contours))
-
-    def _step_in_volume(self, state: SkeletonState, inside: Mask, pruning: float) -> SkeletonState:
-        """The second or third step in a volume."""
-        image = self.image
+        found, image = state.structure, self.image
+        if isinstance(found, Structure):
+            if not isinstance(state.axis, Axis):
+                found, axis = self._with_axis(found, parameters)
+                points = self._in_image(axis.points[np.unique(axis.edges)])
+                return replace(state, structure=found, axis=axis, points=points, first=len(state.points))
+            rest = found.pruned(state.axis, parameters.pruning, image.shape)
+            drawn = branches(rest, found.boundary, found.smoothing)
+            drawn.sort(key=lambda branch: -branch[0].length)
+            contours, radii = tuple(contour for contour, _ in drawn), tuple(radii for _, radii in drawn)
+            reason = "the skeleton is found" if contours else _nothing(found)
+            return replace(state, contours=contours, radii=radii, stop_reason=reason, converged=bool(contours))
+        lines = centerlines(found, image.spacing, image.unit, 0.0 if state.axis is None else parameters.pruning)
         if state.axis is None:
-            lines = centerlines(inside, image.spacing, image.unit, 0.0)
             points = np.concatenate([np.empty((0, 3)), *(branch.points for branch in lines.branches)])
             return replace(state, axis=lines, points=points, first=len(state.points))
-        lines = centerlines(inside, image.spacing, image.unit, pruning)
         return replace(
             state,
             lines=lines,

@@ -123,7 +123,16 @@ def connect(path: Array, begin: Contact | None = None, end: Contact | None = Non
     """
     if begin is not None and end is not None and begin.same_contour(end):
         if not begin.at_end and not end.at_end:
-            return (_redrawn(path, begin, end),)
+            # in place of the stretch between the two, of a closed contour the nearer one
+            if begin.along > end.along:
+                begin, end, path = end, begin, path[::-1]
+            line = begin.line
+            stretch = line.part(begin.along, end.along)
+            if line.closed:
+                other = line.part(end.along, begin.along + line.length)
+                if polyline.distances(path, other.path).mean() < polyline.distances(path, stretch.path).mean():
+                    stretch, begin, end, path = other, end, begin, path[::-1]
+            return (_instead(stretch, path, begin, end),)
         if not end.at_end:
             begin, end, path = end, begin, path[::-1]
         if not begin.at_end:
@@ -206,19 +215,6 @@ def places(path: Array) -> Line:
     rounded = [_rounded(place) for place in path.tolist()]
     kept = [place for place, _ in groupby(rounded)]
     return tuple(kept if len(kept) > 1 else rounded[:1] * 2)
-
-
-def _redrawn(path: Array, begin: Contact, end: Contact) -> HandEdit:
-    """A contour with a path in place of the stretch between two places, of a closed one the nearer of the two."""
-    if begin.along > end.along:
-        begin, end, path = end, begin, path[::-1]
-    line = begin.line
-    stretch = line.part(begin.along, end.along)
-    if line.closed:
-        other = line.part(end.along, begin.along + line.length)
-        if polyline.distances(path, other.path).mean() < polyline.distances(path, stretch.path).mean():
-            stretch, begin, end, path = other, end, begin, path[::-1]
-    return _instead(stretch, path, begin, end)
 
 
 def _instead(stretch: PolygonalLine, path: Array, begin: Contact, end: Contact) -> HandEdit:
