@@ -125,11 +125,17 @@ def body_of(mask: Mask, size: Array) -> Body:
     first, last = ends(mask)
     low, high = (first - 0.5) * size, (last + 0.5) * size
     cube = Cube(0.5 * (low + high), max(_AROUND * float((high - low).max()), _CLOSEST))
+    logits = logits_of(mask, size, cube)
+    return Body(cube, logits, logits)
+
+
+def logits_of(mask: Mask, size: Array, cube: Cube) -> Single:
+    """Logits of the steps of a cube to lie in some voxels, shape (P, R, C), whose sides are given."""
     lines = [line / side for line, side in zip(cube.lines, size.tolist(), strict=True)]
     logits = (2.0 * resampled(mask, lines, tuple(cube.scale / size)) - 1.0) * np.float32(FAR)
     for axis, line in enumerate(lines):
         np.moveaxis(logits, axis, 0)[(line < -0.5) | (line > mask.shape[axis] - 0.5)] = -FAR
-    return Body(cube, logits, logits)
+    return logits
 
 
 class _Slice(NamedTuple):
