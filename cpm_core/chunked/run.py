@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from functools import partial
 from typing import Any
 
@@ -16,7 +16,7 @@ from cpm_core.chunked.seams import joined, owned, twice
 from cpm_core.chunked.store import Piece, Store, packed, unpacked
 from cpm_core.contours.contour import Contour
 from cpm_core.formats.common.provenance import VERSION
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, frozen
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction.curve.hysteresis import shortest
 
@@ -26,7 +26,7 @@ Compute = Callable[[Callable[[Any], Any], Sequence[Any], str], Iterable[tuple[in
 _WHOLE, _JOINED = "whole.npz", "joined.npz"
 
 
-@dataclass(frozen=True)
+@frozen
 class Task:
     """What is to be found, and where it is stored.
 
@@ -57,7 +57,7 @@ class Task:
                 "parameters": asdict(self.parameters), "steps": self.max_steps, "version": VERSION}  # fmt: skip
 
 
-@dataclass(frozen=True)
+@frozen
 class Found:
     """What has been found, of which each chunk can be read by itself.
 
