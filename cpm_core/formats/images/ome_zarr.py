@@ -100,7 +100,7 @@ class Levels:
         return self.planes(0, time, channel, slice(plane, plane + 1), window)[0]
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class FinerPlane:
     """A plane of a level, parts of which are read as they are asked for."""
 
