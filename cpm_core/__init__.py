@@ -60,7 +60,8 @@ of vessels (`medial_axis.centerlines`). Contours and skeletons both come from a 
 runs step by step.
 
 **Objects** are chosen by places, strokes and boxes, with `select` and `select_all`: they are what a closed contour
-encloses beyond doubt, elsewhere what a prior expects that was learned from outlined images (`objects`).
+encloses beyond doubt, elsewhere what a prior expects that was learned from outlined images (`objects`). In a
+notebook they are clicked in a `view`.
 
 The **classical methods** that the publication argues against, snakes and level sets, stand beside the charged particles
 in `CONTOUR_METHODS`: from the same image and the same drawn `Start` each gives the states of a run, one after the other
@@ -119,12 +120,14 @@ from cpm_core.model.volume.starts import at_centers, box, everywhere, in_slice, 
 from cpm_core.objects import (
     Partition,
     Selection,
+    View,
     VolumePartition,
     VolumeSelection,
     objects_result,
     partition,
     select,
     select_all,
+    view,
 )
 from cpm_core.objects.methods import (
     CONTOUR_METHODS,
@@ -188,6 +191,7 @@ __all__ = [
     "Table",
     "TrackEvent",
     "Truth",
+    "View",
     "VolumePartition",
     "VolumeRegions",
     "VolumeSelection",
@@ -236,6 +240,7 @@ __all__ = [
     "sphere",
     "stroke",
     "uniform_grid",
+    "view",
     "write_animation",
     "write_figure",
 ]

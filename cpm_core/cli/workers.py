@@ -275,3 +275,9 @@ def finished(
     finally:
         with suppress(Exception, CancelledError):
             client.cancel(list(waiting))
+
+
+def on_one_core(function: Callable[[Any], Any], job: Any) -> Any:
+    """Do a job on one core, as the others have workers of their own."""
+    with at_most(1):
+        return function(job)

@@ -35,4 +35,5 @@ from cpm_core.contours.review import with_kept as with_kept
 from cpm_core.contours.surface import alone as alone
 from cpm_core.contours.surface import inside_of as inside_of
 from cpm_core.contours.surface import numbered as numbered
+from cpm_core.contours.surface import section_of as section_of
 from cpm_core.contours.surface import surfaces_joined as surfaces_joined

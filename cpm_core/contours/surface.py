@@ -11,7 +11,8 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike, NDArray
 
-from cpm_core.contours.contour import Label
+from cpm_core.contours.contour import Contour, Label
+from cpm_core.contours.graph import Graph
 from cpm_core.image import drawing
 from cpm_core.numerics.grids import parts_joined, parts_of, zero_surface
 from cpm_core.numerics.jit import compiled
@@ -310,3 +311,20 @@ def surfaces_joined(bodies: Sequence[tuple[int, Surface]], spacing: Sides, unit:
         unit,
         numbers=np.concatenate([np.full(len(body.faces), number) for number, body in bodies]),
     )
+
+
+def section_of(surface: Surface, axis: int, index: int) -> tuple[Contour, ...]:
+    """Where a slice of the volume cuts a surface: closed contours, and open ones where the surface has a rim."""
+    heights = surface.vertices[:, axis] - index
+    above = heights >= 0.0  # a vertex in the slice lies on one side, so that each triangle is cut once or never
+    corners = above[surface.faces]
+    faces = surface.faces[corners.any(axis=1) & ~corners.all(axis=1)]
+    if not len(faces):
+        return ()
+    sides = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
+    ends = sides[above[sides[:, 0]] != above[sides[:, 1]]]  # two of each triangle, one after the other
+    edges, numbers = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)
+    first, last = heights[edges].T
+    share = (first / (first - last))[:, None]
+    places = surface.vertices[edges[:, 0]] * (1.0 - share) + surface.vertices[edges[:, 1]] * share
+    return Graph(np.delete(places, axis, axis=1), numbers.reshape(-1, 2)).contours()

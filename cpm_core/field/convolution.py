@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 from cpm_core.numerics.grids import Window, around, in_bands, relative, sides_of
 from cpm_core.numerics.parallel import cores
 from cpm_core.numerics.real_numbers import checked_number
-from cpm_core.numerics.types import Array, Single, record
+from cpm_core.numerics.types import Array, Index, Single, record
 
 _MOST_KEPT = 2**21
 """Pixels of an image up to which the spectra of its kernels are kept for the next image of the same size."""
@@ -164,9 +164,12 @@ class WindowedField:
         sides = [n + 3 * _NEAR for n in sides_of(window)]
         field = _convolved(self.charges[outer], sides, _near_kernels, self.exponent)
         field = field[(slice(None), *relative(window, outer))]
-        rows, cols = (_splines((np.arange(side.start, side.stop) + 0.5) / _BLOCK - 0.5) for side in window)
         down, right = (slice(side.start // _BLOCK, -(-side.stop // _BLOCK) + 2 * _BEYOND) for side in window)
-        field += rows[:, down] @ self._nodes[:, down, right] @ cols[:, right].T
+        rows, cols = (
+            _splines(np.arange(side.start, side.stop), np.arange(some.start, some.stop) - _BEYOND)
+            for side, some in zip(window, (down, right), strict=True)
+        )
+        field += rows @ self._nodes[:, down, right] @ cols.T
         return field
 
     @cached_property
@@ -201,17 +204,18 @@ def _padded(sides: list[int]) -> tuple[int, ...]:
     return tuple(scipy.fft.next_fast_len(n, axis == len(sides) - 1) for axis, n in enumerate(sides))
 
 
-def _splines(places: Array) -> Single:
-    """Weights of the nodes in a cubic spline at places in units of their distance."""
-    away = np.abs(places[:, None] - np.arange(-_BEYOND, int(places[-1]) + 2 + _BEYOND))
-    beyond = np.clip(2.0 - away, 0.0, None) ** 3 / 6.0
-    return np.where(away < 1.0, 2.0 / 3.0 - away**2 + 0.5 * away**3, beyond).astype(np.float32)
+def _splines(pixels: Index, nodes: Index) -> Single:
+    """Weights of nodes in a cubic spline at pixels."""
+    away = np.abs((pixels[:, None] + 0.5) / _BLOCK - 0.5 - nodes)
+    beyond, squared = np.maximum(2.0 - away, 0.0), away * away
+    within = 2.0 / 3.0 - squared + 0.5 * away * squared
+    return np.where(away < 1.0, within, beyond * beyond * beyond / 6.0).astype(np.float32)
 
 
 def _spread(lines: NDArray[Any]) -> Single:
     """Charges along lines, shape (K, N), on nodes, each spread by a cubic spline."""
     blocks = np.pad(lines, ((0, 0), (0, -lines.shape[1] % _BLOCK))).reshape(len(lines), -1, _BLOCK)
-    weights = _splines((np.arange(_BLOCK) + 0.5) / _BLOCK - 0.5)[:, 1:6]
+    weights = _splines(np.arange(_BLOCK), np.arange(-2, 3))
     shares = blocks.astype(np.float32, copy=False) @ weights
     nodes = np.zeros((len(lines), blocks.shape[1] + 2 * _BEYOND), np.float32)
     for k in range(weights.shape[1]):

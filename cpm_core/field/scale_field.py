@@ -7,10 +7,11 @@ from collections.abc import Callable
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, partial
+from typing import Any
 
 import numpy as np
 import scipy
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import DTypeLike
 
 from cpm_core.field.convolution import WindowedField, convolved_field, convolved_potential
 from cpm_core.field.edge_map import background_strength, gradient, gradient_within, magnitude
@@ -18,7 +19,8 @@ from cpm_core.field.interpolation import interpolate
 from cpm_core.field.region_contrast import region_contrast
 from cpm_core.image.border import inside_border, within
 from cpm_core.image.regions import NO_BARRIERS, BarrierMap, Regions, build_barrier_map
-from cpm_core.numerics.grids import Window, around, in_bands, relative, running_maximum, tiles, whole_window
+from cpm_core.numerics.grids import Window, around, in_bands, relative, sides_of, tiles, whole_window
+from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Mask, Single
 
 GATE = 0.93
@@ -46,11 +48,9 @@ _SUMMIT_REACH, _FIELD_REACH = 2, 1
 _OVERLAP = _SUMMIT_REACH + 1
 """Lines beyond a part of the image on which its forces depend: a central difference within reach of a ridge."""
 
-_PART, _LEAST_LINES = 2**15, 16
-"""Pixels of a part of the image, so that intermediate results stay in the cache, and its least number of lines."""
-
-_TILE = 1024
-"""Side of the windows in which the edge map and the field of a large image are made [px]."""
+_TILE = 948
+"""Side of the windows in which the edge map and the field of a large image are made [px]; with what the field needs
+around them it is one whose transforms are fast."""
 
 FIELD_PRECISION: DTypeLike = np.float32
 """The transforms of the field are done in single precision: only its direction and its values near edges are used. The
@@ -292,30 +292,48 @@ def packed_force(
     exponent: float | None, charged: Array, slopes: Slopes, strength: Array, strongest: float, cut: bool
 ) -> Single:
     """`ScaleField.packed` of an exponent, fixed charges, image gradient, edge map, its largest value, and `cut`."""
-    known = slopes, strength, strongest, cut
+    known, packed = (slopes, strength, strongest, cut), np.empty((*strength.shape, 5), np.float32)
     if strength.size <= LARGE:
-        return _packed(convolved_field(charged, exponent, FIELD_PRECISION), *known, whole_window(strength.shape))
-    packed, field = np.empty((*strength.shape, 5), np.float32), WindowedField(charged, exponent)
+        every = whole_window(strength.shape)
+        _pack(convolved_field(charged, exponent, FIELD_PRECISION), *known, every, every, packed)
+        return packed
+    field = WindowedField(charged, exponent)
     for tile in tiles(strength.shape, _TILE):  # one after the other: each uses all cores
-        packed[tile] = _packed_within(field, *known, tile)
+        _packed_within(field, *known, tile, packed[tile])
     return packed
 
 
 def _packed_within(
-    field: WindowedField, slopes: Slopes, strength: Array, strongest: float, cut: bool, window: Window
+    field: WindowedField,
+    slopes: Slopes,
+    strength: Array,
+    strongest: float,
+    cut: bool,
+    window: Window,
+    packed: Single | None = None,
 ) -> Single:
     """`packed_force` in a window of a large image."""
+    packed = np.empty((*sides_of(window), 5), np.float32) if packed is None else packed
     outer = around(window, _OVERLAP, strength.shape)
-    return _packed(field.within(outer), slopes, strength, strongest, cut, outer)[relative(window, outer)].copy()
+    _pack(field.within(outer), slopes, strength, strongest, cut, outer, relative(window, outer), packed)
+    return packed
 
 
-def _packed(
-    field: NDArray[np.floating], slopes: Slopes, strength: Array, strongest: float, cut: bool, window: Window
-) -> Single:
-    """`packed_force` of a field in a window."""
+def _pack(
+    field: Single,
+    slopes: Slopes,
+    strength: Array,
+    strongest: float,
+    cut: bool,
+    window: Window,
+    inner: Window,
+    packed: Single,
+) -> None:
+    """Write `packed_force` in a part of a window of which the field is known."""
     grad, length = slopes(window), strength[window]
-    force = lorentz_force(field, grad, magnitude(grad) if cut else length, strongest)
-    return np.stack([*force, *grad, length], axis=-1, dtype=np.float32)
+    lorentz_force(field, grad, magnitude(grad) if cut else length, strongest, packed, (inner[0].start, inner[1].start))
+    if cut:
+        packed[..., 4] = length[inner]
 
 
 def weakest_edge(strength: Array, strongest: float, edge_floor: float) -> float:
@@ -327,10 +345,12 @@ def weakest_edge(strength: Array, strongest: float, edge_floor: float) -> float:
     return max(WEAKEST_EDGE * strongest, min(background_strength(strength), _MOST_BACKGROUND * strongest))
 
 
-def lorentz_force(field: NDArray[np.floating], grad: Array, strength: Array, strongest: float) -> Array:
-    r"""Normalized Lorentz force on the pixels, shape (D, \*shape), of at most unit size.
+def lorentz_force(
+    field: Single, grad: Array, strength: Array, strongest: float, packed: Single, first: tuple[int, int] = (0, 0)
+) -> None:
+    r"""Write the normalized Lorentz force on the pixels, of at most unit size, the gradient and the edge strength.
 
-    Away from edges it is the unit vector of the field (section 3.3). On an edge there are three differences:
+    Away from edges the force is the unit vector of the field (section 3.3). On an edge there are three differences:
 
     - The field is divided by its largest size next to the edge and not by its own, so that the force falls linearly
       through zero where the field does. Unit vectors would round that position to the middle between two pixels.
@@ -340,53 +360,109 @@ def lorentz_force(field: NDArray[np.floating], grad: Array, strength: Array, str
     - Where the field points away from the ridge, as it does all across a weak edge next to a strong one, the slope of
       the edge map takes its place, so that every edge holds its particles.
 
-    `field`, shape (D, \*shape), is the electric field, `grad` the image gradient, `strength`, shape (\*shape), the size
-    of the gradient, `strongest` the largest edge strength that counts.
+    Parameters
+    ----------
+    field : ndarray, shape (2, H, W)
+        Electric field.
+    grad, strength : ndarray, shapes (2, H, W) and (H, W)
+        Image gradient, and its size.
+    strongest : float
+        Largest edge strength that counts.
+    packed : ndarray, shape (h, w, 5)
+        What is written: see `ScaleField.packed`.
+    first : tuple of int
+        The pixel that it begins with.
     """
-    tiny = 1e-12 * float(magnitude(field).max())
-    force = np.empty(grad.shape, grad.dtype)
-    lines = max(_PART * len(strength) // strength.size, _LEAST_LINES)
-
-    def work(begin: int, end: int) -> None:
-        low, high = max(begin - _OVERLAP, 0), end + _OVERLAP
-        part = _force_of_lines(field[:, low:high], grad[:, low:high], strength[low:high], strongest, tiny)
-        force[:, begin:end] = part[:, begin - low : end - low]
-
-    in_bands(work, len(strength), lines)
-    return force
+    kind = grad.dtype.type
+    least = float(np.finfo(kind).tiny)
+    tiny = max(1e-12 * float(magnitude(field).max()), least)
+    levels = (_SLOPE, _RIDGE - _SLOPE, WEAKEST_EDGE * strongest, least, max(1e-12 * strongest, least), tiny)
+    limits = tuple(map(kind, levels))
+    in_bands(partial(_write_force, field, grad, strength, limits, packed, first), len(packed))
 
 
-def _force_of_lines(field: NDArray[np.floating], grad: Array, strength: Array, strongest: float, tiny: float) -> Array:
-    """`lorentz_force` on some lines of the image; a field of size `tiny` or less counts as zero."""
-    field, least = field.astype(grad.dtype, copy=False), np.finfo(grad.dtype).tiny
-    summit = running_maximum(strength, _SUMMIT_REACH)
-    near = strength / np.maximum(summit, least)
-    near -= _SLOPE
-    near /= _RIDGE - _SLOPE
-    np.clip(near, 0.0, 1.0, out=near)
-    near *= summit >= WEAKEST_EDGE * strongest
-    size = magnitude(field)
-    beside = running_maximum(size, _FIELD_REACH)
-    beside *= near
-    np.maximum(beside, size, out=beside)
-    np.maximum(beside, max(tiny, least), out=beside)
-    force = field / beside
-    normal = grad / np.maximum(strength, max(1e-12 * strongest, least))
-    across = _dot(force, normal)
-    # towards the ridge on the flank of the edge, of unit size where the flank is steepest
-    slope = _dot(gradient(strength, 0.0, grad.dtype), normal)
-    steepest = running_maximum(np.abs(slope), _SUMMIT_REACH)
-    slope /= np.maximum(steepest, least, out=steepest)
-    np.copyto(across, slope, where=across * slope < 0.0)
-    across *= near
-    force *= 1.0 - near
-    force += np.multiply(normal, across, out=normal)
-    return force
+@compiled
+def _write_force(
+    field: Single,
+    grad: Array,
+    strength: Array,
+    limits: tuple[Any, ...],
+    packed: Single,
+    corner: tuple[int, int],
+    first: int,
+    end: int,
+) -> None:
+    """`lorentz_force` on some lines."""
+    slope_at, span, weakest, least, faintest, tiny = limits
+    kind = strength.dtype.type
+    one, zero, half = kind(1.0), kind(0.0), kind(0.5)
+    rows, cols = strength.shape
+    low, high = max(corner[0] + first - _OVERLAP, 0), min(corner[0] + end + _OVERLAP, rows)
+    lines = np.empty((7, high - low, cols), strength.dtype)
+    size, normal_y, normal_x, slope, summits, sizes, slopes = lines
+    steep, summit, beside, steepest = np.empty((4, cols), strength.dtype)
+    for r in range(high - low):
+        for c in range(cols):
+            f_y, f_x = kind(field[0, low + r, c]), kind(field[1, low + r, c])
+            size[r, c] = np.sqrt(f_y * f_y + f_x * f_x)
+            length = max(strength[low + r, c], faintest)
+            normal_y[r, c], normal_x[r, c] = grad[0, low + r, c] / length, grad[1, low + r, c] / length
+        _widen(strength[low + r], _SUMMIT_REACH, summits[r])
+        _widen(size[r], _FIELD_REACH, sizes[r])
+    for r in range(high - low):  # towards the ridge on the flank of the edge, of unit size where the flank is steepest
+        i, above, below = low + r, max(low + r - 1, 0), min(low + r + 1, rows - 1)
+        for c in range(cols):
+            slope[r, c] = zero  # lines that nothing depends on
+        if low <= above and below < high:
+            for c in range(1, cols - 1):
+                s_y, s_x = strength[below, c] - strength[above, c], strength[i, c + 1] - strength[i, c - 1]
+                slope[r, c] = half * s_y * normal_y[r, c] + half * s_x * normal_x[r, c]
+            for c in (0, cols - 1):
+                s_x = strength[i, min(c + 1, cols - 1)] - strength[i, max(c - 1, 0)]
+                s_y = strength[below, c] - strength[above, c]
+                slope[r, c] = half * s_y * normal_y[r, c] + half * s_x * normal_x[r, c]
+        for c in range(cols):
+            steep[c] = abs(slope[r, c])
+        _widen(steep, _SUMMIT_REACH, slopes[r])
+    for n in range(first, end):
+        i, r = corner[0] + n, corner[0] + n - low
+        _highest(summits, r, _SUMMIT_REACH, summit)
+        _highest(sizes, r, _FIELD_REACH, beside)
+        _highest(slopes, r, _SUMMIT_REACH, steepest)
+        for m in range(packed.shape[1]):
+            c = corner[1] + m
+            near = min(max((strength[i, c] / max(summit[c], least) - slope_at) / span, zero), one)
+            near = near if summit[c] >= weakest else zero
+            scale = max(beside[c] * near, size[r, c], tiny)
+            f_y, f_x = kind(field[0, i, c]) / scale, kind(field[1, i, c]) / scale
+            across, up = f_y * normal_y[r, c] + f_x * normal_x[r, c], slope[r, c] / max(steepest[c], least)
+            across = (up if across * up < zero else across) * near
+            packed[n, m, 0] = f_y * (one - near) + normal_y[r, c] * across
+            packed[n, m, 1] = f_x * (one - near) + normal_x[r, c] * across
+            packed[n, m, 2], packed[n, m, 3], packed[n, m, 4] = grad[0, i, c], grad[1, i, c], strength[i, c]
 
 
-def _dot(one: Array, other: Array) -> Array:
-    r"""Scalar product of two fields of shape (D, \*shape)."""
-    return np.einsum("i...,i...->...", one, other)
+@compiled
+def _widen(line: Array, reach: int, out: Array) -> None:
+    """Write the largest of the values up to a distance along a line."""
+    for c in range(len(line)):
+        out[c] = line[c]
+    for k in range(1, reach + 1):
+        for c in range(len(line) - k):
+            out[c] = max(out[c], line[c + k])
+        for c in range(len(line) - k):
+            out[c + k] = max(out[c + k], line[c])
+
+
+@compiled
+def _highest(lines: Array, at: int, reach: int, out: Array) -> None:
+    """Write the largest of the values in lines up to a distance from one of them."""
+    first = max(at - reach, 0)
+    for c in range(len(out)):
+        out[c] = lines[first, c]
+    for k in range(first + 1, min(at + reach + 1, len(lines))):
+        for c in range(len(out)):
+            out[c] = max(out[c], lines[k, c])
 
 
 def unit_vectors(vectors: Array) -> Array:

@@ -90,11 +90,16 @@ def show_image(ax: Axes, values: Array, spacing: Sequence[float] = (1.0, 1.0), c
     if colors is not None:
         ax.imshow(colors, interpolation="nearest")
     else:
-        low, high = np.percentile(values, EXTREMES)
-        unit = max(high - low, 1e-300) / (BRIGHTEST - DARKEST)
-        darkest, brightest = low - DARKEST * unit, high + (1.0 - BRIGHTEST) * unit
+        darkest, brightest = gray_limits(values)
         ax.imshow(values, cmap="gray", vmin=darkest, vmax=brightest, interpolation="nearest")
     frame(ax, (rows, cols), spacing)
+
+
+def gray_limits(values: Array) -> tuple[float, float]:
+    """The gray levels that are shown as black and as white."""
+    low, high = np.percentile(values, EXTREMES)
+    unit = max(high - low, 1e-300) / (BRIGHTEST - DARKEST)
+    return low - DARKEST * unit, high + (1.0 - BRIGHTEST) * unit
 
 
 def frame(ax: Axes, shape: Extent, spacing: Sequence[float] = (1.0, 1.0)) -> None:

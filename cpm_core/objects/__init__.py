@@ -7,15 +7,18 @@ from cpm_core.objects.partition import Partition, partition
 from cpm_core.objects.select import select, select_all
 from cpm_core.objects.selection import Selection
 from cpm_core.objects.selection import overlap as overlap
+from cpm_core.objects.view import View, view
 from cpm_core.objects.volume_partition import VolumePartition, VolumeSelection
 
 __all__ = [
     "Partition",
     "Selection",
+    "View",
     "VolumePartition",
     "VolumeSelection",
     "objects_result",
     "partition",
     "select",
     "select_all",
+    "view",
 ]

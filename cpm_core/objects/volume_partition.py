@@ -18,15 +18,16 @@ from itertools import tee
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cpm_core.contours.packed_surface import PackedSurface
+from cpm_core.contours.packed_surface import PackedBody, PackedSurface, PackedVoxels
 from cpm_core.contours.surface import Surface, inside_of
 from cpm_core.field.volume_field import pitch_of
 from cpm_core.image.image import Image
 from cpm_core.numerics.grids import Parts, parts_of
 from cpm_core.numerics.real_numbers import as_places
 from cpm_core.numerics.types import Array, Extent, Index, Mask, record
-from cpm_core.objects.prior.bodies import Body, BodyPrior, body_of, is_other
+from cpm_core.objects.prior.bodies import Body, BodyPrior, body_of, changed_near, is_other
 from cpm_core.objects.prior.body_surface import body_surface
+from cpm_core.objects.prior.windows import SIDE, resampled
 from cpm_core.parameters.quotation import counted, described, sized
 
 _BESIDE = 0.75
@@ -131,11 +132,12 @@ class VolumePartition:
             return VolumeSelection(self, NO_SURFACE, within, beyond, _NOWHERE)
         wanted, unwanted = self.bodies_at(within), self.bodies_at(beyond)
         chosen = np.setdiff1d(wanted, unwanted)
-        if wanted.all() and len(chosen):
+        voxels = None if previous is None else previous.voxels
+        if wanted.all() and len(chosen) and voxels is None:
             remark = _SAME if np.isin(wanted, unwanted).any() else ""
             found = VolumeSelection(self, self.boundary_of(chosen), within, beyond, remark)
         else:
-            found = self._likely(within, beyond, previous)
+            found = self._likely(within, beyond, previous, voxels)
         return found if found.found or found.remark else replace(found, remark=_THIN)
 
     def candidates(
@@ -155,7 +157,9 @@ class VolumePartition:
                     found.append(other)
         return tuple(sorted(found, key=lambda one: one.volume))
 
-    def _likely(self, inside: Array, outside: Array, previous: VolumeSelection | None) -> VolumeSelection:
+    def _likely(
+        self, inside: Array, outside: Array, previous: VolumeSelection | None, voxels: PackedVoxels | None
+    ) -> VolumeSelection:
         """What the prior makes of places, next to what was chosen before."""
         within, beyond = inside, outside
         same = (np.rint(within)[:, None] == np.rint(beyond)).all(axis=2)
@@ -171,18 +175,42 @@ class VolumePartition:
             body = body_of(previous.mask, size)
         else:
             body = next(self._bodies_at(within[:1]))
-        found = self._bounded(body, within, beyond, _BOTH if same.any() else "")
+        found = self._bounded(body, within, beyond, _BOTH if same.any() else "", voxels)
         return replace(found, inside=inside, outside=outside)
 
-    def _bounded(self, body: Body, inside: Array, outside: Array, remark: str) -> VolumeSelection:
-        """The selection of a body, corrected by the places that contradict it."""
+    def _bounded(
+        self, body: Body, inside: Array, outside: Array, remark: str, voxels: PackedVoxels | None = None
+    ) -> VolumeSelection:
+        """The selection of a body, corrected by the places that contradict it; of voxels, if it consists of some."""
         size, (within, beyond) = self._prior.size, map(self._within, (inside, outside))
         for places, adds in ((within, True), (beyond, False)):
             for place in places:
                 if (body.logit(place * size) > 0.0) != adds:
-                    body = self._prior.corrected(body, place * size, adds, within * size, beyond * size)
+                    before, body = body, self._prior.corrected(body, place * size, adds, within * size, beyond * size)
+                    if voxels is not None:
+                        voxels = self._repainted(voxels, before, body, place, adds)
+        if voxels is not None:
+            return replace(self.selection_of(voxels), inside=inside, outside=outside, remark=remark)
         surface = body_surface(body, self.image.values, size, within, beyond, self.image.spacing, self.image.unit)
         return VolumeSelection(self, surface, inside, outside, remark, body)
+
+    def _repainted(self, voxels: PackedVoxels, before: Body, after: Body, place: Array, adds: bool) -> PackedVoxels:
+        """Voxels to which a place has added what is near it, or from which it has taken that away."""
+        cube, size = after.cube, self._prior.size
+        at = np.rint(place).astype(np.int64)
+        first = np.clip(np.ceil(cube.places(np.zeros(3)) / size).astype(np.int64), 0, at)
+        end = np.clip(np.floor(cube.places(np.full(3, SIDE - 1.0)) / size).astype(np.int64) + 1, at + 1, self.shape)
+        lines = cube.steps_along(np.arange(a, b) * side for a, b, side in zip(first, end, size, strict=True))
+        changed = resampled(changed_near(before, after, place), lines, tuple(size / cube.scale)) > 0.5
+        changed[tuple(at - first)] = True
+        known = voxels.part(first, changed.shape)
+        return voxels.with_part(first, known | changed if adds else known & ~changed) or voxels
+
+    def selection_of(self, body: PackedBody, inside: ArrayLike = (), outside: ArrayLike = ()) -> VolumeSelection:
+        """The selection that the body of an object is, with its places."""
+        within, beyond = (as_places(given, "planes, rows and columns") for given in (inside, outside))
+        surface = replace(body.surface, spacing=self.image.spacing, unit=self.image.unit)
+        return VolumeSelection(self, surface, within, beyond, voxels=body if isinstance(body, PackedVoxels) else None)
 
     def _bodies_at(self, place: Array) -> Iterator[Body]:
         """What the prior sees around a place, shape (1, 3); what is known for the last one is not asked for again."""
@@ -257,6 +285,8 @@ class VolumeSelection:
         One sentence on what was unusual about the places, or empty.
     body : Body or None
         What the prior made of the places; None for what closed surfaces enclose.
+    voxels : PackedVoxels or None
+        Its voxels, if it has been painted; what is far from a click stays as it is.
 
     Examples
     --------
@@ -280,6 +310,7 @@ class VolumeSelection:
     outside: Array
     remark: str = ""
     body: Body | None = field(default=None, repr=False)
+    voxels: PackedVoxels | None = field(default=None, repr=False)
 
     @cached_property
     def mask(self) -> Mask:
@@ -305,9 +336,9 @@ class VolumeSelection:
         return first, part
 
     @cached_property
-    def packed(self) -> PackedSurface:
-        """Its boundary as a session holds it; ValueError when it is empty."""
-        return PackedSurface.of(self.surface)
+    def packed(self) -> PackedBody:
+        """It as a session holds it; ValueError when it is empty."""
+        return self.voxels or PackedSurface.of(self.surface)
 
     @property
     def found(self) -> bool:

@@ -37,21 +37,17 @@ def large_image_settings(values: Array) -> LargeImageSettings | None:
     """
     if values.size <= LARGE:
         return None
-    return LargeImageSettings(scales_for(values.shape), automatic_smoothing(_around_strongest_edge(values)))
+    side = max(max(values.shape) // _COARSEST, 1)
+    rows, cols = (n // side for n in values.shape)
+    blocks = values[: rows * side, : cols * side].reshape(rows, side, cols, side).mean(axis=(1, 3))
+    part = values[strongest_part(blocks, side, values.shape)]
+    return LargeImageSettings(scales_for(values.shape), automatic_smoothing(part))
 
 
 def scales_for(shape: Extent) -> int:
     """Number of scales of a large image of this shape, no more than it has room for."""
     wanted = 1 + max(math.ceil(math.log2(max(shape) / _COARSEST)), 0)
     return min(wanted, most_scales(shape))
-
-
-def _around_strongest_edge(values: Array) -> Array:
-    """The part of an image around its strongest edge, as it is seen in the means of blocks of pixels."""
-    side = max(max(values.shape) // _COARSEST, 1)
-    rows, cols = (n // side for n in values.shape)
-    blocks = values[: rows * side, : cols * side].reshape(rows, side, cols, side).mean(axis=(1, 3))
-    return values[strongest_part(blocks, side, values.shape)]
 
 
 def strongest_part(blocks: Array, side: int, shape: tuple[int, ...]) -> Window:

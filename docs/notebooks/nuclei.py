@@ -34,14 +34,21 @@ for row in order[:3]:
 axes = result.plot(labels=True)
 
 # %% [markdown]
-# A few places tell them apart: one in the nucleus that is wanted, one in its neighbor.
+# Clicks tell them apart. In Jupyter, with anywidget installed, click the two nuclei, and Shift-click what is wrong;
+# each line here is the same as a click.
 
 # %%
-label = table["label"][order[0]]
-row, col = table["centroid-0"][order[0]] / 0.5, table["centroid-1"][order[0]] / 0.5
-partition = cpm.partition(result)
-whole = partition.select([(row, col)])
-whole
+view = cpm.view(result)
+view.click((97, 92))
+view.click((97, 127))
+view
+
+# %% [markdown]
+# What has been clicked is in Python.
+
+# %%
+nuclei = cpm.objects_result(view.objects, image)
+print(nuclei.table(in_units=True)["area"].round())
 
 # %% [markdown]
 # What was found goes into files that other programs open: a set for ImageJ, a label mask with the size of a pixel, and

@@ -169,28 +169,29 @@ class FindWidget(Container):  # type: ignore[misc]
 
     def _report(self, said: finding.Said) -> None:
         self.said.value, position = said
-        known = self._layer(_PARTICLES)
-        if position is not None and known is not None:
-            known.data = position
-        elif position is not None:
-            active = self._viewer.layers.selection.active
+        if position is not None:
             placing = {name: getattr(self.image.value, name) for name in _PLACING}
-            self._viewer.add_points(position, name=_PARTICLES, size=2, border_width=0, face_color=PARTICLE, **placing)
-            self._viewer.layers.selection.active = active
+            look = {"name": _PARTICLES, "size": 2, "border_width": 0, "face_color": PARTICLE, **placing}
+            self._show(position, look, "points")
 
     def _take(self, found: list[LayerData] | str) -> None:
-        """Show what was found, in place of what was found before; or why nothing was."""
-        if isinstance(found, str):
-            self.said.value = found
-            return
-        for data, settings, kind in found:
-            known = self._layer(settings["name"])
-            if kind == "labels" and known is not None:
-                known.data = data  # it remains chosen
-            else:
-                self._remove(known)
-                self._viewer.add_layer(Layer.create(data, settings, kind))
-        self.said.value = "In the layers: " + ", ".join(settings["name"] for _, settings, _ in found)
+        """Show what was found, or why nothing was."""
+        self.said.value = (
+            found
+            if isinstance(found, str)
+            else "In the layers: " + ", ".join(settings["name"] for _, settings, _ in found)
+        )
+        for layer in found if isinstance(found, list) else ():
+            self._show(*layer)
+
+    def _show(self, data: Any, settings: dict[str, Any], kind: str) -> None:
+        """Show a layer in place of one with its name, which remains chosen where its data can be replaced."""
+        known = self._layer(settings["name"])
+        if known is not None and kind != "shapes":
+            known.data = data
+        else:
+            self._remove(known)
+            self._viewer.add_layer(Layer.create(data, settings, kind))
 
     def _end(self) -> None:
         self._worker = None

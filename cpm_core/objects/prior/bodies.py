@@ -75,6 +75,9 @@ _PLACE, _NEAR = 8.0, 1.5
 _BESIDE = 1.5
 """Distance from the boundary up to which a place moves no more than that [smallest sides of a voxel]."""
 
+_AT_PLACE = 2
+"""Distance from a place within which what has changed is due to it [steps]."""
+
 _IN, _OUT = 1, 2
 """Numbers of basins."""
 
@@ -319,7 +322,7 @@ class BodyPrior:
                 if overlap < _SURE or not scipy.ndimage.binary_erosion(other).any() or len(known[head.axis]) > 6:
                     continue
                 for turn in (way,) if way else (-1, 1):
-                    at = head.step + turn * _EVERY
+                    at = head.step + turn * 2 * _EVERY
                     if ends[head.axis, 0] <= at <= ends[head.axis, 1]:
                         there = np.where(other, found, now.take(at, head.axis))
                         sides = (other, None) if adds else (None, other)
@@ -459,6 +462,18 @@ def _between(known: dict[int, Single], axis: int, beyond: float) -> tuple[Single
     found = maps[low] * (1.0 - share_of) + maps[low + 1] * share_of
     counts = np.asarray(weight[low] * (1.0 - part) + weight[low + 1] * part, np.float32)
     return np.moveaxis(found, 0, axis), np.moveaxis(np.broadcast_to(counts[:, None, None], found.shape), 0, axis)
+
+
+def changed_near(before: Body, after: Body, place: Array) -> Mask:
+    """The steps of a body that a place, shape (3,), has changed, without a rim that leads away from it."""
+    changed = (after.cube.of(before.cube, before.logits, -FAR) > 0.0) != (after.logits > 0.0)
+    parts, _ = scipy.ndimage.label(scipy.ndimage.binary_erosion(changed))
+    near = np.zeros_like(changed)
+    near[
+        tuple(slice(max(at - _AT_PLACE, 0), at + _AT_PLACE + 1) for at in np.rint(after.cube.steps(place)).astype(int))
+    ] = True
+    held = np.isin(parts, np.setdiff1d(parts[near], 0))
+    return np.asarray((scipy.ndimage.binary_dilation(held, iterations=2) | near) & changed)
 
 
 def _at_boundary(body: Body, step: Array) -> bool:

@@ -99,18 +99,6 @@ def outlines(contours):
     return [np.concatenate([contour.points, contour.points[:1]]) for contour in contours]
 
 
-def test_a_force_in_a_volume_leads_to_the_surface_of_a_ball():
-    center, radius, shape = np.array([15.0, 16.0, 14.0]), 8.0, (31, 32, 30)
-    away = np.moveaxis(np.indices(shape), 0, -1) - center
-    distance = np.linalg.norm(away, axis=-1)
-    scale_field = build_scale_field(100.0 * (distance < radius), 1.0, 0.0)
-    assert scale_field.packed.shape == (*shape, 7)
-    outward = np.einsum("i...,...i->...", scale_field.lorentz, away) / np.maximum(distance, 1.0)
-    outside, inside = (distance > radius + 2.0) & (distance < 12.0), (distance > 3.0) & (distance < radius - 2.0)
-    assert outward[outside].max() < -0.8
-    assert outward[inside].min() > 0.5
-
-
 @pytest.mark.parametrize("smoothing", [1.0, "auto"])
 @pytest.mark.parametrize("edge_floor", [0.0, 0.2])
 def test_the_fixed_charges_are_those_that_the_field_is_made_of(edge_floor, smoothing):
@@ -127,6 +115,7 @@ def test_the_fixed_charges_are_those_that_the_field_is_made_of(edge_floor, smoot
     floor = edge_floor * scale_field.edge_map[inside].max()
     expected = np.where(inside & (scale_field.edge_map >= floor), scale_field.edge_map, 0.0)
     np.testing.assert_array_equal(shown, expected)
-    force = lorentz_force(electric_field(shown), scale_field.gradient, magnitude(scale_field.gradient), shown.max())
-    np.testing.assert_allclose(scale_field.lorentz, force, atol=1e-4)
+    slope, packed = scale_field.gradient, np.empty((*image.shape, 5), np.float32)
+    lorentz_force(electric_field(shown).astype(np.float32), slope, magnitude(slope), shown.max(), packed)
+    np.testing.assert_allclose(scale_field.packed[..., :4], packed[..., :4], atol=1e-4)
     np.testing.assert_allclose(engine.scale_field(parameters).potential, convolved_potential(expected))

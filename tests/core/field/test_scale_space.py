@@ -126,15 +126,9 @@ def test_many_threads_get_the_same_scale_field(calls):
 def test_the_parts_in_which_an_image_is_worked_on_fit_together(monkeypatch):
     """Lines computed side by side are those of the whole: no seam, to the last bit."""
     image = np.random.default_rng(2).normal(0.0, 20.0, (150, 140)) + disk((150, 140), (70.0, 72.0), 40.0).values
-    monkeypatch.setattr(scale_field_module, "_PART", 40 * 140)
     pieces = UsedFields(image, 1).at(0, START)
-
-    def alone(work, count, _least):
-        work(0, count)
-
-    monkeypatch.setattr(scale_field_module, "_PART", image.size)
-
-    monkeypatch.setattr(sys.modules["cpm_core.numerics.grids"], "share", alone)
+    monkeypatch.setattr(scale_field_module, "in_bands", lambda work, rows: work(0, rows))
+    monkeypatch.setattr(sys.modules["cpm_core.numerics.grids"], "share", lambda work, count, _least: work(0, count))
     np.testing.assert_array_equal(UsedFields(image, 1).at(0, START).packed, pieces.packed)
 
 

@@ -7,8 +7,9 @@ import pytest
 from skimage.measure import marching_cubes
 
 import cpm_core as cpm
-from cpm_core.contours.packed_surface import PackedSurface
+from cpm_core.contours.packed_surface import PackedSurface, PackedVoxels
 from cpm_core.contours.surface import Surface, numbered
+from cpm_core.image.volume_regions import Voxels
 
 SHAPE, SPACING = (44, 30, 30), (1.0, 1.0, 1.5)
 SHELL, LONE = np.array([13.0, 14.0, 20.0]), np.array([34.0, 14.0, 20.0])
@@ -195,3 +196,25 @@ def test_a_click_where_no_surface_is_closed_adds_what_is_likely_there_to_what_is
     both = alone.select([BALL], previous=certain)
     assert both.body is not None
     assert _dice(both.mask, cut.select([WALL, BALL]).mask) > 0.9
+
+
+@pytest.mark.parametrize("adds", [True, False])
+def test_a_click_corrects_painted_voxels_near_it_and_leaves_those_far_from_it(adds):
+    shape = (48, 48, 80)
+    ball = _lengths(shape, (1.0,) * 3, np.array([24.0, 24.0, 24.0])) < 14.0
+    off = _lengths(shape, (1.0,) * 3, np.array([24.0, 24.0, 41.0]))
+    lump = off < 7.0
+    cut = cpm.partition(_seen(np.where(ball | (lump & adds), 1.0, -1.0), (1.0,) * 3))
+    painted = ball if adds else ball | lump
+    far = np.zeros(shape, bool)
+    far[4:40:3, 8:40:2, 60:72], far[20:28, 10:14, 20:28] = True, True  # nothing that an image shows
+    painted = (painted | far) & ~(np.indices(shape)[2] < 14)
+    before = cut.selection_of(PackedVoxels.of(Voxels(painted)))
+    np.testing.assert_array_equal(before.mask, painted)
+    click = [(24, 24, 44)]
+    after = cut.select(*((click, []) if adds else ([(24, 24, 24)], click)), previous=before)
+    wanted = painted | lump if adds else painted & ~(lump & ~ball)
+    assert _dice(after.mask & lump, wanted & lump) > 0.9
+    away = off > 13.0
+    np.testing.assert_array_equal(after.mask[away], painted[away])
+    assert after.packed.voxels.mask.sum() == after.mask.sum()

@@ -124,6 +124,7 @@ def replace_boundaries(document: Document, found: Iterable[Found]) -> Document:
 def made(selection: AnySelection, clicks: tuple[Click, ...], number: int, category: int) -> SegmentedObject:
     """The object of a selection that is not empty."""
     if isinstance(selection, VolumeSelection):
+        clicks = clicks if selection.voxels is None else ()  # of which what has been painted is not the answer
         return SegmentedObject(number, clicks, category=category, surface=(selection.packed,))
     confidence = round(min(max(float(selection.confidence), 0.0), 1.0), _DECIMALS)
     item = bounded(number, category, selection.contours, selection.gaps)

@@ -144,7 +144,7 @@ def can_step(situation: Situation) -> bool:
 NOT_IN_VOLUMES = frozenset(
     (
         *("outline", "drop_missed_edits", "close_contours", "show_rejected"),
-        *("split", "objects_alike", "apply_to_folder"),
+        *("objects_alike", "apply_to_folder"),
     )
 )
 """Names of actions and of tools that are hidden while a volume is open."""
@@ -177,6 +177,7 @@ OTHERWISE_IN_VOLUMES = {
         tr("&Brush"),
         tr("Drag in a slice to paint an object, Shift-drag to erase, Ctrl-drag for a new one; [ and ] size it."),
     ),
+    "split": (tr("Spli&t"), tr("Click one half of an object, then the other: it is split at the neck between them.")),
     "region": (
         tr("Region of &interest"),
         tr("Drag a box, or click corner by corner, around the region that particles must stay in, through all slices."),

@@ -13,7 +13,7 @@ import skimage
 from cpm_app.model.document.objects import AnySelection
 from cpm_app.model.volume.slices import Slice
 from cpm_core import Contour, Selection, Skeleton, Surface, VolumeSelection
-from cpm_core.contours import Graph, Measures, PackedBody, PackedVoxels
+from cpm_core.contours import Measures, PackedBody, PackedVoxels, section_of
 from cpm_core.numerics import Array, Place, polyline
 from cpm_core.numerics.types import Line
 from cpm_core.objects.segmented import Click, SegmentedObject, SegmentedObjects
@@ -25,19 +25,7 @@ _MOST, _MOST_OF_OBJECTS = 32, 256
 @lru_cache(maxsize=_MOST)
 def section(surface: Surface, cut: Slice) -> tuple[Contour, ...]:
     """Where a slice cuts a surface: closed contours in the slice, and open ones where the surface has a rim."""
-    heights = surface.vertices[:, cut.axis] - cut.index
-    above = heights >= 0.0  # a vertex in the slice lies on one side, so that each triangle is cut once or never
-    corners = above[surface.faces]
-    faces = surface.faces[corners.any(axis=1) & ~corners.all(axis=1)]
-    if not len(faces):
-        return ()
-    sides = faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
-    ends = sides[above[sides[:, 0]] != above[sides[:, 1]]]  # two of each triangle, one after the other
-    edges, numbers = np.unique(np.sort(ends, axis=1), axis=0, return_inverse=True)
-    first, last = heights[edges].T
-    share = (first / (first - last))[:, None]
-    places = surface.vertices[edges[:, 0]] * (1.0 - share) + surface.vertices[edges[:, 1]] * share
-    return Graph(cut.flattened(places), numbers.reshape(-1, 2)).contours()
+    return section_of(surface, cut.axis, cut.index)
 
 
 def unmeasured(contour: Contour, number: int) -> Measures:
@@ -119,7 +107,9 @@ def selection_in(selection: AnySelection, here: Slice) -> Selection:
 
 
 def holds(item: SegmentedObject, place: Place) -> bool:
-    """Whether a place (plane, row, col) lies in an object."""
+    """Whether a place (row, col) [px], or (plane, row, col), lies in an object."""
+    if len(place) == 2:
+        return bool(item.encloses(np.array([place], float))[0])
     if any(isinstance(body, PackedVoxels) for body in item.surface):
         return bool(item.surface[0].part([round(at) for at in place], (1, 1, 1)).all())
     here = Slice(0, round(place[0]))

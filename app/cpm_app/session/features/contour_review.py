@@ -106,8 +106,9 @@ class ContourReview(QObject):
         scene, keys, numbers = self._session.scene, frozenset(contours), frozenset(objects)
         if (keys, numbers) != (scene.selected_contours, scene.objects.chosen):
             shown = replace(scene.objects, chosen=numbers)
-            self._session.show(replace(scene, selected_contours=keys, objects=shown))
-            self.selection_changed.emit()
+            with self._session.gathering():
+                self._session.show(replace(scene, selected_contours=keys, objects=shown))
+                self.selection_changed.emit()
 
     @property
     def _sampled(self) -> Array:

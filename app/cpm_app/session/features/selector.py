@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
+from itertools import chain
 from typing import Any, cast
 
 import numpy as np
@@ -26,7 +27,6 @@ from cpm_core import (
     Partition,
     Result,
     Selection,
-    Surface,
     VolumePartition,
     VolumeSelection,
     partition,
@@ -300,7 +300,10 @@ class Selector:
             return None
         item, made = self._changed, self._given.get(clicks)
         if made is None and item is not None and clicks == first_clicks(item, self.partition.shape):
-            made = selection_of(item, self.partition.shape) if item.body is None else self._body_of(item)
+            if isinstance(self.partition, VolumePartition):
+                made = self.partition.selection_of(item.surface[0], item.inside, item.outside)
+            else:
+                made = selection_of(item, self.partition.shape)
         elif made is None and clicks[-1].step:
             found, first = self._candidates(clicks)
             made = found[min(max(first + clicks[-1].step, 0), len(found) - 1)]
@@ -312,11 +315,6 @@ class Selector:
             if made.found:
                 _ = made.packed, made.holds(inside)  # made on this thread, not on that of the window
         return made
-
-    def _body_of(self, item: SegmentedObject) -> VolumeSelection:
-        partition = cast("VolumePartition", self.partition)
-        whole = replace(cast("Surface", item.body), spacing=partition.image.spacing)
-        return VolumeSelection(partition, whole, item.inside, item.outside)
 
     def quick(self, clicks: tuple[Click, ...]) -> bool:
         """Whether what clicks select is known at once, so that it can be shown while the pointer moves."""
@@ -388,8 +386,9 @@ class Selector:
     def _bodies(self, partition: VolumePartition, starts: Sequence[Drawn]) -> list[Proposal]:
         """The bodies in which most seeds of a start lie."""
         found: list[Proposal] = []
-        known = (*self.items, *self.offer.rejected)
-        taken = {0, *(body for item in known for body in partition.bodies_at(item.inside).tolist())}
+        clicked = (first_clicks(item, partition.shape) for item in (*self.items, *self.offer.rejected))
+        within = (partition.bodies_at(places_of(clicks, inside=True)).tolist() for clicks in clicked)
+        taken = {0, *chain.from_iterable(within)}
         for key, start in enumerate(starts, start=1):
             seeds = start.seeds()
             bodies = partition.bodies_at(seeds)

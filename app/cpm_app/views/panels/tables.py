@@ -152,6 +152,8 @@ class TableModel(QAbstractTableModel, Generic[Row]):
         self.columns = columns
         self.items: list[Row] = []
         self._key, self._look, self._rename = key, look, rename
+        self._texts: dict[tuple[Hashable, int], str] = {}
+        """The texts of cells that have been asked for since the last update."""
         self._by, self._order = 0, Qt.SortOrder.AscendingOrder
         self.unit, self.factor = "px", 1.0
 
@@ -176,6 +178,7 @@ class TableModel(QAbstractTableModel, Generic[Row]):
             self.endRemoveRows()
         known = {*map(self._key, self.items)}
         self._arrange([item for item in wanted if self._key(item) in known])
+        self._texts = {}
         if self.items:
             self.dataChanged.emit(self.index(0, 0), self.index(len(self.items) - 1, len(self.columns) - 1))
         self.headerDataChanged.emit(Qt.Orientation.Horizontal, 0, len(self.columns) - 1)
@@ -231,7 +234,10 @@ class TableModel(QAbstractTableModel, Generic[Row]):
         item, column = self.items[index.row()], self.columns[index.column()]
         match role:
             case Role.DisplayRole | Role.ToolTipRole:
-                return column.text(item, self.factor)
+                cell = self._key(item), index.column()
+                if cell not in self._texts:
+                    self._texts[cell] = column.text(item, self.factor)
+                return self._texts[cell]
             case Role.EditRole:
                 return column.value(item)
             case Role.TextAlignmentRole:

@@ -248,3 +248,49 @@ def test_a_click_in_any_slice_gives_the_body_before_a_run(volume, hand) -> None:
     take(hand)
     assert bodies(volume) == pytest.approx([BALL], rel=0.08)
     assert volume.session.scene.reconstruction is None
+
+
+def test_clicks_correct_a_painted_body_near_them_and_leave_the_rest_as_it_was(volume, hand, monkeypatch) -> None:
+    monkeypatch.setattr(hand, "patience", 120_000)
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_J)
+    hand.canvas.hold.tool.set_radius(2.0)
+    volume.workspace.slices.through(OTHER)
+    hand.drag(OTHER[1:], (18, 25), (18, 19))
+    hand.drag((3, 4), (3, 6), (3, 10))
+    (painted,) = items(volume)
+    hand.key(KEY.Key_W)
+    selection = volume.workspace.object_selection
+    hand.wait(lambda: selection.ready)
+    click(hand, OTHER[1:])
+    assert selection.selecting
+    volume.workspace.slices.at(15)
+    click(hand, OTHER[1:])
+    take(hand)
+    (corrected,) = items(volume)
+    mask, ball = corrected.mask(SHAPE), np.zeros(SHAPE, bool)
+    ball[:, 11:, 13:] = balls()[:, 11:, 13:] > 110
+    np.testing.assert_array_equal(mask[:, :8], painted.mask(SHAPE)[:, :8])
+    assert (mask & ball).sum() > 0.9 * ball.sum()
+    hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert items(volume) == (painted,)
+
+
+def test_two_clicks_split_a_body_in_space_and_one_undo_joins_it(volume, hand) -> None:
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_J)
+    hand.canvas.hold.tool.set_radius(3.0)
+    volume.workspace.slices.at(10)
+    hand.drag((10, 6), (10, 7))
+    hand.drag((10, 12), (10, 13))
+    (whole,) = items(volume)
+    hand.key(KEY.Key_K)
+    click(hand, (10, 6))
+    click(hand, (10, 13))
+    hand.wait(lambda: len(items(volume)) == 2)
+    one, other = (item.mask(SHAPE)[10] for item in items(volume))
+    np.testing.assert_array_equal(one ^ other, whole.mask(SHAPE)[10])
+    assert (one[10, 5:15] != other[10, 5:15]).all()
+    assert (one[10, 6], other[10, 13]) == (True, True)
+    hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert items(volume) == (whole,)

@@ -1,0 +1,235 @@
+"""An image in a notebook in which clicks choose objects, by anywidget where that is installed."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import cached_property
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import PIL.Image
+from numpy.typing import ArrayLike
+
+from cpm_core.contours.contour import Contour
+from cpm_core.contours.result import Result
+from cpm_core.contours.surface import section_of
+from cpm_core.image import drawing
+from cpm_core.image.image import Image, as_image
+from cpm_core.objects.partition import Partition, partition
+from cpm_core.objects.volume_partition import NO_SURFACE, VolumePartition
+from cpm_core.parameters.quotation import counted, described
+
+_WIDEST = 2048
+"""Longer side of the picture that is sent to a notebook [px]."""
+
+_SAMPLES = 10**6
+"""About how many gray levels decide what is black and white."""
+
+_CHOSEN = "#f5793a"
+"""The color of the selected object."""
+
+_HELP = "Click an object; Shift-click corrects it, Backspace removes it; Ctrl and the wheel zoom, a drag moves."
+
+
+def view(values: ArrayLike | Image | Result, result: Result | None = None) -> View:
+    """Show an image with contours, or the slices of a volume with a surface, and choose objects in it by clicks.
+
+    Parameters
+    ----------
+    values : array_like, or Image, or Result
+        An image or a volume, or what was found in one.
+    result : Result, optional
+        What was found in the image, where it does not know it.
+
+    Returns
+    -------
+    View
+        In a notebook, an image to click where anywidget is installed, else a picture.
+
+    Raises
+    ------
+    ValueError
+        For an unusable image, or a result that does not know its image.
+
+    Examples
+    --------
+    >>> cpm.view(cpm.example("disks"))
+    <View disks, 0 objects>
+    """
+    found = values if result is None else replace(result, image=as_image(values))  # type: ignore[arg-type]
+    if isinstance(found, Result):
+        return View(partition(found), found)
+    image = as_image(found)
+    return View(Partition(image, ()) if image.ndim == 2 else VolumePartition(image))
+
+
+class View(drawing.Pictured):
+    """An image, or a slice of a volume, in which clicks choose objects.
+
+    In a notebook, a click on an object chooses it, or selects one that has been chosen; Shift-click adds to the
+    selected object or takes away from it, and Backspace removes it. The same can be done in Python.
+
+    Parameters
+    ----------
+    partition : Partition or VolumePartition
+        What objects are selected from.
+    result : Result, optional
+        Its contours, or its surface, are shown.
+
+    Attributes
+    ----------
+    partition : Partition or VolumePartition
+        What objects are selected from.
+    objects : list of Selection or VolumeSelection
+        What has been chosen, the last click last.
+    selection : Selection or VolumeSelection or None
+        The one of them that was clicked last, which can be corrected.
+    plane : int or None
+        The plane of a volume that is shown; None for an image.
+
+    Examples
+    --------
+    >>> view = cpm.view(cpm.example("disks"))
+    >>> view.click((32, 18))
+    >>> view.click((32, 46))
+    >>> len(view.objects), view.selection is view.objects[1], bool(view.objects[0].mask[32, 18]), view.plane
+    (2, True, True, None)
+    >>> view.click((30, 46), correct=True)  # takes away what lies there
+    >>> bool(view.selection.mask[30, 46])
+    False
+    >>> view.remove()
+    >>> view.selection, int(cpm.objects_result(view.objects, view.partition.image).labels.max())
+    (None, 1)
+    >>> axes = view.plot()
+    >>> slices = cpm.view(cpm.example("ball"))
+    >>> slices.turn_to(12)
+    >>> slices.plane
+    12
+    """
+
+    def __init__(self, partition: Partition | VolumePartition, result: Result | None = None) -> None:
+        self.partition: Any = partition
+        self.objects: list[Any] = []
+        self.selection: Any = None
+        self.plane = partition.shape[0] // 2 if len(partition.shape) == 3 else None
+        self._results, self._said = [result] if result is not None else [], _HELP
+
+    def click(self, place: Sequence[float], *, correct: bool = False) -> None:
+        """Choose the object at a place (row, col) or (plane, row, col), or `correct` the selected one there."""
+        at, former = np.array([place], dtype=float), self.selection
+        if correct and former is not None:
+            places = [former.inside, former.outside]
+            side = int(former.holds(at)[0])
+            places[side] = np.concatenate([places[side], at])
+            found = self.partition.select(*places, previous=former)
+        else:
+            former = next((one for one in self.objects if one.holds(at)[0]), None)
+            found = self.partition.select(at) if former is None else former
+        self._said = found.remark
+        if found.found and not found.only_places:
+            self.objects = [*(one for one in self.objects if one is not former), found]
+            self.selection = found
+            self._said = f"{repr(found).strip('<>')}. {found.remark}".strip()
+        self._send()
+
+    def remove(self) -> None:
+        """Remove the selected object."""
+        self.objects = [one for one in self.objects if one is not self.selection]
+        self.selection, self._said = None, _HELP
+        self._send()
+
+    def turn_to(self, plane: int) -> None:
+        """Show a plane of a volume."""
+        self.plane = plane
+        self._send(ground=True)
+
+    def plot(self, ax: drawing.Axes | None = None) -> drawing.Axes:
+        """Draw the image, or the slice, with contours and objects by matplotlib."""
+        ax = self._image.plot(ax, scale_bar=False)
+        drawing.show_curves(ax, self._lines(self._results))
+        drawing.show_curves(ax, [replace(line, color=_CHOSEN) for line in self._lines(self.objects)])
+        return ax
+
+    @property
+    def _image(self) -> Image:
+        image: Image = self.partition.image
+        return image if self.plane is None else image.cut(0, self.plane)
+
+    def _lines(self, found: Sequence[Any]) -> list[Contour]:
+        """The contours of results or objects, or where the plane cuts their surfaces."""
+        at = self.plane
+        return [
+            line
+            for one in found
+            for line in (one.contours if at is None else section_of(one.surface or NO_SURFACE, 0, at))
+        ]
+
+    def __repr__(self) -> str:
+        return described("View", self.partition.image.source, counted(len(self.objects), "object"))
+
+    def _repr_mimebundle_(self, **options: Any) -> Any:
+        return self._widget._repr_mimebundle_(**options) if find_spec("anywidget") else {}
+
+    @cached_property
+    def _widget(self) -> Any:
+        from anywidget import AnyWidget
+        from traitlets import Dict
+
+        class Widget(AnyWidget):  # type: ignore[misc]
+            _esm = Path(__file__).with_name("view.js").read_text(encoding="utf-8")
+            ground = Dict(self._ground()).tag(sync=True)
+            chosen = Dict(self._chosen()).tag(sync=True)
+
+        made = Widget()
+        made.on_msg(lambda _, message, buffers: self._receive(**message))
+        return made
+
+    def _receive(self, place: Sequence[float] = (), correct: bool = False, plane: int | None = None) -> None:
+        """Do what a notebook asks for: a click, another plane, or, without either, that the object is removed."""
+        if plane is not None:
+            self.turn_to(plane)
+        elif place:
+            self.click(place if self.plane is None else (self.plane, *place), correct=correct)
+        else:
+            self.remove()
+
+    def _send(self, *, ground: bool = False) -> None:
+        if "_widget" in vars(self):
+            self._widget.chosen = self._chosen()
+            self._widget.ground = self._ground() if ground else self._widget.ground
+
+    def _chosen(self) -> dict[str, Any]:
+        """The objects, and what is said about the last one."""
+        objects = [(one is self.selection, "".join(map(_path, self._lines([one])))) for one in self.objects]
+        return {"objects": objects, "said": self._said}
+
+    def _ground(self) -> dict[str, Any]:
+        """The image and its contours."""
+        image, stream = self._image, io.BytesIO()
+        black, white = self._gray_limits
+        gray = (np.clip((image.values - black) / (white - black), 0.0, 1.0) * 255.0).astype(np.uint8)
+        picture = PIL.Image.fromarray(gray if image.colors is None else image.colors.samples)
+        picture.reduce(-(-max(image.shape) // _WIDEST)).save(stream, "png")
+        return {
+            "picture": stream.getvalue(),
+            "lines": [(drawing.color_of(line), _path(line)) for line in self._lines(self._results)],
+            "shape": image.shape,
+            "aspect": image.spacing[0] / image.spacing[1],
+            "planes": 0 if self.plane is None else self.partition.shape[0],
+            "plane": self.plane,
+        }
+
+    @cached_property
+    def _gray_limits(self) -> tuple[float, float]:
+        values = self.partition.image.values
+        step = int(np.ceil((values.size / _SAMPLES) ** (1.0 / values.ndim)))
+        return drawing.gray_limits(values[(slice(None, None, step),) * values.ndim])
+
+
+def _path(line: Contour) -> str:
+    """A contour as a path of SVG, x being the column."""
+    return "M" + "L".join(f"{col:.2f},{row:.2f}" for row, col in line.points.tolist()) + "Z" * line.closed
