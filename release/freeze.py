@@ -14,7 +14,6 @@ import sys
 from collections.abc import Iterator, Sequence
 from importlib import metadata
 from pathlib import Path
-from pkgutil import iter_modules
 
 from licenses import gathered
 
@@ -32,16 +31,16 @@ NAMED = (
 LEFT_OUT = (
     *("tkinter", "IPython", "pytest", "setuptools", "PyQt5", "PyQt6", "pandas", "numba.cuda", "numba.tests", "OpenGL"),
     *("PySide6.QtQml", "PySide6.QtQuick", "PySide6.QtSql", "PySide6.QtNetwork", "PySide6.QtTest"),
-    *("PySide6.QtOpenGL", "PySide6.QtOpenGLWidgets", "matplotlib", "networkx", "numpy.f2py", "pydoc_data"),
+    *("PySide6.QtOpenGL", "PySide6.QtOpenGLWidgets", "matplotlib", "networkx", "pydoc_data"),
     *("PIL.AvifImagePlugin", "PIL._avif", "scipy.io", "skimage.data", "skimage.io", "skimage.filters.rank"),
 )
 """What is installed here or named by a library, and not needed."""
 
-CODECS = {
+CODECS = (
     *("imcd", "shared", "shared_cython", "zlib", "deflate", "lzma", "zstd", "lerc", "ccitt", "bitshuffle"),
     *("jpeg8", "jpegls", "jpegsof3", "ljpeg", "jpeg2k", "jpegxl", "jpegxr", "png", "webp"),
-}
-"""Modules of imagecodecs for what TIFF, DICOM and pictures contain; the others, for other files, are left out."""
+)
+"""Modules of imagecodecs for what TIFF, DICOM and pictures contain; others are left out."""
 
 SYMBOLS = ("libpython*", "llvmlite/binding/*.so", "ezdxf/acc/*.so", "fontTools/*/*.so", "python3*/lib-dynload/*.so")
 """Libraries of Linux that come with names for debuggers; those that auditwheel has changed must not be stripped."""
@@ -64,10 +63,14 @@ def frozen(output: Path, work: Path) -> Path:
         *(part for name in ASSETS for part in ("--add-data", f"{ROOT / 'assets' / name}:cpm_app/assets/{name}")),
         *(part for name in NAMED if _is_there(name) for part in ("--copy-metadata", name)),
         *(part for name in LATE for part in ("--collect-submodules", name)),
-        *(part for name in UNSEEN for part in ("--hidden-import", name)),
+        *(
+            part
+            for name in (*UNSEEN, *(f"imagecodecs._{codec}" for codec in CODECS))
+            for part in ("--hidden-import", name)
+        ),
         *(part for name, module in MEDICAL.items() if _is_there(name) for part in ("--hidden-import", module)),
         *(part for file in _data() for part in ("--add-data", f"{ROOT / file}:{file.parent}")),
-        *(part for name in (*LEFT_OUT, *_codecs_left_out()) for part in ("--exclude-module", name)),
+        *(part for name in LEFT_OUT for part in ("--exclude-module", name)),
     ]
     if sys.platform in ("win32", "darwin"):
         options += ["--icon", str(_picture(work))]
@@ -92,14 +95,6 @@ def _data() -> Iterator[Path]:
     for path in sorted((ROOT / "cpm_core").rglob("*.*")):
         if path.suffix in (".npz", ".json"):
             yield path.relative_to(ROOT)
-
-
-def _codecs_left_out() -> Iterator[str]:
-    import imagecodecs
-
-    for module in iter_modules(imagecodecs.__path__):
-        if module.name.startswith("_") and module.name[1:] not in CODECS:
-            yield f"imagecodecs.{module.name}"
 
 
 def _picture(work: Path) -> Path:
