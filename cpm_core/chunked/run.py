@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from functools import partial
 from typing import Any
 
@@ -17,7 +17,7 @@ from cpm_core.chunked.seams import joined, owned, twice
 from cpm_core.chunked.store import Piece, Store, packed, unpacked
 from cpm_core.contours.contour import Contour
 from cpm_core.formats.common.provenance import VERSION
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, frozen
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction.curve.hysteresis import shortest
 
@@ -27,7 +27,7 @@ Compute = Callable[[Callable[[Any], Any], Sequence[Any], str], Iterable[tuple[in
 _JOINED = "joined.npz"
 
 
-@dataclass(frozen=True)
+@frozen
 class Task:
     """What is to be found, and where it is stored.
 
@@ -58,7 +58,7 @@ class Task:
                 "parameters": asdict(self.parameters), "steps": self.max_steps, "version": VERSION}  # fmt: skip
 
 
-@dataclass(frozen=True)
+@frozen
 class Found:
     """What has been found, of which each chunk can be read by itself.
 
@@ -102,23 +102,27 @@ def _long(known: dict[str, Any]) -> list[Contour]:
 
 def run(task: Task, compute: Compute, side: int) -> Found:
     """Find all contours; what is in the store from an earlier run with the same settings is not found again."""
-    source, shape, store = task.source, task.source.levels.shape, task.store
-    store.begin({**task.settings, "side": side, "shape": shape})
-    plain = Grid(shape, side, 0, 0.0)
-    gray = in_order(compute(partial(survey.gray_levels, source), plain.chunks, "gray levels"))
-    tone = survey.tone_of(source, plain, gray, task.parameters)
-    grid = grid_for(shape, task.parameters, tone.smoothing, side)
-    chunks = grid.chunks
-    edges = in_order(compute(partial(survey.edges, source, tone=tone, parameters=task.parameters), chunks, "edges"))
-    whole = survey.whole_of(tone, edges, task.parameters)
-    todo = [chunk for chunk in chunks if not store.has(_chunk(chunk.number))]
+    task.store.begin({**task.settings, "side": side, "shape": task.source.levels.shape})
+    grid, whole = surveyed(task, compute, side)
+    todo = [chunk for chunk in grid.chunks if not task.store.has(_chunk(chunk.number))]
     for _ in compute(partial(find, task, grid, whole), todo, "contours"):
         pass
-    least = max(shortest(tone.smoothing, task.parameters), task.parameters.min_length)
-    return Found(task, grid, whole, _join(store, grid, least))
+    least = max(shortest(whole.tone.smoothing, task.parameters), task.parameters.min_length)
+    return Found(task, grid, whole, _join(task.store, grid, least))
 
 
-def in_order(results: Iterable[tuple[int, Any]]) -> list[Any]:
+def surveyed(task: Task, compute: Compute, side: int) -> tuple[Grid, survey.Whole]:
+    """The chunks of an image, and what depends on all of it."""
+    source, parameters, shape = task.source, task.parameters, task.source.levels.shape
+    plain = Grid(shape, side, 0, 0.0)
+    gray = _in_order(compute(partial(survey.gray_levels, source), plain.chunks, "gray levels"))
+    tone = survey.tone_of(source, plain, gray, parameters)
+    grid = grid_for(shape, parameters, tone.smoothing, side)
+    work = partial(survey.edges, source, tone=tone, parameters=parameters)
+    return grid, survey.whole_of(tone, _in_order(compute(work, grid.chunks, "edges")), parameters)
+
+
+def _in_order(results: Iterable[tuple[int, Any]]) -> list[Any]:
     """Results in the order of their jobs."""
     return [result for _, result in sorted(results, key=lambda one: one[0])]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache, partial
 from typing import NamedTuple
 
@@ -17,7 +17,7 @@ from cpm_core.image.border import inside_border, within
 from cpm_core.image.gray_levels import automatic_gamma
 from cpm_core.image.pyramid import pyramid
 from cpm_core.numerics.grids import relative
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, frozen
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.large_images import strongest_part
 
@@ -47,7 +47,7 @@ class Edges(NamedTuple):
     samples: tuple[Array, ...]
 
 
-@dataclass(frozen=True)
+@frozen
 class Tone:
     """How the gray levels of an image are taken.
 
@@ -78,7 +78,7 @@ class Tone:
         return replace(parameters, gamma=1.0, smoothing=self.smoothing, max_border=0.0)
 
 
-@dataclass(frozen=True)
+@frozen
 class Whole:
     """What the fields of an image are measured by.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -15,11 +15,11 @@ from cpm_core.chunked.run import Task, run
 from cpm_core.chunked.store import Store
 from cpm_core.cli.arguments import check_targets, refuse
 from cpm_core.cli.output import Files, StatusLine, announce_compilation, report
-from cpm_core.cli.workers import cluster, finished
+from cpm_core.cli.workers import cluster, finished, on_one_core
 from cpm_core.formats.common.atomic import suffix_among
 from cpm_core.formats.images.ome_zarr import is_zarr
 from cpm_core.formats.images.reading import Reading
-from cpm_core.numerics.parallel import at_most
+from cpm_core.numerics.types import Plain
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import counted, sized
 from cpm_core.segmentation.reach.reach_map import is_limited
@@ -33,7 +33,7 @@ def is_large(arguments: argparse.Namespace, path: Path) -> bool:
     return bool(arguments.auto) and not arguments.volume and is_zarr(path)
 
 
-def run_large(arguments: argparse.Namespace, path: Path, part: Mapping[str, Any], parameters: Parameters) -> int:
+def run_large(arguments: argparse.Namespace, path: Path, part: Plain, parameters: Parameters) -> int:
     """Find the contours of an image chunk by chunk; a run that was ended is continued by the same command."""
     drawn = ("session", "circle", "stroke", "points", "start", "region", "barrier", "object", "not", "pages", "truth")
     refuse(arguments, (*drawn, "save_session"), _WHOLE)
@@ -48,7 +48,7 @@ def run_large(arguments: argparse.Namespace, path: Path, part: Mapping[str, Any]
 
         def compute(function: Callable[[Any], Any], jobs: Sequence[Any], title: str) -> Iterator[tuple[int, Any]]:
             line.begin(title)
-            for done, (at, future) in enumerate(finished(client, partial(_alone, function), jobs), start=1):
+            for done, (at, future) in enumerate(finished(client, partial(on_one_core, function), jobs), start=1):
                 result = future.result()
                 line.count(done, len(jobs))
                 yield at, result
@@ -66,12 +66,6 @@ def run_large(arguments: argparse.Namespace, path: Path, part: Mapping[str, Any]
         f"{counted(chunks, 'chunk')} in {seconds:.1f} s",
     ]
     return report(arguments, facts, lines, files)
-
-
-def _alone(function: Callable[[Any], Any], job: Any) -> Any:
-    """Do a job on one core: the other ones have workers of their own."""
-    with at_most(1):
-        return function(job)
 
 
 def _check(arguments: argparse.Namespace, path: Path, parameters: Parameters) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +11,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.formats.common.content import UnreadableError
-from cpm_core.formats.common.plain import Entries
 from cpm_core.formats.common.printable import printable
 from cpm_core.formats.images import resolution
 from cpm_core.formats.images.decoded import Decoded
 from cpm_core.formats.images.reading import Reading, index_of, series_of
 from cpm_core.formats.images.stack import Stack
 from cpm_core.numerics.grids import Window
+from cpm_core.numerics.types import Entries, record
 from cpm_core.parameters.quotation import sized
 
 READS = {".zarr": "OME-Zarr image"}
@@ -44,7 +43,7 @@ def is_zarr(folder: Path) -> bool:
     return any((folder / mark).is_file() for mark in _MARKS)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Levels:
     """An image in levels of resolution, none of which has been read.
 

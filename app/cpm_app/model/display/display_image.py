@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import PIL.Image
@@ -11,7 +11,7 @@ import PIL.Image
 from cpm_core import Image
 from cpm_core.numerics import Array
 from cpm_core.numerics.grids import in_bands
-from cpm_core.numerics.types import Extent, Pixels, record
+from cpm_core.numerics.types import Extent, Pixels, frozen, record
 
 _AT_ONCE = 1 << 16
 """Gray values that are processed at once: few enough for the processor's cache, which is several times faster."""
@@ -26,7 +26,7 @@ _CODES = 1 << 12
 """Entries of the table of the gamma curve."""
 
 
-@dataclass(frozen=True)
+@frozen
 class IntensityWindow:
     """Range of gray values: those up to `low` are black, those from `high` on white.
 

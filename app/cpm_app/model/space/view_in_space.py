@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from itertools import product
 
 import numpy as np
@@ -15,7 +15,7 @@ from cpm_app.model.space.voxels import Shaded, draw_projection, draw_slice
 from cpm_app.model.volume.slices import Slices
 from cpm_core import Image
 from cpm_core.numerics import Array
-from cpm_core.numerics.types import Pixels, record
+from cpm_core.numerics.types import Pixels, frozen, record
 
 Color = tuple[int, int, int]
 
@@ -32,7 +32,7 @@ _OVER = 1.5
 """The same, at least [radii of a particle]."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Look:
     """Colors of what has none of its own, and the radius of a particle [px]."""
 
@@ -43,7 +43,7 @@ class Look:
     radius: float = 2.0
 
 
-@dataclass(frozen=True)
+@frozen
 class ShownParts:
     """The parts that are shown; `cut_axis` is None for no cut, `cut_at` from 0 to 1 along that axis."""
 

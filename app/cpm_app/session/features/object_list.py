@@ -32,6 +32,7 @@ from cpm_core.objects.segmented import (
     between_slices,
     brush_in,
     painted,
+    split_in_volume,
     union,
 )
 from cpm_core.objects.segmented.in_volumes import Part
@@ -158,7 +159,7 @@ def _holds(row: Row, place: Place) -> bool:
     if row.drawn is None:
         line = row.contour.contour if row.kind == "closed" and row.contour is not None else None
         return line is not None and len(place) == 2 and bool(polyline.inside(line.points, np.array([place]))[0])
-    return holds(row.drawn, place) if len(place) == 3 else bool(row.drawn.encloses(np.array([place], float))[0])
+    return holds(row.drawn, place)
 
 
 def _size(row: Row) -> float:
@@ -508,6 +509,17 @@ class ObjectList(QObject):
     def whole(self, row: Row) -> SegmentedObject | None:
         """The object that a row is, or would be once it is accepted; None for one that is hidden, rejected or open."""
         return next(iter(self._bounded([row])), row.drawn)
+
+    def split_in_volume(self, whole: SegmentedObject, first: Place, second: Place) -> None:
+        """Split an object of a volume between two places, on another thread, unless it has changed meanwhile."""
+
+        def use(halves: Halves) -> None:
+            if all(item is whole or item.number != whole.number for item in self.objects.items):
+                self.split(whole, halves)
+
+        if self._session.document.image is not None:
+            sides = sides_of(self._session.document.image.spacing)
+            self._merging.ask(lambda: split_in_volume(whole, first, second, sides), use)
 
     def split(self, whole: SegmentedObject, halves: Halves) -> None:
         """Put the halves of an object, or of what is not accepted yet, in its place, and choose them."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from cpm_app.model.display.display_image import display_of
@@ -28,7 +28,7 @@ from cpm_core.formats import (
 from cpm_core.formats.images import raster
 from cpm_core.formats.images.reading import DEFAULT
 from cpm_core.image import MINIMUM_SIDE
-from cpm_core.numerics.types import Callback
+from cpm_core.numerics.types import Callback, frozen
 from cpm_core.pages import fitting
 from cpm_core.shapes import check_axes
 
@@ -94,7 +94,7 @@ def parts_of(path: Path, reading: Reading) -> tuple[Parts | None, Reading]:
         return None, reading
 
 
-@dataclass(frozen=True)
+@frozen
 class Wanted:
     """A request to open an image or a session file at `path`.
 

@@ -72,8 +72,14 @@ class CanvasArea(QWidget):
         session.said.connect(self.messages.say)
         session.attempted.connect(self.messages.attempt)
         session.image_changed.connect(lambda: self.messages.keep_only(OPENING, *OF_THE_PROGRAM))
+
+        def follow_layers() -> None:
+            """Contours that are not visible cannot be selected."""
+            workspace.review.rejected_seen = bool(self.canvas.layers.contours.chosen["rejected"])
+            self.strip.legend.refresh()
+
         for layer in self.canvas.layers:
-            layer.changed.connect(self._follow_layers)
+            layer.changed.connect(follow_layers)
         session.status_changed.connect(self.refresh)
         self.flow.changed.connect(self._draw)
         self._selection.changed.connect(self.refresh)
@@ -176,11 +182,6 @@ class CanvasArea(QWidget):
 
     def _draw(self) -> None:
         self.canvas.draw(self.flow.scene)
-        self.strip.legend.refresh()
-
-    def _follow_layers(self) -> None:
-        """Contours that are not visible cannot be selected."""
-        self._workspace.review.rejected_seen = bool(self.canvas.layers.contours.chosen["rejected"])
         self.strip.legend.refresh()
 
     def _take_key(self, event: QKeyEvent) -> bool:
