@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cache, partial
 from typing import NamedTuple
 
@@ -17,7 +17,7 @@ from cpm_core.image.border import inside_border, within
 from cpm_core.image.gray_levels import automatic_gamma
 from cpm_core.image.pyramid import pyramid
 from cpm_core.numerics.grids import relative
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, frozen
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.large_images import strongest_part
 
@@ -47,7 +47,7 @@ class Edges(NamedTuple):
     samples: tuple[Array, ...]
 
 
-@dataclass(frozen=True)
+@frozen
 class Tone:
     """How the gray levels of an image are taken.
 
@@ -78,7 +78,7 @@ class Tone:
         return replace(parameters, gamma=1.0, smoothing=self.smoothing, max_border=0.0)
 
 
-@dataclass(frozen=True)
+@frozen
 class Whole:
     """What the fields of an image are measured by.
 
@@ -93,6 +93,21 @@ class Whole:
     tone: Tone
     strongest: tuple[float, ...]
     floor: tuple[float, ...]
+
+    @property
+    def numbers(self) -> dict[str, tuple[float, ...]]:
+        """The same as numbers to be stored."""
+        tone = self.tone
+        range_ = (tone.low, tone.high, tone.exponent, tone.smoothing)
+        return {"tone": range_, "inside": tone.inside, "strongest": self.strongest, "floor": self.floor}
+
+    @classmethod
+    def of(cls, numbers: Mapping[str, Array]) -> Whole:
+        """From the numbers that were stored."""
+        tone, inside, strongest, floor = (
+            tuple(numbers[name].tolist()) for name in ("tone", "inside", "strongest", "floor")
+        )
+        return cls(Tone(*tone, inside), strongest, floor)
 
     def imposed(self, field: ScaleField, scale: int, corner: tuple[int, int], edge_floor: float) -> ScaleField:
         """The field of a chunk, whose first pixel is `corner` of the image, with what depends on the whole image."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ from cpm_core.cli.workers import cluster, finished, on_one_core
 from cpm_core.formats.common.atomic import suffix_among
 from cpm_core.formats.images.ome_zarr import is_zarr
 from cpm_core.formats.images.reading import Reading
+from cpm_core.numerics.types import Plain
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import counted, sized
 from cpm_core.segmentation.reach.reach_map import is_limited
@@ -32,7 +33,7 @@ def is_large(arguments: argparse.Namespace, path: Path) -> bool:
     return bool(arguments.auto) and not arguments.volume and is_zarr(path)
 
 
-def run_large(arguments: argparse.Namespace, path: Path, part: Mapping[str, Any], parameters: Parameters) -> int:
+def run_large(arguments: argparse.Namespace, path: Path, part: Plain, parameters: Parameters) -> int:
     """Find the contours of an image chunk by chunk; a run that was ended is continued by the same command."""
     drawn = ("session", "circle", "stroke", "points", "start", "region", "barrier", "object", "not", "pages", "truth")
     refuse(arguments, (*drawn, "save_session"), _WHOLE)

@@ -25,6 +25,16 @@ def corners_of(path: Array | Sequence[Sequence[float]]) -> Array:
     return np.asarray(path, float)
 
 
+def as_line(points: Array) -> Line:
+    """Positions of an array as plain numbers."""
+    return tuple(map(tuple, points.tolist()))
+
+
+def owners(counts: Sequence[int] | Index) -> Index:
+    """Which of several things each of their parts is of, by how many parts each has."""
+    return np.repeat(np.arange(len(counts)), counts)
+
+
 def lengths_along(path: Array) -> Array:
     """Length along a path, shape (K, D), up to each of its vertices, shape (K,) [px]; 0 at the first."""
     return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
@@ -121,7 +131,7 @@ def thinned(path: Sequence[Position], tolerance: float = _TOLERANCE) -> Line:
             farthest = first + 1 + int(off.argmax())
             kept.add(farthest)
             stretches += [(first, farthest), (farthest, last)]
-    return tuple(map(tuple, corners[sorted(kept)].tolist()))
+    return as_line(corners[sorted(kept)])
 
 
 def coarser(paths: Sequence[Array], off: float) -> list[Array]:
@@ -134,7 +144,7 @@ def coarser(paths: Sequence[Array], off: float) -> list[Array]:
     if not paths:
         return []
     corners = np.concatenate(paths)
-    number = np.repeat(np.arange(len(paths)), [len(path) for path in paths])
+    number = owners([len(path) for path in paths])
     for _ in range(_HALVINGS):
         before, along = corners[1:-1] - corners[:-2], corners[2:] - corners[:-2]
         behind = along - before

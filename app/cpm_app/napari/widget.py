@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
@@ -176,34 +177,27 @@ class FindWidget(Container):  # type: ignore[misc]
 
     def _take(self, found: list[LayerData] | str) -> None:
         """Show what was found, or why nothing was."""
-        self.said.value = (
-            found
-            if isinstance(found, str)
-            else "In the layers: " + ", ".join(settings["name"] for _, settings, _ in found)
-        )
-        for layer in found if isinstance(found, list) else ():
+        if isinstance(found, str):
+            self.said.value = found
+            return
+        self.said.value = "In the layers: " + ", ".join(settings["name"] for _, settings, _ in found)
+        for layer in found:
             self._show(*layer)
 
     def _show(self, data: Any, settings: dict[str, Any], kind: str) -> None:
         """Show a layer in place of one with its name, which remains chosen where its data can be replaced."""
-        known = self._layer(settings["name"])
-        if known is not None and kind != "shapes":
-            known.data = data
-        else:
-            self._remove(known)
-            self._viewer.add_layer(Layer.create(data, settings, kind))
+        with suppress(KeyError):
+            known = self._viewer.layers[settings["name"]]
+            if kind != "shapes":
+                known.data = data
+                return
+            self._viewer.layers.remove(known)
+        self._viewer.add_layer(Layer.create(data, settings, kind))
 
     def _end(self) -> None:
-        self._worker = None
-        self.button.text = "Find"
-        self._remove(self._layer(_PARTICLES))
-
-    def _layer(self, name: str) -> Layer | None:
-        return next((layer for layer in self._viewer.layers if layer.name == name), None)
-
-    def _remove(self, layer: Layer | None) -> None:
-        if layer is not None:
-            self._viewer.layers.remove(layer)
+        self._worker, self.button.text = None, "Find"
+        with suppress(KeyError):
+            self._viewer.layers.remove(self._viewer.layers[_PARTICLES])
 
 
 def _steps(
