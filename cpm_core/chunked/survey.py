@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import cache, partial
 from typing import NamedTuple
@@ -93,6 +93,21 @@ class Whole:
     tone: Tone
     strongest: tuple[float, ...]
     floor: tuple[float, ...]
+
+    @property
+    def numbers(self) -> dict[str, tuple[float, ...]]:
+        """The same as numbers to be stored."""
+        tone = self.tone
+        range_ = (tone.low, tone.high, tone.exponent, tone.smoothing)
+        return {"tone": range_, "inside": tone.inside, "strongest": self.strongest, "floor": self.floor}
+
+    @classmethod
+    def of(cls, numbers: Mapping[str, Array]) -> Whole:
+        """From the numbers that were stored."""
+        tone, inside, strongest, floor = (
+            tuple(numbers[name].tolist()) for name in ("tone", "inside", "strongest", "floor")
+        )
+        return cls(Tone(*tone, inside), strongest, floor)
 
     def imposed(self, field: ScaleField, scale: int, corner: tuple[int, int], edge_floor: float) -> ScaleField:
         """The field of a chunk, whose first pixel is `corner` of the image, with what depends on the whole image."""
