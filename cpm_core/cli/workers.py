@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import logging
 import multiprocessing
 import os
@@ -242,10 +243,10 @@ def cluster(address: str | None, workers: int | None = None) -> Iterator[Any]:
         try:
             local = address or stack.enter_context(
                 LocalCluster(
-                    workers or cores(),
+                    n_workers=workers or cores(),
                     threads_per_worker=1,
                     memory_limit=0,
-                    dashboard_address=None,
+                    dashboard_address=":0",
                     silence_logs=logging.ERROR,
                 )
             )
@@ -279,6 +280,9 @@ def finished(
 
 
 def on_one_core(function: Callable[[Any], Any], job: Any) -> Any:
-    """Do a job on one core, as the others have workers of their own."""
-    with at_most(1):
-        return function(job)
+    """Do a job on one core, as the others have workers of their own, and leave nothing of it in memory."""
+    try:
+        with at_most(1):
+            return function(job)
+    finally:
+        gc.collect()  # fields and their caches refer to one another

@@ -26,6 +26,7 @@ from cpm_core.formats import (
     open_stack,
 )
 from cpm_core.formats.images import raster
+from cpm_core.formats.images.ome_zarr import is_zarr
 from cpm_core.formats.images.reading import DEFAULT
 from cpm_core.image import MINIMUM_SIDE
 from cpm_core.numerics.types import Callback, frozen
@@ -66,7 +67,8 @@ def session_beside(image: Path) -> Path | None:
 
 
 def _is_image(entry: os.DirEntry[str]) -> bool:
-    return Path(entry.name).suffix.lower() in READABLE and not entry.name.startswith(".") and entry.is_file()
+    known = Path(entry.name).suffix.lower() in READABLE and not entry.name.startswith(".")
+    return known and (entry.is_file() or is_zarr(Path(entry)))
 
 
 PAGED = frozenset({".tif", ".tiff", *raster.READS})
