@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import scipy
 
@@ -12,7 +10,7 @@ from cpm_core.contours.packed_surface import PackedBody
 from cpm_core.contours.surface import Surface
 from cpm_core.image.volume_regions import Voxels
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Extent, Line, Mask, Place, Position, Sides
+from cpm_core.numerics.types import Array, Extent, Line, Mask, Place, Position, Sides, frozen
 from cpm_core.objects.selection import Selection
 
 MOST_CLASSES = 9
@@ -22,7 +20,7 @@ _AT_ONCE = 2**20
 """Pixels that are tested at once, so that a large image takes little memory."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Click:
     """Places that were said to be inside of an object, or outside of it, in one gesture.
 
@@ -54,7 +52,7 @@ Clicks = tuple[Click, ...]
 """Clicks, one after the other."""
 
 
-@dataclass(frozen=True)
+@frozen
 class ObjectClass:
     """A class of objects: its name, which may be empty, and its color, ``"#rrggbb"``."""
 
@@ -68,7 +66,7 @@ class ObjectClass:
         check_color("a class", self.color)
 
 
-@dataclass(frozen=True)
+@frozen
 class SegmentedObject:
     """An object of an image with its boundary.
 
@@ -258,7 +256,7 @@ CLASSES: tuple[ObjectClass, ...] = tuple(
 """The classes at first: hues after Okabe and Ito, which color-blind people can distinguish, and two more."""
 
 
-@dataclass(frozen=True)
+@frozen
 class SegmentedObjects:
     """The objects of an image, their classes, and the selection that is being made.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -33,7 +33,7 @@ from cpm_app.session.session import Session
 from cpm_app.session.tasks.tasks import Task
 from cpm_core import Partition, Result, Selection, select_all
 from cpm_core.numerics import Place
-from cpm_core.numerics.types import Callback
+from cpm_core.numerics.types import Callback, frozen
 from cpm_core.objects.segmented import Click, selection_of
 from cpm_core.objects.segmented.segmented_object import Clicks
 from cpm_core.shapes import Everywhere, Start
@@ -47,7 +47,7 @@ def percent(selection: AnySelection) -> str:
     return written(f"{100.0 * selection.confidence:.0f} %") if isinstance(selection, Selection) else ""
 
 
-@dataclass(frozen=True)
+@frozen
 class Pointed:
     """One more click at the pointer, on the object of the clicks before."""
 
@@ -62,7 +62,7 @@ class Pointed:
         return None if after is None else Preview(after, self.selector.selection(self.clicks), self.said.inside)
 
 
-@dataclass(frozen=True)
+@frozen
 class Stepped:
     """By how many candidates the object of some clicks shall become larger, or smaller below 0."""
 
@@ -71,7 +71,7 @@ class Stepped:
     by: int
 
 
-@dataclass(frozen=True)
+@frozen
 class Question:
     """What is asked for: the object of some clicks, what the run offers, what one more click would change, a step."""
 

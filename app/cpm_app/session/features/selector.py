@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from functools import cached_property
 from itertools import chain
 from typing import Any, cast
@@ -36,7 +36,7 @@ from cpm_core import (
 from cpm_core.image import AnyRegions, of_plane
 from cpm_core.numerics import Array
 from cpm_core.numerics.polyline import as_line
-from cpm_core.numerics.types import record
+from cpm_core.numerics.types import frozen, record
 from cpm_core.objects import EVERYWHERE, overlap
 from cpm_core.objects.everywhere import everywhere
 from cpm_core.objects.segmented import Click, SegmentedObject, places_of, selection_of
@@ -47,7 +47,7 @@ _QUIET = 250
 """Time without a change to parameters or limits after which a run from everywhere begins again [ms]."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Everywhere:
     """What a run from everywhere depends on."""
 
@@ -252,7 +252,7 @@ Drawn = Circle | Ellipse | Polygon | Stroke | Points | Grid | Sphere | Box | Box
 """Starts whose seeds are known without the image."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Offer:
     """What a run offers: the objects of its starts, or all that it has found, without those that were rejected."""
 
