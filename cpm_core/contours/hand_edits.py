@@ -19,7 +19,7 @@ from cpm_core.contours.contour import Contour, Contours
 from cpm_core.contours.polygonal_line import PolygonalLine, joined, ring
 from cpm_core.contours.review import REACH
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Line, Position, frozen
+from cpm_core.numerics.types import Array, Integers, Line, Position, frozen
 
 Kind = Literal["cut", "deletion", "redrawing", "join", "extension", "line", "outline"]
 """What an edit does, by what it removes and adds."""
@@ -90,7 +90,7 @@ class HandEdit:
         return "join" if self.before and self.after else "extension" if self.before or self.after else "line"
 
 
-def apply(contours: Contours, edits: Sequence[HandEdit]) -> tuple[tuple[Contour, ...], tuple[int, ...]]:
+def apply(contours: Contours, edits: Sequence[HandEdit]) -> tuple[tuple[Contour, ...], Integers]:
     """Contours with edits by hand, in the order in which they were made.
 
     Parameters

@@ -26,7 +26,7 @@ from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import Parts, parts_of
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.real_numbers import checked_number, real_numbers
-from cpm_core.numerics.types import Array, Extent, Index, Line, Mask, Voxel, frozen, record
+from cpm_core.numerics.types import Array, Extent, Index, Integers, Line, Mask, Voxel, frozen, record
 from cpm_core.numerics.vectors import Vector, row_of
 from cpm_core.parameters.quotation import counted, described, shown, sized
 
@@ -155,7 +155,7 @@ class Voxels:
     """
 
     mask: Mask
-    first: tuple[int, ...] | None = None
+    first: Integers | None = None
 
     def __post_init__(self) -> None:
         mask = np.array(self.mask, bool, order="C")

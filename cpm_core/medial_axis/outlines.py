@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from cpm_core.contours.contour import Contour, Contours
 from cpm_core.numerics import polyline
 from cpm_core.numerics.real_numbers import real_numbers
-from cpm_core.numerics.types import Array, Extent, Line, Mask, frozen
+from cpm_core.numerics.types import Array, Extent, Integers, Line, Mask, frozen
 
 
 @frozen
@@ -26,7 +26,7 @@ class Outlined:
         Closed outlines, as vertices (row, col) [px].
     """
 
-    objects: tuple[int, ...] = ()
+    objects: Integers = ()
     contours: tuple[Line, ...] = ()
 
 

@@ -26,7 +26,7 @@ from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.medial_axis import Axis
 from cpm_core.medial_axis.structure import half_width
 from cpm_core.numerics.polyline import lengths_along
-from cpm_core.numerics.types import Array, Extent, Mask, Sides, record
+from cpm_core.numerics.types import Array, Arrays, Extent, Mask, Sides, record
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.parameters.quotation import counted, described
 
@@ -86,7 +86,7 @@ class Skeleton(drawing.Pictured):
     """
 
     contours: tuple[Contour, ...]
-    radii: tuple[Array, ...]
+    radii: Arrays
     shape: Extent
     spacing: Sides
     unit: str | None

@@ -31,7 +31,7 @@ from cpm_core.medial_axis.structure import DARK, Structure, find_structure, with
 from cpm_core.model.image_fields import ImageFields
 from cpm_core.model.starts import inside_image
 from cpm_core.model.state import Particles
-from cpm_core.numerics.types import Array, Mask, Numbers, Texts, record
+from cpm_core.numerics.types import Array, Arrays, Mask, Numbers, Texts, record
 from cpm_core.parameters import OF_CHARGES, OF_STARTS, PRESETS, Parameters, invalidating
 from cpm_core.parameters.provenance import Provenance, taken
 from cpm_core.parameters.quotation import described, shown, sized
@@ -87,7 +87,7 @@ class SkeletonState:
     points: Array = field(default_factory=lambda: np.zeros((0, 2)))
     first: int = 0
     contours: tuple[Contour, ...] = ()
-    radii: tuple[Array, ...] = ()
+    radii: Arrays = ()
     lines: Centerlines | None = None
     stop_reason: str = ""
     converged: bool = False

@@ -45,6 +45,12 @@ Line = tuple[Position, ...]
 Extent = tuple[int, ...]
 """How many pixels or voxels there are along each axis."""
 
+Integers = tuple[int, ...]
+"""Whole numbers: counts, or which of some things."""
+
+Arrays = tuple[Array, ...]
+"""Arrays, as the points of several lines."""
+
 Sides = tuple[float, ...]
 """Side of a pixel or voxel along each axis."""
 

@@ -66,7 +66,7 @@ def stack(path: Path, reading: Reading) -> Stack:
     return Stack(name, (planes, rows, columns), take, each, otherwise=planes // 2, series=names, number=number)
 
 
-def _header(path: Path, reading: Reading, name: str) -> tuple[tuple[int, ...], np.dtype[Any], Texts, int]:
+def _header(path: Path, reading: Reading, name: str) -> tuple[Extent, np.dtype[Any], Texts, int]:
     """Shape and type of the array that is meant, and of an archive the names of all arrays and which of them it is."""
     with path.open("rb") as stream:
         if stream.read(4) != _ARCHIVE:

@@ -35,7 +35,7 @@ from cpm_core.formats.common.provenance import PROGRAM
 from cpm_core.formats.images.readers import open_stack
 from cpm_core.formats.images.reading import DEFAULT, Reading
 from cpm_core.medial_axis.outlines import Outlined
-from cpm_core.numerics.types import Callback, Entries, Plain, Texts, frozen
+from cpm_core.numerics.types import Callback, Entries, Integers, Plain, Texts, frozen
 from cpm_core.objects.methods import CONTOUR_METHODS, Compared, Settings
 from cpm_core.objects.segmented.segmented_object import SegmentedObjects
 from cpm_core.parameters import Parameters
@@ -74,7 +74,7 @@ class ImageFile:
 
     path: str
     sha256: str = ""
-    shape: Annotated[tuple[int, ...], 0, 2, 3] = ()
+    shape: Annotated[Integers, 0, 2, 3] = ()
     absolute: str = ""
     reading: Reading = DEFAULT
 

@@ -18,7 +18,7 @@ from cpm_core.contours.polygonal_line import PolygonalLine
 from cpm_core.contours.result import Result
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Line, Position, record
+from cpm_core.numerics.types import Array, Integers, Line, Position, record
 from cpm_core.reconstruction.by_hand.live_wire import LiveWire, nearest_ridge
 from cpm_core.reconstruction.curve.hysteresis import measured
 
@@ -91,9 +91,7 @@ class Contact:
         return self.line.source is other.line.source
 
 
-def carried_out(
-    result: Result, edits: Sequence[HandEdit], scale_field: ScaleField | None
-) -> tuple[Result, tuple[int, ...]]:
+def carried_out(result: Result, edits: Sequence[HandEdit], scale_field: ScaleField | None) -> tuple[Result, Integers]:
     """A result with edits by hand, without the bridges that they have removed; and the edits that were missed.
 
     Contours that have changed are measured in the fields of the image, where these are given.

@@ -17,7 +17,7 @@ from cpm_core.contours import Label, PackedBody, surfaces_joined
 from cpm_core.contours.contour import Contours
 from cpm_core.numerics import Array, Place, Position, length, polyline, thinned
 from cpm_core.numerics.polyline import as_line
-from cpm_core.numerics.types import Extent, Line, Sides
+from cpm_core.numerics.types import Extent, Integers, Line, Sides
 from cpm_core.objects import boundaries_result
 from cpm_core.objects.segmented import (
     Click,
@@ -291,7 +291,7 @@ def class_title(objects: SegmentedObjects, category: int) -> str:
     return tr("object") if category == 1 else tr("class {number}", number=category)
 
 
-def listed_classes(objects: SegmentedObjects) -> tuple[int, ...]:
+def listed_classes(objects: SegmentedObjects) -> Integers:
     """Numbers of the classes that are in use or have a name, and the next one."""
     used = {objects.category, *(item.category for item in objects.items)}
     listed = [number for number, known in enumerate(objects.classes, start=1) if number in used or known.name]

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
 from functools import cached_property
 from itertools import chain
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 from PySide6.QtCore import QObject, QTimer, Signal
@@ -36,7 +36,7 @@ from cpm_core import (
 from cpm_core.image import AnyRegions, of_plane
 from cpm_core.numerics import Array
 from cpm_core.numerics.polyline import as_line
-from cpm_core.numerics.types import frozen, record
+from cpm_core.numerics.types import Entries, frozen, record
 from cpm_core.objects import EVERYWHERE, overlap
 from cpm_core.objects.everywhere import everywhere
 from cpm_core.objects.segmented import Click, SegmentedObject, places_of, selection_of
@@ -325,7 +325,7 @@ class Selector:
         places = np.concatenate([np.array(each.places) for each in clicks])
         return bool(self.partition.bodies_at(places).all())
 
-    def _rest(self, clicks: Clicks) -> dict[str, Any]:
+    def _rest(self, clicks: Clicks) -> Entries:
         """What a selection depends on except for the places inside."""
         inside, outside = places_of(clicks, inside=True), places_of(clicks, inside=False)
         previous = self.selection(clicks[:-1])
