@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.field.placed_charges import REACH, Charges, PlacedCharge, changed, near_charges, placed_in, radius_at
-from cpm_core.field.scale_field import LARGE
 from cpm_core.image.pyramid import shape_of_scale, to_image, to_scale
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.coverage import (
@@ -114,13 +113,9 @@ def _mask(inside: ArrayLike, count: int, noun: str) -> Mask:
 
 
 def start_scale(state: State, scale: int, regions: AnyRegions | None) -> State:
-    """Begin a scale with the particles of the coarser one and with all seeds, or some where they crowd."""
+    """Begin a scale with the particles of the coarser one and with all seeds."""
+    position = np.concatenate([to_scale(places, scale, state.shape) for places in (state.position, state.start)])
     shape = shape_of_scale(state.shape, scale)
-    before, seeds = (to_scale(places, scale, state.shape) for places in (state.position, state.start))
-    if scale and math.prod(state.shape) > LARGE and _MOST_CROWDED * len(seeds) > math.prod(shape):
-        _, one = np.unique(seeds.astype(np.int64) // _APART @ (shape[1], 1), return_index=True)
-        seeds = seeds[np.sort(one)]
-    position = np.concatenate([before, seeds])
     position = position[inside_image(position, shape)]
     position = position[allowed_by(to_image(position, scale, state.shape), regions)]
     first, space = state.next_identity, state.space
@@ -147,10 +142,6 @@ def start_scale(state: State, scale: int, regions: AnyRegions | None) -> State:
         space=space,
     )
 
-
-_MOST_CROWDED, _APART = 32, 8
-"""Pixels of a coarser scale of a large image for each of the seeds, below which there is one in each square of it, and
-the side of such a square [px]: a start everywhere has seeds for the image itself."""
 
 _NEAR_END, _ROOM = 16.0, 96
 """Distance of a particle from the end of a window that widens it: farther than any goes or looks in a step; and the
