@@ -21,6 +21,7 @@ from cpm_app.session.features.background import IdentityCache, LatestOnlyWorker,
 from cpm_app.session.features.contour_review import ContourReview
 from cpm_app.session.scene import Item, Proposal
 from cpm_app.session.session import Session
+from cpm_app.session.signals import EDITING
 from cpm_core import Image, Surface
 from cpm_core.contours import bridges_on
 from cpm_core.numerics import Array, Place, Position, polyline
@@ -410,7 +411,7 @@ class ObjectList(QObject):
         self._with_objects(tr("accept {what}"), rows)
         self._session.seal()
         if len(rows) < len(offered):
-            self._session.say(tr("Doubtful proposals are left: select one to accept it."))
+            self._session.say(tr("Doubtful proposals are left: select one to accept it."), topic=EDITING)
 
     def reject(self) -> None:
         """Dismiss the selected proposals, remove objects, and mark contours as rejected, those around them too.
