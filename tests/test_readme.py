@@ -50,6 +50,7 @@ def test_presets_and_formats_are_named():
         "DICOM": ".dcm .dicom .ima",
         "NRRD": ".nrrd .nhdr",
         "MetaImage": ".mha .mhd",
+        "OME-Zarr": ".zarr",
     }
     assert {suffix for suffixes in names.values() for suffix in suffixes.split()} == set(READABLE)
     assert all(name in " ".join(TEXT.split()) for name in names)

@@ -1,6 +1,6 @@
-"""Writes ``cpm.pot``: every sentence that a person reads in the window; see `cpm_app.model.text.language`.
+"""Writes ``cpm.pot``: every sentence of the window; see `cpm_app.model.text.language`.
 
-Run ``python assets/languages/make_template.py`` to write it beside this file, or name another file.
+Run ``python assets/languages/make_template.py`` to write it next to this file, or name another file.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ GIVEN = {"tr": slice(0, 1), "ActionSpec": slice(2, 4), "Submenu": slice(2, 3), "
 
 
 def in_source() -> Iterator[tuple[str, str]]:
-    """Sentences of the window's source, each with where it stands."""
+    """Sentences of the window's source, each with its file and line."""
     for path in sorted((ROOT / "app").rglob("*.py")):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in GIVEN:

@@ -4,7 +4,7 @@ Run ``python assets/languages/update.py``; it needs ``msgmerge`` and ``msgfmt`` 
 ``fr ja``, begin those that are not there yet. ``--check`` only lists, from the catalogs as they are, and needs nothing.
 
 A catalog is made once a translation has given the name of its language, for "English". Until then the language cannot
-be chosen, and `update.py` only tells how much of it there is.
+be chosen, and `update.py` only reports how much of it there is.
 """
 
 from __future__ import annotations
@@ -100,7 +100,7 @@ def update() -> None:
 
 
 def main() -> int:
-    """Update unless told only to check; the exit status says whether something is missing."""
+    """Update, or only check; the exit status is 1 if something is missing."""
     if "--check" not in sys.argv[1:]:
         if shutil.which("msgmerge") is None:
             sys.exit("msgmerge was not found: install gettext, or only check with --check.")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -25,7 +24,7 @@ from cpm_core.formats.contours.geojson import features_of
 from cpm_core.formats.images.ome_zarr import create_levels, halve_part, write_part
 from cpm_core.formats.images.resolution import in_ascii
 from cpm_core.numerics.grids import Window, tiles
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, frozen
 from cpm_core.parameters.provenance import Provenance, taken
 from cpm_core.segmentation.engine import Engine
 from cpm_core.shapes import Everywhere
@@ -39,7 +38,7 @@ WRITABLE = {
 """Suffixes of the files -> what they hold."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Target:
     """A file that is written chunk by chunk; `draft` is where, until it is whole."""
 
@@ -77,7 +76,8 @@ def _near(found: Found, number: int, window: Window) -> list[Contour]:
     return [unique[at] for at in sorted(unique)]
 
 
-def _label_image(found: Found, target: Target, compute: Compute) -> list[str]:
+def write_labels(found: Found, target: Target, compute: Compute) -> list[str]:
+    """Write a label image in levels of resolution."""
     grid, levels = found.grid, found.task.source.levels
     more = {"image-label": {"version": "0.5"}}
     count = create_levels(target.draft, grid.shape, np.uint32, grid.side, levels.spacing[1:], levels.unit, more)
@@ -103,7 +103,8 @@ def _moved(contours: Sequence[Contour], window: Window) -> list[Contour]:
     return [Contour(one.points - corner, one.closed, group=one.group, hole=one.hole) for one in contours]
 
 
-def _geojson(found: Found, target: Target, compute: Compute) -> list[str]:
+def write_tiles(found: Found, target: Target, compute: Compute) -> list[str]:
+    """Write a file of GeoJSON for each chunk with contours."""
     names = dict(compute(partial(_tile, found, target.path), found.grid.chunks, "GeoJSON"))
     return [names[at] for at in sorted(names) if names[at]]
 
@@ -139,7 +140,8 @@ def _result(found: Found, contours: Sequence[Contour]) -> Result:
     )  # fmt: skip
 
 
-def _table(found: Found, target: Target, compute: Compute) -> list[str]:
+def write_table(found: Found, target: Target, compute: Compute) -> list[str]:
+    """Write a table, with a row for each closed contour."""
     import pyarrow
     from pyarrow import csv, parquet
 
@@ -191,7 +193,7 @@ def _done(results: Iterable[object]) -> None:
 
 
 _WRITERS: dict[str, Callable[[Found, Target, Compute], list[str]]] = {
-    ".zarr": _label_image,
-    ".geojson": _geojson,
-    **dict.fromkeys((".csv", ".parquet"), _table),
+    ".zarr": write_labels,
+    ".geojson": write_tiles,
+    **dict.fromkeys((".csv", ".parquet"), write_table),
 }

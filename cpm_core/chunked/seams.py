@@ -119,16 +119,11 @@ def joined(pieces: list[Piece], chunks: Sequence[int], least: float) -> list[Con
     for n, end in ((n, end) for n in left for end in (0, 1) if pieces[n].cut[end] and (n, end) not in ends):
         near = tree.query(lines[n], "dwithin", _SAME).tolist()
         others = shapely.union_all([lines[m] for m in near if chunks[m] != chunks[n] and m not in gone])
-        pieces[n] = _shortened(pieces[n], end, shapely.dwithin(shapely.points(pieces[n].contour.points), others, _SAME))
+        contour, way = pieces[n].contour, 1 if end == 0 else -1
+        own = np.flatnonzero(~shapely.dwithin(shapely.points(contour.points), others, _SAME)[::way])
+        first = max(int(own[0]) - 1, 0) if len(own) else 0  # shared but for the last vertex, so that they meet
+        pieces[n] = Piece(replace(contour, points=contour.points[::way][first:][::way]), pieces[n].cut)
     return [one for one in _chains(pieces, left, ends) if one.length >= least]
-
-
-def _shortened(piece: Piece, end: int, shared: Mask) -> Piece:
-    """A piece without the vertices up to one of its ends that it shares with others, except for the last of them."""
-    points, way = piece.contour.points, 1 if end == 0 else -1
-    own = np.flatnonzero(~shared[::way])
-    first = max(int(own[0]) - 1, 0) if len(own) else 0
-    return replace(piece, contour=replace(piece.contour, points=points[::way][first:][::way]))
 
 
 def _continued(points: Array, other: Array) -> tuple[int, int]:

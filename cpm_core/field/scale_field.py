@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache, cached_property, partial
 from typing import Any
 
@@ -21,7 +21,7 @@ from cpm_core.image.border import inside_border, within
 from cpm_core.image.regions import NO_BARRIERS, BarrierMap, Regions, build_barrier_map
 from cpm_core.numerics.grids import Window, around, in_bands, relative, sides_of, tiles, whole_window
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Mask, Single
+from cpm_core.numerics.types import Array, Extent, Mask, Single, record
 
 GATE = 0.93
 """Interpolated |F_l| under which a particle is on an edge: across an edge it falls linearly through zero."""
@@ -71,7 +71,7 @@ Slopes = Callable[[Window], Array]
 """Gives the gradient of an image in a window."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class ScaleField:
     r"""The fields of one scale of an image.
 
@@ -209,7 +209,7 @@ class ScaleField:
         return tuple(slice(at, at + n) for at, n in zip(self.corner, self.shape, strict=True))
 
     @property
-    def shape(self) -> tuple[int, ...]:
+    def shape(self) -> Extent:
         """Shape of the image at this scale."""
         return self.edge_map.shape
 
@@ -281,7 +281,7 @@ def slopes_of(values: Array, smoothing: float) -> Slopes:
     return lambda window: known[(slice(None), *window)]
 
 
-def _strength_of(slopes: Slopes, shape: tuple[int, ...]) -> Array:
+def _strength_of(slopes: Slopes, shape: Extent) -> Array:
     """Edge strength of an image, shape (H, W): the size of its gradient."""
     if math.prod(shape) <= LARGE:
         return magnitude(slopes(whole_window(shape)))

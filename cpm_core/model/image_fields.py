@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from copy import copy
 from functools import lru_cache, partial
 from threading import RLock
@@ -41,6 +41,9 @@ measured."""
 _KEPT = 2
 """Fields with placed charges that are kept: those that the threads of a run and a window use."""
 
+Measured = Callable[[ScaleField, int, Parameters], ScaleField]
+"""Gives the field of a part of an image what depends on the whole image."""
+
 
 class ImageFields:
     """An image and the fields that act on particles in it.
@@ -54,6 +57,8 @@ class ImageFields:
     regions : Regions or VolumeRegions, optional
         Regions of interest, which particles do not leave, and barriers, which they do not cross; the whole image by
         default.
+    measured : callable, optional
+        Makes the field of a scale, by its number and parameters, one that is measured as those of a larger image.
 
     Raises
     ------
@@ -63,9 +68,14 @@ class ImageFields:
     """
 
     def __init__(
-        self, values: ArrayLike | Image, parameters: Parameters | None = None, regions: AnyRegions | None = None
+        self,
+        values: ArrayLike | Image,
+        parameters: Parameters | None = None,
+        regions: AnyRegions | None = None,
+        measured: Measured | None = None,
     ) -> None:
         parameters = parameters or Parameters()
+        self._measured = measured
         self.image = as_image(values)
         shape = self.image.shape
         if regions is not None:
@@ -94,6 +104,9 @@ class ImageFields:
         self.regions, self._lock = regions, RLock()
         fields: Any = partial(volume_fields, pitch=self._pitch) if self.image.ndim == 3 else plane_fields
         self._free, self._at = fields(self._sources, regions=regions, free=free)
+        if self._measured is not None:
+            plain, measured = self._at, self._measured
+            self._at = lru_cache(self.scales)(lambda scale, given: measured(plain(scale, given), scale, given))
         self._charged = lru_cache(_KEPT)(partial(charged, self.image.shape))
 
     def with_regions(self, regions: AnyRegions | None) -> Self:

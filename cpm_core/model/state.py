@@ -131,6 +131,9 @@ class Particles:
     [0, 1, 2, 3]
     >>> particles.renewed(np.array([2]), np.array([(4.0, 6.5)]), np.array([0]), np.array([1]), 3).position.tolist()
     [[9.0, 9.0], [4.0, 6.5]]
+    >>> ball, start = cpm.example("ball"), cpm.sphere((15, 15, 15), 4, 60)
+    >>> cpm.Engine(ball).start(start).particles.on_surface.normal.shape
+    (60, 3)
     >>> particles.woken_at(5) is particles  # in the plane the coverage knows who is awake
     True
     """

@@ -40,7 +40,7 @@ from cpm_core.objects.outline import SMOOTHING, outlines
 from cpm_core.objects.prior.prior import Likely, Prior, Prompt
 from cpm_core.objects.selection import Selection, overlap
 from cpm_core.objects.vessels import vessel_tree
-from cpm_core.objects.volume_partition import VolumePartition
+from cpm_core.objects.volume_partition import NO_SURFACE, VolumePartition
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import counted, described, sized
 from cpm_core.segmentation.evolve import segment
@@ -113,7 +113,8 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
     if values.image is None:
         raise ValueError("the result has no image: make a partition of the image itself.")
     if values.surface is not None:
-        return VolumePartition(values.image, values.surface) if values.surface.closed else VolumePartition(values.image)
+        surface = values.surface if values.surface.closed else NO_SURFACE
+        return VolumePartition(values.image, surface, values.regions)
     return Partition(as_plane(values.image), tuple(values.contours), of_plane(values.regions), values.channel)
 
 

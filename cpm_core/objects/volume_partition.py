@@ -22,10 +22,11 @@ from cpm_core.contours.packed_surface import PackedBody, PackedSurface, PackedVo
 from cpm_core.contours.surface import Surface, inside_of
 from cpm_core.field.volume_field import pitch_of
 from cpm_core.image.image import Image
+from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
 from cpm_core.numerics.grids import Parts, parts_of
 from cpm_core.numerics.real_numbers import as_places
 from cpm_core.numerics.types import Array, Extent, Index, Mask, record
-from cpm_core.objects.prior.bodies import Body, BodyPrior, body_of, changed_near, is_other
+from cpm_core.objects.prior.bodies import Body, BodyPrior, body_of, changed_near, is_other, logits_of
 from cpm_core.objects.prior.body_surface import body_surface
 from cpm_core.objects.prior.windows import SIDE, resampled
 from cpm_core.parameters.quotation import counted, described, sized
@@ -36,6 +37,7 @@ _BESIDE = 0.75
 _NOWHERE = "No place has been said to be inside."
 _SAME = "The same body has been said to be inside and outside; it is left out."
 _BOTH = "The same place has been said to be inside and outside; what was said last counts."
+_NOT_OF_INTEREST = "A place outside the regions of interest counts for nothing."
 _THIN = "No body was found at this place."
 
 NO_SURFACE = Surface(np.empty((0, 3)), np.empty((0, 3), np.int64))
@@ -52,6 +54,8 @@ class VolumePartition:
         The volume.
     surface : Surface
         The surfaces along which it is cut, all in one; without any, the prior answers everywhere.
+    regions : VolumeRegions, optional
+        What the prior answers stays in the regions of interest.
 
     Examples
     --------
@@ -63,10 +67,13 @@ class VolumePartition:
     ((31, 31, 31), 1, [1], '')
     >>> len(bodies.candidates([(15, 15, 15)]))
     1
+    >>> bodies.selection_of(bodies.select([(15, 15, 15)]).packed, [(15, 15, 15)])
+    <VolumeSelection ball, 1 part>
     """
 
     image: Image
     surface: Surface = NO_SURFACE
+    regions: AnyRegions | None = None
 
     def __post_init__(self) -> None:
         if len(self.surface.faces) and not self.surface.closed:
@@ -166,8 +173,13 @@ class VolumePartition:
         if same.any():  # what was said last counts
             newer = np.arange(len(within)) >= (len(within) if previous is None else len(previous.inside))
             within, beyond = within[newer | ~same.any(axis=1)], beyond[~(same & newer[:, None]).any(axis=0)]
+        remark = _BOTH if same.any() else ""
+        if self._interest is not None:
+            here, there = (self._interest[tuple(self._voxels_at(given).T)] for given in (within, beyond))
+            remark = remark if here.all() and there.all() else _NOT_OF_INTEREST
+            within, beyond = within[here], beyond[there]
         if not len(within):
-            return VolumeSelection(self, NO_SURFACE, inside, outside, _BOTH)
+            return VolumeSelection(self, NO_SURFACE, inside, outside, remark)
         size = self._prior.size
         if previous is not None and previous.body is not None:
             body = previous.body
@@ -175,7 +187,7 @@ class VolumePartition:
             body = body_of(previous.mask, size)
         else:
             body = next(self._bodies_at(within[:1]))
-        found = self._bounded(body, within, beyond, _BOTH if same.any() else "", voxels)
+        found = self._bounded(body, within, beyond, remark, voxels)
         return replace(found, inside=inside, outside=outside)
 
     def _bounded(
@@ -191,7 +203,10 @@ class VolumePartition:
                         voxels = self._repainted(voxels, before, body, place, adds)
         if voxels is not None:
             return replace(self.selection_of(voxels), inside=inside, outside=outside, remark=remark)
-        surface = body_surface(body, self.image.values, size, within, beyond, self.image.spacing, self.image.unit)
+        image, shown = self.image, body
+        if self._interest is not None:
+            shown = replace(body, logits=np.minimum(body.logits, logits_of(self._interest, size, body.cube)))
+        surface = body_surface(shown, image.values, size, within, beyond, image.spacing, image.unit, self._interest)
         return VolumeSelection(self, surface, inside, outside, remark, body)
 
     def _repainted(self, voxels: PackedVoxels, before: Body, after: Body, place: Array, adds: bool) -> PackedVoxels:
@@ -202,6 +217,8 @@ class VolumePartition:
         end = np.clip(np.floor(cube.places(np.full(3, SIDE - 1.0)) / size).astype(np.int64) + 1, at + 1, self.shape)
         lines = cube.steps_along(np.arange(a, b) * side for a, b, side in zip(first, end, size, strict=True))
         changed = resampled(changed_near(before, after, place), lines, tuple(size / cube.scale)) > 0.5
+        if self._interest is not None:
+            changed &= self._interest[tuple(map(slice, first, end))]
         changed[tuple(at - first)] = True
         known = voxels.part(first, changed.shape)
         return voxels.with_part(first, known | changed if adds else known & ~changed) or voxels
@@ -226,13 +243,22 @@ class VolumePartition:
         """The nearest places in the volume."""
         return np.clip(places, 0.0, np.array(self.shape) - 1.0)
 
+    def _voxels_at(self, places: Array) -> Index:
+        """The nearest voxels."""
+        return np.rint(self._within(places)).astype(np.int64)
+
+    @cached_property
+    def _interest(self) -> Mask | None:
+        """Voxels in the regions of interest; None when all are."""
+        return self.regions.voxels(self.shape) if isinstance(self.regions, VolumeRegions) else None
+
     @cached_property
     def _prior(self) -> BodyPrior:
         return BodyPrior(self.image.values, np.array(pitch_of(self.image.spacing)))
 
     def bodies_at(self, places: Array) -> Index:
         """Numbers of the bodies that places, shape (N, 3) [voxels], lie in, 0 outside all."""
-        voxels = np.clip(np.rint(places), 0, np.array(self.shape) - 1).astype(np.int64)
+        voxels = self._voxels_at(places)
         found = np.zeros(len(voxels), np.int64)
         if not len(self.surface.faces):
             return found

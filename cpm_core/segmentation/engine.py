@@ -21,7 +21,7 @@ from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions, of_plane
 from cpm_core.model import interventions
 from cpm_core.model.coverage import no_coverage, no_surface
-from cpm_core.model.image_fields import ImageFields
+from cpm_core.model.image_fields import ImageFields, Measured
 from cpm_core.model.measures import Energies, Forces, kinetic_energy
 from cpm_core.model.plane import step as plane
 from cpm_core.model.starts import starting_points
@@ -82,9 +82,13 @@ class Engine(ImageFields):
     seeded: ClassVar[bool] = True
 
     def __init__(
-        self, values: ArrayLike | Image, parameters: Parameters | None = None, regions: AnyRegions | None = None
+        self,
+        values: ArrayLike | Image,
+        parameters: Parameters | None = None,
+        regions: AnyRegions | None = None,
+        measured: Measured | None = None,
     ) -> None:
-        super().__init__(values, parameters, regions)
+        super().__init__(values, parameters, regions, measured)
         self._laws = _LAWS[self.image.ndim]
         self._local_fields = LocalFields(self.scale_field, of_plane(regions))
 

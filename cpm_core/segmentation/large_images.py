@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,7 +10,7 @@ from cpm_core.field.edge_map import automatic_smoothing, gradient, magnitude
 from cpm_core.field.scale_field import LARGE
 from cpm_core.image.pyramid import most_scales
 from cpm_core.numerics.grids import Window
-from cpm_core.numerics.types import Array, Extent
+from cpm_core.numerics.types import Array, Extent, frozen
 
 _COARSEST = 512
 """Longest side of the coarsest scale [px]: a front crosses it in some hundred steps."""
@@ -21,7 +20,7 @@ _SAMPLE = 256
 hundred, which `automatic_smoothing` takes for the strong ones [px]."""
 
 
-@dataclass(frozen=True)
+@frozen
 class LargeImageSettings:
     """Number of scales and sigma of the Gaussian [px] that suit a large image."""
 
@@ -37,7 +36,11 @@ def large_image_settings(values: Array) -> LargeImageSettings | None:
     """
     if values.size <= LARGE:
         return None
-    return LargeImageSettings(scales_for(values.shape), automatic_smoothing(_around_strongest_edge(values)))
+    side = max(max(values.shape) // _COARSEST, 1)
+    rows, cols = (n // side for n in values.shape)
+    blocks = values[: rows * side, : cols * side].reshape(rows, side, cols, side).mean(axis=(1, 3))
+    part = values[strongest_part(blocks, side, values.shape)]
+    return LargeImageSettings(scales_for(values.shape), automatic_smoothing(part))
 
 
 def scales_for(shape: Extent) -> int:
@@ -46,15 +49,7 @@ def scales_for(shape: Extent) -> int:
     return min(wanted, most_scales(shape))
 
 
-def _around_strongest_edge(values: Array) -> Array:
-    """The part of an image around its strongest edge, as it is seen in the means of blocks of pixels."""
-    side = max(max(values.shape) // _COARSEST, 1)
-    rows, cols = (n // side for n in values.shape)
-    blocks = values[: rows * side, : cols * side].reshape(rows, side, cols, side).mean(axis=(1, 3))
-    return values[strongest_part(blocks, side, values.shape)]
-
-
-def strongest_part(blocks: Array, side: int, shape: tuple[int, ...]) -> Window:
+def strongest_part(blocks: Array, side: int, shape: Extent) -> Window:
     """The window around the strongest edge of an image of this shape, from the means of blocks of `side` px."""
     strength = magnitude(gradient(blocks, 1.0))
     middle = side * np.array(np.unravel_index(int(np.argmax(strength)), strength.shape))

@@ -80,13 +80,26 @@ def _entry(name: str) -> str:
         return f".. autoclass:: cpm_core.{name}\n"
     if callable(given):
         return f".. autofunction:: cpm_core.{name}\n"
+    about, example = TABLES[name]
     keys = ", ".join(f"``{key}``" for key in given)
-    return f".. py:data:: cpm_core.{name}\n\n   {_ABOUT[name]}: {keys}.\n"
+    shown = "\n".join(f"      {line}" for line in example.splitlines())
+    return f".. py:data:: cpm_core.{name}\n\n   {about}: {keys}.\n\n   .. code-block:: pycon\n\n{shown}\n\n"
 
 
-_ABOUT = {
-    "PARAMETERS": "Description of every parameter that is a number, by name",
-    "PRESETS": "Named parameters",
-    "METHODS": "All methods, by name",
-    "CONTOUR_METHODS": "Methods that can be compared, by name",
+TABLES = {
+    "PARAMETERS": (
+        "Description of every parameter that is a number, by name",
+        ">>> cpm.PARAMETERS['beta'].title, cpm.PARAMETERS['beta'].equation\n('Damping', 'eq. (12)')\n",
+    ),
+    "PRESETS": (
+        "Named parameters",
+        ">>> result = cpm.segment(cpm.example('disk'), cpm.circle((32, 32), 8), cpm.PRESETS['shape'])\n"
+        ">>> len(result.contours)\n1\n",
+    ),
+    "METHODS": ("All methods, by name", ">>> cpm.METHODS['cpm'].title\n'Charged particles'\n"),
+    "CONTOUR_METHODS": (
+        "Methods that can be compared, by name",
+        ">>> cpm.CONTOUR_METHODS['gvf'].title\n'GVF snake'\n",
+    ),
 }
+"""What each public table is, and an example, which the tests run."""

@@ -33,7 +33,7 @@ print(f"mean distance {found.mean_boundary_distance:.2f} px, largest {found.haus
 axes = again.plot()
 
 # %% [markdown]
-# The skeleton stands for the shape: the disks around its places rebuild it.
+# The skeleton represents the shape: the disks around its points rebuild it.
 
 # %%
 bones = cpm.skeleton(image)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import doctest
 import json
 import re
 import shutil
@@ -87,6 +88,15 @@ def test_every_public_name_is_on_one_page_of_the_reference():
         assert (
             len(re.findall(rf"^\.\. (?:py:data|autoclass|autofunction):: cpm_core\.{name}$", text, re.MULTILINE)) == 1
         )
+
+
+@pytest.mark.parametrize("name", [name for name in cpm.__all__ if not hasattr(getattr(cpm, name), "__qualname__")])
+def test_the_example_of_a_table_gives_what_it_says(name):
+    _, example = reference.TABLES[name]
+    report = []
+    test = doctest.DocTestParser().get_doctest(example, {"cpm": cpm}, name, None, None)
+    assert test.examples
+    assert doctest.DocTestRunner().run(test, out=report.append).failed == 0, "".join(report)
 
 
 def test_tables_hold_every_parameter_format_and_command():

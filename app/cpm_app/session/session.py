@@ -64,6 +64,7 @@ class Session(QObject):
         self.tasks = Tasks(self._worker_thread.report, self._wake, self)
         self.tasks.changed.connect(self.show_status)
         self._numbered = 0
+        self._resolved: tuple[Situation, Resolved] | None = None
         self.history = History()
         """What can be undone and redone."""
         self.live = Live(board, self.post)
@@ -143,7 +144,10 @@ class Session(QObject):
     @property
     def resolved(self) -> Resolved:
         """What the window shows."""
-        return resolve(self.situation)
+        situation = self.situation
+        if self._resolved is None or self._resolved[0] != situation:
+            self._resolved = situation, resolve(situation)
+        return self._resolved[1]
 
     @property
     def frames_per_second(self) -> float:

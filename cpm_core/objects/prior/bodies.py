@@ -9,7 +9,7 @@ means and deviations of both around it (local regions: Lankton and Tannenbaum 20
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property, lru_cache, partial
 from itertools import combinations
 from typing import NamedTuple
@@ -20,7 +20,7 @@ import skimage
 
 from cpm_core.numerics.grids import ends
 from cpm_core.numerics.parallel import share
-from cpm_core.numerics.types import Array, Mask, Single
+from cpm_core.numerics.types import Array, Mask, Single, record
 from cpm_core.objects.prior.network import Network, trained
 from cpm_core.objects.prior.prior import maps_of
 from cpm_core.objects.prior.windows import LEAST_DEVIATION, SIDE, Cube, Grays, holding, resampled
@@ -88,7 +88,7 @@ _OTHERS = ((1, 2), (0, 2), (0, 1))
 """The axes of a slice across each axis."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Body:
     """A body that clicks mean.
 
@@ -125,11 +125,17 @@ def body_of(mask: Mask, size: Array) -> Body:
     first, last = ends(mask)
     low, high = (first - 0.5) * size, (last + 0.5) * size
     cube = Cube(0.5 * (low + high), max(_AROUND * float((high - low).max()), _CLOSEST))
+    logits = logits_of(mask, size, cube)
+    return Body(cube, logits, logits)
+
+
+def logits_of(mask: Mask, size: Array, cube: Cube) -> Single:
+    """Logits of the steps of a cube to lie in some voxels, shape (P, R, C), whose sides are given."""
     lines = [line / side for line, side in zip(cube.lines, size.tolist(), strict=True)]
     logits = (2.0 * resampled(mask, lines, tuple(cube.scale / size)) - 1.0) * np.float32(FAR)
     for axis, line in enumerate(lines):
         np.moveaxis(logits, axis, 0)[(line < -0.5) | (line > mask.shape[axis] - 0.5)] = -FAR
-    return Body(cube, logits, logits)
+    return logits
 
 
 class _Slice(NamedTuple):
@@ -162,7 +168,7 @@ class _Within(NamedTuple):
     outside: Array
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class BodyPrior:
     """What the network makes of clicks in a volume.
 

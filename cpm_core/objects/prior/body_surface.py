@@ -16,7 +16,7 @@ from cpm_core.contours.surface import Surface
 from cpm_core.field.interpolation import value_at
 from cpm_core.numerics.grids import parts_of, zero_surface
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Index, Single
+from cpm_core.numerics.types import Array, Extent, Index, Mask, Sides, Single
 from cpm_core.objects.prior.bodies import FAR, Body
 from cpm_core.objects.prior.windows import Cube
 
@@ -40,7 +40,14 @@ _LEAST = 0.5
 
 
 def body_surface(
-    body: Body, values: Array, size: Array, inside: Array, outside: Array, spacing: tuple[float, ...], unit: str | None
+    body: Body,
+    values: Array,
+    size: Array,
+    inside: Array,
+    outside: Array,
+    spacing: Sides,
+    unit: str | None,
+    interest: Mask | None = None,
 ) -> Surface:
     """The closed surface of the parts of a body that hold places.
 
@@ -56,6 +63,8 @@ def body_surface(
         Places [voxels].
     spacing, unit
         As those of the surface.
+    interest : ndarray of bool, shape (P, R, C), optional
+        Voxels beyond which no edge is looked for.
     """
     vertices, faces = zero_surface(_linked(body, inside * size, outside * size, values.shape, size))
     last = np.array(values.shape) - 1.0
@@ -72,12 +81,16 @@ def body_surface(
     for width in (scale, *[max(0.5 * scale, 1.0)] * 2):
         found = Surface(vertices, faces, tuple(size.tolist()))
         moved = np.where(held, 0.0, _to_edges(found, mean, values, size, width))
-        vertices = vertices + moved[:, None] * found.normals / size
+        there = vertices + moved[:, None] * found.normals / size
+        if interest is not None:
+            allowed = interest[tuple(np.rint(np.clip(there, 0, last)).astype(np.int64).T)]
+            there = np.where(allowed[:, None], there, vertices)
+        vertices = there
     vertices = np.clip(vertices, -0.5, last + 0.5)  # flat where the volume ends
     return Surface(vertices, faces, spacing, unit)
 
 
-def _linked(body: Body, inside: Array, outside: Array, shape: tuple[int, ...], size: Array) -> Single:
+def _linked(body: Body, inside: Array, outside: Array, shape: Extent, size: Array) -> Single:
     """Logits of the parts of a body that hold places, and beyond the volume as at its border; one step wider."""
     logits = np.pad(body.logits, 1, constant_values=-FAR)
     for axis, line in enumerate(body.cube.lines):

@@ -12,6 +12,7 @@ from cpm_core.objects.segmented.by_hand import split_along as split_along
 from cpm_core.objects.segmented.in_volumes import between_slices as between_slices
 from cpm_core.objects.segmented.in_volumes import brush_in as brush_in
 from cpm_core.objects.segmented.in_volumes import painted_in as painted_in
+from cpm_core.objects.segmented.in_volumes import split_in_volume as split_in_volume
 from cpm_core.objects.segmented.segmented_object import CLASSES as CLASSES
 from cpm_core.objects.segmented.segmented_object import Click as Click
 from cpm_core.objects.segmented.segmented_object import ObjectClass as ObjectClass

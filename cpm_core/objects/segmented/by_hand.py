@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.hand_edits import HandEdit, apply
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Index, Line, Mask, Position
+from cpm_core.numerics.types import Array, Index, Line, Mask, Position, frozen
 from cpm_core.objects.segmented.areas import area_of, boundary_of, lies_on
 from cpm_core.objects.segmented.segmented_object import SegmentedObject
 from cpm_core.reconstruction.by_hand.live_wire import on_ridge
@@ -47,13 +47,15 @@ _SLIDE = 0.3
 _FAR = 1e4
 """Factor by which a line is continued, so that it leaves the object."""
 
+OUTSIDE = "A place lies outside of the object: click in one half of it, then in the other."
+
 _GRID, _DECIMALS = 1e-3, 3
 """Grid to which lines are rounded where they meet [px], and decimals of what is kept."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Halves:
-    """Two objects in place of one, and the lines, each of shape (K, 2) [px], along which it was cut.
+    """Two objects in place of one, and the lines, each of shape (K, 2) [px], along which it was cut in an image.
 
     Both have number, name and class of the whole, and no clicks, of which they are not the answer.
     """
@@ -92,7 +94,7 @@ def split(item: SegmentedObject, first: Position, second: Position, scale_field:
 
     places, area, edges = np.array([first, second], dtype=float), area_of(item.boundary), _Edges(item, scale_field)
     if not item.encloses(places).all():
-        raise ValueError("A place lies outside of the object: click in one half of it, then in the other.")
+        raise ValueError(OUTSIDE)
     low, step, is_second = _watershed(item, places, edges)
     between = skimage.measure.find_contours(is_second.astype(float), 0.5)  # type: ignore[no-untyped-call]
     smooth = [low + step * scipy.ndimage.gaussian_filter1d(line, 2.0, axis=0, mode="nearest") for line in between]
@@ -202,7 +204,7 @@ def _watershed(item: SegmentedObject, places: Array, edges: _Edges) -> tuple[Arr
     depth = step * scipy.ndimage.distance_transform_edt(np.pad(inside, 1))[1:-1, 1:-1]
     pixels = np.rint((places - low) / step).astype(int)
     smooth = scipy.ndimage.gaussian_filter(depth, 1.0)
-    ways = [_way_up(smooth, pixel) for pixel in pixels]
+    ways = [way_up(smooth, pixel) for pixel in pixels]
     if (ways[0][-1] == ways[1][-1]).all():
         ways = [[pixel] for pixel in pixels]
     seeds, room = np.zeros(shape, np.int32), _ROOM * float(np.linalg.norm(pixels[1] - pixels[0]))
@@ -218,11 +220,12 @@ def _watershed(item: SegmentedObject, places: Array, edges: _Edges) -> tuple[Arr
     return low, step, found[tuple(around)] == 2
 
 
-def _way_up(depth: Array, pixel: Index) -> list[Index]:
-    """The pixels from one to where it is deepest around, straight up."""
+def way_up(depth: Array, pixel: Index) -> list[Index]:
+    """The pixels, or voxels, from one to where it is deepest around, straight up."""
+    steps = np.indices((3,) * len(pixel)).reshape(len(pixel), -1).T - 1
     way = [pixel]
     while True:
-        around = way[-1] + np.indices((3, 3)).reshape(2, -1).T - 1
+        around = way[-1] + steps
         best = around[depth[tuple(around.T)].argmax()]
         if depth[tuple(best)] <= depth[tuple(way[-1])]:
             return way

@@ -1,4 +1,4 @@
-"""Objects in a volume by hand: what a brush covers, what it paints over, and the slices between those painted."""
+"""Objects in a volume by hand: what a brush covers, what it paints over, slices between those painted, halves."""
 
 from __future__ import annotations
 
@@ -9,10 +9,12 @@ from itertools import pairwise
 
 import numpy as np
 import scipy
+import skimage
 
 from cpm_core.contours.packed_surface import PackedBody, PackedVoxels
 from cpm_core.image.volume_regions import Voxels
 from cpm_core.numerics.types import Array, Extent, Index, Mask, Place, Sides
+from cpm_core.objects.segmented.by_hand import OUTSIDE, Halves, way_up
 from cpm_core.objects.segmented.segmented_object import SegmentedObject, SegmentedObjects
 
 Part = tuple[Index, Mask]
@@ -104,6 +106,33 @@ def painted_in(
             known[other] = replace(known[other], clicks=(), surface=(left,))
     ends = replace(objects, clicks=(), edited=0) if objects.edited in taken else objects
     return replace(ends, items=tuple(known.values()))
+
+
+def split_in_volume(item: SegmentedObject, first: Place, second: Place, sides: Sides) -> Halves:
+    """Two painted objects in place of one in a volume, each with one of two places.
+
+    They meet at the neck between them, by the watershed of the distance from the boundary, or halfway without one.
+    `sides` are those of a voxel. ValueError when a place lies outside.
+    """
+    voxels = item.surface[0].voxels
+    inside, begin = np.pad(voxels.mask, 1), np.array(voxels.first or (0, 0, 0)) - 1
+    places = [np.rint(place).astype(np.int64) - begin for place in (first, second)]
+    if not all(item.surface[0].part(place + begin, (1, 1, 1)).all() for place in places):
+        raise ValueError(OUTSIDE)
+    depth = scipy.ndimage.distance_transform_edt(inside, sampling=sides)
+    height = -scipy.ndimage.gaussian_filter(depth, 1.0)
+    ways = [way_up(-height, place) for place in places]
+    if (ways[0][-1] == ways[1][-1]).all():
+        ways, height = [[place] for place in places], np.zeros_like(height)
+    seeds = np.zeros(inside.shape, np.int32)
+    for number, way in enumerate(ways, start=1):
+        seeds[tuple(np.transpose(way))] = number
+    found = skimage.segmentation.watershed(height, seeds, mask=inside)  # type: ignore[no-untyped-call]
+    around = scipy.ndimage.distance_transform_edt(found == 0, return_distances=False, return_indices=True)
+    found = np.where(inside, found[tuple(around)], 0)  # pieces apart from both
+    halves = (PackedVoxels.of(Voxels(found == number, tuple(begin.tolist()))) for number in (1, 2))
+    one, other = (replace(item, clicks=(), surface=(half,)) for half in halves)
+    return Halves(one, other, ())
 
 
 def between_slices(body: PackedBody, axis: int, sides: Sides) -> tuple[Part, int]:

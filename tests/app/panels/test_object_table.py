@@ -185,7 +185,7 @@ def test_the_filter_limits_the_rows_and_keeps_the_selection_and_the_summary_coun
 ) -> None:
     window.session.edit("draw", lambda document: replace(document, objects=SegmentedObjects((DOT,))))
     offer((50.5, 50.5, 8.0))
-    assert panel.summary.text() == "1 object, 1 proposal, 4 closed contours, 1 open contour"
+    hand.wait(lambda: panel.summary.text() == "1 object, 1 proposal, 4 closed contours, 1 open contour")
     choose(hand, drawn, column(drawn, "class").index("open"))
     hand.qtbot.keyClick(drawn, KEY.Key_Delete)
     counts = []
@@ -211,6 +211,19 @@ def test_accepted_closed_contours_are_objects_with_those_directly_in_them_as_hol
     hand.key(KEY.Key_Z, CONTROL)
     assert items(window) == ()
     assert column(drawn, "class").count("closed") == 4
+
+
+def test_all_proposals_are_accepted_but_doubtful_ones_only_when_they_are_selected(window, drawn, offer) -> None:
+    offer((10.5, 10.5, 8.0), (30.5, 30.5, 8.0))
+    scene, rows = window.session.scene, window.workspace.object_list
+    sure, other = (replace(each, key=-at) for at, each in enumerate(scene.objects.proposals, start=1))
+    doubtful = replace(other, selection=replace(other.selection, confidence=0.2))
+    window.session.show(replace(scene, objects=replace(scene.objects, proposals=(sure, doubtful))))
+    rows.accept()
+    assert [item.confidence for item in items(window)] == [0.9]
+    rows.select([("proposal", -2)])
+    rows.accept()
+    assert [item.confidence for item in items(window)] == [0.9, 0.2]
 
 
 def test_several_rows_of_any_kind_are_accepted_in_one_step_and_open_contours_are_kept(
@@ -295,8 +308,8 @@ def test_keys_classify_and_remove_the_chosen_objects(window, hand, table) -> Non
 def test_the_form_shows_names_and_draws_what_is_chosen(window, hand, panel, table) -> None:
     assert not panel.name.isVisible()
     choose(hand, table, 0)
+    hand.wait(lambda: panel.figures.text() == "object · Area 1,500 px² · Length 200 px · Confidence: 75 %")
     assert panel.name.text() == "frame"
-    assert panel.figures.text() == "object · Area 1,500 px² · Length 200 px · Confidence: 75 %"
     assert sum(panel.histogram._counts) == 1500
     hand.qtbot.mouseDClick(panel.name, LEFT)
     hand.qtbot.keyClicks(panel.name, "femur")
@@ -304,7 +317,7 @@ def test_the_form_shows_names_and_draws_what_is_chosen(window, hand, panel, tabl
     assert items(window)[0].name == "femur"
     assert undo_name(window) == "name frame"
     choose(hand, table, 1, CONTROL)
-    assert not panel.name.isVisible()
+    hand.wait(lambda: not panel.name.isVisible())
     hand.qtbot.mouseClick(panel.buttons["merge_objects"], LEFT)
     (whole,) = items(window)
     assert (whole.number, whole.area) == (1, pytest.approx(1516.0, rel=0.005))
@@ -398,8 +411,7 @@ def test_a_name_that_is_typed_goes_to_no_object_of_another_image(window, hand, t
     hand.qtbot.keyClicks(field, "aorta")
     before = window.session.image_generation
     window.session.open(image_file)
-    hand.wait(lambda: window.session.image_generation != before)
-    assert not field.isVisible()
+    hand.wait(lambda: window.session.image_generation != before and not field.isVisible())
 
 
 def test_the_radius_of_the_brush_is_in_the_panel_while_the_tool_that_mends_is_used(window, hand, panel) -> None:

@@ -9,7 +9,7 @@ import scipy
 import cpm_core as cpm
 from cpm_core.chunked import grid as grids
 from cpm_core.chunked import results
-from cpm_core.chunked.run import Found, Task, run
+from cpm_core.chunked.run import Found, Task, run, surveyed
 from cpm_core.chunked.seams import joined
 from cpm_core.chunked.store import Piece, Store
 from cpm_core.contours.agreement import distance_to
@@ -57,8 +57,8 @@ def serial(function, jobs, _title):
     return ((at, function(job)) for at, job in enumerate(jobs))
 
 
-def found_in(source, tmp_path, parameters=PARAMETERS, kind="grid", compute=serial) -> Found:
-    return run(Task(source, parameters, kind, Store(tmp_path / "chunks")), compute, SIDE)
+def found_in(source, tmp_path, kind="grid", compute=serial, max_steps=None) -> Found:
+    return run(Task(source, PARAMETERS, kind, Store(tmp_path / "chunks"), max_steps), compute, SIDE)
 
 
 @pytest.fixture(scope="module")
@@ -89,7 +89,7 @@ def test_contours_are_those_of_a_run_in_one_piece(source, tmp_path, found, kind)
 
 def test_what_depends_on_the_whole_image_is_that_of_a_run_in_one_piece(source, tmp_path):
     parameters = cpm.Parameters(gamma="auto", smoothing=2.0, max_border=0.08, scales=2)
-    whole = found_in(source, tmp_path, parameters).whole
+    _, whole = surveyed(Task(source, parameters, "grid", Store(tmp_path)), serial, SIDE)
     engine = cpm.Engine(cpm.load_image(source.path), parameters)
     for scale in (0, 1):
         field = engine.scale_field(parameters, scale)
@@ -108,14 +108,14 @@ def test_a_run_that_was_ended_is_continued_with_the_other_chunks(source, tmp_pat
             done.extend([job.number] if title == "contours" else [])
 
     with pytest.raises(KeyboardInterrupt):
-        found_in(source, tmp_path, compute=killed)
+        found_in(source, tmp_path, compute=killed, max_steps=2)
     again = []
 
     def continued(function, jobs, title):
         again.extend([job.number for job in jobs] if title == "contours" else [])
         return serial(function, jobs, title)
 
-    assert len(contours_of(found_in(source, tmp_path, compute=continued))) == 11
+    found_in(source, tmp_path, compute=continued, max_steps=2)
     assert again == [number for number in range(9) if number not in done]
     assert Store(tmp_path / "chunks").begin({"other": "settings"}) is False  # another run
     assert list((tmp_path / "chunks").glob("chunk_*")) == []
@@ -172,7 +172,7 @@ def test_an_image_is_opened_in_the_level_that_has_room(source, tmp_path, monkeyp
     image = cpm.load_image(source.path)
     assert (image.values == picture()).all()
     assert (image.spacing, image.unit, image.notes) == ((0.5, 0.5), "µm", ())
-    monkeypatch.setattr(ome_zarr, "_MOST", 2**19)
+    monkeypatch.setattr(ome_zarr, "MAXIMUM_PIXELS", 2**19)
     values = np.arange(1200 * 800, dtype=np.uint32).reshape(1200, 800)
     ome_zarr.create_levels(tmp_path / "x.zarr", values.shape, values.dtype, SIDE)
     ome_zarr.write_part(tmp_path / "x.zarr", 0, np.s_[:, :], values)
@@ -180,3 +180,6 @@ def test_an_image_is_opened_in_the_level_that_has_room(source, tmp_path, monkeyp
     small = cpm.load_image(tmp_path / "x.zarr")
     assert (small.values == values[::2, ::2]).all()
     assert "level 1 was opened" in small.notes[0]
+    (finer,) = small.finer
+    assert finer.shape == (1200, 800)
+    assert (finer[700:710, 20:30] == values[700:710, 20:30]).all()

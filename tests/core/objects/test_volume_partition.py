@@ -4,6 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+import scipy
 from skimage.measure import marching_cubes
 
 import cpm_core as cpm
@@ -218,3 +219,18 @@ def test_a_click_corrects_painted_voxels_near_it_and_leaves_those_far_from_it(ad
     away = off > 13.0
     np.testing.assert_array_equal(after.mask[away], painted[away])
     assert after.packed.voxels.mask.sum() == after.mask.sum()
+
+
+@pytest.mark.parametrize("side", [48, 120])
+def test_what_a_click_gives_stays_in_the_region_of_interest(side):
+    radius, center = 0.3 * side, np.full(3, 0.5 * side)
+    away = _lengths((side,) * 3, (1.0,) * 3, center)
+    box = tuple(center - (2.0, radius, 4.0)), tuple(center + radius)
+    regions = cpm.VolumeRegions(interest=[box])
+    cut = cpm.VolumePartition(_seen(radius - away, (1.0,) * 3), regions=regions)
+    found, allowed = cut.select([center + 2.0]), regions.voxels(away.shape)
+    assert _dice(found.mask, (away < radius) & allowed) > 0.97
+    assert not (found.mask & ~scipy.ndimage.binary_dilation(allowed)).any()
+    assert (found.mask & ~allowed).sum() < 0.002 * found.mask.sum()
+    beyond = cut.select([center - 6.0])
+    assert (beyond.found, beyond.remark) == (False, "A place outside the regions of interest counts for nothing.")

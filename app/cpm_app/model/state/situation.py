@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal
 
 from cpm_app.model.document.document import Document
 from cpm_app.model.text.language import tr
 from cpm_core import Contour, Result, Skeleton, Surface
+from cpm_core.numerics.types import frozen
 
 Phase = Literal["empty", "ready", "running", "paused", "finished"]
 
 
-@dataclass(frozen=True)
+@frozen
 class RunStatus:
     """State of the run.
 
@@ -82,7 +83,7 @@ class RunStatus:
         return self.started and (self.step > 0 or self.count > 0)
 
 
-@dataclass(frozen=True)
+@frozen
 class Situation:
     """Everything that decides what the window shows and enables.
 
@@ -144,7 +145,7 @@ def can_step(situation: Situation) -> bool:
 NOT_IN_VOLUMES = frozenset(
     (
         *("outline", "drop_missed_edits", "close_contours", "show_rejected"),
-        *("split", "objects_alike", "apply_to_folder"),
+        *("objects_alike", "apply_to_folder"),
     )
 )
 """Names of actions and of tools that are hidden while a volume is open."""
@@ -177,6 +178,7 @@ OTHERWISE_IN_VOLUMES = {
         tr("&Brush"),
         tr("Drag in a slice to paint an object, Shift-drag to erase, Ctrl-drag for a new one; [ and ] size it."),
     ),
+    "split": (tr("Spli&t"), tr("Click one half of an object, then the other: it is split at the neck between them.")),
     "region": (
         tr("Region of &interest"),
         tr("Drag a box, or click corner by corner, around the region that particles must stay in, through all slices."),

@@ -21,6 +21,7 @@ from cpm_app.session.features.background import IdentityCache, LatestOnlyWorker,
 from cpm_app.session.features.contour_review import ContourReview
 from cpm_app.session.scene import Item, Proposal
 from cpm_app.session.session import Session
+from cpm_app.session.signals import EDITING
 from cpm_core import Image, Surface
 from cpm_core.contours import bridges_on
 from cpm_core.numerics import Array, Place, Position, polyline
@@ -32,6 +33,7 @@ from cpm_core.objects.segmented import (
     between_slices,
     brush_in,
     painted,
+    split_in_volume,
     union,
 )
 from cpm_core.objects.segmented.in_volumes import Part
@@ -158,12 +160,15 @@ def _holds(row: Row, place: Place) -> bool:
     if row.drawn is None:
         line = row.contour.contour if row.kind == "closed" and row.contour is not None else None
         return line is not None and len(place) == 2 and bool(polyline.inside(line.points, np.array([place]))[0])
-    return holds(row.drawn, place) if len(place) == 3 else bool(row.drawn.encloses(np.array([place], float))[0])
+    return holds(row.drawn, place)
 
 
 def _size(row: Row) -> float:
     return size_of(row.item) if row.item is not None else row.contour.contour.area if row.contour else 0.0
 
+
+DOUBTFUL = 0.7
+"""Probability below which an object is doubtful."""
 
 BRUSH = 0.5, 500.0
 """Limits of the radius of the brush [px]."""
@@ -394,14 +399,19 @@ class ObjectList(QObject):
     def accept(self) -> None:
         """Make objects of the selected proposals and closed contours, and keep open ones; without any, all proposals.
 
-        What has been rejected is there again.
+        Doubtful ones next to others have to be selected. What has been rejected is there again.
         """
-        rows = self.open_rows
+        rows = offered = self.open_rows
+        if not self.selected:
+            sure = [row for row in offered if row.item is not None and row.item.confidence >= DOUBTFUL]
+            rows = sure or offered
         if not rows:
             self._session.say(tr("There is nothing to accept: click in an object first."))
             return
         self._with_objects(tr("accept {what}"), rows)
         self._session.seal()
+        if len(rows) < len(offered):
+            self._session.say(tr("Doubtful proposals are left: select one to accept it."), topic=EDITING)
 
     def reject(self) -> None:
         """Dismiss the selected proposals, remove objects, and mark contours as rejected, those around them too.
@@ -508,6 +518,17 @@ class ObjectList(QObject):
     def whole(self, row: Row) -> SegmentedObject | None:
         """The object that a row is, or would be once it is accepted; None for one that is hidden, rejected or open."""
         return next(iter(self._bounded([row])), row.drawn)
+
+    def split_in_volume(self, whole: SegmentedObject, first: Place, second: Place) -> None:
+        """Split an object of a volume between two places, on another thread, unless it has changed meanwhile."""
+
+        def use(halves: Halves) -> None:
+            if all(item is whole or item.number != whole.number for item in self.objects.items):
+                self.split(whole, halves)
+
+        if self._session.document.image is not None:
+            sides = sides_of(self._session.document.image.spacing)
+            self._merging.ask(lambda: split_in_volume(whole, first, second, sides), use)
 
     def split(self, whole: SegmentedObject, halves: Halves) -> None:
         """Put the halves of an object, or of what is not accepted yet, in its place, and choose them."""

@@ -210,7 +210,7 @@ def parameters_everywhere(document: Document) -> Parameters:
 def _without_run(source: Everywhere) -> AnyPartition:
     """A partition without contours or a surface, which answers all the same."""
     if source.image.ndim == 3:
-        return VolumePartition(source.image)
+        return VolumePartition(source.image, regions=source.regions)
     return Partition(source.image, (), of_plane(source.regions), source.parameters.channel)
 
 

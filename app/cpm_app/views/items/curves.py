@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_left
 from collections.abc import Hashable, Iterator, Sequence
-from itertools import groupby
+from itertools import groupby, islice
 from operator import itemgetter
 
 import numpy as np
@@ -180,11 +180,11 @@ class Curves(Parts):
         if self._made_for != zoom:
             self._made_for, self._pieces = zoom, {}
         missing = [index for index in indices if self._keys[index] not in self._pieces]
-        for index, path in zip(
-            missing, coarser([self._paths[index] for index in missing], _UNSEEN / zoom), strict=True
-        ):
-            lines = [*pieces(path)]
-            self._pieces[self._keys[index]] = [*zip(boxes(lines).T, map(_polygon, lines), strict=True)]
+        lines = [[*pieces(path)] for path in coarser([self._paths[index] for index in missing], _UNSEEN / zoom)]
+        each = [line for own in lines for line in own]
+        made = zip(boxes(each).T, map(_polygon, each), strict=True)
+        for index, own in zip(missing, lines, strict=True):
+            self._pieces[self._keys[index]] = [*islice(made, len(own))]
 
 
 def _polygon(path: Array) -> QPolygonF:

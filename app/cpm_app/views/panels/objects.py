@@ -8,7 +8,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from PySide6.QtCore import QRectF, QSize, Qt
+from PySide6.QtCore import QRectF, QSize, Qt, QTimer
 from PySide6.QtGui import (
     QAction,
     QColor,
@@ -361,8 +361,10 @@ class ObjectPanel(QWidget):
         arrange(QVBoxLayout(self), self.name, self.figures, self.histogram, self._classes, self._grid, self.brush, row,
                 self.table, margins=(2, 6, 2, 6), spacing=6, wide=self.table)  # fmt: skip
         session.image_changed.connect(lambda: self.name.setModified(False))  # what is typed names nothing of the next
+        self._later = QTimer(self, singleShot=True, interval=0)  # in a turn of its own
+        self._later.timeout.connect(self.show_chosen)
         for changed in (object_list.changed, object_list.selection_changed, session.image_changed):
-            changed.connect(self.show_chosen)
+            changed.connect(self._later.start)
         self.show_chosen()
 
     def show_chosen(self) -> None:

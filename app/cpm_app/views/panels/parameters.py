@@ -226,6 +226,8 @@ class ParametersPanel(QWidget):
         self.choices = {control.name: ChoiceRow(control, self.change) for control in choice_controls()}
         self.presets = presets
         self._acting: frozenset[str] = frozenset((*self.rows, *self.choices))
+        self._shown: tuple[object, ...] = ()
+        """What the rows show."""
         self.more = self._lay_out()
         for name, row in self.rows.items():
             row.changed.connect(self.change)
@@ -245,6 +247,10 @@ class ParametersPanel(QWidget):
         image = self._session.image
         if image is None or image.colors is None:
             acting = acting - {CHANNEL}
+        shown = document.parameters, usual, dimension, contrast, acting
+        if shown == self._shown:
+            return
+        self._shown = shown
         for name, row in (*self.rows.items(), *self.choices.items()):
             if (name in acting) != (name in self._acting):  # to show a row again takes long
                 row.setVisible(name in acting)
@@ -278,6 +284,7 @@ class ParametersPanel(QWidget):
         self._session.edit(change, lambda document: edits.set_parameter(document, name, value), f"parameter {name}")
         # A rejected value must not stay visible; an accepted one is shown through the signal.
         if self._session.document is before:
+            self._shown = ()
             self.show_document(before)
 
     def _follow(self) -> None:

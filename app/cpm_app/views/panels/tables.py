@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence, Set
-from dataclasses import dataclass
 from functools import partial
 from itertools import groupby
 from typing import Any, Generic, TypeVar
@@ -39,6 +38,7 @@ from cpm_app.model.text.keys import with_keys
 from cpm_app.model.text.language import tr, written
 from cpm_app.views.widgets.actions import add_choice
 from cpm_app.views.widgets.containers import ENTER, takes_key
+from cpm_core.numerics.types import Callback, frozen
 
 Row = TypeVar("Row")
 Index = QModelIndex | QPersistentModelIndex
@@ -65,7 +65,7 @@ def _blocks(rows: Sequence[int]) -> Iterator[tuple[int, int]]:
         yield found[0], found[-1]
 
 
-@dataclass(frozen=True)
+@frozen
 class Column(Generic[Row]):
     """One column of a table.
 
@@ -152,6 +152,8 @@ class TableModel(QAbstractTableModel, Generic[Row]):
         self.columns = columns
         self.items: list[Row] = []
         self._key, self._look, self._rename = key, look, rename
+        self._texts: dict[tuple[Hashable, int], str] = {}
+        """The texts of cells that have been asked for since the last update."""
         self._by, self._order = 0, Qt.SortOrder.AscendingOrder
         self.unit, self.factor = "px", 1.0
 
@@ -176,6 +178,7 @@ class TableModel(QAbstractTableModel, Generic[Row]):
             self.endRemoveRows()
         known = {*map(self._key, self.items)}
         self._arrange([item for item in wanted if self._key(item) in known])
+        self._texts = {}
         if self.items:
             self.dataChanged.emit(self.index(0, 0), self.index(len(self.items) - 1, len(self.columns) - 1))
         self.headerDataChanged.emit(Qt.Orientation.Horizontal, 0, len(self.columns) - 1)
@@ -231,7 +234,10 @@ class TableModel(QAbstractTableModel, Generic[Row]):
         item, column = self.items[index.row()], self.columns[index.column()]
         match role:
             case Role.DisplayRole | Role.ToolTipRole:
-                return column.text(item, self.factor)
+                cell = self._key(item), index.column()
+                if cell not in self._texts:
+                    self._texts[cell] = column.text(item, self.factor)
+                return self._texts[cell]
             case Role.EditRole:
                 return column.value(item)
             case Role.TextAlignmentRole:
@@ -489,7 +495,7 @@ class ItemTable(Table):
             self.edit(self.rows.index(row, self.number("name")))
 
 
-def wide_button(text: str, do: Callable[[], object] | None = None) -> QToolButton:
+def wide_button(text: str, do: Callback | None = None) -> QToolButton:
     """A button as wide as its place."""
     button = QToolButton()
     button.setText(text)

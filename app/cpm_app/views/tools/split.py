@@ -13,12 +13,14 @@ from PySide6.QtGui import QCursor
 
 from cpm_app.model.text.keys import with_keys
 from cpm_app.model.text.language import from_core, tr
+from cpm_app.model.volume.surface_section import holds
 from cpm_app.session.signals import EDITING
 from cpm_app.views.theme import theme
 from cpm_app.views.theme.icons import pointer
 from cpm_app.views.tools.tool import MEND, Cursor, Tool
-from cpm_core.numerics import Array, Position, polyline
+from cpm_core.numerics import Array, Place, polyline
 from cpm_core.objects.segmented import Halves, SegmentedObject, split, split_along
+from cpm_core.reconstruction import Contact
 
 _FINEST = 1.0
 """Least distance between two places of a line [px]."""
@@ -47,9 +49,9 @@ class SplitTool(Tool):
         self._editing, self._list = self._workspace.hand_editing, self._workspace.object_list
         self._whole: SegmentedObject | None = None
         """The object of which one half has been clicked."""
-        self._first: Position = (0.0, 0.0)
-        self._path: list[Position] = []
-        self._at: Position | None = None
+        self._first: Place = (0.0, 0.0)
+        self._path: list[Place] = []
+        self._at: Place | None = None
         self._reach, self._dragged = 1.0, False
         self._preview = QTimer(self._list, singleShot=True, interval=_RESTS)
         self._preview.timeout.connect(self._show)
@@ -68,18 +70,18 @@ class SplitTool(Tool):
             name = self._list.title(self._whole)
             return with_keys(tr("Click the other half of {name}; {key:escape} cancels."), name=name)
         at = self._at
-        if at is not None and self._editing.contact(at, self._reach) is not None and self._whole_at(at) is None:
+        if at is not None and self._contact(at) is not None and self._whole_at(at) is None:
             return tr("Click to cut the contour here.")
         return self.tip
 
-    def press(self, at: Position, reach: float) -> None:
+    def press(self, at: Place, reach: float) -> None:
         """Begin a click or a line."""
         self.used, self._reach = True, max(reach, 1.0)
         self._path, self._dragged = [at], False
 
-    def drag(self, at: Position) -> None:
+    def drag(self, at: Place) -> None:
         """Draw a line."""
-        if self._path and math.dist(self._path[-1], at) >= _FINEST:
+        if self._path and self.volume is None and math.dist(self._path[-1], at) >= _FINEST:
             self._path.append(at)
             self._dragged = self._dragged or math.dist(self._path[0], at) > self._reach
             self._show()
@@ -94,7 +96,7 @@ class SplitTool(Tool):
             self._click(path[0])
         self._show()
 
-    def hover(self, at: Position) -> None:
+    def hover(self, at: Place) -> None:
         """Show where a click here would split the object, as soon as the pointer rests."""
         self._at = at
         self._preview.start()
@@ -115,24 +117,29 @@ class SplitTool(Tool):
         self._at = None
         self._show()
 
-    def cursor(self, at: Position, reach: float) -> Cursor | QCursor:
+    def cursor(self, at: Place, reach: float) -> Cursor | QCursor:
         """A knife; the edges are prepared as the tool is taken."""
         self._reach = max(reach, 1.0)
-        self._editing.prepare()
+        if self.volume is None:
+            self._editing.prepare()
         return pointer("knife")
 
-    def _click(self, at: Position) -> None:
+    def _contact(self, at: Place) -> Contact | None:
+        """The place of a contour in an image that a click would cut."""
+        return None if self.volume is not None else self._editing.contact(at, self._reach)
+
+    def _click(self, at: Place) -> None:
         first, whole = self._whole, self._whole_at(at)
-        if first is not None and first.encloses(np.array([at]))[0]:
-            self._use(first, partial(split, first, self._first, at, self._editing.edges))
+        if first is not None and holds(first, at):
+            self._use(first, partial(split, first, self._first, at, self._editing.edges), at)
         elif whole is not None:
             self._whole, self._first = whole, at
-        elif first is None and (contact := self._editing.contact(at, self._reach)) is not None:
+        elif first is None and (contact := self._contact(at)) is not None:
             self._editing.cut(contact)
         else:
             self._session.say(tr("There is no object here. {advice}", advice=self.tip), topic=EDITING)
 
-    def _split_along(self, path: list[Position]) -> None:
+    def _split_along(self, path: list[Place]) -> None:
         places = polyline.middles(np.array(path), _PLACES).tolist()
         crossed = [whole for row, col in places if (whole := self._whole_at((row, col))) is not None]
         if crossed:
@@ -141,30 +148,33 @@ class SplitTool(Tool):
         else:
             self._session.say(tr("The line crosses no object. {advice}", advice=self.tip), topic=EDITING)
 
-    def _use(self, whole: SegmentedObject, halves: Callable[[], Halves]) -> None:
-        """Put the halves in the place of an object, or report why there are none."""
+    def _use(self, whole: SegmentedObject, halves: Callable[[], Halves], at: Place = ()) -> None:
+        """Put the halves in the place of an object, or report why there are none; in a volume split it at a place."""
         self._whole = None
         if whole.frozen:
             name = self._list.title(whole)
             self._session.say(tr("{name} is frozen: unfreeze it to split it.", name=name), topic=EDITING)
             return
         try:
-            self._list.split(whole, halves())
+            if whole.surface:
+                self._list.split_in_volume(whole, self._first, at)
+            else:
+                self._list.split(whole, halves())
         except ValueError as error:
             self._session.say(from_core(str(error)), topic=EDITING)
 
-    def _whole_at(self, at: Position) -> SegmentedObject | None:
+    def _whole_at(self, at: Place) -> SegmentedObject | None:
         """The object, proposal or closed contour around a place, a selected one first, then the smallest."""
-        rows, under, place = self._list.selected_rows, ("object", self._list.under(at)), np.array([at])
+        rows, under = self._list.selected_rows, ("object", self._list.under(at))
         key = under if under[1] else self._list.at(at, 0.0)
         wholes = [self._list.whole(row) for row in (*rows, *(row for row in self._list.rows if row.key == key))]
-        return next((item for item in wholes if item is not None and item.encloses(place)[0]), None)
+        return next((item for item in wholes if item is not None and holds(item, at)), None)
 
     def _show(self) -> None:
         """Draw the line, or the clicked half and where a click here would split the object."""
-        path: Sequence[Position] | Array = self._path if self._dragged else ()
+        path: Sequence[Place] | Array = self._path if self._dragged else ()
         whole, at = self._whole, self._at
-        if not self._dragged and whole is not None and at is not None and whole.encloses(np.array([at]))[0]:
+        if not (self._dragged or self.volume or whole is None or at is None) and holds(whole, at):
             with suppress(ValueError):
                 cuts = split(whole, self._first, at, self._editing.edges).cuts
                 path = max(cuts, key=len, default=())

@@ -274,3 +274,23 @@ def test_clicks_correct_a_painted_body_near_them_and_leave_the_rest_as_it_was(vo
     assert (mask & ball).sum() > 0.9 * ball.sum()
     hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
     assert items(volume) == (painted,)
+
+
+def test_two_clicks_split_a_body_in_space_and_one_undo_joins_it(volume, hand) -> None:
+    hand.canvas.setFocus()
+    hand.key(KEY.Key_J)
+    hand.canvas.hold.tool.set_radius(3.0)
+    volume.workspace.slices.at(10)
+    hand.drag((10, 6), (10, 7))
+    hand.drag((10, 12), (10, 13))
+    (whole,) = items(volume)
+    hand.key(KEY.Key_K)
+    click(hand, (10, 6))
+    click(hand, (10, 13))
+    hand.wait(lambda: len(items(volume)) == 2)
+    one, other = (item.mask(SHAPE)[10] for item in items(volume))
+    np.testing.assert_array_equal(one ^ other, whole.mask(SHAPE)[10])
+    assert (one[10, 5:15] != other[10, 5:15]).all()
+    assert (one[10, 6], other[10, 13]) == (True, True)
+    hand.key(KEY.Key_Z, Qt.KeyboardModifier.ControlModifier)
+    assert items(volume) == (whole,)

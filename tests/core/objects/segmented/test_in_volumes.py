@@ -8,7 +8,15 @@ import pytest
 from cpm_core.contours.packed_surface import PackedSurface, PackedVoxels
 from cpm_core.formats.common.plain import from_plain, to_plain
 from cpm_core.image.volume_regions import Voxels
-from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects, between_slices, brush_in, painted_in, union
+from cpm_core.objects.segmented import (
+    SegmentedObject,
+    SegmentedObjects,
+    between_slices,
+    brush_in,
+    painted_in,
+    split_in_volume,
+    union,
+)
 
 SHAPE = (20, 30, 41)
 SIDES = (2.5, 1.0, 1.0)
@@ -201,3 +209,32 @@ def test_a_branch_continues_from_its_trunk_and_slices_that_are_painted_stay():
 
     assert label(whole_planes)[1] == 1
     assert label(whole_planes[6])[1] == 2
+
+
+@pytest.mark.parametrize("sides", [(1.0, 1.0, 1.0), (2.0, 1.0, 1.0)])
+def test_two_balls_that_touch_are_split_at_their_neck(sides):
+    places = np.moveaxis(np.indices((30, 40, 64)), 0, -1) * sides
+    one, other = (np.linalg.norm(places - (15 * sides[0], 20, col), axis=-1) for col in (18, 41))
+    balls = (one < 12.5) | (other < 12.5)
+    balls[0, 0, :3] = True  # a piece apart from both
+    whole = SegmentedObject(3, (), name="both", surface=(PackedVoxels.of(Voxels(balls)),))
+    halves = split_in_volume(whole, (15, 22, 12), (15, 18, 47), sides)
+    first, second = (half.mask(balls.shape) for half in (halves.first, halves.second))
+    np.testing.assert_array_equal(first ^ second, balls)
+    sure = np.abs(one - other) > 1.5
+    np.testing.assert_array_equal((first & balls)[sure], (balls & (one < other))[sure])
+    assert halves.first.name == "both"
+    with pytest.raises(ValueError, match="outside"):
+        split_in_volume(whole, (15, 20, 12), (1, 1, 60), sides)
+
+
+def test_what_has_no_neck_is_split_halfway():
+    box = np.zeros((12, 12, 41), bool)
+    box[2:10, 2:10, 2:39] = True
+    halves = split_in_volume(
+        SegmentedObject(1, (), surface=(PackedVoxels.of(Voxels(box)),)), (5, 5, 10), (5, 5, 30), (1,) * 3
+    )
+    assert (np.flatnonzero(halves.first.mask(box.shape).any(axis=(0, 1)))[[0, -1]] - (2, 20)).tolist() in (
+        [0, 0],
+        [0, -1],
+    )

@@ -1,0 +1,145 @@
+"""An image of 30,000 x 30,000 px with 10^5 nuclei of known outline: made by parts, and what was found is judged.
+
+python tests/benchmarks/large_image.py make nuclei.zarr 30000
+cpm run nuclei.zarr --auto gradient --scales 1 --d-min 3 --smoothing 2 --edge-floor 0.15 --export l.zarr g.geojson t.csv
+python tests/benchmarks/large_image.py judge 30000 g_*.geojson
+python tests/benchmarks/large_image.py speed nuclei.zarr 12
+
+The last one finds the contours of so many chunks with one worker and with two.
+"""
+
+import json
+import sys
+import tempfile
+import time
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+import cpm_core as cpm
+from cpm_core.chunked.grid import Source, grid_for
+from cpm_core.chunked.run import Task, find
+from cpm_core.chunked.store import Store
+from cpm_core.chunked.survey import Tone, Whole
+from cpm_core.cli.workers import cluster, finished, on_one_core
+from cpm_core.contours.agreement import TOLERANCE, distance_to
+from cpm_core.contours.contour import Contour, sampled
+from cpm_core.formats.images.ome_zarr import create_levels, halve_part, write_part
+from cpm_core.formats.images.reading import Reading
+from cpm_core.numerics.grids import tiles
+
+PITCH, REACH, TILE = 94.9, 40, 1024
+NOISE, BLUR = 4.0, 0.8
+
+
+def count_along(side):
+    return int(side / PITCH)
+
+
+def nucleus(row, col):
+    """Center, level, and radius at each of some angles, of the nucleus in a place of the lattice."""
+    rng = np.random.default_rng([row, col])
+    center = (np.array([row, col]) + 0.5) * PITCH + rng.uniform(-12.0, 12.0, 2)
+    long, short, turn = rng.uniform(18.0, 26.0), rng.uniform(13.0, 18.0), rng.uniform(0.0, np.pi)
+    wave, phase, level = rng.uniform(0.0, 0.06), rng.uniform(0.0, 2.0 * np.pi), rng.uniform(90.0, 190.0)
+
+    def radius(angle):
+        ellipse = long * short / np.hypot(short * np.cos(angle - turn), long * np.sin(angle - turn))
+        return ellipse * (1.0 + wave * np.cos(3.0 * angle + phase))
+
+    return center, level, radius
+
+
+def outline(row, col):
+    """The true boundary of a nucleus."""
+    center, _, radius = nucleus(row, col)
+    angle = np.linspace(0.0, 2.0 * np.pi, 128, endpoint=False)
+    return Contour(center + radius(angle)[:, None] * np.stack([np.sin(angle), np.cos(angle)], axis=1), True)
+
+
+def part(window, side):
+    """Gray levels in a window."""
+    rng = np.random.default_rng([7, window[0].start, window[1].start])
+    values = rng.standard_normal([s.stop - s.start for s in window], np.float32) * NOISE + 20.0
+    corner = np.array([s.start for s in window])
+    last = count_along(side) - 1
+    first, end = (
+        [min(max(int((at + far) / PITCH), 0), last) for at in ats]
+        for ats, far in (([s.start for s in window], -60), ([s.stop for s in window], 60))
+    )
+    for row in range(first[0], end[0] + 1):
+        for col in range(first[1], end[1] + 1):
+            center, level, radius = nucleus(row, col)
+            low = np.maximum(np.floor(center - corner - REACH), 0).astype(int)
+            high = np.minimum(np.ceil(center - corner + REACH), values.shape).astype(int)
+            if (low < high).all():
+                y, x = np.ogrid[low[0] : high[0], low[1] : high[1]]
+                y, x = y + corner[0] - center[0], x + corner[1] - center[1]
+                inside = 1.0 / (1.0 + np.exp((np.hypot(y, x) - radius(np.arctan2(y, x))) / BLUR))
+                values[low[0] : high[0], low[1] : high[1]] += level * inside
+    return np.clip(np.rint(values), 0, 255).astype(np.uint8)
+
+
+def make(path, side):
+    began = time.perf_counter()
+    levels = create_levels(path, (side, side), np.uint8, TILE, (0.25, 0.25), "µm")
+    for window in tiles((side, side), TILE):
+        write_part(path, 0, window, part(window, side))
+    for level in range(1, levels):
+        for window in tiles((-(-side // 2**level),) * 2, TILE):
+            halve_part(path, level, window)
+    print(f"{count_along(side) ** 2} nuclei in {time.perf_counter() - began:.0f} s")
+
+
+def judge(side, files):
+    """Each true nucleus and the contours around its center: how many there are, and how far boundaries are apart."""
+    found = {}
+    for file in files:
+        for feature in json.loads(Path(file).read_text())["features"]:
+            if feature["properties"]["closed"]:
+                points = np.array(feature["geometry"]["coordinates"][0])[:-1, ::-1] - 0.5
+                place = tuple(np.clip(points.mean(axis=0) // PITCH, 0, count_along(side) - 1).astype(int))
+                found.setdefault(place, []).append(Contour(points, True))
+    places = list(np.ndindex(count_along(side), count_along(side)))
+    numbers = np.array([len(found.get(place, [])) for place in places])
+    away, back = [], []
+    for place in places:
+        mine, true = found.get(place, []), [outline(*place)]
+        if mine:
+            away.append(distance_to(sampled(mine), true))
+        back.append(distance_to(sampled(true), mine))
+    away, back = np.concatenate(away), np.concatenate(back)
+    precision, recall = (away <= TOLERANCE).mean(), (back <= TOLERANCE).mean()
+    print(f"{len(places)} nuclei, {numbers.sum()} closed contours: {(numbers == 1).sum()} found once, "
+          f"{(numbers == 0).sum()} missed, {(numbers > 1).sum()} more than once")  # fmt: skip
+    print(f"F {2 * precision * recall / (precision + recall):.5f} within {TOLERANCE:g} px, "
+          f"{away.mean():.3f} px apart on average, {np.percentile(away, 99):.3f} px for 99 %")  # fmt: skip
+
+
+def speed(path, count):
+    """Time for some chunks with one worker and with two, each after a chunk that warms it up."""
+    parameters = cpm.Parameters(scales=1, d_min=3.0, smoothing=2.0, edge_floor=0.15)
+    tone = Tone(0.0, 255.0, 1.0, 2.0, (0, 0, 10**6, 10**6))
+    whole = Whole(tone, (45.0,), (6.75,))
+    source = Source(path, Reading())
+    grid = grid_for(source.levels.shape, parameters, 2.0)
+    chunks = [chunk for chunk in grid.chunks if min(side.start for side in chunk.core) > 0][: count + 2]
+    for workers in (1, 2):
+        with tempfile.TemporaryDirectory() as folder, cluster(None, workers) as client:
+            task = Task(source, parameters, "gradient", Store(Path(folder)))
+            work = partial(on_one_core, partial(find, task, grid, whole))
+            for some in (chunks[:workers], chunks[2:]):
+                began = time.perf_counter()
+                for _, future in finished(client, work, some):
+                    future.result()
+            print(f"{workers} workers: {len(some)} chunks in {time.perf_counter() - began:.1f} s", flush=True)
+
+
+if __name__ == "__main__":
+    if sys.argv[1] == "make":
+        make(Path(sys.argv[2]), int(sys.argv[3]))
+    elif sys.argv[1] == "speed":
+        speed(Path(sys.argv[2]), int(sys.argv[3]))
+    else:
+        judge(int(sys.argv[2]), sys.argv[3:])
