@@ -11,7 +11,7 @@ import argparse
 import os
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from importlib import metadata
 from pathlib import Path
 
@@ -19,7 +19,7 @@ from licenses import gathered
 
 ROOT = Path(__file__).resolve().parents[1]
 
-ASSETS = ("icons", "samples", "presets", "guide", "languages")
+ASSETS = ("icons", "samples", "guide", "languages")
 """Files of the program's own that it reads, in the folder assets."""
 
 NAMED = (
@@ -29,10 +29,21 @@ NAMED = (
 """Distributions whose versions the program tells, or that look for themselves."""
 
 LEFT_OUT = (
-    *("tkinter", "IPython", "pytest", "PyQt5", "PyQt6", "pandas", "numba.cuda", "OpenGL"),
-    *("PySide6.QtQml", "PySide6.QtQuick", "PySide6.QtSql", "matplotlib"),
+    *("tkinter", "IPython", "pytest", "setuptools", "PyQt5", "PyQt6", "pandas", "numba.cuda", "numba.tests", "OpenGL"),
+    *("PySide6.QtQml", "PySide6.QtQuick", "PySide6.QtSql", "PySide6.QtNetwork", "PySide6.QtTest"),
+    *("PySide6.QtOpenGL", "PySide6.QtOpenGLWidgets", "matplotlib", "networkx", "pydoc_data"),
+    *("PIL.AvifImagePlugin", "PIL._avif", "scipy.io", "skimage.data", "skimage.io", "skimage.filters.rank"),
 )
 """What is installed here or named by a library, and not needed."""
+
+CODECS = (
+    *("imcd", "shared", "shared_cython", "zlib", "deflate", "lzma", "zstd", "lerc", "ccitt", "bitshuffle"),
+    *("jpeg8", "jpegls", "jpegsof3", "ljpeg", "jpeg2k", "jpegxl", "jpegxr", "png", "webp"),
+)
+"""Modules of imagecodecs for what TIFF, DICOM and pictures contain; others are left out."""
+
+SYMBOLS = ("libpython*", "llvmlite/binding/*.so", "ezdxf/acc/*.so", "fontTools/*/*.so", "python3*/lib-dynload/*.so")
+"""Libraries of Linux that come with names for debuggers; those that auditwheel has changed must not be stripped."""
 
 UNSEEN = ("numba._devicearray", "numba.mviewbuf")
 """Modules that only compiled code loads."""
@@ -40,7 +51,7 @@ UNSEEN = ("numba._devicearray", "numba.mviewbuf")
 MEDICAL = {"nibabel": "nibabel", "pynrrd": "nrrd"}
 """Readers that are taken along where they are installed: distributions and their modules, which are loaded by name."""
 
-LATE = ("cpm_core.cli", "cpm_app.views.features", "cpm_core.formats", "imagecodecs", "pydicom.pixels")
+LATE = ("cpm_core.cli", "cpm_app.views.features", "cpm_core.formats", "pydicom.pixels")
 """Packages of which modules are loaded by name, or late."""
 
 
@@ -52,9 +63,13 @@ def frozen(output: Path, work: Path) -> Path:
         *(part for name in ASSETS for part in ("--add-data", f"{ROOT / 'assets' / name}:cpm_app/assets/{name}")),
         *(part for name in NAMED if _is_there(name) for part in ("--copy-metadata", name)),
         *(part for name in LATE for part in ("--collect-submodules", name)),
-        *(part for name in UNSEEN for part in ("--hidden-import", name)),
+        *(
+            part
+            for name in (*UNSEEN, *(f"imagecodecs._{codec}" for codec in CODECS))
+            for part in ("--hidden-import", name)
+        ),
         *(part for name, module in MEDICAL.items() if _is_there(name) for part in ("--hidden-import", module)),
-        *("--collect-data", "skimage", "--collect-data", "cpm_core", "--collect-binaries", "imagecodecs"),
+        *(part for file in _data() for part in ("--add-data", f"{ROOT / file}:{file.parent}")),
         *(part for name in LEFT_OUT for part in ("--exclude-module", name)),
     ]
     if sys.platform in ("win32", "darwin"):
@@ -65,8 +80,21 @@ def frozen(output: Path, work: Path) -> Path:
     start = str(Path(__file__).with_name("start.py"))
     subprocess.run([sys.executable, "-m", "PyInstaller", *options, start], check=True, cwd=work, env=environment)
     folder = output / "cpm"
+    if sys.platform == "linux":
+        libraries = [path for pattern in SYMBOLS for path in (folder / "_internal").glob(pattern)]
+        subprocess.run(["strip", "--strip-unneeded", *map(str, libraries)], check=True)
+    for texts in folder.glob("_internal/PySide6/**/translations/*.qm"):
+        if not any(texts.stem.startswith(f"qtbase_{language}") for language in ("de", "es", "fr", "ja", "zh")):
+            texts.unlink()
     (folder / "LICENSES.txt").write_text(gathered(), encoding="utf-8")
     return folder
+
+
+def _data() -> Iterator[Path]:
+    """Files of the core that are no modules, and not compiled for this computer."""
+    for path in sorted((ROOT / "cpm_core").rglob("*.*")):
+        if path.suffix in (".npz", ".json"):
+            yield path.relative_to(ROOT)
 
 
 def _picture(work: Path) -> Path:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
@@ -12,7 +11,7 @@ import numpy as np
 from cpm_core.formats.images.ome_zarr import Levels, open_levels
 from cpm_core.formats.images.reading import Reading
 from cpm_core.numerics.grids import Window, around, tiles
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, frozen
 from cpm_core.parameters import Parameters
 
 SIDE = 1024
@@ -28,7 +27,7 @@ _STEP = 32
 """What the overlap is a multiple of, so that the pyramids of neighbors have the same pixels [px]."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Source:
     """A plane of an image in a folder of Zarr; each process opens it by itself."""
 
@@ -50,7 +49,7 @@ def _opened(path: Path, reading: Reading) -> Levels:
     return open_levels(path, reading)
 
 
-@dataclass(frozen=True)
+@frozen
 class Chunk:
     """A part of an image.
 
@@ -67,7 +66,7 @@ class Chunk:
     padded: Window
 
 
-@dataclass(frozen=True)
+@frozen
 class Grid:
     """The chunks of an image.
 

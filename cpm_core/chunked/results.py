@@ -5,7 +5,6 @@ from __future__ import annotations
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -25,7 +24,7 @@ from cpm_core.formats.contours.geojson import features_of
 from cpm_core.formats.images.ome_zarr import create_levels, halve_part, write_part
 from cpm_core.formats.images.resolution import in_ascii
 from cpm_core.numerics.grids import Window, tiles
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, frozen
 from cpm_core.parameters.provenance import Provenance, taken
 from cpm_core.segmentation.engine import Engine
 from cpm_core.shapes import Everywhere
@@ -39,7 +38,7 @@ WRITABLE = {
 """Suffixes of the files -> what they hold."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Target:
     """A file that is written chunk by chunk; `draft` is where, until it is whole."""
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from functools import partial
 from typing import Any
 
@@ -17,17 +16,17 @@ from cpm_core.chunked.seams import joined, owned, twice
 from cpm_core.chunked.store import Piece, Store, packed, unpacked
 from cpm_core.contours.contour import Contour
 from cpm_core.formats.common.provenance import VERSION
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, frozen
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction.curve.hysteresis import shortest
 
 Compute = Callable[[Callable[[Any], Any], Sequence[Any], str], Iterable[tuple[int, Any]]]
 """Applies a function to each of some jobs, in any order and on any workers, under a title: gives index and result."""
 
-_JOINED = "joined.npz"
+_WHOLE, _JOINED = "whole.npz", "joined.npz"
 
 
-@dataclass(frozen=True)
+@frozen
 class Task:
     """What is to be found, and where it is stored.
 
@@ -58,7 +57,7 @@ class Task:
                 "parameters": asdict(self.parameters), "steps": self.max_steps, "version": VERSION}  # fmt: skip
 
 
-@dataclass(frozen=True)
+@frozen
 class Found:
     """What has been found, of which each chunk can be read by itself.
 
@@ -114,12 +113,19 @@ def run(task: Task, compute: Compute, side: int) -> Found:
 def surveyed(task: Task, compute: Compute, side: int) -> tuple[Grid, survey.Whole]:
     """The chunks of an image, and what depends on all of it."""
     source, parameters, shape = task.source, task.parameters, task.source.levels.shape
-    plain = Grid(shape, side, 0, 0.0)
-    gray = _in_order(compute(partial(survey.gray_levels, source), plain.chunks, "gray levels"))
-    tone = survey.tone_of(source, plain, gray, parameters)
+    if task.store.has(_WHOLE):
+        whole = survey.Whole.of(task.store.load(_WHOLE))
+        return grid_for(shape, parameters, whole.tone.smoothing, side), whole
+    tone = survey.plain_tone(shape, parameters)
+    if tone is None:
+        plain = Grid(shape, side, 0, 0.0)
+        gray = _in_order(compute(partial(survey.gray_levels, source), plain.chunks, "gray levels"))
+        tone = survey.tone_of(source, plain, gray, parameters)
     grid = grid_for(shape, parameters, tone.smoothing, side)
     work = partial(survey.edges, source, tone=tone, parameters=parameters)
-    return grid, survey.whole_of(tone, _in_order(compute(work, grid.chunks, "edges")), parameters)
+    whole = survey.whole_of(tone, _in_order(compute(work, grid.chunks, "edges")), parameters)
+    task.store.save(_WHOLE, **whole.numbers)
+    return grid, whole
 
 
 def _in_order(results: Iterable[tuple[int, Any]]) -> list[Any]:
@@ -127,16 +133,16 @@ def _in_order(results: Iterable[tuple[int, Any]]) -> list[Any]:
     return [result for _, result in sorted(results, key=lambda one: one[0])]
 
 
-def find(task: Task, grid: Grid, whole: survey.Whole, chunk: Chunk) -> float:
-    """Find the contours of a chunk and store what it keeps of them; the time it took [s]."""
-    began = time.perf_counter()
+def find(task: Task, grid: Grid, whole: survey.Whole, chunk: Chunk) -> None:
+    """Find the contours of a chunk and store what it keeps of them, unless a worker that died has done so."""
+    if task.store.has(_chunk(chunk.number)):
+        return
     found = contours_in(task.source, chunk, whole, task.parameters, task.kind, task.max_steps)
     own, pieces = owned(found, chunk, grid)
     boxes = np.array([piece.contour.box for piece in own]).reshape(-1, 2, 2)
     arrays = {f"{prefix}_{key}": values for prefix, some in (("whole", own), ("piece", pieces))
               for key, values in packed(some).items()}  # fmt: skip
     task.store.save(_chunk(chunk.number), boxes=boxes, **arrays)
-    return time.perf_counter() - began
 
 
 def _chunk(number: int) -> str:

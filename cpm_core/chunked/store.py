@@ -6,7 +6,6 @@ import io
 import json
 import shutil
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +13,12 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.formats.common.atomic import write_together
-from cpm_core.formats.common.plain import Entries
+from cpm_core.numerics.types import Entries, frozen, record
 
 _SETTINGS = "settings.json"
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Piece:
     """A contour that a chunk sees as a whole, or what it owns of a longer one.
 
@@ -35,7 +34,7 @@ class Piece:
     cut: tuple[bool, bool] = (False, False)
 
 
-@dataclass(frozen=True)
+@frozen
 class Store:
     """Files of a run, each written next to its place and then put there: it is whole, or absent."""
 
@@ -63,7 +62,7 @@ class Store:
         np.savez(content, **arrays)
         write_together([(self.folder / name, content.getvalue())])
 
-    def load(self, name: str, *keys: str) -> dict[str, Any]:
+    def load(self, name: str, *keys: str) -> Entries:
         """Read arrays, all or those of some names."""
         with np.load(self.folder / name, allow_pickle=False) as known:
             return {key: known[key] for key in keys or known.files}
@@ -73,7 +72,7 @@ class Store:
         shutil.rmtree(self.folder, ignore_errors=True)
 
 
-def packed(pieces: Sequence[Piece]) -> dict[str, Any]:
+def packed(pieces: Sequence[Piece]) -> Entries:
     """Pieces as arrays."""
     contours = [piece.contour for piece in pieces]
     return {
@@ -88,7 +87,7 @@ def packed(pieces: Sequence[Piece]) -> dict[str, Any]:
     }
 
 
-def unpacked(arrays: dict[str, Any], prefix: str = "") -> list[Piece]:
+def unpacked(arrays: Entries, prefix: str = "") -> list[Piece]:
     """The pieces of arrays."""
     known = {key.removeprefix(prefix): values for key, values in arrays.items() if key.startswith(prefix)}
     points = np.split(known["points"], np.cumsum(known["counts"])[:-1]) if len(known["counts"]) else []

@@ -12,7 +12,6 @@ from contextlib import closing
 from dataclasses import asdict, replace
 from operator import attrgetter
 from pathlib import Path
-from typing import Any
 
 from cpm_core.cli.arguments import add, add_parameters, parameters_of
 from cpm_core.cli.output import IN_PART, StatusLine, announce_compilation, print_json, say, say_notes
@@ -22,6 +21,7 @@ from cpm_core.formats.common.atomic import append, drafts_of, interrupts_put_off
 from cpm_core.formats.common.content import fingerprint, fingerprint_if_read
 from cpm_core.formats.common.printable import cell, printable, text_of_cell
 from cpm_core.formats.sessions.session_file import SessionFile, load_session
+from cpm_core.numerics.types import Entries
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import counted, shown
 from cpm_core.shapes.document_shapes import starts_of
@@ -305,7 +305,7 @@ def _rows(path: Path) -> list[Row]:
 
 
 def _row(line: Mapping[str, str]) -> Row:
-    values: dict[str, Any] = {name: line[name] for name in _TEXTS}
+    values: Entries = {name: line[name] for name in _TEXTS}
     values |= {name: tuple(filter(None, line[name].split(_SEPARATOR))) for name in _LISTS}
     return Row(facts={name: read(line[name]) for name, read in _FACTS.items() if line[name]}, **values)
 

@@ -7,7 +7,6 @@ import glob
 import os
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 from cpm_core.cli.output import say, say_notes
 from cpm_core.contours.ground_truth import Truth, VolumeTruth
@@ -30,6 +29,7 @@ from cpm_core.image.colors import LUMINANCE_NOTE
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.state import State
+from cpm_core.numerics.types import Entries
 from cpm_core.pages.follow import fitting
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
@@ -94,7 +94,7 @@ def in_volume(session: SessionFile) -> bool:
     return session.image is not None and len(session.image.shape) == 3
 
 
-def image_of(named: str | None, session: SessionFile, source: str | Path | None) -> tuple[Path, dict[str, Any]]:
+def image_of(named: str | None, session: SessionFile, source: str | Path | None) -> tuple[Path, Entries]:
     """Path of the image that is named, or else of that of the session of a file, and how it is read."""
     if source is not None:
         say_notes(Path(source).name, session.notes)

@@ -73,6 +73,7 @@ from cpm_core.formats.stack_files import FOR_STACKS
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
 from cpm_core.model.state import State
+from cpm_core.numerics.types import Entries, Plain
 from cpm_core.objects import Selection, objects_result, partition
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.quotation import counted, sized
@@ -198,7 +199,7 @@ def _run_image(
     arguments: argparse.Namespace,
     session: SessionFile,
     path: Path,
-    part: Mapping[str, Any],
+    part: Plain,
     parameters: Parameters,
     drawn: Drawn,
 ) -> int:
@@ -334,7 +335,7 @@ def _planes(drawn: Drawn, session: SessionFile) -> AnyRegions | None:
     return VolumeRegions((*before.interest, *boxes), (*before.barriers, *planes))
 
 
-def _files_drawn(arguments: argparse.Namespace) -> list[dict[str, Any]]:
+def _files_drawn(arguments: argparse.Namespace) -> list[Entries]:
     """The files whose contours a run starts from, as session files hold shapes."""
     return [{"shape": "points", "file": Path(path).name} for path in arguments.start]
 
@@ -349,9 +350,9 @@ def _surface(found: Result, drawn: Drawn) -> Result:
     return replace(found, surface=chosen.surface)
 
 
-def _on_contours(result: Result, chosen: Selection | None, seconds: float) -> tuple[dict[str, Any], list[str]]:
+def _on_contours(result: Result, chosen: Selection | None, seconds: float) -> tuple[Entries, list[str]]:
     """The report on contours, as values by name and as sentences."""
-    facts: dict[str, Any] = {**facts_of_run(result, seconds), "bridges": len(result.bridges), ENTRY: facts_of(result)}
+    facts: Entries = {**facts_of_run(result, seconds), "bridges": len(result.bridges), ENTRY: facts_of(result)}
     lines = [f"{result.source}: {contours_of(result)}"]
     lines += longest(
         [
@@ -380,11 +381,11 @@ def _on_contours(result: Result, chosen: Selection | None, seconds: float) -> tu
     return facts, [*lines, *_on_run(result, seconds)]
 
 
-def _on_surface(result: Result, seconds: float) -> tuple[dict[str, Any], list[str]]:
+def _on_surface(result: Result, seconds: float) -> tuple[Entries, list[str]]:
     """The report on a surface, as values by name and as sentences."""
     surface = result.surface
     vertices, faces = (0, 0) if surface is None else (len(surface.vertices), len(surface.faces))
-    facts: dict[str, Any] = {
+    facts: Entries = {
         **facts_of_run(result, seconds),
         "vertices": vertices,
         "faces": faces,
@@ -404,7 +405,7 @@ def _on_run(result: Result, seconds: float) -> Iterator[str]:
     yield f"Stopped: {result.stop_reason}"
 
 
-def _agreement(result: Result, truth: Truth | VolumeTruth) -> tuple[dict[str, Any], str]:
+def _agreement(result: Result, truth: Truth | VolumeTruth) -> tuple[Entries, str]:
     """How well contours, or a surface, agree with a ground truth, as values by name and as a sentence."""
     found: Any
     measures, of, unit = ["dice", "jaccard", "precision", "recall", "f", "hausdorff"], {}, "px"

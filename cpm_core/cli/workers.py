@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import logging
 import multiprocessing
 import os
@@ -13,7 +14,7 @@ from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack, contextmanager, suppress
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +28,7 @@ from cpm_core.formats.common.provenance import VERSION, with_shapes
 from cpm_core.formats.images.reading import DEFAULT
 from cpm_core.formats.sessions.session_file import SessionFile, part_for
 from cpm_core.numerics.parallel import at_most, cores
+from cpm_core.numerics.types import Callback, frozen
 from cpm_core.parameters import Parameters
 from cpm_core.warm_up import is_compiled, warm_up
 
@@ -38,7 +40,7 @@ _LOOK = 0.2
 _DIED = "The process that worked on it ended unexpectedly; perhaps there was not enough memory."
 
 
-@dataclass(frozen=True)
+@frozen
 class Row:
     """What has been done with one image.
 
@@ -79,7 +81,7 @@ class Row:
     contents: dict[str, bytes] = field(default_factory=dict)
 
 
-@dataclass(frozen=True)
+@frozen
 class Job:
     """A run on one image."""
 
@@ -131,7 +133,7 @@ def _files(result: Result, suffixes: Sequence[str]) -> tuple[dict[str, bytes], t
 
 
 def here(
-    jobs: Sequence[Job], workers: int | None, go_on: Callable[[], object] | None = None
+    jobs: Sequence[Job], workers: int | None, go_on: Callback | None = None
 ) -> Generator[tuple[Job, Row], None, None]:
     """Do jobs on this computer and yield results as they finish.
 
@@ -160,7 +162,7 @@ def here(
 
 
 def _in_processes(
-    waiting: list[Job], count: int, each: int, go_on: Callable[[], object] | None
+    waiting: list[Job], count: int, each: int, go_on: Callback | None
 ) -> Generator[tuple[Job, Row | None], None, None]:
     """Do the last jobs of a list in so many processes, each on so many cores.
 
@@ -241,10 +243,10 @@ def cluster(address: str | None, workers: int | None = None) -> Iterator[Any]:
         try:
             local = address or stack.enter_context(
                 LocalCluster(
-                    workers or cores(),
+                    n_workers=workers or cores(),
                     threads_per_worker=1,
                     memory_limit=0,
-                    dashboard_address=None,
+                    dashboard_address=":0",
                     silence_logs=logging.ERROR,
                 )
             )
@@ -278,6 +280,9 @@ def finished(
 
 
 def on_one_core(function: Callable[[Any], Any], job: Any) -> Any:
-    """Do a job on one core, as the others have workers of their own."""
-    with at_most(1):
-        return function(job)
+    """Do a job on one core, as the others have workers of their own, and leave nothing of it in memory."""
+    try:
+        with at_most(1):
+            return function(job)
+    finally:
+        gc.collect()  # fields and their caches refer to one another

@@ -8,25 +8,22 @@ is wrong, and that of the other is 0.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.contours.contour import Contour, sampled
+from cpm_core.contours.contour import Contours, sampled
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.rasterize import inside, paint
 from cpm_core.numerics.real_numbers import checked_number
 from cpm_core.numerics.segments import SegmentTree
-from cpm_core.numerics.types import Array, Index, Mask, record
+from cpm_core.numerics.types import Array, Index, Mask, frozen, record
 from cpm_core.parameters.quotation import described
 
 TOLERANCE = 2.0
 """Default distance up to which two boundaries count as the same [px]."""
 
 
-@dataclass(frozen=True)
+@frozen
 class ObjectCounts:
     """Counts of objects; one is found by a closed contour if their Jaccard index is above 1/2.
 
@@ -135,7 +132,7 @@ class Comparison(Agreement):
         )
 
 
-def agreement(contours: Sequence[Contour], others: Sequence[Contour], tolerance: float = TOLERANCE) -> Agreement:
+def agreement(contours: Contours, others: Contours, tolerance: float = TOLERANCE) -> Agreement:
     """Compare the boundaries of contours with those of others.
 
     Parameters
@@ -159,9 +156,7 @@ def agreement(contours: Sequence[Contour], others: Sequence[Contour], tolerance:
     return Agreement(**_boundaries(_Boundary(contours), _Boundary(others), tolerance))
 
 
-def compare(
-    contours: Sequence[Contour], truth: Truth, tolerance: float = TOLERANCE, *, holes: bool = True
-) -> Comparison:
+def compare(contours: Contours, truth: Truth, tolerance: float = TOLERANCE, *, holes: bool = True) -> Comparison:
     """Compare contours with the ground truth.
 
     Parameters
@@ -211,7 +206,7 @@ def compare(
     )
 
 
-def distance_to(points: Array, contours: Sequence[Contour]) -> Array:
+def distance_to(points: Array, contours: Contours) -> Array:
     """Distance, shape (N,), of points, shape (N, 2), to the nearest line of some contours [px]; infinite if none."""
     return _Boundary(contours).tree.distances(np.asarray(points, float))
 
@@ -219,7 +214,7 @@ def distance_to(points: Array, contours: Sequence[Contour]) -> Array:
 class _Boundary:
     """Samples and segments of contours; of a truth without the samples where its objects reach the image border."""
 
-    def __init__(self, contours: Sequence[Contour], truth: Truth | None = None, tolerance: float = 0.0) -> None:
+    def __init__(self, contours: Contours, truth: Truth | None = None, tolerance: float = 0.0) -> None:
         none = np.empty((0, 2))
         paths = [contour.path for contour in contours]
         self.samples, self.vertices = sampled(contours), _vertices(contours)
@@ -231,7 +226,7 @@ class _Boundary:
         self.tree = SegmentTree(begin, np.concatenate([none, *(path[1:] for path in paths)]))
 
 
-def _vertices(contours: Sequence[Contour]) -> Array:
+def _vertices(contours: Contours) -> Array:
     return np.concatenate([np.empty((0, 2)), *(contour.points for contour in contours)])
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Literal
 
@@ -13,7 +12,7 @@ import numpy as np
 
 from cpm_core.numerics import polyline
 from cpm_core.numerics.segments import PathTree
-from cpm_core.numerics.types import Array, record
+from cpm_core.numerics.types import Array, frozen, record
 from cpm_core.parameters.quotation import counted, described, shown
 
 SAMPLING = 0.25
@@ -42,7 +41,7 @@ def check_color(what: str, color: str) -> None:
         )
 
 
-@dataclass(frozen=True)
+@frozen
 class Label:
     """What the object with a number is called, and its color, ``"#rrggbb"``; either may be empty."""
 
@@ -174,6 +173,10 @@ class Contour:
         return described("Contour", self.name, kind, f"{self.length:,.1f} px{around}", vertices)
 
 
+Contours = Sequence[Contour]
+"""Some contours."""
+
+
 @record
 class Bridge:
     """A closed gap in an edge: a stretch of a contour without particles.
@@ -205,19 +208,19 @@ class Bridge:
         return described("Bridge", f"{self.length:,.1f} px", f"strength {self.strength:.3g}")
 
 
-def numbers_of(contours: Sequence[Contour]) -> tuple[int, ...]:
+def numbers_of(contours: Contours) -> tuple[int, ...]:
     """The numbers of contours, no two of them equal: their own, and for those without one the next free ones."""
     taken = {contour.number for contour in contours}
     free = (number for number in itertools.count(1) if number not in taken)
     return tuple(contour.number or next(free) for contour in contours)
 
 
-def sampled(contours: Sequence[Contour]) -> Array:
+def sampled(contours: Contours) -> Array:
     """Points every `SAMPLING` along contours, shape (N, 2) [px], for averages over their length."""
     return np.concatenate([np.empty((0, 2)), *(polyline.sampled(contour.path, SAMPLING) for contour in contours)])
 
 
-def neighborhood(contours: Sequence[Contour]) -> PathTree:
+def neighborhood(contours: Contours) -> PathTree:
     """Spatial index of contours, to find those near a position."""
     return PathTree([contour.path for contour in contours])
 
@@ -226,7 +229,7 @@ _ON = 0.01
 """Distance from a contour up to which a bridge is part of it [px]: its vertices are also those of the contour."""
 
 
-def bridges_on(bridges: Sequence[Bridge], contours: Sequence[Contour]) -> tuple[Bridge, ...]:
+def bridges_on(bridges: Sequence[Bridge], contours: Contours) -> tuple[Bridge, ...]:
     """The bridges that are part of one of some contours."""
     if not bridges or not contours:
         return ()

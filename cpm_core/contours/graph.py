@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from cpm_core.contours.contour import Contour
 from cpm_core.numerics.grids import parts_joined
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.polyline import length, lengths_along
+from cpm_core.numerics.polyline import length, lengths_along, owners
 from cpm_core.numerics.types import Array, Index, Mask, record
 
 
@@ -135,7 +135,7 @@ class Graph:
         """Arc length from loose ends to other vertices, shapes (N,), along the ends' branches; else infinite [px]."""
         ways = self.ways()
         along = lengths_along(self.points[ways.vertices])
-        way = np.repeat(np.arange(len(ways)), np.diff(ways.start))
+        way = owners(np.diff(ways.start))
         place = np.empty(len(self.points), np.int64)
         place[ways.vertices] = np.arange(len(way))  # a junction has several places; they are not used
         own = way[place[end]]
@@ -278,7 +278,7 @@ class Ways:
 
     def edges(self) -> tuple[Index, Index]:
         """Edges of all paths in order, shape (E, 2), and the path of each edge, shape (E,)."""
-        way = np.repeat(np.arange(len(self)), np.diff(self.start))
+        way = owners(np.diff(self.start))
         following = np.roll(self.vertices, -1)
         following[self.start[1:] - 1] = np.where(self.closed, self.first, -1)
         kept = following >= 0

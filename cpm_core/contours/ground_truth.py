@@ -10,7 +10,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from cpm_core.contours.contour import Contour, sampled
+from cpm_core.contours.contour import Contour, Contours, sampled
 from cpm_core.contours.graph import Graph
 from cpm_core.contours.rasterize import inside, paint
 from cpm_core.contours.surface import Surface, surface_of_labels
@@ -92,7 +92,7 @@ class Truth(_Labeled, drawing.Pictured):
 
 
 def truth_of_contours(
-    contours: Sequence[Contour], shape: Sequence[int], source: str = "ground truth", *, holes: bool = True
+    contours: Contours, shape: Sequence[int], source: str = "ground truth", *, holes: bool = True
 ) -> Truth:
     """Ground truth from contours: the closed ones are objects, labeled as in the label mask except for holes.
 

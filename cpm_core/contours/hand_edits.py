@@ -9,17 +9,17 @@ edit again by the places where they pass.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from typing import Literal, NamedTuple
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour
+from cpm_core.contours.contour import Contour, Contours
 from cpm_core.contours.polygonal_line import PolygonalLine, joined, ring
 from cpm_core.contours.review import REACH
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Line, Position
+from cpm_core.numerics.types import Array, Line, Position, frozen
 
 Kind = Literal["cut", "deletion", "redrawing", "join", "extension", "line", "outline"]
 """What an edit does, by what it removes and adds."""
@@ -44,7 +44,7 @@ _FINE = 0.5
 """Distance between samples along a line that is compared with an outline [px]."""
 
 
-@dataclass(frozen=True)
+@frozen
 class HandEdit:
     """One change of contours by hand.
 
@@ -90,7 +90,7 @@ class HandEdit:
         return "join" if self.before and self.after else "extension" if self.before or self.after else "line"
 
 
-def apply(contours: Sequence[Contour], edits: Sequence[HandEdit]) -> tuple[tuple[Contour, ...], tuple[int, ...]]:
+def apply(contours: Contours, edits: Sequence[HandEdit]) -> tuple[tuple[Contour, ...], tuple[int, ...]]:
     """Contours with edits by hand, in the order in which they were made.
 
     Parameters

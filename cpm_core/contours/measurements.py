@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour, numbers_of
+from cpm_core.contours.contour import Contour, Contours, numbers_of
 from cpm_core.numerics.polyline import inside, length, middles
 from cpm_core.numerics.real_numbers import real_numbers
-from cpm_core.numerics.types import Array, Position
+from cpm_core.numerics.types import Array, Position, frozen
 from cpm_core.parameters.quotation import described, shown
 
 _SAME = 1.0
@@ -23,7 +22,7 @@ _MARGIN = 1.0
 """How far a contour may extend beyond the one around it, since contours may share a stretch of edge [px]."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Measures:
     """A row of the table of contours.
 
@@ -87,7 +86,7 @@ class Measures:
         )
 
 
-def contour_labels(contours: Sequence[Contour]) -> tuple[int, ...]:
+def contour_labels(contours: Contours) -> tuple[int, ...]:
     """Label of each contour: 1, 2, ... over the closed ones in their order, 0 for open ones and holes.
 
     The outlines of one object share a label.
@@ -110,7 +109,7 @@ def contour_labels(contours: Sequence[Contour]) -> tuple[int, ...]:
 
 
 def measure(
-    contours: Sequence[Contour], spacing: Sequence[float] = (1.0, 1.0), *, contrast: bool = True
+    contours: Contours, spacing: Sequence[float] = (1.0, 1.0), *, contrast: bool = True
 ) -> tuple[Measures, ...]:
     """Measure contours.
 
@@ -202,7 +201,7 @@ def moments(path: Array) -> Array:
     return np.array([area, row + area * down, col + area * right, *about]) * (1.0 if area >= 0.0 else -1.0)
 
 
-def _net_areas(contours: Sequence[Contour], around: Sequence[int | None]) -> Array:
+def _net_areas(contours: Contours, around: Sequence[int | None]) -> Array:
     """Areas without those of the contours inside, shape (N,) [px²]."""
     net = np.array([contour.area for contour in contours])
     for contour, outer in zip(contours, around, strict=True):
@@ -220,7 +219,7 @@ def _net_areas(contours: Sequence[Contour], around: Sequence[int | None]) -> Arr
     return net
 
 
-def containment(contours: Sequence[Contour]) -> tuple[int | None, ...]:
+def containment(contours: Contours) -> tuple[int | None, ...]:
     """Find for each contour the innermost closed one that it lies in.
 
     A contour lies in another when most of `_PROBES` samples along it do, so that contours which share a junction or a

@@ -10,7 +10,7 @@ import binascii
 import math
 import zlib
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
 
@@ -21,7 +21,7 @@ from numpy.typing import DTypeLike
 from cpm_core.contours.surface import Surface, inside_of
 from cpm_core.image.volume_regions import Voxels
 from cpm_core.numerics.grids import ends, zero_surface
-from cpm_core.numerics.types import Array, Index, Mask, Numbers, Pixels, Place
+from cpm_core.numerics.types import Array, Index, Mask, Numbers, Pixels, Place, frozen
 
 _LARGEST = 256 * 2**20
 """Most bytes of an array that is read."""
@@ -58,7 +58,7 @@ def unpacked(text: object, dtype: DTypeLike, count: int | None, where: str) -> N
     return np.frombuffer(data, kind).astype(dtype)
 
 
-@dataclass(frozen=True)
+@frozen
 class PackedSurface:
     """A closed surface as text, to single precision.
 
@@ -157,7 +157,7 @@ _MOST_KEPT = 32
 """Bodies of voxels of which surfaces and shells are kept: documents that can be undone hold many versions of each."""
 
 
-@dataclass(frozen=True)
+@frozen
 class PackedVoxels:
     """Voxels of a volume in a box, eight in a byte; another version of them shares the planes that have not changed.
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import containment, contour_labels
+from cpm_core.numerics.polyline import owners
 from cpm_core.numerics.types import Array, Extent, Mask
 from cpm_core.parameters.quotation import shown
 
@@ -62,7 +63,7 @@ def _runs(polygons: Sequence[Array], shape: Extent) -> Iterable[list[int]]:
     """Pixels inside polygons or on their edges, as runs: the polygon, in order, row, first column and end."""
     if not polygons:
         return []
-    index = np.repeat(np.arange(len(polygons)), [len(points) for points in polygons])
+    index = owners([len(points) for points in polygons])
     row, col = np.concatenate(polygons).T
     below, right = np.concatenate([np.roll(points, -1, axis=0) for points in polygons]).T
     low, high = np.clip([np.minimum(row, below), np.maximum(row, below)], -1, shape[0])
@@ -70,7 +71,7 @@ def _runs(polygons: Sequence[Array], shape: Extent) -> Iterable[list[int]]:
     # an edge crosses its first row but not its last one, then the other way around: both know the pixels off edges
     for side, (begin, end) in enumerate(((np.ceil(low), np.ceil(high)), (np.floor(low) + 1, np.floor(high) + 1))):
         count = (end - begin).astype(int)
-        edge = np.repeat(np.arange(len(row)), count)
+        edge = owners(count)
         line = begin[edge] + np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count)
         slope = (right[edge] - col[edge]) / (below[edge] - row[edge])
         places.append([index[edge], np.full(len(edge), side), line, col[edge] + slope * (line - row[edge])])

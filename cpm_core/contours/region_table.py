@@ -13,7 +13,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from cpm_core.contours.contour import Contour
+from cpm_core.contours.contour import Contours
 from cpm_core.contours.measurements import containment, contour_labels, moments
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Index, Numbers
@@ -72,7 +72,7 @@ _AREAS = ("area", "area_filled", "area_convex")
 
 
 def region_table(
-    contours: Sequence[Contour],
+    contours: Contours,
     labels: NDArray[np.integer],
     gray: Array | None,
     spacing: Sequence[float],
@@ -116,7 +116,7 @@ def volume_table(labels: NDArray[np.integer], gray: Array | None, spacing: Seque
     return Table({**columns, **_gray_columns(numbers, labels, gray)}, _units(columns, unit or "px", "³") | units)
 
 
-def _row(label: int, outlines: Sequence[Contour], holes: Sequence[Contour], sides: Array) -> dict[str, object]:
+def _row(label: int, outlines: Contours, holes: Contours, sides: Array) -> dict[str, object]:
     """The columns of one label except for gray levels."""
     import shapely  # noqa: PLC0415 - needed for tables only
 

@@ -9,15 +9,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal, get_args
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour, check_color, check_name, neighborhood
+from cpm_core.contours.contour import Contour, Contours, check_color, check_name, neighborhood
 from cpm_core.contours.result import Result, remaining
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Line, Position, record
+from cpm_core.numerics.types import Line, Position, frozen, record
 from cpm_core.parameters.quotation import shown
 
 Verdict = Literal["", "kept", "rejected"]
@@ -33,7 +33,7 @@ _ALONE = 3.0 * REACH
 """Distance from all other contours beyond which positions are equally good [px]."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Outline:
     """Where a contour ran when it was kept; the attributes are those of `Contour`, the default is none."""
 
@@ -48,7 +48,7 @@ class Outline:
         return Contour(points, self.closed, self.strength, name=name, color=color, number=self.number)
 
 
-@dataclass(frozen=True)
+@frozen
 class Mark:
     """Verdict, name and color of the contour at a position.
 
@@ -117,7 +117,7 @@ class ReviewedContour:
         return self.verdict == "rejected"
 
 
-def reviewed(contours: Sequence[Contour], marks: Sequence[Mark]) -> tuple[ReviewedContour, ...]:
+def reviewed(contours: Contours, marks: Sequence[Mark]) -> tuple[ReviewedContour, ...]:
     """Each contour with its mark, in order; the marks may be from an earlier reconstruction."""
     owner = attached(contours, [mark.anchor for mark in marks])
     by_contour = {contour: mark for contour, mark in zip(owner, marks, strict=True) if contour is not None}
@@ -153,7 +153,7 @@ def apply(result: Result, marks: Sequence[Mark]) -> Result:
     return remaining(named, [not one.rejected for one in every])
 
 
-def attached(contours: Sequence[Contour], anchors: Sequence[Position]) -> list[int | None]:
+def attached(contours: Contours, anchors: Sequence[Position]) -> list[int | None]:
     """For each anchor (row, col) the index of its contour: the nearest one within `REACH` [px]; None without one.
 
     Each anchor has at most one contour and each contour one anchor: the nearest pair is assigned first, then the
@@ -180,7 +180,7 @@ def middle(contour: Contour) -> Position:
     return tuple(polyline.middles(contour.path, 1)[0].tolist())
 
 
-def anchor(contours: Sequence[Contour], index: int) -> Position:
+def anchor(contours: Contours, index: int) -> Position:
     """Position (row, col) on the contour of an index that is far from the others, and from its own ends [px]."""
     contour = contours[index]
     share = (np.arange(_PLACES) + 0.5) / _PLACES

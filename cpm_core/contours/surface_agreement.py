@@ -77,7 +77,18 @@ class Triangles:
         for first in range(0, len(points), _AT_A_TIME):
             some = slice(first, first + _AT_A_TIME)
             near = np.asarray(self._tree.query(points[some], k=np.arange(1, count + 1))[1], np.int64)
-            found[some] = _from_triangles(points[some, None], self.corners[near]).min(axis=1)
+            # from the nearest place of each triangle: over its inside, or on its rim
+            corners = self.corners[near]
+            offset, side = points[some, None, None, :] - corners, np.roll(corners, -1, axis=2) - corners
+            square = np.maximum((side**2).sum(axis=-1), 1e-300)
+            share = np.clip((offset * side).sum(axis=-1) / square, 0.0, 1.0)
+            away = np.linalg.norm(offset - share[..., None] * side, axis=-1).min(axis=-1)
+            normal = np.cross(side[:, :, 0], side[:, :, 1])
+            size = np.maximum(np.linalg.norm(normal, axis=-1), 1e-300)
+            above = (np.cross(side, offset) * normal[:, :, None]).sum(axis=-1)
+            within = (above >= 0.0).all(axis=-1) & (size > 1e-300)
+            height = np.abs((offset[:, :, 0] * normal).sum(axis=-1)) / size
+            found[some] = np.where(within, height, away).min(axis=1)
         return found
 
 
@@ -102,20 +113,6 @@ def triangles_of(surface: Surface, shape: Extent) -> Triangles:
 def within_border(voxels: Array, shape: Extent) -> Mask:
     """Which of positions, shape (N, 3) [voxels], lie between the centers of the outermost voxels of a volume."""
     return np.all((voxels >= 0.0) & (voxels <= np.array(shape) - 1.0), axis=1)
-
-
-def _from_triangles(points: Array, corners: Array) -> Array:
-    """Distance of points, shape (N, 1, 3), from triangles, shape (N, K, 3, 3): from the plane or the nearest side."""
-    offset, side = points[..., None, :] - corners, np.roll(corners, -1, axis=2) - corners
-    square = np.maximum((side**2).sum(axis=-1), 1e-300)
-    share = np.clip((offset * side).sum(axis=-1) / square, 0.0, 1.0)
-    away = np.linalg.norm(offset - share[..., None] * side, axis=-1).min(axis=-1)
-    normal = np.cross(side[:, :, 0], side[:, :, 1])
-    size = np.maximum(np.linalg.norm(normal, axis=-1), 1e-300)
-    above = (np.cross(side, offset) * normal[:, :, None]).sum(axis=-1)
-    within = (above >= 0.0).all(axis=-1) & (size > 1e-300)
-    height = np.abs((offset[:, :, 0] * normal).sum(axis=-1)) / size
-    return np.where(within, height, away)
 
 
 @record

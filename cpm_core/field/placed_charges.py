@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,7 +26,7 @@ from cpm_core.field.scale_field import ScaleField
 from cpm_core.image.pyramid import to_scale
 from cpm_core.numerics.jit import compiled, inlined
 from cpm_core.numerics.real_numbers import checked_number, real_numbers
-from cpm_core.numerics.types import Array, Extent, Mask
+from cpm_core.numerics.types import Array, Extent, Mask, frozen
 from cpm_core.numerics.vectors import Vector, difference, dot, length, moved, row_of, scaled
 from cpm_core.parameters.quotation import shown
 
@@ -54,7 +54,7 @@ _NORM = 1.0 / (9.0 * _REST**2 / RADII**3 * 2.0**-0.25 + _REST**3 * 2.0**-1.25)
 """Factor that makes the force of a charge of one equal to one at its radius."""
 
 
-@dataclass(frozen=True)
+@frozen
 class PlacedCharge:
     """A charge that the user places.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from copy import copy
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache, cached_property, partial
 from typing import Any
 
@@ -21,7 +21,7 @@ from cpm_core.image.border import inside_border, within
 from cpm_core.image.regions import NO_BARRIERS, BarrierMap, Regions, build_barrier_map
 from cpm_core.numerics.grids import Window, around, in_bands, relative, sides_of, tiles, whole_window
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Mask, Single
+from cpm_core.numerics.types import Array, Extent, Mask, Single, record
 
 GATE = 0.93
 """Interpolated |F_l| under which a particle is on an edge: across an edge it falls linearly through zero."""
@@ -48,8 +48,11 @@ _SUMMIT_REACH, _FIELD_REACH = 2, 1
 _OVERLAP = _SUMMIT_REACH + 1
 """Lines beyond a part of the image on which its forces depend: a central difference within reach of a ridge."""
 
+_LINES = 128
+"""Lines of a large image whose edge strength is computed at once: smoothing looks at some more."""
+
 _TILE = 948
-"""Side of the windows in which the edge map and the field of a large image are made [px]; with what the field needs
+"""Side of the windows in which the field of a large image is made [px]; with what the field needs
 around them it is one whose transforms are fast."""
 
 FIELD_PRECISION: DTypeLike = np.float32
@@ -68,7 +71,7 @@ Slopes = Callable[[Window], Array]
 """Gives the gradient of an image in a window."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class ScaleField:
     r"""The fields of one scale of an image.
 
@@ -206,7 +209,7 @@ class ScaleField:
         return tuple(slice(at, at + n) for at, n in zip(self.corner, self.shape, strict=True))
 
     @property
-    def shape(self) -> tuple[int, ...]:
+    def shape(self) -> Extent:
         """Shape of the image at this scale."""
         return self.edge_map.shape
 
@@ -278,13 +281,16 @@ def slopes_of(values: Array, smoothing: float) -> Slopes:
     return lambda window: known[(slice(None), *window)]
 
 
-def _strength_of(slopes: Slopes, shape: tuple[int, ...]) -> Array:
+def _strength_of(slopes: Slopes, shape: Extent) -> Array:
     """Edge strength of an image, shape (H, W): the size of its gradient."""
     if math.prod(shape) <= LARGE:
         return magnitude(slopes(whole_window(shape)))
     strength: Array = np.empty(shape, FIELD_PRECISION)
-    for tile in tiles(shape, _TILE):
-        strength[tile] = magnitude(slopes(tile))
+
+    def write(first: int, end: int) -> None:
+        strength[first:end] = magnitude(slopes((slice(first, end), slice(0, shape[1]))))
+
+    in_bands(write, shape[0], _LINES)
     return strength
 
 

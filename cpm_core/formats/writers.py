@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -36,7 +36,7 @@ from cpm_core.formats.meshes import obj, ply, stl, swc, vtk
 from cpm_core.image.geometry import Convention
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.numerics.types import Entries
+from cpm_core.numerics.types import Entries, frozen
 from cpm_core.parameters.quotation import counted, shown
 
 _LOG = logging.getLogger(__name__)
@@ -44,7 +44,7 @@ _LOG = logging.getLogger(__name__)
 Found = Outcome | Centerlines
 
 
-@dataclass(frozen=True)
+@frozen
 class Format:
     """A format of files.
 

@@ -5,13 +5,12 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from cpm_core.numerics.types import Array, Extent, Pixels
+from cpm_core.numerics.types import Array, Extent, Pixels, frozen
 from cpm_core.parameters.quotation import shown
 
 if TYPE_CHECKING:
@@ -183,7 +182,7 @@ KNOWN = {**METRIC, "um": 1e-6, "cm": 1e-2}
 """Units that images have."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Bar:
     """A scale bar of round length, `pixels` of the image long."""
 

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.numerics.real_numbers import checked_number, real_numbers
-from cpm_core.numerics.types import Array, Sides
+from cpm_core.numerics.types import Array, Sides, frozen
 from cpm_core.parameters.quotation import described, shown
 
 Convention = Literal["LPS", "RAS"]
@@ -31,7 +31,7 @@ _ENDS = (("L", "R"), ("P", "A"), ("S", "I"))
 """Where each coordinate of LPS grows, and where it falls."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Geometry:
     """Position and orientation of an image; the size of a voxel is the image's own, `Image.spacing`.
 

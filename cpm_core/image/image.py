@@ -63,6 +63,9 @@ class Image(drawing.Pictured):
         Where it lies in space; None where that is not known. What is written lies there as well.
     hounsfield : bool, optional
         Whether gray levels are Hounsfield units; None where the file does not say, see `is_ct`.
+    finer : tuple, optional
+        The same image with two, four and more times the rows and columns, the finest first, for display: objects with
+        a `shape`, of which a window is read by index. What is found is found in `values`.
     color : {"luminance", "red", "green", "blue", "contrast"}, optional
         What gray levels are made of color, as in `load_image`: how bright it is to the eye, one of its channels, or
         the channel whose gray levels vary the most. With the luminance the image keeps its colors, so that
@@ -107,6 +110,7 @@ class Image(drawing.Pictured):
     geometry: Geometry | None = None
     color: InitVar[str] = LUMINANCE
     hounsfield: bool | None = None
+    finer: tuple[Any, ...] = ()
 
     def __post_init__(self, color: str) -> None:
         checked_color(color)
@@ -231,7 +235,12 @@ class Image(drawing.Pictured):
     @cached_property
     def sha256(self) -> str:
         """Hash of its file, or of `values` as float64, little-endian and row by row, where there is no file."""
-        return self.file_sha256 or hashlib.sha256(self.values.astype("<f8", copy=False).data).hexdigest()
+        if self.file_sha256:
+            return self.file_sha256
+        found = hashlib.sha256()
+        for line in self.stored:  # without a copy of all of them
+            found.update(np.ascontiguousarray(line, "<f8").data)
+        return found.hexdigest()
 
     @cached_property
     def gray_range(self) -> tuple[float, float]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -14,8 +13,9 @@ from cpm_core.image.pyramid import to_scale
 from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import Window
 from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.segments import meet, nearest_distances, rim_of, segments_of
-from cpm_core.numerics.types import Array, Extent, Line, Mask
+from cpm_core.numerics.types import Array, Extent, Line, Mask, frozen
 from cpm_core.parameters.quotation import counted, described, shown, sized
 
 _OFF = 1e-6
@@ -25,7 +25,7 @@ _KEPT = 8
 """Polygons whose pixels and boundaries are cached: while a barrier is dragged they are needed again and again."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Regions:
     """Where particles may be.
 
@@ -85,7 +85,7 @@ class Regions:
             [to_scale(polyline.corners_of(line), scale, shape) for line in lines]
             for lines in (self.interest, self.barriers)
         )
-        return Regions(*(tuple(_line(points) for points in part) for part in parts))
+        return Regions(*(tuple(as_line(points) for points in part) for part in parts))
 
     def contains(self, points: Array) -> Mask:
         """Which of points, shape (N, 2) [px], lie in a region of interest; all of them where there is none."""
@@ -133,7 +133,7 @@ def _lines(noun: str, lines: Iterable[Iterable[Sequence[float]]], least: int) ->
             raise ValueError(f"{what} must be a sequence of at least {least} points (row, col).")
         if not np.isfinite(points).all():
             raise ValueError(f"{what} has coordinates that are not finite: give numbers of rows and columns.")
-        corners = _line(points)
+        corners = as_line(points)
         different = len(set(corners))
         if different < least:
             raise ValueError(f"{what} has {different} different points but must have at least {least}.")
@@ -152,10 +152,6 @@ def pixels_in(polygon: Line, shape: Extent) -> Mask:
 def _rims(interest: tuple[Line, ...]) -> Array:
     """Rim of the union of polygons; see `Regions.rims`."""
     return rim_of([polyline.corners_of(polygon) for polygon in interest])
-
-
-def _line(points: Array) -> Line:
-    return tuple(map(tuple, points.tolist()))
 
 
 _SAMPLING = 0.5

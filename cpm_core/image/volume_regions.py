@@ -12,7 +12,7 @@ corner are a wall without a gap, since a line between them touches both.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property, lru_cache
 from itertools import product
 from typing import Any
@@ -26,7 +26,7 @@ from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import Parts, parts_of
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.real_numbers import checked_number, real_numbers
-from cpm_core.numerics.types import Array, Extent, Index, Line, Mask, Voxel, record
+from cpm_core.numerics.types import Array, Extent, Index, Line, Mask, Voxel, frozen, record
 from cpm_core.numerics.vectors import Vector, row_of
 from cpm_core.parameters.quotation import counted, described, shown, sized
 
@@ -102,24 +102,19 @@ class Walls:
 
 @compiled
 def _crossed(closed: Mask, start: Array, end: Array, out: Mask) -> None:
-    for i in range(len(start)):
-        out[i] = _meets_voxel(closed, row_of(start, i), row_of(end, i))
-
-
-@compiled
-def _meets_voxel(closed: Mask, a: Vector, b: Vector) -> bool:
-    """Whether a straight line meets a closed voxel."""
+    """Mark the straight lines that meet a closed voxel."""
     low, high = np.empty(3, np.int64), np.empty(3, np.int64)
-    for axis in range(3):
-        last = closed.shape[axis] - 1
-        low[axis] = min(max(int(np.floor(min(a[axis], b[axis]) + 0.5 - OFF)), 0), last)
-        high[axis] = min(max(int(np.floor(max(a[axis], b[axis]) + 0.5 + OFF)), 0), last)
-    for i in range(low[0], high[0] + 1):
-        for j in range(low[1], high[1] + 1):
-            for k in range(low[2], high[2] + 1):
-                if closed[i, j, k] and _enters(a, b, (float(i), float(j), float(k))):
-                    return True
-    return False
+    for n in range(len(start)):
+        a, b = row_of(start, n), row_of(end, n)
+        for axis in range(3):
+            last = closed.shape[axis] - 1
+            low[axis] = min(max(int(np.floor(min(a[axis], b[axis]) + 0.5 - OFF)), 0), last)
+            high[axis] = min(max(int(np.floor(max(a[axis], b[axis]) + 0.5 + OFF)), 0), last)
+        for i in range(low[0], high[0] + 1):
+            for j in range(low[1], high[1] + 1):
+                for k in range(low[2], high[2] + 1):
+                    if closed[i, j, k] and not out[n]:
+                        out[n] = _enters(a, b, (float(i), float(j), float(k)))
 
 
 @compiled
@@ -185,7 +180,7 @@ class Voxels:
         filled[there] |= self.mask[here]
 
 
-@dataclass(frozen=True)
+@frozen
 class Extrusion:
     """A line in the slices across an axis of a volume, from one of them to another.
 
@@ -249,7 +244,7 @@ def _pixels_on(line: Line, shape: Extent) -> Mask:
 Limit = Pair | Voxels | Extrusion
 
 
-@dataclass(frozen=True)
+@frozen
 class VolumeRegions:
     """Where particles may be in a volume: inside the regions of interest, and on their side of every barrier.
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 import scipy
 
-from cpm_core.contours.contour import Contour
+from cpm_core.contours.contour import Contour, Contours
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Extent, Index, Mask, record
@@ -71,11 +70,20 @@ def find_boundary(scale_field: ScaleField, parameters: Parameters) -> Boundary:
     pixels = np.argwhere(scale_field.edge_map >= scale_field.floor).astype(float)
     shortest = max(parameters.min_length, _SHORTEST)
     dense = replace(parameters, d_min=_SPACING, d_max=_SPACING, min_length=shortest)
-    contours = _closing_off(find_contours(pixels, scale_field, dense)[0], scale_field.shape)
-    return _joined(contours, [_continued(_evenly(contour), scale_field.shape) for contour in contours], scale_field)
+    found, shape, contours = find_contours(pixels, scale_field, dense)[0], scale_field.shape, []
+    tree = scipy.spatial.cKDTree(np.concatenate([np.empty((0, 2)), *(contour.points for contour in found)]))
+    owner = polyline.owners([len(contour.points) for contour in found])
+    for number, contour in enumerate(found):
+        # a loose piece with more room on all sides than it is long closes nothing off, as where the shade in an object
+        # changes, but would part the axis of this object
+        loose = len(found) > 1 and not any(contour.junctions) and _loose_ends(contour, shape).all()
+        near = tree.query_ball_point(polyline.middles(contour.path, 1)[0], _ROOM * contour.length) if loose else []
+        if not loose or (owner[near] != number).any():
+            contours.append(contour)
+    return _joined(contours, [_continued(_evenly(contour), shape) for contour in contours], scale_field)
 
 
-def outlined_boundary(outlines: Sequence[Contour], scale_field: ScaleField) -> Boundary:
+def outlined_boundary(outlines: Contours, scale_field: ScaleField) -> Boundary:
     """The boundary that closed contours are: outer boundaries of objects and of their holes.
 
     Where an outline follows the image border there is no edge: the object continues beyond it.
@@ -84,25 +92,7 @@ def outlined_boundary(outlines: Sequence[Contour], scale_field: ScaleField) -> B
     return _joined(outlines, [_continued(path, scale_field.shape) for path in paths], scale_field)
 
 
-def _closing_off(contours: Sequence[Contour], shape: Extent) -> list[Contour]:
-    """Contours without loose pieces that have more room on all sides than they are long.
-
-    Such a piece closes nothing off, as where the shade in an object changes, but would part the axis of this object.
-    """
-    if len(contours) < 2:
-        return list(contours)
-    tree = scipy.spatial.cKDTree(np.concatenate([contour.points for contour in contours]))
-    owner = np.repeat(np.arange(len(contours)), [len(contour.points) for contour in contours])
-    kept = []
-    for number, contour in enumerate(contours):
-        loose = not any(contour.junctions) and _loose_ends(contour, shape).all()
-        near = tree.query_ball_point(polyline.middles(contour.path, 1)[0], _ROOM * contour.length) if loose else []
-        if not loose or (owner[near] != number).any():
-            kept.append(contour)
-    return kept
-
-
-def _joined(contours: Sequence[Contour], paths: list[tuple[Array, slice]], scale_field: ScaleField) -> Boundary:
+def _joined(contours: Contours, paths: list[tuple[Array, slice]], scale_field: ScaleField) -> Boundary:
     """Boundary along paths, each with the part of it that lies in the image."""
     if not paths:
         return Boundary(np.zeros((0, 2)), np.zeros((0, 2), np.int64), np.zeros(0), np.zeros((0, 2)))

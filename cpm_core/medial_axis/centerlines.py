@@ -20,7 +20,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.image.geometry import Geometry
 from cpm_core.numerics import polyline
 from cpm_core.numerics.real_numbers import checked_number, real_numbers, voxel_sides
-from cpm_core.numerics.types import Array, Mask, Sides, record
+from cpm_core.numerics.types import Array, Sides, record
 from cpm_core.numerics.voxel_graph import Chain, chains_of, thinned
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.parameters.quotation import counted, described
@@ -178,17 +178,7 @@ def centerlines(
     part, low = np.pad(mask[box], 1), np.array([side.start for side in box])
     # from the surface, halfway between voxels inside and outside
     depth = np.maximum(scipy.ndimage.distance_transform_edt(part, sampling=size) - 0.5 * size.min(), 0.0)
-    chains = _pruned(thinned(part, depth), depth, size, pruning)
-    walls = scipy.spatial.KDTree(np.argwhere(~part & scipy.ndimage.binary_dilation(part)) * size)
-    sides = depth / size.min()
-    branches = [_branch(chain, sides, walls, size, (low - 1).astype(float)) for chain in chains]
-    found = Centerlines(tuple(branches), tuple(spacing), unit)
-    order = np.argsort(-found.lengths, kind="stable")
-    return Centerlines(tuple(branches[k] for k in order), tuple(spacing), unit)
-
-
-def _pruned(lines: Mask, depth: Array, size: Array, pruning: float) -> list[Chain]:
-    """Chains of voxels that remain when short ones that end in the open are taken away, again and again."""
+    lines = thinned(part, depth)
 
     def is_wrinkle(chain: Chain) -> bool:
         """Whether a chain hardly leaves the ball at its junction, or its tip with its ball hardly sticks out."""
@@ -200,13 +190,18 @@ def _pruned(lines: Mask, depth: Array, size: Array, pruning: float) -> list[Chai
         salient = away + depth[tuple(tip)] > reach + _SALIENT * size.min()
         return bool(length <= reach or (pruning > 0.0 and not salient))
 
-    while True:
-        chains = chains_of(lines)
-        short = [chain for chain in chains if chain.free and is_wrinkle(chain)]
-        if not short:
-            return chains
+    # short chains that end in the open are taken away, again and again
+    chains = chains_of(lines)
+    while short := [chain for chain in chains if chain.free and is_wrinkle(chain)]:
         for chain in short:
             lines[tuple(chain.own.T)] = False
+        chains = chains_of(lines)
+    walls = scipy.spatial.KDTree(np.argwhere(~part & scipy.ndimage.binary_dilation(part)) * size)
+    sides = depth / size.min()
+    branches = [_branch(chain, sides, walls, size, (low - 1).astype(float)) for chain in chains]
+    found = Centerlines(tuple(branches), tuple(spacing), unit)
+    order = np.argsort(-found.lengths, kind="stable")
+    return Centerlines(tuple(branches[k] for k in order), tuple(spacing), unit)
 
 
 def _branch(chain: Chain, depth: Array, walls: scipy.spatial.KDTree, size: Array, begin: Array) -> Branch:

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cpm_core.contours.contour import Contour
+from cpm_core.contours.contour import Contour, Contours
 from cpm_core.numerics import polyline
 from cpm_core.numerics.real_numbers import real_numbers
-from cpm_core.numerics.types import Array, Extent, Line, Mask
+from cpm_core.numerics.types import Array, Extent, Line, Mask, frozen
 
 
-@dataclass(frozen=True)
+@frozen
 class Outlined:
     """What has a skeleton in place of what is found in an image; nothing for the image itself.
 
@@ -31,7 +30,7 @@ class Outlined:
     contours: tuple[Line, ...] = ()
 
 
-def outlines_of(within: Sequence[Contour] | ArrayLike, shape: Extent) -> tuple[Contour, ...]:
+def outlines_of(within: Contours | ArrayLike, shape: Extent) -> tuple[Contour, ...]:
     """Closed outlines from contours, of which open ones are left out, or from a mask of the shape of the image.
 
     Raises
@@ -52,7 +51,7 @@ def outlines_of(within: Sequence[Contour] | ArrayLike, shape: Extent) -> tuple[C
     return found
 
 
-def mask_of(within: Sequence[Contour] | ArrayLike, shape: Extent) -> Mask:
+def mask_of(within: Contours | ArrayLike, shape: Extent) -> Mask:
     """A given mask of an image or a volume; ValueError when its shape is not the same."""
     if isinstance(within, Sequence) and any(isinstance(one, Contour) for one in within):
         raise ValueError("within holds contours, which lie in a plane: give a mask in a volume.")
@@ -62,7 +61,7 @@ def mask_of(within: Sequence[Contour] | ArrayLike, shape: Extent) -> Mask:
     return mask
 
 
-def inside_outlines(outlines: Sequence[Contour], places: Array) -> Mask:
+def inside_outlines(outlines: Contours, places: Array) -> Mask:
     """Which places, shape (N, 2) [px], lie inside an odd number of outlines: in objects and not in their holes."""
     inside = np.zeros(len(places), np.bool_)
     for outline in outlines:

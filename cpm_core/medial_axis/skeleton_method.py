@@ -14,7 +14,7 @@ import numpy as np
 import scipy
 from numpy.typing import ArrayLike
 
-from cpm_core.contours.contour import Contour
+from cpm_core.contours.contour import Contour, Contours
 from cpm_core.contours.packed_surface import PackedBody, PackedSurface, PackedVoxels
 from cpm_core.contours.surface import inside_of
 from cpm_core.field.placed_charges import PlacedCharge
@@ -37,7 +37,7 @@ from cpm_core.parameters.provenance import Provenance, taken
 from cpm_core.parameters.quotation import described, shown, sized
 from cpm_core.reconstruction.surface.pipeline import find_surface
 
-Within = Sequence[Contour] | ArrayLike
+Within = Contours | ArrayLike
 """What a skeleton can be of: closed outlines, or a mask of the shape of the image."""
 
 OF_CENTERLINES = ("smoothing", "gamma", "edge_floor", "polarity", "pruning")
@@ -190,7 +190,7 @@ class SkeletonMethod(ImageFields):
         other.regions = regions
         return other
 
-    def of_objects(self, objects: Sequence[Contour] | Sequence[PackedBody]) -> Self:
+    def of_objects(self, objects: Contours | Sequence[PackedBody]) -> Self:
         """The same method for some closed outlines, or bodies in a volume; without any for what it finds itself."""
         other = copy(self)
         other._within = tuple(objects)

@@ -19,19 +19,17 @@ ridge and 0.7 % deeper, and while 150 particles settle there their energy rises 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from cpm_core.model.state import State
-from cpm_core.numerics.types import Array, record
+from cpm_core.numerics.types import Array, frozen, record
 from cpm_core.parameters.quotation import counted, described
 
 PAIR = 0.5
 """Coulomb force of two particles d_min apart, in w1."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Energies:
     """Energies of all particles together, of unit mass each [px^2 of the image / unit of time^2].
 

@@ -25,6 +25,16 @@ def corners_of(path: Array | Sequence[Sequence[float]]) -> Array:
     return np.asarray(path, float)
 
 
+def as_line(points: Array) -> Line:
+    """Positions of an array as plain numbers."""
+    return tuple(map(tuple, points.tolist()))
+
+
+def owners(counts: Sequence[int] | Index) -> Index:
+    """Which of several things each of their parts is of, by how many parts each has."""
+    return np.repeat(np.arange(len(counts)), counts)
+
+
 def lengths_along(path: Array) -> Array:
     """Length along a path, shape (K, D), up to each of its vertices, shape (K,) [px]; 0 at the first."""
     return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
@@ -45,6 +55,18 @@ def places_at(path: Array, lengths: Array) -> Array:
 def middles(path: Array, count: int) -> Array:
     """Midpoints of `count` equal parts of a path, shape (K, D), shape (count, D) [px]."""
     return places_at(path, (np.arange(count) + 0.5) * lengths_along(path)[-1] / count)
+
+
+def middles_of(paths: Sequence[Array], count: int) -> Array:
+    """`middles` of many paths, one or more, shape (P, count, D), at once."""
+    counts = [len(path) for path in paths]
+    corners, ends = np.concatenate(paths), np.cumsum(counts)
+    steps = np.linalg.norm(np.diff(corners, axis=0), axis=1)
+    steps[ends[:-1] - 1] = 1.0  # so that no path begins where another one ends
+    along = np.concatenate([[0.0], np.cumsum(steps)])
+    begin, end = along[ends - counts, None], along[ends - 1, None]
+    at = begin + (np.arange(count) + 0.5) / count * (end - begin)
+    return np.stack([np.interp(at, along, axis) for axis in corners.T], axis=-1)
 
 
 def sampled(path: Array, spacing: float) -> Array:
@@ -121,7 +143,7 @@ def thinned(path: Sequence[Position], tolerance: float = _TOLERANCE) -> Line:
             farthest = first + 1 + int(off.argmax())
             kept.add(farthest)
             stretches += [(first, farthest), (farthest, last)]
-    return tuple(map(tuple, corners[sorted(kept)].tolist()))
+    return as_line(corners[sorted(kept)])
 
 
 def coarser(paths: Sequence[Array], off: float) -> list[Array]:
@@ -134,7 +156,7 @@ def coarser(paths: Sequence[Array], off: float) -> list[Array]:
     if not paths:
         return []
     corners = np.concatenate(paths)
-    number = np.repeat(np.arange(len(paths)), [len(path) for path in paths])
+    number = owners([len(path) for path in paths])
     for _ in range(_HALVINGS):
         before, along = corners[1:-1] - corners[:-2], corners[2:] - corners[:-2]
         behind = along - before

@@ -57,6 +57,12 @@ Callback = Callable[[], object]
 _Kind = TypeVar("_Kind")
 
 
+@dataclass_transform(frozen_default=True, field_specifiers=(field,))
+def frozen(kind: type[_Kind]) -> type[_Kind]:
+    """A frozen dataclass of which two are equal if their fields are."""
+    return dataclass(frozen=True)(kind)
+
+
 @dataclass_transform(frozen_default=True, eq_default=False, field_specifiers=(field,))
 def record(kind: type[_Kind]) -> type[_Kind]:
     """A frozen dataclass of which each is equal to itself alone, since arrays are not compared."""

@@ -117,47 +117,30 @@ def chains_of(lines: Mask) -> list[Chain]:
     junction = labels[tuple(voxels.T)] - 1  # -1 for voxels of chains
     centers = np.array([voxels[junction == k].mean(0) for k in range(count)]).reshape(-1, 3)
     neighbors = [row[row >= 0].tolist() for row in near]
-    return _traced(voxels, neighbors, junction.astype(np.int64), centers)
-
-
-def _traced(voxels: Index, neighbors: list[list[int]], junction: Index, centers: Array) -> list[Chain]:
-    """Follow every line from its ends, then what is left: rings, and junctions without lines are no chains."""
-    used: set[int] = set()
-    chains = []
+    # every line is followed from its ends, then what is left: rings, and junctions without lines are no chains
+    used, chains = set[int](), list[Chain]()
     plain = [k for k in range(len(voxels)) if junction[k] < 0]
     inner = {k: [n for n in neighbors[k] if junction[n] < 0] for k in plain}
-    starts = [k for k in plain if len(inner[k]) < 2]
-    for start in [*starts, *plain]:
+    for start in (*(k for k in plain if len(inner[k]) < 2), *plain):
         if start in used:
             continue
-        way = [start]
-        used.add(start)
-        while True:
-            following = next((n for n in inner[way[-1]] if n not in used), None)
-            if following is None:
-                break
+        way, following = list[int](), start
+        while following >= 0:
             way.append(following)
             used.add(following)
-        chains.append(_chain(way, voxels, neighbors, junction, centers))
+            following = next((n for n in inner[following] if n not in used), -1)
+        own = voxels[way]
+        at = [next((int(junction[n]) for n in neighbors[end] if junction[n] >= 0), -1) for end in (way[0], way[-1])]
+        if len(way) == 1:  # between two junctions, or at one
+            touched = sorted({int(junction[n]) for n in neighbors[way[0]] if junction[n] >= 0})
+            at = [*touched[:2], *[-1] * (2 - len(touched[:2]))]
+        ring = at == [-1, -1] and len(way) > 2 and way[0] in neighbors[way[-1]]
+        before, behind = (centers[[k]] if k >= 0 else centers[:0] for k in at)
+        ends = zip(at, (way[0], way[0] if ring else way[-1]), strict=True)
+        first, last = (k if k >= 0 else len(centers) + end for k, end in ends)
+        free_end = (0 if at[0] < 0 else 1) if (at[0] < 0) != (at[1] < 0) else -1
+        chains.append(Chain(np.concatenate([before, own, behind, own[:ring]]), own, (first, last), free_end))
     return chains
-
-
-def _chain(way: list[int], voxels: Index, neighbors: list[list[int]], junction: Index, centers: Array) -> Chain:
-    """A chain with the junctions at its ends."""
-    own = voxels[way]
-    at = [next((int(junction[n]) for n in neighbors[end] if junction[n] >= 0), -1) for end in (way[0], way[-1])]
-    if len(way) == 1:  # between two junctions, or at one
-        touched = sorted({int(junction[n]) for n in neighbors[way[0]] if junction[n] >= 0})
-        at = [*touched[:2], *[-1] * (2 - len(touched[:2]))]
-    ring = at == [-1, -1] and len(way) > 2 and way[0] in neighbors[way[-1]]
-    before, behind = (centers[[k]] if k >= 0 else centers[:0] for k in at)
-    first, last = (
-        k if k >= 0 else len(centers) + end for k, end in zip(at, (way[0], way[0] if ring else way[-1]), strict=True)
-    )
-    free = (at[0] < 0) != (at[1] < 0)
-    return Chain(
-        np.concatenate([before, own, behind, own[:ring]]), own, (first, last), (0 if at[0] < 0 else 1) if free else -1
-    )
 
 
 _OFF_GRID = np.array([0.0317, 0.0271, 0.0193])
@@ -177,21 +160,17 @@ def loops_of(boundary: Index) -> list[Array]:
     solid[tuple((boundary - low).T)] = True
     solid = scipy.ndimage.binary_fill_holes(scipy.ndimage.binary_dilation(solid, np.ones((3, 3, 3), bool)))
     lines = thinned(solid, scipy.ndimage.distance_transform_cdt(solid).astype(float))
-    return [loop + low for loop in _cycles(chains_of(lines))]
-
-
-def _cycles(chains: list[Chain]) -> list[Array]:
-    """A loop for each chain whose ends other chains before it connect: the chain, and the way back along those."""
+    # of the chains, each that joins what others join already closes a loop
     ways: dict[int, list[tuple[int, Array]]] = defaultdict(list)
     loops = []
-    for chain in chains:
+    for chain in chains_of(lines):
         first, last = chain.nodes
         back = _way(ways, last, first)
         if back is None:
             ways[first].append((last, chain.points))
             ways[last].append((first, chain.points[::-1]))
         else:
-            loops.append(np.concatenate([chain.points, *back]))
+            loops.append(np.concatenate([chain.points, *back]) + low)
     return loops
 
 

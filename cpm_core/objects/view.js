@@ -26,15 +26,15 @@ function render({ model, el }) {
 
   const show = (x, y, width, height) => svg.setAttribute("viewBox", (box = [x, y, width, height]).join(" "));
   const place = (event) => new DOMPoint(event.clientX, event.clientY).matrixTransform(all.getScreenCTM().inverse());
-  const send = (message) => {
+  const send = (name, ...given) => {
     svg.style.cursor = "progress";
-    model.send(message);
+    model.send({ do: name, given });
   };
   const ask = () => {  // for one plane at a time, however fast the slider moves
     const { planes, plane } = model.get("ground");
     if (planes && !asked && slider.valueAsNumber !== plane) {
       asked = true;
-      send({ plane: slider.valueAsNumber });
+      send("turn_to", slider.valueAsNumber);
     }
   };
 
@@ -79,7 +79,8 @@ function render({ model, el }) {
   };
   svg.onpointerup = (event) => {
     const { x, y } = place(event);
-    if (pressed && !pressed.moved) send({ place: [y, x], correct: event.shiftKey });
+    const { planes, plane } = model.get("ground");
+    if (pressed && !pressed.moved) send("click", planes ? [plane, y, x] : [y, x], event.shiftKey);
     pressed = null;
   };
   svg.onwheel = (event) => {
@@ -92,7 +93,7 @@ function render({ model, el }) {
   svg.onkeydown = (event) => {
     if (event.key !== "Backspace" && event.key !== "Delete") return;
     event.stopPropagation();
-    send({});
+    send("remove");
   };
   slider.oninput = ask;
   model.on("change:ground", drawGround);

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cached_property
 from importlib.util import find_spec
@@ -25,9 +25,6 @@ from cpm_core.parameters.quotation import counted, described
 
 _WIDEST = 2048
 """Longer side of the picture that is sent to a notebook [px]."""
-
-_SAMPLES = 10**6
-"""About how many gray levels decide what is black and white."""
 
 _CHOSEN = "#f5793a"
 """The color of the selected object."""
@@ -117,8 +114,9 @@ class View(drawing.Pictured):
         self.selection: Any = None
         self.plane = partition.shape[0] // 2 if len(partition.shape) == 3 else None
         self._results, self._said = [result] if result is not None else [], _HELP
+        self._limits = drawing.gray_limits(self._image.values)
 
-    def click(self, place: Sequence[float], *, correct: bool = False) -> None:
+    def click(self, place: Sequence[float], correct: bool = False) -> None:
         """Choose the object at a place (row, col) or (plane, row, col), or `correct` the selected one there."""
         at, former = np.array([place], dtype=float), self.selection
         if correct and former is not None:
@@ -185,17 +183,9 @@ class View(drawing.Pictured):
             chosen = Dict(self._chosen()).tag(sync=True)
 
         made = Widget()
-        made.on_msg(lambda _, message, buffers: self._receive(**message))
+        asked: dict[str, Callable[..., None]] = {"click": self.click, "remove": self.remove, "turn_to": self.turn_to}
+        made.on_msg(lambda _, message, buffers: asked[message["do"]](*message["given"]))
         return made
-
-    def _receive(self, place: Sequence[float] = (), correct: bool = False, plane: int | None = None) -> None:
-        """Do what a notebook asks for: a click, another plane, or, without either, that the object is removed."""
-        if plane is not None:
-            self.turn_to(plane)
-        elif place:
-            self.click(place if self.plane is None else (self.plane, *place), correct=correct)
-        else:
-            self.remove()
 
     def _send(self, *, ground: bool = False) -> None:
         if "_widget" in vars(self):
@@ -210,7 +200,7 @@ class View(drawing.Pictured):
     def _ground(self) -> dict[str, Any]:
         """The image and its contours."""
         image, stream = self._image, io.BytesIO()
-        black, white = self._gray_limits
+        black, white = self._limits
         gray = (np.clip((image.values - black) / (white - black), 0.0, 1.0) * 255.0).astype(np.uint8)
         picture = PIL.Image.fromarray(gray if image.colors is None else image.colors.samples)
         picture.reduce(-(-max(image.shape) // _WIDEST)).save(stream, "png")
@@ -222,12 +212,6 @@ class View(drawing.Pictured):
             "planes": 0 if self.plane is None else self.partition.shape[0],
             "plane": self.plane,
         }
-
-    @cached_property
-    def _gray_limits(self) -> tuple[float, float]:
-        values = self.partition.image.values
-        step = int(np.ceil((values.size / _SAMPLES) ** (1.0 / values.ndim)))
-        return drawing.gray_limits(values[(slice(None, None, step),) * values.ndim])
 
 
 def _path(line: Contour) -> str:

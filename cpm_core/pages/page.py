@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import Literal
 
@@ -12,7 +12,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.rasterize import paint
 from cpm_core.contours.result import Result
-from cpm_core.numerics.types import Plain, record
+from cpm_core.numerics.types import Plain, frozen, record
 from cpm_core.pages.tracks import TrackEvent
 from cpm_core.parameters.quotation import counted, described
 
@@ -103,7 +103,7 @@ class StackResult:
         return tuple(Track(track, tuple(on[track]), origins.get(track, 0), ends.get(track)) for track in sorted(on))
 
 
-@dataclass(frozen=True)
+@frozen
 class Track:
     """An object through the pages of a stack.
 

@@ -8,16 +8,16 @@ the other. The measure is that of Dice, 0 to 1.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Literal, NamedTuple
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour, neighborhood
+from cpm_core.contours.contour import Contour, Contours, neighborhood
 from cpm_core.contours.measurements import containment
 from cpm_core.contours.rasterize import paint
-from cpm_core.numerics.polyline import sampled
-from cpm_core.numerics.types import Array, Extent, Index
+from cpm_core.numerics.polyline import owners, sampled
+from cpm_core.numerics.types import Array, Extent, Index, frozen
 from cpm_core.parameters.quotation import described
 
 LEAST_OVERLAP = 0.2
@@ -47,7 +47,7 @@ _WORDS: dict[EventKind, str] = {
 }
 
 
-@dataclass(frozen=True)
+@frozen
 class TrackEvent:
     """What happens to a track from one page to the next.
 
@@ -102,14 +102,14 @@ class Overlaps(NamedTuple):
 class Tracker:
     """Numbers the contours of one page after the other by their tracks."""
 
-    def __init__(self, contours: Sequence[Contour] = (), tracks: int = 0) -> None:
+    def __init__(self, contours: Contours = (), tracks: int = 0) -> None:
         """`contours` are those of the page before, with their tracks as numbers; so many `tracks` are known."""
         self._before = tuple(contours)
         self._tracks = tracks
         self._begun = tracks > 0
 
     def follow(
-        self, page: int, contours: Sequence[Contour], shape: Extent, *, keep: bool = False
+        self, page: int, contours: Contours, shape: Extent, *, keep: bool = False
     ) -> tuple[tuple[Contour, ...], tuple[TrackEvent, ...]]:
         """Give the contours of a page of this shape [px] their tracks as numbers, and report what happens to tracks.
 
@@ -136,7 +136,7 @@ class Tracker:
         return numbered, events
 
     def _events(
-        self, page: int, now: Sequence[Contour], pairs: dict[int, int], part: Array, shape: Extent
+        self, page: int, now: Contours, pairs: dict[int, int], part: Array, shape: Extent
     ) -> Iterable[TrackEvent]:
         """The tracks that merge into others, end, or leave the image, and those that begin or split off others."""
         before, heirs = self._before, {heir: then for then, heir in pairs.items()}
@@ -166,7 +166,7 @@ class Tracker:
             yield TrackEvent("splits", page, before[then].number, tuple(parts))
 
 
-def overlaps_of(before: Sequence[Contour], now: Sequence[Contour], shape: Extent) -> Overlaps:
+def overlaps_of(before: Contours, now: Contours, shape: Extent) -> Overlaps:
     """Measure how contours of two pages overlap, on an image of this shape [px]."""
     if not (before and now):
         nothing = np.zeros((len(before), len(now)))
@@ -180,7 +180,7 @@ def overlaps_of(before: Sequence[Contour], now: Sequence[Contour], shape: Extent
     return overlaps
 
 
-def _of_areas(before: Sequence[Contour], now: Sequence[Contour], shape: Extent) -> Overlaps:
+def _of_areas(before: Contours, now: Contours, shape: Extent) -> Overlaps:
     """Overlap of the areas of closed contours, as the measure of Dice and as a share of the smaller one."""
     one, other = (_regions(contours, shape) for contours in (before, now))
     shared = np.zeros((len(before) + 1, len(now) + 1))
@@ -192,14 +192,14 @@ def _of_areas(before: Sequence[Contour], now: Sequence[Contour], shape: Extent) 
     return Overlaps(2.0 * common / np.maximum(first + second, 1.0), common / np.maximum(least, 1.0))
 
 
-def _regions(contours: Sequence[Contour], shape: Extent) -> Index:
+def _regions(contours: Contours, shape: Extent) -> Index:
     """Which contour encloses each pixel, the innermost one, from 1; 0 for none."""
     alone = [replace(contour, group=0, hole=False) for contour in contours]
     places = np.array([0, *(index for index, one in enumerate(contours, 1) if one.closed)])
     return places[paint(alone, shape)].ravel()
 
 
-def _beside(before: Sequence[Contour], now: Sequence[Contour]) -> Array:
+def _beside(before: Contours, now: Contours) -> Array:
     """Share of the length of two contours, taken together, that runs next to the other, shape (N, M)."""
     then = [sampled(contour.path, _SAMPLING) for contour in before]
     later = [sampled(contour.path, _SAMPLING) for contour in now]
@@ -208,9 +208,9 @@ def _beside(before: Sequence[Contour], now: Sequence[Contour]) -> Array:
     return shared / lengths
 
 
-def _samples_near(samples: Sequence[Array], contours: Sequence[Contour]) -> Array:
+def _samples_near(samples: Sequence[Array], contours: Contours) -> Array:
     """Number of samples of each line that lie next to each contour."""
-    owner = np.repeat(np.arange(len(samples)), [len(one) for one in samples])
+    owner = owners([len(one) for one in samples])
     place, contour, _ = neighborhood(contours).pairs(np.concatenate(samples), _BESIDE)
     count = np.zeros((len(samples), len(contours)))
     np.add.at(count, (owner[place], contour), 1.0)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,7 +10,7 @@ from cpm_core.field.edge_map import automatic_smoothing, gradient, magnitude
 from cpm_core.field.scale_field import LARGE
 from cpm_core.image.pyramid import most_scales
 from cpm_core.numerics.grids import Window
-from cpm_core.numerics.types import Array, Extent
+from cpm_core.numerics.types import Array, Extent, frozen
 
 _COARSEST = 512
 """Longest side of the coarsest scale [px]: a front crosses it in some hundred steps."""
@@ -21,7 +20,7 @@ _SAMPLE = 256
 hundred, which `automatic_smoothing` takes for the strong ones [px]."""
 
 
-@dataclass(frozen=True)
+@frozen
 class LargeImageSettings:
     """Number of scales and sigma of the Gaussian [px] that suit a large image."""
 
@@ -50,7 +49,7 @@ def scales_for(shape: Extent) -> int:
     return min(wanted, most_scales(shape))
 
 
-def strongest_part(blocks: Array, side: int, shape: tuple[int, ...]) -> Window:
+def strongest_part(blocks: Array, side: int, shape: Extent) -> Window:
     """The window around the strongest edge of an image of this shape, from the means of blocks of `side` px."""
     strength = magnitude(gradient(blocks, 1.0))
     middle = side * np.array(np.unravel_index(int(np.argmax(strength)), strength.shape))

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import ClassVar, Self
 
 import numpy as np
 
 from cpm_core.model.starts import above
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, frozen
 from cpm_core.shapes.path import ClosedPath, check_number
 
 FINEST, COARSEST = 2.0, 64.0
@@ -54,7 +54,7 @@ class OnStrongEdges:
         return replace(self, fraction=fraction)  # type: ignore[type-var]
 
 
-@dataclass(frozen=True)
+@frozen
 class Grid(Spaced, ClosedPath):
     """Particles spread evenly over an area.
 
@@ -86,7 +86,7 @@ class Grid(Spaced, ClosedPath):
         return list(np.ptp(np.array(self.points, float), axis=0).tolist())
 
 
-@dataclass(frozen=True)
+@frozen
 class Threshold(OnStrongEdges, ClosedPath):
     """Particles where edges are strong, in an area; their positions depend on the image.
 

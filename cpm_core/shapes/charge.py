@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import math
 import operator
-from dataclasses import dataclass
 
 from cpm_core.field.placed_charges import STRONGEST, PlacedCharge
-from cpm_core.numerics.types import Place
+from cpm_core.numerics.types import Place, frozen
 from cpm_core.shapes.path import WithoutOutline, check_number
 
 WEAKEST, _STEP = 0.5, 0.5
 """Least absolute strength, and how much it changes at a time."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Charge(WithoutOutline):
     """A placed charge; it acts on all particles within its reach at once.
 

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 import operator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import ClassVar, Self
 
 import numpy as np
 
 from cpm_core.model import starts as initialization
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Line, Place, Position
+from cpm_core.numerics.polyline import as_line
+from cpm_core.numerics.types import Array, Line, Place, Position, frozen
 from cpm_core.shapes.path import LARGEST, check_number
 
 SMALLEST_RADIUS = 1.0
@@ -54,7 +55,7 @@ class Round:
         return replace(self, radius=min(max(radius, SMALLEST_RADIUS), LARGEST))  # type: ignore[type-var]
 
 
-@dataclass(frozen=True)
+@frozen
 class Circle(Round):
     """Particles on a circle.
 
@@ -94,7 +95,7 @@ _ARM, _OUT = 1.25, 4.0
 """Distance of the rotation handle from the center: a multiple of the first radius, plus a number of px."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Ellipse:
     """Particles on an ellipse.
 
@@ -141,7 +142,7 @@ class Ellipse:
         """The four ends of the axes, for resizing, and one beyond the first, for rotation."""
         first, second = np.array(self.radii)[:, None] * self._axes
         beyond = (_ARM * self.radii[0] + _OUT) * self._axes[0]
-        return tuple(map(tuple, (np.array([first, second, -first, -second, beyond]) + self.center).tolist()))
+        return as_line(np.array([first, second, -first, -second, beyond]) + self.center)
 
     def with_handle_at(self, handle: Position, to: Position) -> Ellipse:
         """The ellipse with the radius of the handle reaching a position, or rotated toward it."""

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Literal, get_args
 
 from cpm_core.image.image import Image
 from cpm_core.model.starts import STRONG, above, divergence_centers, uniform_grid
 from cpm_core.model.volume import starts as volume_starts
-from cpm_core.numerics.types import Array, Position
+from cpm_core.numerics.types import Array, Position, frozen
 from cpm_core.shapes.path import WithoutOutline
 
 Kind = Literal["grid", "gradient", "centers"]
@@ -25,7 +24,7 @@ _TITLES = {
 }
 
 
-@dataclass(frozen=True)
+@frozen
 class Everywhere(WithoutOutline):
     """Particles all over the image, at positions that depend on it (`cpm_core.shapes.image_starts`).
 

@@ -6,18 +6,17 @@ Strokes and polygons lie in an image, or in a volume, where each corner may lie 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
 
 from cpm_core.model import starts as initialization
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Place, Position
+from cpm_core.numerics.types import Array, Place, Position, frozen
 from cpm_core.shapes.path import ClosedPath, OpenPath, WithoutOutline, check_positions
 
 
-@dataclass(frozen=True)
+@frozen
 class Stroke(OpenPath):
     """Particles along a freehand line; a stroke with a single corner is one particle."""
 
@@ -31,7 +30,7 @@ class Stroke(OpenPath):
         return initialization.stroke(self.points)
 
 
-@dataclass(frozen=True)
+@frozen
 class Polygon(ClosedPath):
     """Particles along a closed line."""
 
@@ -44,7 +43,7 @@ class Polygon(ClosedPath):
         return initialization.loop(self.points)
 
 
-@dataclass(frozen=True)
+@frozen
 class Region(ClosedPath):
     """A region of interest, which particles do not leave."""
 
@@ -55,14 +54,14 @@ class Region(ClosedPath):
         return False
 
 
-@dataclass(frozen=True)
+@frozen
 class Barrier(OpenPath):
     """A line that particles do not cross."""
 
     title: ClassVar[str] = "barrier"
 
 
-@dataclass(frozen=True)
+@frozen
 class Points(WithoutOutline):
     """Particles placed one by one: `positions` (row, col) [px], or (plane, row, col) [voxels], at least one."""
 

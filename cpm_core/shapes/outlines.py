@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour
+from cpm_core.contours.contour import Contours
 from cpm_core.contours.surface import Surface
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.numerics import polyline
+from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Array
 from cpm_core.shapes.ellipse import Circle, Ellipse
 from cpm_core.shapes.lines import Points, Polygon, Stroke
@@ -24,7 +25,7 @@ def outlines_of(shapes: Iterable[Shape]) -> tuple[Array, ...]:
     return tuple(shape.outline[:-1] for shape in shapes if isinstance(shape, Circle | Ellipse | Polygon))
 
 
-def starts_along(contours: Sequence[Contour], places: Array | None = None) -> tuple[Polygon | Stroke | Points, ...]:
+def starts_along(contours: Contours, places: Array | None = None) -> tuple[Polygon | Stroke | Points, ...]:
     """Starts along contours, with the corners that matter: polygons and strokes, and single points as one start."""
     starts: list[Polygon | Stroke | Points] = []
     for contour in contours:
@@ -32,7 +33,7 @@ def starts_along(contours: Sequence[Contour], places: Array | None = None) -> tu
         closed = contour.closed and len(set(corners)) > 2
         starts.append(Polygon(corners[:-1]) if closed else Stroke(corners))
     if places is not None and len(places):
-        starts.append(Points(tuple(map(tuple, places.tolist()))))
+        starts.append(Points(as_line(places)))
     return tuple(starts)
 
 
@@ -41,7 +42,7 @@ def start_on_surface(surface: Surface) -> Points:
     used = surface.vertices[np.unique(surface.faces)]
     cubes = np.floor(used * surface.spacing / (APART * min(surface.spacing))).astype(np.int64)
     first = np.sort(np.unique(cubes, axis=0, return_index=True)[1])
-    return Points(tuple(map(tuple, used[first].tolist())))
+    return Points(as_line(used[first]))
 
 
 def starts_in(lines: Centerlines) -> tuple[Stroke, ...]:

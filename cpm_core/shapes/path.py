@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import ClassVar, Self
 
 import numpy as np
 
 from cpm_core.numerics import polyline
 from cpm_core.numerics.polyline import MOST_HANDLES
-from cpm_core.numerics.types import Array, Line, Place
+from cpm_core.numerics.types import Array, Line, Place, frozen
 
 SMALLEST, LARGEST = 0.5, 1e5
 """Bounds of radii and of distances between particles [px]."""
@@ -54,7 +54,7 @@ class WithoutOutline:
         return False
 
 
-@dataclass(frozen=True)
+@frozen
 class OpenPath(WithoutOutline):
     """A line from corner to corner.
 
@@ -100,7 +100,7 @@ class OpenPath(WithoutOutline):
         return replace(self, points=points) if len(set(points)) >= self.least else self
 
 
-@dataclass(frozen=True)
+@frozen
 class ClosedPath(OpenPath):
     """A line around an area; the last corner is joined to the first."""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import operator
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import product
 from typing import ClassVar, Self
 
@@ -14,7 +14,7 @@ import numpy as np
 from cpm_core.image.volume_regions import Pair
 from cpm_core.model.volume import starts as volume_starts
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Place, Sides, Voxel
+from cpm_core.numerics.types import Array, Place, Sides, Voxel, frozen
 from cpm_core.shapes.areas import OnStrongEdges, Spaced, check_spacing, evenly, finest_spacing
 from cpm_core.shapes.ellipse import Round
 from cpm_core.shapes.path import LARGEST, WithoutOutline, check_number
@@ -37,7 +37,7 @@ def sides_of(spacing: Sequence[float]) -> Sides:
     return tuple(side / min(spacing) for side in spacing)
 
 
-@dataclass(frozen=True)
+@frozen
 class Cuboid(WithoutOutline):
     """A box whose faces lie across the axes of the volume.
 
@@ -109,7 +109,7 @@ def _off(end: float, other: float) -> float:
     return end if abs(end - other) >= SMALLEST else other + math.copysign(SMALLEST, end - other)
 
 
-@dataclass(frozen=True)
+@frozen
 class Box(Cuboid):
     """Particles on the faces of a box."""
 
@@ -127,7 +127,7 @@ class Box(Cuboid):
         return max(_APART, math.sqrt(area / _MOST))
 
 
-@dataclass(frozen=True)
+@frozen
 class BoxRegion(Cuboid):
     """A region of interest in a volume, a box that particles do not leave."""
 
@@ -143,7 +143,7 @@ class BoxRegion(Cuboid):
         return False
 
 
-@dataclass(frozen=True)
+@frozen
 class BoxGrid(Spaced, Cuboid):
     """Particles spread evenly in a box.
 
@@ -185,7 +185,7 @@ class BoxGrid(Spaced, Cuboid):
         return [(b - a) * side for a, b, side in zip(self.first, self.last, self.sides, strict=True)]
 
 
-@dataclass(frozen=True)
+@frozen
 class BoxThreshold(OnStrongEdges, Cuboid):
     """Particles where edges are strong, in a box; their positions depend on the volume.
 
@@ -214,7 +214,7 @@ class BoxThreshold(OnStrongEdges, Cuboid):
         return np.argwhere(inside > self.fraction * inside.max()).astype(float) + low
 
 
-@dataclass(frozen=True)
+@frozen
 class Sphere(Round, WithoutOutline):
     """Particles on a sphere, evenly spread.
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from cpm_core.contours.packed_surface import PackedBody
 from cpm_core.image.volume_regions import Extrusion, Voxels
-from cpm_core.numerics.types import Array, Line, Place, Position
+from cpm_core.numerics.types import Array, Line, Place, Position, frozen
 from cpm_core.shapes.lines import Barrier, Region
 from cpm_core.shapes.path import WithoutOutline
 
@@ -18,7 +18,7 @@ _SAME = 1e-6
 """Distance within which a handle is a corner [voxels]."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Extruded(WithoutOutline):
     """A line in the slices across an axis, from one of them to another.
 
@@ -89,7 +89,7 @@ class Extruded(WithoutOutline):
         return replace(self, points=points, first=first, last=last)
 
 
-@dataclass(frozen=True)
+@frozen
 class PrismRegion(Extruded):
     """A region of interest in a volume: what a line in a slice encloses, through a range of slices."""
 
@@ -97,7 +97,7 @@ class PrismRegion(Extruded):
     flat: ClassVar[type[Region]] = Region
 
 
-@dataclass(frozen=True)
+@frozen
 class Wall(Extruded):
     """A barrier in a volume: a line in a slice, through a range of slices, that particles do not cross."""
 
@@ -105,7 +105,7 @@ class Wall(Extruded):
     flat: ClassVar[type[Barrier]] = Barrier
 
 
-@dataclass(frozen=True)
+@frozen
 class Enclosed(WithoutOutline):
     """The inside of a closed surface.
 

@@ -4,9 +4,9 @@ Run by itself: ``python tests/benchmarks/frames.py [seconds [steps a second, 0 f
 1600 x 1000. In an image of 1400 x 1400 px with a disc, 20,000 particles start from a grid, until half of them rest; in
 a volume of 256^3 voxels with eight balls, which canvas, both slices next to it and the view in space show, a grid of
 points grows to 26,000 particles, and pictures count from 20,000 on. A picture counts when it is painted with other
-positions than the one before it; the view in space also shows those between two steps. The worst second is that with
-the fewest pictures of all seconds that begin with one. The processor time of the window's thread, of the engine's and
-of all is divided by their number: unlike the rate, it depends little on what else the computer does.
+positions than the one before it; in a volume there are some between two steps. The worst second is that with the
+fewest pictures of all seconds that begin with one. The processor time of the window's thread, of the engine's and of
+all is divided by their number: unlike the rate, it depends little on what else the computer does.
 """
 
 from __future__ import annotations
@@ -124,7 +124,8 @@ def measure(values: np.ndarray, points: Points, least: int, seconds: float, pace
     session.set_pace(pace)
     session.run()
     wait(application, lambda: session.status.count >= least and session.status.step > 0)
-    views = {"canvas": Pictures(window.canvas_area.canvas.viewport(), lambda: session.scene.snapshot.position)}
+    canvas, flow = window.canvas_area.canvas, window.canvas_area.flow
+    views = {"canvas": Pictures(canvas.viewport(), lambda: flow.scene.snapshot.position)}
     if values.ndim == 3:
         space = window.panels["space"].view
         views["space"] = Pictures(space, lambda: space.positions)

@@ -3,18 +3,30 @@
 python tests/benchmarks/large_image.py make nuclei.zarr 30000
 cpm run nuclei.zarr --auto gradient --scales 1 --d-min 3 --smoothing 2 --edge-floor 0.15 --export l.zarr g.geojson t.csv
 python tests/benchmarks/large_image.py judge 30000 g_*.geojson
+python tests/benchmarks/large_image.py speed nuclei.zarr 12
+
+The last one finds the contours of so many chunks with one worker and with two.
 """
 
 import json
 import sys
+import tempfile
 import time
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
+import cpm_core as cpm
+from cpm_core.chunked.grid import Source, grid_for
+from cpm_core.chunked.run import Task, find
+from cpm_core.chunked.store import Store
+from cpm_core.chunked.survey import Tone, Whole
+from cpm_core.cli.workers import cluster, finished, on_one_core
 from cpm_core.contours.agreement import TOLERANCE, distance_to
 from cpm_core.contours.contour import Contour, sampled
 from cpm_core.formats.images.ome_zarr import create_levels, halve_part, write_part
+from cpm_core.formats.images.reading import Reading
 from cpm_core.numerics.grids import tiles
 
 PITCH, REACH, TILE = 94.9, 40, 1024
@@ -105,8 +117,29 @@ def judge(side, files):
           f"{away.mean():.3f} px apart on average, {np.percentile(away, 99):.3f} px for 99 %")  # fmt: skip
 
 
+def speed(path, count):
+    """Time for some chunks with one worker and with two, each after a chunk that warms it up."""
+    parameters = cpm.Parameters(scales=1, d_min=3.0, smoothing=2.0, edge_floor=0.15)
+    tone = Tone(0.0, 255.0, 1.0, 2.0, (0, 0, 10**6, 10**6))
+    whole = Whole(tone, (45.0,), (6.75,))
+    source = Source(path, Reading())
+    grid = grid_for(source.levels.shape, parameters, 2.0)
+    chunks = [chunk for chunk in grid.chunks if min(side.start for side in chunk.core) > 0][: count + 2]
+    for workers in (1, 2):
+        with tempfile.TemporaryDirectory() as folder, cluster(None, workers) as client:
+            task = Task(source, parameters, "gradient", Store(Path(folder)))
+            work = partial(on_one_core, partial(find, task, grid, whole))
+            for some in (chunks[:workers], chunks[2:]):
+                began = time.perf_counter()
+                for _, future in finished(client, work, some):
+                    future.result()
+            print(f"{workers} workers: {len(some)} chunks in {time.perf_counter() - began:.1f} s", flush=True)
+
+
 if __name__ == "__main__":
     if sys.argv[1] == "make":
         make(Path(sys.argv[2]), int(sys.argv[3]))
+    elif sys.argv[1] == "speed":
+        speed(Path(sys.argv[2]), int(sys.argv[3]))
     else:
         judge(int(sys.argv[2]), sys.argv[3:])

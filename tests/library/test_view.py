@@ -12,30 +12,32 @@ import cpm_core as cpm
 MODULE = importlib.import_module("cpm_core.objects.view")
 
 
-def sent(view, **message):
+def sent(view, name, *given):
     """The view as the page of a notebook has it, after it has sent a message."""
     widget = view._widget
-    widget._handle_msg({"content": {"data": {"method": "custom", "content": message}}, "buffers": []})
+    widget._handle_msg(
+        {"content": {"data": {"method": "custom", "content": {"do": name, "given": given}}}, "buffers": []}
+    )
     return widget.get_state()
 
 
 def test_clicks_choose_select_correct_and_remove():
     pytest.importorskip("anywidget")
     view = cpm.view(cpm.example("disks"))
-    chosen = sent(view, place=[32, 18], correct=False)["chosen"]
+    chosen = sent(view, "click", [32, 18], False)["chosen"]
     assert [selected for selected, _ in chosen["objects"]] == [True]
     assert f"{view.selection.mask.sum()} px" in chosen["said"]
-    sent(view, place=[32, 46], correct=False)
+    sent(view, "click", [32, 46], False)
     assert [bool(one.mask[32, 18]) for one in view.objects] == [True, False]
-    sent(view, place=[32, 18], correct=False)  # it is known, and selected again
+    sent(view, "click", [32, 18], False)  # it is known, and selected again
     assert len(view.objects) == 2
     assert view.selection.mask[32, 18]
-    sent(view, place=[32, 25], correct=True)
+    sent(view, "click", [32, 25], True)
     assert view.selection.mask[32, 18]
     assert not view.selection.mask[32, 25]
-    sent(view, place=[32, 25], correct=True)
+    sent(view, "click", [32, 25], True)
     assert view.selection.mask[32, 25]
-    assert [selected for selected, _ in sent(view)["chosen"]["objects"]] == [False]
+    assert [selected for selected, _ in sent(view, "remove")["chosen"]["objects"]] == [False]
     assert view.selection is None
     view.click((32, 18))  # what is done in Python is seen as well
     assert len(view._widget.chosen["objects"]) == 2
@@ -52,7 +54,7 @@ def test_the_image_is_sent_with_its_contours_once_and_small(monkeypatch):
     assert [path.endswith("Z") for _, path in ground["lines"]] == [contour.closed for contour in result.contours]
     first = [float(number) for number in ground["lines"][0][1][1:].partition("L")[0].split(",")]
     np.testing.assert_allclose(first[::-1], result.contours[0].points[0], atol=0.01)
-    sent(view, place=[32, 18], correct=False)
+    sent(view, "click", [32, 18], False)
     assert view._widget.ground is ground
 
 
@@ -60,17 +62,17 @@ def test_a_volume_is_clicked_in_its_planes():
     pytest.importorskip("anywidget")
     ball = cpm.segment(cpm.example("ball"), cpm.sphere((15, 15, 15), 4, 60), cpm.PRESETS["volume"])
     view = cpm.view(ball)
-    state = sent(view, plane=10)
+    state = sent(view, "turn_to", 10)
     (_, line), (_, body) = (
         state["ground"]["lines"][0],
-        sent(view, place=[15, 15], correct=False)["chosen"]["objects"][0],
+        sent(view, "click", [10, 15, 15], False)["chosen"]["objects"][0],
     )
     assert state["ground"]["plane"] == 10
     points = [tuple(map(float, pair.split(","))) for pair in line.strip("MZ").split("L")]
     np.testing.assert_allclose(np.hypot(*(np.array(points).T - 15.0)), np.sqrt(9.0**2 - 5.0**2), atol=0.3)
     assert body
     assert view.selection.volume == pytest.approx(ball.surface.volume)
-    assert sent(view, plane=2)["chosen"]["objects"] == [(True, "")]
+    assert sent(view, "turn_to", 2)["chosen"]["objects"] == [(True, "")]
     cpm.view(ball.image).click((15, 15, 15))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import numpy as np
 from cpm_app.napari.layers import LayerData, contours_of, layer_of_contours
 from cpm_core import Result, Surface, export
 from cpm_core.formats import CONTOURS_READABLE, read_contours
+from cpm_core.objects import boundaries_result
 
 
 def reader_of(path: str | Sequence[str]) -> Callable[[str | Sequence[str]], list[LayerData]] | None:
@@ -34,24 +36,19 @@ def _all(path: str | Sequence[str]) -> list[Path]:
     return [Path(path)] if isinstance(path, str) else [Path(one) for one in path]
 
 
-_DRAWN = "drawn in napari"
-
-
 def write_shapes(path: str, data: Any, settings: Mapping[str, Any]) -> list[str]:
     """Write a layer of shapes in the format that the suffix names."""
     contours, shape = contours_of(data, settings)
-    name = str(settings.get("name") or Path(path).stem)
-    return _written(Result(np.empty((0, 2)), contours, None, 0, True, _DRAWN, shape, (1.0, 1.0), None, name), path)
+    return _written(boundaries_result(contours, (), shape, (1.0, 1.0), None, settings["name"]), path)
 
 
 def write_surface(path: str, data: Any, settings: Mapping[str, Any]) -> list[str]:
     """Write a surface, in the coordinates of its layer."""
     vertices, faces = np.asarray(data[0], dtype=float), np.asarray(data[1])
-    scale = np.broadcast_to(np.asarray(settings.get("scale", 1.0), dtype=float), (3,))
+    spacing = tuple(np.asarray(settings["scale"], dtype=float).tolist())
     shape = tuple((np.ceil(vertices.max(axis=0)) + 1).astype(int).tolist())
-    name, spacing = str(settings.get("name") or Path(path).stem), tuple(scale.tolist())
-    surface = Surface(vertices, faces, spacing)
-    return _written(Result(np.empty((0, 3)), (), surface, 0, True, _DRAWN, shape, spacing, None, name), path)
+    empty = boundaries_result((), (), shape, spacing, None, settings["name"])
+    return _written(replace(empty, surface=Surface(vertices, faces, spacing)), path)
 
 
 def _written(result: Result, path: str) -> list[str]:

@@ -8,14 +8,12 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import scipy
 import skimage
 
 import cpm_core as cpm
 from cpm_core.contours import surfaces_joined
 from cpm_core.contours.surface import surface_of_labels
 from cpm_core.numerics import Array, Index
-from cpm_core.numerics.grids import box_of
 from cpm_core.objects import boundaries_result
 from cpm_core.shapes import starts_along
 
@@ -60,13 +58,12 @@ def objects_at(image: cpm.Image, inside: Array, outside: Array, drawn: Sequence[
 
 def corrected(image: cpm.Image, labels: Index, number: int, inside: Array, outside: Array) -> Work:
     """Correct the object of a label by places, as labels; all others stay as they are."""
-    mask = labels == number
-    if not mask.any():
+    mask, partition = labels == number, _partition(image)
+    pixels = np.argwhere(mask).astype(float)
+    if not len(pixels):
         raise ValueError(f"No pixel has the label {number}: select the label of the object to correct in its layer.")
     yield f"Label {number}", None
-    box, partition = box_of(mask), _partition(image)
-    depth = scipy.ndimage.distance_transform_edt(np.pad(mask[box], 1))
-    middle = np.argwhere(depth == depth.max())[:1] - 1.0 + [side.start for side in box]
+    middle = pixels[[np.linalg.norm(pixels - pixels.mean(axis=0), axis=1).argmin()]]
     if image.ndim == 2:
         before = partition.selection_of(mask, middle)
     else:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
+from contextlib import suppress
 from dataclasses import replace
 from typing import Any
 
@@ -11,7 +12,7 @@ from magicgui.widgets import ComboBox, Container, FloatSlider, Label, PushButton
 from napari import Viewer
 from napari.layers import Image, Labels, Layer, Points, Shapes
 from napari.qt.threading import GeneratorWorker, create_worker
-from qtpy.QtWidgets import QDoubleSpinBox
+from qtpy.QtWidgets import QLineEdit
 
 import cpm_core as cpm
 from cpm_app.napari import finding
@@ -22,7 +23,7 @@ from cpm_core.numerics import Array
 OBJECTS, RUN = "Objects at the points", "Run from the shapes"
 _SLIDERS = ("beta", "w1", "w2", "annealing")
 _PLACING = ("scale", "translate", "rotate", "shear", "affine")
-_PARTICLES, _NUMBER_WIDTH = "particles", 60
+_PARTICLES, _NUMBER_WIDTH = "particles", 40
 
 _CHOICES = {
     "points": (Points, "Points inside", "Each point lies in an object of its own."),
@@ -60,8 +61,8 @@ class FindWidget(Container):  # type: ignore[misc]
         ]  # fmt: skip
         super().__init__(
             widgets=[
-                create_widget(annotation=Image, name="image"),
-                ComboBox(name="way", label="find", choices=[OBJECTS, RUN]),
+                create_widget(annotation=Image, name="image", label="Image"),
+                ComboBox(name="way", label="Find", choices=[OBJECTS, RUN]),
                 *(
                     create_widget(annotation=kind, name=name, label=title, options={"tooltip": tooltip})
                     for name, (kind, title, tooltip) in _CHOICES.items()
@@ -73,7 +74,7 @@ class FindWidget(Container):  # type: ignore[misc]
         )
         self.said.native.setWordWrap(True)
         for slider in self.sliders:
-            slider.native.findChild(QDoubleSpinBox).setMinimumWidth(_NUMBER_WIDTH)
+            slider.native.findChild(QLineEdit).setMinimumWidth(_NUMBER_WIDTH)  # else it is 1 in the style of napari
             slider.changed.connect(self._steer)
         self.image.changed.connect(self._use_preset)
         self.way.changed.connect(self._show_rows)
@@ -176,34 +177,27 @@ class FindWidget(Container):  # type: ignore[misc]
 
     def _take(self, found: list[LayerData] | str) -> None:
         """Show what was found, or why nothing was."""
-        self.said.value = (
-            found
-            if isinstance(found, str)
-            else "In the layers: " + ", ".join(settings["name"] for _, settings, _ in found)
-        )
-        for layer in found if isinstance(found, list) else ():
+        if isinstance(found, str):
+            self.said.value = found
+            return
+        self.said.value = "In the layers: " + ", ".join(settings["name"] for _, settings, _ in found)
+        for layer in found:
             self._show(*layer)
 
     def _show(self, data: Any, settings: dict[str, Any], kind: str) -> None:
         """Show a layer in place of one with its name, which remains chosen where its data can be replaced."""
-        known = self._layer(settings["name"])
-        if known is not None and kind != "shapes":
-            known.data = data
-        else:
-            self._remove(known)
-            self._viewer.add_layer(Layer.create(data, settings, kind))
+        with suppress(KeyError):
+            known = self._viewer.layers[settings["name"]]
+            if kind != "shapes":
+                known.data = data
+                return
+            self._viewer.layers.remove(known)
+        self._viewer.add_layer(Layer.create(data, settings, kind))
 
     def _end(self) -> None:
-        self._worker = None
-        self.button.text = "Find"
-        self._remove(self._layer(_PARTICLES))
-
-    def _layer(self, name: str) -> Layer | None:
-        return next((layer for layer in self._viewer.layers if layer.name == name), None)
-
-    def _remove(self, layer: Layer | None) -> None:
-        if layer is not None:
-            self._viewer.layers.remove(layer)
+        self._worker, self.button.text = None, "Find"
+        with suppress(KeyError):
+            self._viewer.layers.remove(self._viewer.layers[_PARTICLES])
 
 
 def _steps(

@@ -7,6 +7,7 @@ from collections.abc import Hashable
 from dataclasses import dataclass, field, replace
 
 from cpm_app.model.document.document import Document, ImageReference
+from cpm_core.numerics.types import frozen
 
 DEEPEST = 500
 
@@ -22,7 +23,7 @@ class Erasure:
     sources: Counter[Hashable] = field(default_factory=Counter)
 
 
-@dataclass(frozen=True)
+@frozen
 class Change:
     """A change that can be undone.
 

@@ -12,7 +12,6 @@ import json
 import math
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from types import UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
@@ -22,7 +21,7 @@ from numpy.typing import DTypeLike
 from cpm_core.contours.packed_surface import MOST_VOXELS, PackedVoxels, packed, unpacked
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions, Voxels
-from cpm_core.numerics.types import Entries, Numbers, Plain
+from cpm_core.numerics.types import Entries, Numbers, Plain, frozen
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
 from cpm_core.shapes import SHAPES, Shape
@@ -39,7 +38,7 @@ NAMES = tuple(_REGIONS)
 _UNPAIRED = re.compile("[\ud800-\udfff]")
 
 
-@dataclass(frozen=True)
+@frozen
 class _Packed:
     """Voxels of a box, eight in a byte."""
 

@@ -14,7 +14,7 @@ import numpy as np
 from PIL import ImageColor
 
 from cpm_core.contours.contour import MOST_LETTERS, Contour, Reached
-from cpm_core.numerics.types import Array, Entries
+from cpm_core.numerics.types import Array, Entries, frozen
 
 DEFAULT = "#d6006c"
 """Color of contours without one of their own: visible on gray and on white."""
@@ -39,7 +39,7 @@ def rounded(values: Array) -> list[Any]:
     return list(np.round(values, 4).tolist())
 
 
-@dataclass(frozen=True)
+@frozen
 class Plane:
     """What is known of the image that contours belong to: its shape, and the size of a pixel in a unit."""
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour
+from cpm_core.contours.contour import Contour, Contours
 from cpm_core.contours.measurements import Measures, measure
 from cpm_core.formats.common.plain import encoded_json
 from cpm_core.formats.common.provenance import ENTRY, Outcome, facts_of
@@ -74,7 +74,7 @@ def _measurements(contour: Contour, row: Measures, unit: str | None) -> dict[str
     return {name: round(value, 6) for name, value in found.items()}
 
 
-def _geometry(contour: Contour, holes: Sequence[Contour]) -> Entries:
+def _geometry(contour: Contour, holes: Contours) -> Entries:
     """A polygon whose rings run counterclockwise in (x, y) outside and clockwise inside, a line, or a point."""
     from shapely.geometry import LineString, Point, Polygon, mapping
     from shapely.geometry.polygon import orient

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -39,6 +40,8 @@ class Decoded:
         Whether gray levels are Hounsfield units; None where the file does not say.
     geometry : Geometry or None
         Where it lies in space; None when the file does not state.
+    finer : tuple
+        As in `Image.finer`.
     """
 
     values: Numbers
@@ -48,6 +51,7 @@ class Decoded:
     colors: Colors | None = None
     geometry: Geometry | None = None
     hounsfield: bool | None = None
+    finer: tuple[Any, ...] = ()
 
 
 def check_size(name: str, rows: int, columns: int) -> None:

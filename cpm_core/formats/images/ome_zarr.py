@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,22 +11,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.formats.common.content import UnreadableError
-from cpm_core.formats.common.plain import Entries
 from cpm_core.formats.common.printable import printable
 from cpm_core.formats.images import resolution
-from cpm_core.formats.images.decoded import Decoded
+from cpm_core.formats.images.decoded import MAXIMUM_PIXELS, Decoded
 from cpm_core.formats.images.reading import Reading, index_of, series_of
 from cpm_core.formats.images.stack import Stack
 from cpm_core.numerics.grids import Window
+from cpm_core.numerics.types import Entries, record
 from cpm_core.parameters.quotation import sized
 
 READS = {".zarr": "OME-Zarr image"}
 
 _MARKS = ("zarr.json", ".zgroup", ".zarray")
 """Files of which a folder of Zarr has one."""
-
-_MOST = 2**26
-"""Pixels of the finest level that is opened as an image in memory."""
 
 _TILE = 256
 """Side of the tiles that are written [px]; each file holds those of a shard."""
@@ -44,7 +40,7 @@ def is_zarr(folder: Path) -> bool:
     return any((folder / mark).is_file() for mark in _MARKS)
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Levels:
     """An image in levels of resolution, none of which has been read.
 
@@ -89,11 +85,40 @@ class Levels:
         found: NDArray[Any] = np.asarray(self.arrays[level][tuple(chosen[axis] for axis in self.axes)])
         return found if "z" in self.axes else found[None]
 
+    def finer(self, level: int, time: int, channel: int, plane: int) -> tuple[FinerPlane, ...]:
+        """A plane in the levels before one, the finest first, as far as each has twice as many rows as the next."""
+        found: list[FinerPlane] = []
+        while level > 0 and abs(self.count("y", level - 1) - 2 * self.count("y", level)) <= 1:
+            level -= 1
+            found.insert(0, FinerPlane(self, level, time, channel, plane))
+        return tuple(found)
+
     def part(self, window: Window, reading: Reading) -> NDArray[Any]:
         """A window of the finest level of the plane that is chosen, by default the first."""
         chosen = (("time", reading.time, "t"), ("channel", reading.channel, "c"), ("page", reading.page, "z"))
         time, channel, plane = (index_of(what, given, self.count(at), 0, self.name) for what, given, at in chosen)
         return self.planes(0, time, channel, slice(plane, plane + 1), window)[0]
+
+
+@record
+class FinerPlane:
+    """A plane of a level, parts of which are read as they are asked for."""
+
+    levels: Levels
+    level: int
+    time: int
+    channel: int
+    plane: int
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Rows and columns."""
+        return self.levels.count("y", self.level), self.levels.count("x", self.level)
+
+    def __getitem__(self, window: Window) -> NDArray[Any]:
+        """The gray levels of a window."""
+        plane = slice(self.plane, self.plane + 1)
+        return self.levels.planes(self.level, self.time, self.channel, plane, window)[0]
 
 
 def open_levels(path: Path, reading: Reading = Reading()) -> Levels:  # noqa: B008 - a frozen value
@@ -149,12 +174,14 @@ def stack(path: Path, reading: Reading) -> Stack:
     """Open an image, in the finest level that has a moderate number of pixels."""
     levels = open_levels(path, reading)
     planes = levels.count("z")
-    fitting = (k for k in range(len(levels.arrays)) if math.prod(levels.count(a, k) for a in "zyx") <= _MOST)
+    fitting = (k for k in range(len(levels.arrays)) if math.prod(levels.count(a, k) for a in "zyx") <= MAXIMUM_PIXELS)
     level = next(fitting, len(levels.arrays) - 1)
     shape = (levels.count("z", level), levels.count("y", level), levels.count("x", level))
 
     def take(time: int, channel: int, first: int, end: int) -> Decoded:
-        return Decoded(levels.planes(level, time, channel, slice(first, end), (slice(None), slice(None))))
+        values = levels.planes(level, time, channel, slice(first, end), (slice(None), slice(None)))
+        same = planes == shape[0] and end == first + 1
+        return Decoded(values, finer=levels.finer(level, time, channel, first) if same else ())
 
     notes: tuple[str, ...] = ()
     if level:

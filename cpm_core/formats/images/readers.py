@@ -280,7 +280,7 @@ def _finished(decoded: Decoded, file: Path, reading: Reading, sha256: str) -> Im
         notes = (*notes, no_data_note(values.size))
         values = np.zeros(values.shape)
     name, known = printable(file.name), decoded.hounsfield
-    return Image(values, spacing, unit, name, notes, colors, sha256, geometry, hounsfield=known)
+    return Image(values, spacing, unit, name, notes, colors, sha256, geometry, hounsfield=known, finer=decoded.finer)
 
 
 def _hash(file: Path, go_on: Callable[[], object] | None) -> str:

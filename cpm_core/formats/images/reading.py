@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from dataclasses import dataclass
 from typing import Annotated
 
 import numpy as np
@@ -12,7 +11,7 @@ from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.images import resolution
 from cpm_core.image.colors import LUMINANCE, checked_color
 from cpm_core.numerics.real_numbers import checked_number
-from cpm_core.numerics.types import Entries
+from cpm_core.numerics.types import Entries, frozen
 from cpm_core.parameters.quotation import shown
 
 
@@ -24,7 +23,7 @@ def checked_unit(given: object) -> str | None:
     return known
 
 
-@dataclass(frozen=True)
+@frozen
 class Reading:
     """How a file is read, by the arguments of `load_image` and `load_volume`; what is None is left to the reader.
 

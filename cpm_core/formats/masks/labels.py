@@ -12,7 +12,7 @@ import PIL.PngImagePlugin
 import skimage
 from numpy.typing import NDArray
 
-from cpm_core.contours.contour import Contour, Label, numbers_of
+from cpm_core.contours.contour import Contours, Label, numbers_of
 from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.rasterize import MOST_LABELS, label_type
 from cpm_core.contours.result import Result
@@ -75,7 +75,7 @@ def named_labels(result: Outcome, *, outlines: bool = False) -> tuple[Label, ...
     )
 
 
-def paint_lines(contours: Sequence[Contour], labels: Sequence[int], shape: Extent) -> NDArray[np.unsignedinteger]:
+def paint_lines(contours: Contours, labels: Sequence[int], shape: Extent) -> NDArray[np.unsignedinteger]:
     """Draw each contour as a line one pixel wide with its label; where they meet, the first one is on top."""
     mask = np.zeros(shape, label_type(max(labels, default=0)))
     last = np.array(shape) - 1

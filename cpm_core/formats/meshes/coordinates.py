@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +20,7 @@ from cpm_core.formats.common.provenance import PROGRAM, Outcome, facts_of, text_
 from cpm_core.formats.images.resolution import factor, in_ascii, known_unit
 from cpm_core.image.geometry import Convention, Geometry
 from cpm_core.image.image import Image
-from cpm_core.numerics.types import Array, Sides, Single
+from cpm_core.numerics.types import Array, Sides, Single, frozen
 from cpm_core.parameters import DEFAULTS
 
 _FINE = 1e-3
@@ -102,7 +101,7 @@ def positions(places: Array, spacing: Sides, geometry: Geometry | None, space: C
     return places @ matrix[:3, :3].T + matrix[:3, 3]
 
 
-@dataclass(frozen=True)
+@frozen
 class Place:
     """How positions of a file become voxels.
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cpm_core.formats.common.content import UnreadableError
+from cpm_core.numerics.polyline import owners
 from cpm_core.numerics.types import Array, Index
 
 
@@ -40,7 +41,7 @@ def split(counts: ArrayLike, corners: ArrayLike) -> tuple[Index, Index]:
     if sizes.min() < 0 or int(sizes.sum()) != len(ends):
         raise ValueError("polygons do not have as many corners as they say")
     parts = np.maximum(sizes - 2, 0)
-    polygon = np.repeat(np.arange(len(sizes)), parts)
+    polygon = owners(parts)
     first = (np.cumsum(sizes) - sizes)[polygon]
     place = np.arange(len(polygon)) - (np.cumsum(parts) - parts)[polygon]
     return np.stack([ends[first], ends[first + place + 1], ends[first + place + 2]], axis=1), polygon

@@ -11,7 +11,7 @@ import math
 import os
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import field, fields, replace
 from functools import partial
 from pathlib import Path, PurePath
 from typing import Annotated, Any, NoReturn, TypeVar
@@ -35,7 +35,7 @@ from cpm_core.formats.common.provenance import PROGRAM
 from cpm_core.formats.images.readers import open_stack
 from cpm_core.formats.images.reading import DEFAULT, Reading
 from cpm_core.medial_axis.outlines import Outlined
-from cpm_core.numerics.types import Callback, Entries, Plain
+from cpm_core.numerics.types import Callback, Entries, Plain, frozen
 from cpm_core.objects.methods import CONTOUR_METHODS, Compared, Settings
 from cpm_core.objects.segmented.segmented_object import SegmentedObjects
 from cpm_core.parameters import Parameters
@@ -54,7 +54,7 @@ SUFFIX = ".cpm"
 _LARGEST = 64 * 2**20
 
 
-@dataclass(frozen=True)
+@frozen
 class ImageFile:
     """The image that a session belongs to.
 
@@ -87,7 +87,7 @@ class ImageFile:
             raise ValueError(f"shape is {shown(self.shape)} but must be rows and columns.")
 
 
-@dataclass(frozen=True)
+@frozen
 class TruthFile:
     """The ground truth of a session.
 
@@ -113,7 +113,7 @@ class TruthFile:
             raise ValueError(f"it names {shown(self.path)} within {self.tolerance:g} px.")
 
 
-@dataclass(frozen=True)
+@frozen
 class SessionFile:
     """Content of a session file.
 

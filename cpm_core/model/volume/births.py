@@ -201,11 +201,28 @@ def _look_between(q: int, i: int, looks: Mask, around: Index, search: _Search, d
 def _look_ahead(q: int, i: int, around: Index, search: _Search, d_min: float, angles: Array) -> None:
     """Offer the places a stride ahead of a particle, in the widest gap between its neighbors."""
     cells, _, (position, normals, seated, _), _, _, _ = search
-    place, stride, room = row_of(position, i), STRIDE * d_min, ROOM * d_min
-    one, other = tangents(row_of(normals, i))
-    start, gap, steps = _widest_gap(cells, around, place, i, normals, seated, one, other, _NEIGHBORS * stride, angles)
+    place, own, stride, room = row_of(position, i), row_of(normals, i), STRIDE * d_min, ROOM * d_min
+    (one, other), reach, count = tangents(own), _NEIGHBORS * stride, 0
+    for k in around:
+        away = difference(row_of(cells.place, k), place)
+        j = cells.order[k]
+        near_it = dot(away, away) < reach * reach and j != i and seated[j] and count < _MOST_NEIGHBORS
+        if near_it and faces_alike(own, row_of(normals, j)):
+            angle, at = np.arctan2(dot(away, other), dot(away, one)), count
+            while at > 0 and angles[at - 1] > angle:
+                angles[at] = angles[at - 1]
+                at -= 1
+            angles[at] = angle
+            count += 1
+    begin, gap, steps = 0.0, 7.0 * _STEP, 7  # without neighbors: six particles around
+    if count > 0:
+        begin, gap = angles[count - 1], angles[0] + 2.0 * np.pi - angles[count - 1]
+        for n in range(count - 1):
+            if angles[n + 1] - angles[n] > gap:
+                begin, gap = angles[n], angles[n + 1] - angles[n]
+        steps = max(2, int(gap / _STEP + _ROUNDING)) if gap >= _WIDEST_GAP else 1  # without room for a particle
     for step in range(1, steps):
-        angle = start + gap * step / steps
+        angle = begin + gap * step / steps
         ahead = moved(moved(place, stride * np.cos(angle), one), stride * np.sin(angle), other)
         _offer(q, i, ahead, room, _FARTHEST * stride, room, search)
 
@@ -243,46 +260,6 @@ def tangents(normal: Vector) -> tuple[Vector, Vector]:
         normal[0] * one[1] - normal[1] * one[0],
     )
     return one, other
-
-
-@compiled
-def _widest_gap(
-    cells: Cells,
-    around: Index,
-    place: Vector,
-    i: int,
-    normals: Array,
-    seated: Mask,
-    one: Vector,
-    other: Vector,
-    reach: float,
-    angles: Array,
-) -> tuple[float, float, int]:
-    """Where the widest gap around a particle begins, how wide it is, and the steps that it is divided into.
-
-    Without room for a particle there is one step, and without neighbors there are seven: six particles around.
-    """
-    own, count = row_of(normals, i), 0
-    for k in around:
-        away = difference(row_of(cells.place, k), place)
-        j = cells.order[k]
-        near_it = dot(away, away) < reach * reach and j != i and seated[j] and count < _MOST_NEIGHBORS
-        if near_it and faces_alike(own, row_of(normals, j)):
-            angle, at = np.arctan2(dot(away, other), dot(away, one)), count
-            while at > 0 and angles[at - 1] > angle:
-                angles[at] = angles[at - 1]
-                at -= 1
-            angles[at] = angle
-            count += 1
-    if count == 0:
-        return 0.0, 7.0 * _STEP, 7
-    begin, gap = angles[count - 1], angles[0] + 2.0 * np.pi - angles[count - 1]
-    for n in range(count - 1):
-        if angles[n + 1] - angles[n] > gap:
-            begin, gap = angles[n], angles[n + 1] - angles[n]
-    if gap < _WIDEST_GAP:
-        return 0.0, 0.0, 1
-    return begin, gap, max(2, int(gap / _STEP + _ROUNDING))
 
 
 @compiled

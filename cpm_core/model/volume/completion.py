@@ -64,16 +64,10 @@ def reseed_surface(state: State, field: VolumeField, d_min: float) -> State | No
     reached[ridges.component[cover == _ON]] = True
     more = inseparable(field, ridges, reached, cover != _BARE)
     bare = np.flatnonzero((cover == _BARE) & (reached | more)[ridges.component])
-    return _with_launched(state, field, ridges.where(bare), d_min, bool(more.any()))
-
-
-def _with_launched(state: State, field: VolumeField, ridges: Ridges, d_min: float, leads_on: bool) -> State | None:
-    """The state with particles on some ridges, the strongest first, and not too near to each other.
-
-    Another launch follows one that is worthwhile, and one that `leads_on` to new boundaries.
-    """
-    if not len(ridges.place):
+    if not len(bare):
         return None
+    ridges = ridges.where(bare)
+    # the strongest first, and not too near to each other
     order = np.argsort(-ridges.strength, kind="stable")
     chosen = order[apart(ridges.place[order], ridges.normal[order], _APART * d_min)]
     position = _pulled(field, ridges.place[chosen])
@@ -82,7 +76,8 @@ def _with_launched(state: State, field: VolumeField, ridges: Ridges, d_min: floa
     chosen, position = chosen[free], position[free]
     step = state.step_of_scale
     contact = SurfaceContact.of_seated(ridges.normal[chosen], ridges.strength[chosen], step)
-    worthwhile = leads_on or len(chosen) > WORTHWHILE * state.count
+    # another launch follows one that is worthwhile, and one that leads on to new boundaries
+    worthwhile = more.any() or len(chosen) > WORTHWHILE * state.count
     return replace(
         state,
         particles=state.particles.with_more(position, state.next_identity, contact),

@@ -15,8 +15,8 @@ import scipy
 
 from cpm_core.field.volume_field import VolumeField
 from cpm_core.field.volume_surface import Ridges
-from cpm_core.numerics.grids import Parts, parts_of
-from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.numerics.grids import parts_of
+from cpm_core.numerics.types import Array, Mask
 from cpm_core.numerics.voxel_graph import linking_number, loops_of
 
 _LEAST_SIZE = 32
@@ -69,7 +69,12 @@ def _enclosed(field: VolumeField, ridges: Ridges, covered: Mask, fitting: Mask) 
     more = np.zeros_like(fitting)
     rims, near = [], []
     for side in (-1.0, 1.0):
-        region = _region_beside(field, regions, ridges.place[some], side * ridges.normal[some])
+        region = np.full(len(some), -1, np.int64)  # the first one in this direction, within reach
+        for step in range(1, int(_REACH + _REACH_SMOOTHING * field.smoothing) + 1):
+            beside = ridges.place[some] + step * (side * ridges.normal[some])
+            voxel = np.rint(beside / field.pitch).astype(np.int64)
+            here = regions.part_at(np.ascontiguousarray(np.clip(voxel, 0, np.array(field.shape) - 1)))
+            region = np.where(region < 0, here, region)
         inner = (region >= 0) & ~open_[region]
         rims.append(np.stack([ridges.component[some][inner], region[inner]], axis=1))
         near.append(covered[some][inner])
@@ -82,17 +87,6 @@ def _enclosed(field: VolumeField, ridges: Ridges, covered: Mask, fitting: Mask) 
     known[rim[share >= _COVERED, 1]] = True
     more[rim[known[rim[:, 1]], 0]] = True
     return more & fitting
-
-
-def _region_beside(field: VolumeField, regions: Parts, place: Array, toward: Array) -> Index:
-    """The first region in a direction from each place, shape (N,); -1 where there is none within reach."""
-    found = np.full(len(place), -1, np.int64)
-    last = np.array(field.shape) - 1
-    for step in range(1, int(_REACH + _REACH_SMOOTHING * field.smoothing) + 1):
-        voxel = np.rint((place + step * toward) / field.pitch).astype(np.int64)
-        here = regions.part_at(np.ascontiguousarray(np.clip(voxel, 0, last)))
-        found = np.where(found < 0, here, found)
-    return found
 
 
 def _linked(field: VolumeField, ridges: Ridges, found: Mask, fitting: Mask) -> Mask:

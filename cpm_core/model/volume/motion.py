@@ -97,7 +97,13 @@ def near(cells: Cells, place: Vector, reach: float, found: Index) -> int:
     for plane in range(first, last + 1):
         for line in range(plane * cells.rows + front, plane * cells.rows + back + 1):
             end = cells.start[line + 1]
-            k = _first_from(cells.col, left, cells.start[line], end)
+            k, high = cells.start[line], end
+            while k < high:  # the first that is not left of them
+                middle = (k + high) // 2
+                if cells.col[middle] < left:
+                    k = middle + 1
+                else:
+                    high = middle
             while k < end and cells.col[k] <= right:
                 away = difference(place, row_of(cells.place, k))
                 found[count] = k  # the next one takes its place unless it is near: no branch to mispredict
@@ -110,18 +116,6 @@ def near(cells: Cells, place: Vector, reach: float, found: Index) -> int:
 def room_for(cells: Cells) -> Index:
     """Room for what `near` finds."""
     return np.empty(len(cells.order) + 1, np.int64)
-
-
-@compiled
-def _first_from(col: Index, wanted: int, low: int, high: int) -> int:
-    """First of some entries in ascending order that is not below a wanted one; `high` if all are."""
-    while low < high:
-        middle = (low + high) // 2
-        if col[middle] < wanted:
-            low = middle + 1
-        else:
-            high = middle
-    return low
 
 
 @compiled

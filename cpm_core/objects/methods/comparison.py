@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from types import MappingProxyType
 from typing import Any
 
@@ -18,7 +18,7 @@ from cpm_core.field.edge_map import edge_map
 from cpm_core.field.interpolation import interpolate
 from cpm_core.image.image import Image, as_image
 from cpm_core.numerics.real_numbers import checked_number
-from cpm_core.numerics.types import record
+from cpm_core.numerics.types import frozen, record
 from cpm_core.objects.methods.level_sets import GEODESIC, GEOMETRIC_GVF
 from cpm_core.objects.methods.method import AnyMethod, ContourMethod, ContourState, Settings, Start
 from cpm_core.objects.methods.particles import PARTICLES, PROPOSED_OBJECT
@@ -53,7 +53,7 @@ FIRST = ("cpm", "gvf", "geodesic", "chan_vese")
 """The methods that are compared at first."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Compared:
     """A comparison of methods, which a session keeps; its start is what is drawn.
 
@@ -159,7 +159,7 @@ def run_method(
     return replace(last, seconds=last.seconds + time.perf_counter() - began)
 
 
-@dataclass(frozen=True)
+@frozen
 class Facts:
     """What a comparison says of one run; the last four are None where no ground truth is known.
 

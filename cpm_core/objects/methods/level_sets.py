@@ -17,7 +17,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +24,7 @@ from numpy.typing import NDArray
 from cpm_core.field.edge_map import gradient
 from cpm_core.image.image import Image
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Mask
+from cpm_core.numerics.types import Array, Mask, frozen
 from cpm_core.objects.methods.method import (
     ContourMethod,
     ContourState,
@@ -171,7 +170,7 @@ def signed_distance(phi: Array) -> Array:
     return out
 
 
-@dataclass(frozen=True)
+@frozen
 class GeodesicSettings(Settings):
     """Parameters of the geodesic active contour."""
 
@@ -226,7 +225,7 @@ GEODESIC = ContourMethod(
 )
 
 
-@dataclass(frozen=True)
+@frozen
 class GeometricGvfSettings(Settings):
     """Parameters of the geometric GVF contour."""
 

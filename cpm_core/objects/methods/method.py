@@ -7,7 +7,7 @@ described by a `ContourMethod`, which is all that the command line, the benchmar
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import field, fields, replace
 from functools import cached_property, partial
 from typing import Any, Generic, TypeVar
 
@@ -22,7 +22,7 @@ from cpm_core.field.edge_map import edge_map
 from cpm_core.image.image import Image
 from cpm_core.numerics.polyline import resampled
 from cpm_core.numerics.real_numbers import real_numbers
-from cpm_core.numerics.types import Array, Extent, Mask, record
+from cpm_core.numerics.types import Array, Extent, Mask, frozen, record
 from cpm_core.parameters import ParameterInfo, Parameters
 from cpm_core.parameters.quotation import counted, described, shown
 
@@ -131,7 +131,7 @@ def number(
     return field(default=default, metadata={"info": info})
 
 
-@dataclass(frozen=True)
+@frozen
 class Settings:
     """Values of the parameters of a method; a subclass is a frozen dataclass of fields made by `number`.
 
@@ -268,7 +268,7 @@ def until_at_rest(functions: Iterable[NDArray[Any]], level: float, most_steps: i
 S = TypeVar("S")
 
 
-@dataclass(frozen=True)
+@frozen
 class ContourMethod(Generic[S]):
     """A method that finds contours from a start, as those see it who compare methods.
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,7 @@ import skimage
 from numpy.typing import NDArray
 
 from cpm_core.image.image import Image
-from cpm_core.numerics.types import Array, Extent
+from cpm_core.numerics.types import Array, Extent, frozen
 from cpm_core.objects.methods.method import (
     ContourMethod,
     ContourState,
@@ -38,7 +37,7 @@ def _likeness(default: float, symbol: str, where: str) -> Any:
     )  # fmt: skip
 
 
-@dataclass(frozen=True)
+@frozen
 class ChanVeseSettings(Settings):
     """Parameters of Chan-Vese, as scikit-image's ``chan_vese`` has them."""
 
@@ -98,7 +97,7 @@ def _smoothness(default: int) -> Any:
     )  # fmt: skip
 
 
-@dataclass(frozen=True)
+@frozen
 class MorphologicalGacSettings(Settings):
     """Parameters of the morphological geodesic active contour, as scikit-image has them."""
 
@@ -118,7 +117,7 @@ class MorphologicalGacSettings(Settings):
     sigma: float = smoothing_before_edges(3.0)
 
 
-@dataclass(frozen=True)
+@frozen
 class MorphologicalChanVeseSettings(Settings):
     """Parameters of morphological Chan-Vese, as scikit-image has them."""
 
@@ -201,7 +200,7 @@ _NO_WARNING = 1.0
 """Error of probabilities up to which scikit-image does not warn; only which of two is larger counts."""
 
 
-@dataclass(frozen=True)
+@frozen
 class RandomWalkerSettings(Settings):
     """Parameters of the random walker."""
 

@@ -9,7 +9,6 @@ gradient vector flow (Xu and Prince 1998) is the gradient of the edge map, exten
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -21,7 +20,7 @@ from cpm_core.field.edge_map import gradient
 from cpm_core.image.image import Image
 from cpm_core.numerics.polyline import length, resampled
 from cpm_core.numerics.segments import SegmentTree
-from cpm_core.numerics.types import Array, Extent
+from cpm_core.numerics.types import Array, Extent, frozen
 from cpm_core.objects.methods.method import (
     ContourMethod,
     ContourState,
@@ -126,7 +125,7 @@ _EVERY, _REST = 20, 0.1
 """A curve is at rest when within so many steps it has not moved farther than this [px]."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Elasticity:
     """What a curve does by itself: tension, rigidity, resistance to motion."""
 
@@ -181,7 +180,7 @@ def _evened(curve: Array) -> Array:
     return resampled(path, SPACING)
 
 
-@dataclass(frozen=True)
+@frozen
 class SnakeSettings(Settings):
     """Parameters of the classical snake."""
 
@@ -250,7 +249,7 @@ def smoothness_of_the_field() -> Any:
     )  # fmt: skip
 
 
-@dataclass(frozen=True)
+@frozen
 class GvfSnakeSettings(Settings):
     """Parameters of the GVF snake."""
 

@@ -9,7 +9,7 @@ means and deviations of both around it (local regions: Lankton and Tannenbaum 20
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property, lru_cache, partial
 from itertools import combinations
 from typing import NamedTuple
@@ -20,7 +20,7 @@ import skimage
 
 from cpm_core.numerics.grids import ends
 from cpm_core.numerics.parallel import share
-from cpm_core.numerics.types import Array, Mask, Single
+from cpm_core.numerics.types import Array, Mask, Single, record
 from cpm_core.objects.prior.network import Network, trained
 from cpm_core.objects.prior.prior import maps_of
 from cpm_core.objects.prior.windows import LEAST_DEVIATION, SIDE, Cube, Grays, holding, resampled
@@ -92,7 +92,7 @@ _OTHERS = ((1, 2), (0, 2), (0, 1))
 """The axes of a slice across each axis."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Body:
     """A body that clicks mean.
 
@@ -172,7 +172,7 @@ class _Within(NamedTuple):
     outside: Array
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class BodyPrior:
     """What the network makes of clicks in a volume.
 

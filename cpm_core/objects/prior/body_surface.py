@@ -16,7 +16,7 @@ from cpm_core.contours.surface import Surface
 from cpm_core.field.interpolation import value_at
 from cpm_core.numerics.grids import parts_of, zero_surface
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Index, Mask, Single
+from cpm_core.numerics.types import Array, Extent, Index, Mask, Sides, Single
 from cpm_core.objects.prior.bodies import FAR, Body
 from cpm_core.objects.prior.windows import Cube
 
@@ -45,7 +45,7 @@ def body_surface(
     size: Array,
     inside: Array,
     outside: Array,
-    spacing: tuple[float, ...],
+    spacing: Sides,
     unit: str | None,
     interest: Mask | None = None,
 ) -> Surface:
@@ -90,7 +90,7 @@ def body_surface(
     return Surface(vertices, faces, spacing, unit)
 
 
-def _linked(body: Body, inside: Array, outside: Array, shape: tuple[int, ...], size: Array) -> Single:
+def _linked(body: Body, inside: Array, outside: Array, shape: Extent, size: Array) -> Single:
     """Logits of the parts of a body that hold places, and beyond the volume as at its border; one step wider."""
     logits = np.pad(body.logits, 1, constant_values=-FAR)
     for axis, line in enumerate(body.cube.lines):

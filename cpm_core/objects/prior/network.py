@@ -8,14 +8,13 @@ the overlap of the answer with the object that is meant.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 
 import numpy as np
 import scipy
 
-from cpm_core.numerics.types import Single
+from cpm_core.numerics.types import Single, record
 
 _DOWN, _UP = (1, 2, 2, 2, 2), ((3, 2), (2, 2), (1, 1), (0, 1))
 """Convolutions at each resolution, the finest first; and on the way back, each with its resolution."""
@@ -24,7 +23,7 @@ _BAND = 1 << 17
 """Numbers in a band of rows that a convolution reads, which then stay in the cache of a core."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Network:
     """A network of given weights.
 

@@ -6,7 +6,6 @@ A cube is the part of a volume that the network looks at slice by slice.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -14,7 +13,7 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from cpm_core.numerics.types import Array, Index, Mask, Single
+from cpm_core.numerics.types import Array, Extent, Index, Mask, Single, record
 
 SIDE = 96
 """Pixels along each side of what the network looks at."""
@@ -35,7 +34,7 @@ _SAMPLES = 100_000
 """About so many pixels by which the gray levels of an image are measured."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Patch:
     """A square of an image, or a cube in a volume, brought to `SIDE` steps along each axis.
 
@@ -77,7 +76,7 @@ def holding(steps: Array) -> Mask:
     return on
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Window(Patch):
     """A square of an image; its steps are its pixels."""
 
@@ -89,7 +88,7 @@ class Window(Patch):
         """The map of another window in this one; zeros beyond."""
         return _sampled_within(seen, *other.steps_along(self.lines))
 
-    def back(self, seen: Single, shape: tuple[int, ...]) -> tuple[tuple[slice, slice], Single]:
+    def back(self, seen: Single, shape: Extent) -> tuple[tuple[slice, slice], Single]:
         """Rows and columns of an image of this shape that the window holds, and its map, shape (SIDE, SIDE), there."""
         lines = [np.arange(n) for n in shape]
         lines = [line[(line >= of[0]) & (line <= of[-1])] for line, of in zip(lines, self.lines, strict=True)]
@@ -97,7 +96,7 @@ class Window(Patch):
         return (rows, cols), sampled(seen[..., None], *self.steps_along(lines))[..., 0]
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Views:
     """An image as the network sees it.
 
@@ -185,7 +184,7 @@ _FLAT = 1e-6
 """Range of gray levels, as a fraction of the largest, up to which a volume is even."""
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Cube(Patch):
     """A cube in a volume."""
 
@@ -204,7 +203,7 @@ class Cube(Patch):
         return found
 
 
-@dataclass(frozen=True, eq=False)
+@record
 class Grays:
     """A volume as the network sees it.
 

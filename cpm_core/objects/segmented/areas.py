@@ -15,6 +15,7 @@ from cpm_core.contours.surface_agreement import Triangles
 from cpm_core.image.volume_regions import Voxels
 from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import zero_surface
+from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Array, Extent, Index, Line, Position
 from cpm_core.objects.segmented.segmented_object import SegmentedObject
 
@@ -152,4 +153,4 @@ def boundary_of(area: Any) -> tuple[Line, ...]:
     parts = [part for part in shapely.get_parts(area) if part.geom_type == "Polygon"]
     rings = [np.round(ring.coords, _DECIMALS)[:-1] for part in parts for ring in (part.exterior, *part.interiors)]
     rings = [ring for ring in rings if polyline.area(ring) >= _LEAST_AREA]
-    return tuple(tuple(map(tuple, ring.tolist())) for ring in sorted(rings, key=lambda ring: -len(ring)))
+    return tuple(as_line(ring) for ring in sorted(rings, key=lambda ring: -len(ring)))

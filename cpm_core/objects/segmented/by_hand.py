@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.hand_edits import HandEdit, apply
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Index, Line, Mask, Position
+from cpm_core.numerics.types import Array, Index, Line, Mask, Position, frozen
 from cpm_core.objects.segmented.areas import area_of, boundary_of, lies_on
 from cpm_core.objects.segmented.segmented_object import SegmentedObject
 from cpm_core.reconstruction.by_hand.live_wire import on_ridge
@@ -53,7 +53,7 @@ _GRID, _DECIMALS = 1e-3, 3
 """Grid to which lines are rounded where they meet [px], and decimals of what is kept."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Halves:
     """Two objects in place of one, and the lines, each of shape (K, 2) [px], along which it was cut in an image.
 

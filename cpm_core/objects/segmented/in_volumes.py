@@ -108,7 +108,7 @@ def painted_in(
     return replace(ends, items=tuple(known.values()))
 
 
-def split_in_volume(item: SegmentedObject, first: Place, second: Place, sides: tuple[float, ...]) -> Halves:
+def split_in_volume(item: SegmentedObject, first: Place, second: Place, sides: Sides) -> Halves:
     """Two painted objects in place of one in a volume, each with one of two places.
 
     They meet at the neck between them, by the watershed of the distance from the boundary, or halfway without one.

@@ -12,7 +12,7 @@ from itertools import combinations, groupby
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour, bridges_on
+from cpm_core.contours.contour import Contour, Contours, bridges_on
 from cpm_core.contours.hand_edits import HandEdit, apply
 from cpm_core.contours.polygonal_line import PolygonalLine
 from cpm_core.contours.result import Result
@@ -135,7 +135,7 @@ def connect(path: Array, begin: Contact | None = None, end: Contact | None = Non
     return (HandEdit((), places(path), False, before, after),)
 
 
-def chain(scale_field: ScaleField, contours: Sequence[Contour], closing: bool = False) -> tuple[HandEdit, ...]:
+def chain(scale_field: ScaleField, contours: Contours, closing: bool = False) -> tuple[HandEdit, ...]:
     """Open contours joined to one by live wires between ends, the nearest first; where `closing`, to a closed one."""
     ends = [(number, end) for number, contour in enumerate(contours) for end in Contact.ends(contour)]
     apart = [(math.dist(ends[i][1].place, ends[j][1].place), i, j) for i, j in combinations(range(len(ends)), 2)]
@@ -153,7 +153,7 @@ def chain(scale_field: ScaleField, contours: Sequence[Contour], closing: bool = 
     return tuple(edits)
 
 
-def wire_from(scale_field: ScaleField, begin: Contact, contours: Sequence[Contour] = ()) -> LiveWire:
+def wire_from(scale_field: ScaleField, begin: Contact, contours: Contours = ()) -> LiveWire:
     """Live wire from a place on a contour that does not run back along it, or along further contours."""
     avoided = [PolygonalLine.of(contour) for contour in contours] or [begin.line]
     ends = [end.place for line in avoided if line.source is not None for end in Contact.ends(line.source)]

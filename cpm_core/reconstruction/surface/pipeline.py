@@ -69,7 +69,10 @@ def find_surface(
     planes, rows, cols = (high - low + 2).tolist()
     box = Box(low - 1, (planes, rows, cols))
     found = height(volume, box, levels, size, width, band)
-    left_out = None if shut is None else _part_of(shut, box)
+    left_out = None
+    if shut is not None:  # the part of it that lies in the box, which may reach beyond the volume
+        along = [np.arange(begin, begin + count) for begin, count in zip(box.begin.tolist(), box.shape, strict=True)]
+        left_out = shut[np.ix_(*(np.clip(at, 0, n - 1) for at, n in zip(along, shut.shape, strict=True)))]
     sign = _settle(found, left_out)
     surroundings = Surroundings(volume, sign, levels.points, sign * normals, levels.slopes, size)
     join(found, box.begin, surroundings)
@@ -81,15 +84,6 @@ def find_surface(
     vertices += box.begin
     supported = support(vertices * size, points * size, apart)
     return well_supported(vertices, faces, points, supported, spacing, unit)
-
-
-def _part_of(shut: Mask, box: Box) -> Mask:
-    """The part of a mask that lies in a box, which may reach beyond the volume."""
-    axes = (
-        np.clip(np.arange(begin, begin + count), 0, n - 1)
-        for begin, count, n in zip(box.begin.tolist(), box.shape, shut.shape, strict=True)
-    )
-    return shut[np.ix_(*axes)]
 
 
 def _settle(found: Single, left_out: Mask | None) -> float:

@@ -198,7 +198,7 @@ class TimelineMachine(RuleBasedStateMachine):
         arrays = {
             id(array): array.nbytes
             for state in kept
-            for array in (*(getattr(state.particles, name) for name in Particles.__slots__), *state.coverage[:2])
+            for array in (*(getattr(state.particles, name) for name in vars(state.particles)), *state.coverage[:2])
             if array is not None
         }
         assert timeline._kept.used == sum(arrays.values())

@@ -172,7 +172,7 @@ def test_an_image_is_opened_in_the_level_that_has_room(source, tmp_path, monkeyp
     image = cpm.load_image(source.path)
     assert (image.values == picture()).all()
     assert (image.spacing, image.unit, image.notes) == ((0.5, 0.5), "µm", ())
-    monkeypatch.setattr(ome_zarr, "_MOST", 2**19)
+    monkeypatch.setattr(ome_zarr, "MAXIMUM_PIXELS", 2**19)
     values = np.arange(1200 * 800, dtype=np.uint32).reshape(1200, 800)
     ome_zarr.create_levels(tmp_path / "x.zarr", values.shape, values.dtype, SIDE)
     ome_zarr.write_part(tmp_path / "x.zarr", 0, np.s_[:, :], values)
@@ -180,3 +180,6 @@ def test_an_image_is_opened_in_the_level_that_has_room(source, tmp_path, monkeyp
     small = cpm.load_image(tmp_path / "x.zarr")
     assert (small.values == values[::2, ::2]).all()
     assert "level 1 was opened" in small.notes[0]
+    (finer,) = small.finer
+    assert finer.shape == (1200, 800)
+    assert (finer[700:710, 20:30] == values[700:710, 20:30]).all()

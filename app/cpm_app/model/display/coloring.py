@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,7 +10,7 @@ from cpm_app.model.display.lengths import round_up
 from cpm_app.model.display.plots import RunMetrics
 from cpm_app.model.text.language import tr
 from cpm_core.numerics import Array
-from cpm_core.numerics.types import Pixels, record
+from cpm_core.numerics.types import Pixels, frozen, record
 from cpm_core.segmentation import MethodState
 
 SHADES = 32
@@ -40,7 +39,7 @@ def age(state: MethodState, metrics: RunMetrics) -> Array:
     return steps
 
 
-@dataclass(frozen=True)
+@frozen
 class Quantity:
     """A quantity by which particles can be colored.
 

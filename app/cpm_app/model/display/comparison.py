@@ -5,14 +5,13 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 from cpm_app.model.display.lengths import short_text
 from cpm_app.model.parameters.controls import Control, slider_range, value_of, with_value
 from cpm_app.model.text.language import from_core, tr
 from cpm_core import CONTOUR_METHODS, Parameters
-from cpm_core.numerics.types import record
+from cpm_core.numerics.types import frozen, record
 from cpm_core.objects.methods import Compared
 
 FEWEST, MOST = 2, 6
@@ -25,7 +24,7 @@ _COUNT, _SPREAD = 3, 0.5
 """Number of values that are proposed, and the fraction of the slider's range that they span."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Axis:
     """A parameter that runs differ in, with its values in ascending order."""
 

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from typing import Literal
 
 import numpy as np
 
 from cpm_app.model.volume.slices import Slice
 from cpm_app.model.volume.surface_section import section
-from cpm_core import Comparison, Contour, Surface, SurfaceComparison, Truth, VolumeTruth
+from cpm_core import Comparison, Surface, SurfaceComparison, Truth, VolumeTruth
 from cpm_core.contours import distance_to
+from cpm_core.contours.contour import Contours
 from cpm_core.numerics import Array, Place, polyline
 from cpm_core.numerics.types import record
 
@@ -40,7 +41,7 @@ class Difference:
     place: Place
 
 
-def differences(contours: Sequence[Contour], comparison: Comparison) -> tuple[Difference, ...]:
+def differences(contours: Contours, comparison: Comparison) -> tuple[Difference, ...]:
     """The parts of contours and ground truth farther apart than the tolerance, the farthest first."""
     found = []
     for contour, away in zip(contours, comparison.distances, strict=True):

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import PIL.Image
@@ -11,7 +12,7 @@ import PIL.Image
 from cpm_core import Image
 from cpm_core.numerics import Array
 from cpm_core.numerics.grids import in_bands
-from cpm_core.numerics.types import Extent, Pixels, record
+from cpm_core.numerics.types import Extent, Pixels, frozen, record
 
 _AT_ONCE = 1 << 16
 """Gray values that are processed at once: few enough for the processor's cache, which is several times faster."""
@@ -26,7 +27,7 @@ _CODES = 1 << 12
 """Entries of the table of the gamma curve."""
 
 
-@dataclass(frozen=True)
+@frozen
 class IntensityWindow:
     """Range of gray values: those up to `low` are black, those from `high` on white.
 
@@ -39,6 +40,24 @@ class IntensityWindow:
 
 
 @record
+class FinerShades:
+    """Shades of a level that is read from a file where it is seen."""
+
+    values: Any
+    window: IntensityWindow
+
+    @property
+    def shape(self) -> Extent:
+        """Rows and columns."""
+        shape: Extent = self.values.shape
+        return shape
+
+    def __getitem__(self, part: tuple[slice, slice]) -> Pixels:
+        """The shades of a part."""
+        return apply_window(self.values[part], self.window)
+
+
+@record
 class DisplayImage:
     """Shades for the canvas at full size and reduced, so that a view draws about as many pixels as it shows.
 
@@ -48,12 +67,13 @@ class DisplayImage:
         The shades, and each time the means of two by two pixels of the level before. A pixel ``(i, j)`` of level k
         covers the pixels from ``(i, j) 2^k`` up to ``(i + 1, j + 1) 2^k``; at the end there may be fewer.
     finest : int
-        Level of the first of them: 0, or more for a preview, which lacks the finer ones.
+        Level of the first of them: 0, or more for a preview, which lacks the finer ones, or less where a file has finer
+        ones, of which only what is seen is read.
     size : tuple of int
-        Rows and columns at full size, of a preview; empty where the levels tell it.
+        Rows and columns of level 0, where that is not the first of them; else empty.
     """
 
-    levels: tuple[Pixels, ...]
+    levels: tuple[Pixels | FinerShades, ...]
     finest: int = 0
     size: Extent = ()
 
@@ -66,6 +86,13 @@ class DisplayImage:
         return DisplayImage(tuple(levels))
 
     @staticmethod
+    def within(image: Image, window: IntensityWindow, channel: str = "luminance") -> DisplayImage:
+        """Shades of a channel of an image in an intensity window."""
+        whole = DisplayImage.of(apply_window(image.stored if image.colors is None else image.gray(channel), window))
+        finer = tuple(FinerShades(level, window) for level in image.finer)
+        return DisplayImage((*finer, *whole.levels), -len(finer), image.shape) if finer else whole
+
+    @staticmethod
     def preview(values: Array, window: IntensityWindow) -> DisplayImage:
         """Shades of few of the gray values, made immediately, until all of them have been made."""
         finest = max(0, math.ceil(math.log2(max(values.shape) / _PREVIEW)))
@@ -74,8 +101,10 @@ class DisplayImage:
 
     @property
     def shades(self) -> Pixels:
-        """The shades at full size, or the finest that there are."""
-        return self.levels[0]
+        """The shades at full size, or the finest that there are in memory."""
+        shades = self.levels[max(-self.finest, 0)]
+        assert isinstance(shades, np.ndarray)
+        return shades
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -107,7 +136,7 @@ def display_of(image: Image) -> DisplayImage:
     """Display image of an image: its colors, or its gray values from the smallest to the largest."""
     if image.colors is not None:
         return DisplayImage.of(image.colors.samples)
-    return DisplayImage.of(apply_window(image.stored, IntensityWindow(*image.gray_range)))
+    return DisplayImage.within(image, IntensityWindow(*image.gray_range))
 
 
 def apply_window(values: Array, window: IntensityWindow) -> Pixels:

@@ -8,13 +8,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from cpm_app.model.text.language import tr, written
 from cpm_core.image import KNOWN, Bar, longest_bar
-from cpm_core.numerics.types import Sides
+from cpm_core.numerics.types import Sides, frozen
 
 _PIXEL = "px"
 _OF_THE_IMAGE = "image"
@@ -38,7 +37,7 @@ def prefer_unit(name: str) -> None:
     _preferred = name
 
 
-@dataclass(frozen=True)
+@frozen
 class PixelSize:
     """Size of a pixel in a unit, which is None for px; `factor` leads to it from the unit of the image."""
 

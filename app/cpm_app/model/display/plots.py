@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any, Literal, Protocol
 
 import numpy as np
@@ -13,7 +12,7 @@ from cpm_app.model.display.page_rows import PageRow
 from cpm_app.model.text.language import tr
 from cpm_core.model import EPSILON
 from cpm_core.numerics import Array
-from cpm_core.numerics.types import record
+from cpm_core.numerics.types import frozen, record
 
 
 @record
@@ -84,7 +83,7 @@ class PageMetrics:
         return cls(np.arange(1.0, count + 1.0), np.array([float(here)]), areas, grays)
 
 
-@dataclass(frozen=True)
+@frozen
 class Series:
     """One curve: its title, its values, and its colors on a light background and on a dark one."""
 
@@ -93,7 +92,7 @@ class Series:
     colors: tuple[str, str]
 
 
-@dataclass(frozen=True)
+@frozen
 class Plot:
     """Curves on one axis, what they mean, and a value at which a line is drawn; values of `points` are marked."""
 

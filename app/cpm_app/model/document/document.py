@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Hashable
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Literal
 
@@ -16,7 +16,7 @@ from cpm_core.formats.images import resolution
 from cpm_core.formats.images.reading import DEFAULT
 from cpm_core.image import AnyRegions
 from cpm_core.medial_axis import Outlined
-from cpm_core.numerics.types import Array, Extent, Line, Sides
+from cpm_core.numerics.types import Array, Extent, Line, Sides, frozen
 from cpm_core.objects.methods import Compared
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.pages import fitting
@@ -46,7 +46,7 @@ NOTHING_TO_START_FROM_IN_VOLUME = tr(
 )
 
 
-@dataclass(frozen=True)
+@frozen
 class ImageReference:
     """The image of a document without its gray values: name, file, shape, contrast and SHA-256 of the file.
 
@@ -83,7 +83,7 @@ class ImageReference:
         return len(self.shape) == 3
 
 
-@dataclass(frozen=True)
+@frozen
 class Document:
     """An image, the shapes drawn on it and the parameters of the run.
 

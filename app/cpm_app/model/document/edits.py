@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from typing import Literal
 
 import numpy as np
@@ -13,7 +13,7 @@ from cpm_app.model.document.document import Document
 from cpm_app.model.parameters import controls
 from cpm_core import Parameters
 from cpm_core.numerics import Array, Place, Position, polyline, voxel_sides
-from cpm_core.numerics.types import Sides
+from cpm_core.numerics.types import Sides, frozen
 from cpm_core.shapes import Everywhere, Kind, Points, Shape
 
 
@@ -111,7 +111,7 @@ def set_parameters(document: Document, parameters: Parameters) -> Document:
 Part = Literal["handle", "body"]
 
 
-@dataclass(frozen=True)
+@frozen
 class Hit:
     """Index of the shape that was hit, and its part: a handle, which is at a place, reshapes, the body moves."""
 

@@ -14,6 +14,7 @@ from cpm_app.model.document.objects import name_class
 from cpm_app.model.text.language import tr
 from cpm_core import Centerlines, Contour, Image, Surface, VolumePartition
 from cpm_core.contours import Label, PackedSurface, alone, inside_of
+from cpm_core.contours.contour import Contours
 from cpm_core.formats import ContourFile
 from cpm_core.numerics import Place
 from cpm_core.numerics.types import Extent, record
@@ -88,7 +89,7 @@ def _check(message: str, name: str, count: int) -> None:
         raise ValueError(message.format(name=name, count=count, most=MOST))
 
 
-def objects_of(contours: Sequence[Contour]) -> tuple[SegmentedObject, ...]:
+def objects_of(contours: Contours) -> tuple[SegmentedObject, ...]:
     """Objects with closed contours as their boundaries; those of one group are one object.
 
     A name that is only that of the class is left out.
@@ -106,7 +107,7 @@ def objects_of(contours: Sequence[Contour]) -> tuple[SegmentedObject, ...]:
     )
 
 
-def _grouped(contours: Sequence[Contour]) -> list[list[Contour]]:
+def _grouped(contours: Contours) -> list[list[Contour]]:
     """The boundaries of each object that encloses anything, holes last."""
     groups: dict[tuple[int, int], list[Contour]] = {}
     for index, contour in enumerate(contours):

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from cpm_app.model.document.document import Document, ImageReference, Mode
 from cpm_app.model.parameters.controls import RATIO
 from cpm_app.model.text.language import tr
 from cpm_core import METHODS, PRESETS, Parameters
 from cpm_core.medial_axis import Outlined
+from cpm_core.numerics.types import frozen
 from cpm_core.parameters import OF_PLANES, OF_VOLUMES
 from cpm_core.shapes import Everywhere, Limit, Shape
 
 
-@dataclass(frozen=True)
+@frozen
 class ModeInfo:
     """Texts and settings of a mode.
 

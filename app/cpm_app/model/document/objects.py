@@ -12,9 +12,11 @@ import numpy as np
 from cpm_app.model.document import edits
 from cpm_app.model.document.document import Document
 from cpm_app.model.text.language import tr
-from cpm_core import Bridge, Contour, Result, Selection, Surface, VolumeSelection
+from cpm_core import Bridge, Result, Selection, Surface, VolumeSelection
 from cpm_core.contours import Label, PackedBody, surfaces_joined
+from cpm_core.contours.contour import Contours
 from cpm_core.numerics import Array, Place, Position, length, polyline, thinned
+from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Extent, Line, Sides
 from cpm_core.objects import boundaries_result
 from cpm_core.objects.segmented import (
@@ -98,11 +100,11 @@ def reject(document: Document, numbers: Iterable[int], offered: Iterable[Segment
 
 def add(document: Document, selections: Iterable[Selection], category: int) -> Document:
     """The document with one more object of a class for each selection; the selection in progress stays."""
-    found = ((each, (Click(tuple(map(tuple, each.inside.tolist()))),)) for each in selections if each.found)
+    found = ((each, (Click(as_line(each.inside)),)) for each in selections if each.found)
     return accept(document, (made(each, clicks, document.objects.next_number, category) for each, clicks in found))
 
 
-def bounded(number: int, category: int, contours: Sequence[Contour], gaps: Iterable[Array] = ()) -> SegmentedObject:
+def bounded(number: int, category: int, contours: Contours, gaps: Iterable[Array] = ()) -> SegmentedObject:
     """An object that closed contours bound, with gaps where they follow nothing."""
     strength = float(np.average([one.strength for one in contours], weights=[one.length for one in contours]))
     return SegmentedObject(
@@ -229,7 +231,7 @@ def _spread(surface: Surface) -> tuple[Place, ...]:
     side, vertices = _APART, surface.vertices
     while len(first := np.unique(np.floor(vertices / side).astype(int), axis=0, return_index=True)[1]) > _MOST_POINTS:
         side *= 1.5
-    return tuple(map(tuple, np.round(vertices[np.sort(first)], _DECIMALS).tolist()))
+    return as_line(np.round(vertices[np.sort(first)], _DECIMALS))
 
 
 # Exports

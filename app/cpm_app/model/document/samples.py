@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import filecmp
 import json
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -13,10 +13,11 @@ from cpm_app.model.text.assets import asset
 from cpm_app.model.text.language import from_core
 from cpm_core import PRESETS, Parameters
 from cpm_core.formats import shape_from_plain
+from cpm_core.numerics.types import frozen
 from cpm_core.shapes import Shape
 
 
-@dataclass(frozen=True)
+@frozen
 class Sample:
     """A sample image with its shapes, parameters and mode."""
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from typing import Any
 
 from cpm_app.model.text.language import from_core, tr, written
 from cpm_app.model.text.wording import rich
 from cpm_core import PARAMETERS, Parameters
+from cpm_core.numerics.types import frozen
 from cpm_core.parameters import AUTOMATIC, CHOICES, OF_STARTS, Invalidates
 
 RATIO = "ratio"
@@ -49,7 +50,7 @@ _ACTS = {
 }
 
 
-@dataclass(frozen=True)
+@frozen
 class Control:
     """One slider with its texts: what the core says of a parameter, in the language of the window.
 
@@ -234,7 +235,7 @@ _TITLES = {
 """Names of the values in the window."""
 
 
-@dataclass(frozen=True)
+@frozen
 class ChoiceControl:
     """One choice with its texts.
 

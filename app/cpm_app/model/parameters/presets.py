@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from functools import cache
 
 from cpm_app.model.text.language import tr
 from cpm_core import Parameters
 from cpm_core.formats import parameters_from_plain
+from cpm_core.numerics.types import frozen
 from cpm_core.parameters import PLANE_PRESETS
 
 SUFFIX = ".cpmpreset"
@@ -34,7 +35,7 @@ _BUILT_IN = {
 }
 
 
-@dataclass(frozen=True)
+@frozen
 class Preset:
     """Named settings; `key` is the name among the core's `PRESETS`, empty for a preset of the user."""
 

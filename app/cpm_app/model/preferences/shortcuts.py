@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 
 from cpm_app.model.text.language import tr
+from cpm_core.numerics.types import frozen
 
 KEY = "shortcuts"
 """Key of the file of preferences: the chosen keys of all actions, as one line of JSON."""
@@ -18,7 +18,7 @@ ON_THE_IMAGE = (
 """Keys that the image itself takes; no action can have them."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Keyed:
     """An action with its keys: name in code, title, group in the list, keys by default."""
 

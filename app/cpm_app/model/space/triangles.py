@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -12,13 +11,13 @@ from cpm_app.model.space.camera import Camera
 from cpm_app.model.space.picture import Picture
 from cpm_core import Surface
 from cpm_core.numerics import compiled
-from cpm_core.numerics.types import Numbers, Pixels, Single, record
+from cpm_core.numerics.types import Numbers, Pixels, Single, frozen, record
 
 _LIGHT = np.array([-0.35, -0.45, -0.82])
 """Direction to the light: from the left above, behind the viewer; along right, down, away."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Cut:
     """A plane across an axis that cuts surfaces open: what lies before it is not drawn [units of length]."""
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from itertools import product
 
 import numpy as np
@@ -14,8 +14,8 @@ from cpm_app.model.space.triangles import Cut, Mesh, draw_mesh
 from cpm_app.model.space.voxels import Shaded, draw_projection, draw_slice
 from cpm_app.model.volume.slices import Slices
 from cpm_core import Image
-from cpm_core.numerics import Array, Index
-from cpm_core.numerics.types import Pixels, record
+from cpm_core.numerics import Array
+from cpm_core.numerics.types import Pixels, frozen, record
 
 Color = tuple[int, int, int]
 
@@ -32,7 +32,7 @@ _OVER = 1.5
 """The same, at least [radii of a particle]."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Look:
     """Colors of what has none of its own, and the radius of a particle [px]."""
 
@@ -43,7 +43,7 @@ class Look:
     radius: float = 2.0
 
 
-@dataclass(frozen=True)
+@frozen
 class ShownParts:
     """The parts that are shown; `cut_axis` is None for no cut, `cut_at` from 0 to 1 along that axis."""
 
@@ -60,24 +60,11 @@ class ShownParts:
 
 @record
 class Particles:
-    """Positions (N, 3) [voxels] and colors (N, 3); `size` is a factor for their radius.
-
-    They are those of a run after a step, with the numbers by which they are known after the next one.
-    """
+    """Positions (N, 3) [voxels] and colors (N, 3); `size` is a factor for their radius."""
 
     positions: Array
     colors: Pixels
     size: float = 1.0
-    run: int = 0
-    step: int = 0
-    identity: Index = field(default_factory=lambda: np.empty(0, np.int64))
-
-    def start(self, before: Particles) -> Array:
-        """Where they were a step before; new ones where they are."""
-        order = np.argsort(before.identity)
-        known = order[np.searchsorted(before.identity, self.identity, sorter=order).clip(max=len(order) - 1)]
-        same = before.identity[known] == self.identity
-        return np.where(same[:, None], before.positions[known], self.positions)
 
 
 @record

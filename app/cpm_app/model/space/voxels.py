@@ -62,39 +62,31 @@ def _draw_projection(
     begin: int,
     end: int,
 ) -> None:
+    """Look along a line from each pixel, by steps of one voxel along its longest component."""
     for row in range(begin, end):
         for col in range(depths.shape[1]):
-            plane = corner[0] + col * right[0] + row * down[0]
-            brightest = _brightest(
-                voxels,
-                maxima,
-                (plane, corner[1] + col * right[1] + row * down[1], corner[2] + col * right[2] + row * down[2]),
-                away,
+            start = (
+                corner[0] + col * right[0] + row * down[0],
+                corner[1] + col * right[1] + row * down[1],
+                corner[2] + col * right[2] + row * down[2],
             )
-            if brightest > 0:
-                shown[row, col] = table[brightest]
-
-
-@compiled
-def _brightest(voxels: Pixels, maxima: Pixels, start: tuple[float, float, float], away: Array) -> int:
-    """The brightest voxel on a line, by steps of one voxel along its longest component."""
-    near, far = -1e30, 1e30
-    for axis in range(3):
-        near, far = within(start[axis], away[axis], voxels.shape[axis], near, far)
-    z, y, x = start[0] + 0.5, start[1] + 0.5, start[2] + 0.5
-    at, found = near + 1e-6, 0
-    while at < far:
-        i, j, k = int(z + at * away[0]), int(y + at * away[1]), int(x + at * away[2])
-        if i >= voxels.shape[0] or j >= voxels.shape[1] or k >= voxels.shape[2]:
-            break
-        if maxima[i // _BLOCK, j // _BLOCK, k // _BLOCK] <= found:
-            leave = _leaving(z, away[0], i)
-            leave = min(leave, _leaving(y, away[1], j), _leaving(x, away[2], k))
-            at = max(leave, at) + 1e-3
-        else:
-            found = max(found, voxels[i, j, k])
-            at += 1.0
-    return found
+            near, far = -1e30, 1e30
+            for axis in range(3):
+                near, far = within(start[axis], away[axis], voxels.shape[axis], near, far)
+            z, y, x = start[0] + 0.5, start[1] + 0.5, start[2] + 0.5
+            at, found = near + 1e-6, 0
+            while at < far:
+                i, j, k = int(z + at * away[0]), int(y + at * away[1]), int(x + at * away[2])
+                if i >= voxels.shape[0] or j >= voxels.shape[1] or k >= voxels.shape[2]:
+                    break
+                if maxima[i // _BLOCK, j // _BLOCK, k // _BLOCK] <= found:
+                    leave = min(_leaving(z, away[0], i), _leaving(y, away[1], j), _leaving(x, away[2], k))
+                    at = max(leave, at) + 1e-3
+                else:
+                    found = max(found, voxels[i, j, k])
+                    at += 1.0
+            if found > 0:
+                shown[row, col] = table[found]
 
 
 @compiled

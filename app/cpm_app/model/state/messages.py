@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
+
+from cpm_core.numerics.types import frozen
 
 
-@dataclass(frozen=True)
+@frozen
 class Message:
     """One message.
 
@@ -24,7 +26,7 @@ class Message:
     topic: str = ""
 
 
-@dataclass(frozen=True)
+@frozen
 class Messages:
     """All messages that still apply.
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 from cpm_app.model.display.lengths import measured, scientific_text
 from cpm_app.model.document.document import ImageReference
@@ -13,6 +12,7 @@ from cpm_app.model.state.surface_figures import SURFACE, VOLUME, figure_texts
 from cpm_app.model.text.keys import with_keys
 from cpm_app.model.text.language import from_core, tr, written
 from cpm_core import Result, Skeleton
+from cpm_core.numerics.types import frozen
 from cpm_core.shapes import (
     Barrier,
     BoxGrid,
@@ -46,7 +46,7 @@ LEADING = (
 """Labels of the numbers that are always shown."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Resolved:
     """Texts of the window in a situation.
 

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal
 
 from cpm_app.model.document.document import Document
 from cpm_app.model.text.language import tr
 from cpm_core import Contour, Result, Skeleton, Surface
+from cpm_core.numerics.types import frozen
 
 Phase = Literal["empty", "ready", "running", "paused", "finished"]
 
 
-@dataclass(frozen=True)
+@frozen
 class RunStatus:
     """State of the run.
 
@@ -82,7 +83,7 @@ class RunStatus:
         return self.started and (self.step > 0 or self.count > 0)
 
 
-@dataclass(frozen=True)
+@frozen
 class Situation:
     """Everything that decides what the window shows and enables.
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 from cpm_app.model.text.language import tr
 from cpm_core.formats import ONLY_THESE, Reading, Stack
 from cpm_core.image import MINIMUM_SIDE
-from cpm_core.numerics.types import Sides
+from cpm_core.numerics.types import Sides, frozen
 
 _WORDS = {
     "plane": (tr("{count} planes"), tr("plane {number}")),
@@ -17,7 +16,7 @@ _WORDS = {
 }
 
 
-@dataclass(frozen=True)
+@frozen
 class Parts:
     """What a file holds.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 
 import numpy as np
 
@@ -12,7 +12,8 @@ from cpm_app.model.volume.slices import Slice
 from cpm_app.model.volume.surface_section import boundary_in
 from cpm_core.field import RADIUS
 from cpm_core.numerics import Array, Position
-from cpm_core.numerics.types import Line, Sides
+from cpm_core.numerics.polyline import as_line
+from cpm_core.numerics.types import Line, Sides, frozen
 from cpm_core.shapes import (
     Barrier,
     Box,
@@ -46,7 +47,7 @@ _IN = 0.5
 """Distance from a slice up to which a place lies in it [voxels]."""
 
 
-@dataclass(frozen=True)
+@frozen
 class StartSection:
     """Where a slice cuts a start: a line or an area, with the handles and particles that the start has in the slice."""
 
@@ -76,7 +77,7 @@ class StartSection:
         return self.line.encloses(position)
 
 
-@dataclass(frozen=True)
+@frozen
 class RegionSection(Region):
     """Where a slice cuts a region of interest; `held` are its handles."""
 
@@ -87,7 +88,7 @@ class RegionSection(Region):
         return self.held
 
 
-@dataclass(frozen=True)
+@frozen
 class RegionElsewhere(Region):
     """A region of interest that a slice does not cut: nothing of the slice lies in it."""
 
@@ -107,7 +108,7 @@ class RegionElsewhere(Region):
         return math.inf
 
 
-@dataclass(frozen=True)
+@frozen
 class ChargeSection(WithoutOutline):
     """A charge that acts in a slice.
 
@@ -190,7 +191,7 @@ def _sections(shape: Shape, here: Slice, sides: Sides) -> Iterator[Section]:
 def _of_particles(seeds: Array, here: Slice) -> Iterator[Points]:
     near = _near(seeds, here, NEAR)
     if len(near):
-        yield Points(tuple(map(tuple, near.tolist())))
+        yield Points(as_line(near))
 
 
 def _near(seeds: Array, here: Slice, reach: float) -> Array:
@@ -246,7 +247,13 @@ def _of_extruded(shape: Extruded, here: Slice) -> Iterator[Shape]:
     if shape.last <= shape.first:
         return
     other = 3 - here.axis - shape.axis
-    cuts = _crossings(shape, here, other)
+    # places along the other axis where the line lies in the slice, in order: a corner in the slice lies on one side of
+    # it, so that each side of the line is cut once or not at all
+    corners = shape.flat(shape.points).outline[:, :: 1 if here.axis < other else -1]
+    above = corners[:, 0] >= here.index
+    cut = above[1:] != above[:-1]
+    starts, way = corners[:-1][cut], np.diff(corners, axis=0)[cut]
+    cuts = sorted((starts[:, 1] + (here.index - starts[:, 0]) / way[:, 0] * way[:, 1]).tolist())
 
     def turned(*places: Position) -> Line:
         """Places along the range and the other axis, of which the first one runs down."""
@@ -261,17 +268,6 @@ def _of_extruded(shape: Extruded, here: Slice) -> Iterator[Shape]:
     else:
         for at in cuts:
             yield Barrier(turned((shape.first, at), (shape.last, at)))
-
-
-def _crossings(shape: Extruded, here: Slice, other: int) -> list[float]:
-    """Places along the other axis where the line lies in a slice, in order."""
-    corners = shape.flat(shape.points).outline[:, :: 1 if here.axis < other else -1]
-    # a corner in the slice lies on one side of it, so that each side of the line is cut once or not at all
-    above = corners[:, 0] >= here.index
-    cut = above[1:] != above[:-1]
-    begin, way = corners[:-1][cut], np.diff(corners, axis=0)[cut]
-    found: list[float] = sorted((begin[:, 1] + (here.index - begin[:, 0]) / way[:, 0] * way[:, 1]).tolist())
-    return found
 
 
 _ARM = 2.0

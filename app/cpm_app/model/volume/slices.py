@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cpm_app.model.text.language import tr
 from cpm_core import Image
 from cpm_core.numerics import Array, Place, Position, Single
-from cpm_core.numerics.types import Extent, Sides, record
+from cpm_core.numerics.types import Extent, Sides, frozen, record
 from cpm_core.shapes import sides_of
 
 T = TypeVar("T")
@@ -22,7 +22,7 @@ AXES = (tr("plane"), tr("row"), tr("column"))
 """Names of the axes of a volume: a slice lies across one of them."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Slice:
     """A slice across an axis of a volume, 0 for planes, 1 for rows and 2 for columns, at an index along it.
 
@@ -54,7 +54,7 @@ class Slice:
         return found
 
 
-@dataclass(frozen=True)
+@frozen
 class Slices:
     """The three slices through one voxel of a volume.
 

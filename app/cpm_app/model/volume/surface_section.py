@@ -15,6 +15,7 @@ from cpm_app.model.volume.slices import Slice
 from cpm_core import Contour, Selection, Skeleton, Surface, VolumeSelection
 from cpm_core.contours import Measures, PackedBody, PackedVoxels, section_of
 from cpm_core.numerics import Array, Place, polyline
+from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Line
 from cpm_core.objects.segmented import Click, SegmentedObject, SegmentedObjects
 
@@ -72,10 +73,10 @@ def _lines(body: PackedBody, here: Slice) -> Iterable[Line]:
         begin = np.array(here.within(tuple(first))) - 1.0
         curves = skimage.measure.find_contours(pixels.astype(np.float32), 0.5)  # type: ignore[no-untyped-call]
         for curve in curves:
-            yield tuple(map(tuple, (curve[:-1] + begin).tolist()))
+            yield as_line(curve[:-1] + begin)
     else:
         for contour in _closed(body.surface, here):
-            line = tuple(map(tuple, contour.points.tolist()))
+            line = as_line(contour.points)
             if len(set(line)) > 2:
                 yield line
 

@@ -8,8 +8,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from cpm_core import Contour, Result, measure
+from cpm_core import Result, measure
 from cpm_core.contours import REACH, Mark, Measures, attached, middle, neighborhood, with_kept
+from cpm_core.contours.contour import Contours
 from cpm_core.numerics import Position
 from cpm_core.numerics.types import record
 
@@ -68,7 +69,7 @@ class ContourTracker:
         measures = measure(contours, result.spacing, contrast=False)
         return TrackedContours(replace(result, contours=contours) if contours else result, keys, measures)
 
-    def numbers(self, contours: Sequence[Contour], *, lasting: bool) -> tuple[int, ...]:
+    def numbers(self, contours: Contours, *, lasting: bool) -> tuple[int, ...]:
         """Number of each contour: that of the one that passed there before, or a new one.
 
         Of several numbers at one contour the oldest wins, so that contours which a filter has cut apart have their

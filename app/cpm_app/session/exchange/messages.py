@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Any
 
@@ -38,7 +38,7 @@ from cpm_core.formats import Reading, SessionFile
 from cpm_core.formats.images.reading import DEFAULT
 from cpm_core.image import AnyRegions
 from cpm_core.numerics import Array
-from cpm_core.numerics.types import Callback, Mask, record
+from cpm_core.numerics.types import Callback, Mask, frozen, record
 from cpm_core.segmentation import MethodState
 from cpm_core.shapes import ImageSeeds
 from cpm_core.warm_up import warm_up_runs, warm_up_volumes
@@ -46,7 +46,7 @@ from cpm_core.warm_up import warm_up_runs, warm_up_volumes
 log = logging.getLogger(__name__)
 
 
-@dataclass(frozen=True)
+@frozen
 class Core:
     """The core's functions that run on the worker thread.
 
@@ -155,7 +155,7 @@ class Reconstruction:
         return cls(generation, tracked.result, tracked)
 
 
-@dataclass(frozen=True)
+@frozen
 class ReconstructionFailed:
     """The contours of a recent snapshot could not be reconstructed; those made last stay."""
 
@@ -188,14 +188,14 @@ class Report:
     """A message that the window must not miss; each kind is passed to its listeners."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Finished(Report):
     """Work on another thread is done; `then` is called on the window's thread."""
 
     then: Callback
 
 
-@dataclass(frozen=True)
+@frozen
 class Saved(Report):
     """A session file has been written or read; `path` is None for work that has none yet.
 
@@ -242,7 +242,7 @@ class ImageReady(Report):
     opened: Opened
 
 
-@dataclass(frozen=True)
+@frozen
 class NotOpened(Report):
     """An image could not be used; what is open stays."""
 
@@ -257,7 +257,7 @@ class RunsKept(Report):
     timeline: Outline
 
 
-@dataclass(frozen=True)
+@frozen
 class RunFailed(Report):
     """A run could not start or continue."""
 
@@ -265,7 +265,7 @@ class RunFailed(Report):
     sentence: str
 
 
-@dataclass(frozen=True)
+@frozen
 class WentOn(Report):
     """A run that had ended continues after an intervention."""
 
@@ -281,7 +281,7 @@ class SeedsFound(Report):
     sentence: str = ""
 
 
-@dataclass(frozen=True)
+@frozen
 class Exported(Report):
     """A file has been written, the first of several where `counts` says so, and how much they hold."""
 
@@ -289,7 +289,7 @@ class Exported(Report):
     counts: str = ""
 
 
-@dataclass(frozen=True)
+@frozen
 class CommandFailed(Report):
     """A command failed and nothing changed; the sentence belongs to an attempt of the kind `topic`."""
 
@@ -297,13 +297,13 @@ class CommandFailed(Report):
     topic: str = ""
 
 
-@dataclass(frozen=True)
+@frozen
 class Compiling(Report):
     """The kernels are being compiled, this part of them is done."""
 
     percent: int
 
 
-@dataclass(frozen=True)
+@frozen
 class WarmedUp(Report):
     """The kernels are ready."""

@@ -114,8 +114,8 @@ class ContourReview(QObject):
     def _sampled(self) -> Array:
         """Places along each contour, one contour after the other, shape (N, 2)."""
         if self._places is None:
-            places = [polyline.middles(item.contour.path, _PLACES) for item in self.items]
-            self._places = np.concatenate([np.empty((0, 2)), *places])
+            paths = [item.contour.path for item in self.items]
+            self._places = polyline.middles_of(paths, _PLACES).reshape(-1, 2) if paths else np.empty((0, 2))
         return self._places
 
     def hover(self, key: int | None) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
@@ -14,6 +13,7 @@ from cpm_app.session.session import Session
 from cpm_app.session.tasks.opening import images_in
 from cpm_app.session.tasks.tasks import Task
 from cpm_core.formats import SUFFIX, SessionFile, save_session
+from cpm_core.numerics.types import frozen
 
 TOPIC = "batch"
 """What messages on it belong to."""
@@ -22,7 +22,7 @@ _RESULTS, _APPLIED, _TABLE = "contours", f"session{SUFFIX}", "summary.csv"
 """The folder of the results in that of the images, and in it the session they were made with and the table of all."""
 
 
-@dataclass(frozen=True)
+@frozen
 class BatchDone:
     """All images of a folder are done: how many there are, how many could not be used, and the table of all."""
 

@@ -23,6 +23,7 @@ from cpm_core.formats import (
     read_surface,
     write_together,
 )
+from cpm_core.numerics.polyline import as_line
 from cpm_core.shapes import Points
 
 MOST_POINTS = 100_000
@@ -114,7 +115,7 @@ def _points(path: Path, axes: int = 2) -> Points:
     if len(positions) > MOST_POINTS:
         message = tr("{name} has {count} points, but at most {most} can be drawn.")
         raise ValueError(message.format(name=path.name, count=len(positions), most=MOST_POINTS))
-    return Points(tuple(map(tuple, positions.tolist())))
+    return Points(as_line(positions))
 
 
 def _names_contours(path: Path) -> bool:

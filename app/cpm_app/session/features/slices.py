@@ -32,6 +32,11 @@ from cpm_core.shapes import ImageSeeds, ImageStart, Shape, sides_of
 AT_ONCE = 1 << 21
 """Largest number of pixels of a slice that is made at once: three of them take a third of a frame of 50 ms."""
 
+MANY = 20_000
+"""Number of faces from which a surface is cut later while a run goes on: 200,000 take 25 ms, in each of three views."""
+
+Lines = tuple[Reconstruction | None, ReviewedContours]
+
 T = TypeVar("T")
 Overlay = DisplayImage | Array
 
@@ -51,6 +56,7 @@ class Sections:
         self.axis = axis
         self.later = later
         self._parts = IdentityCache()
+        self._shown: tuple[Slice, Lines] | None = None
 
     def of(self, scene: Scene) -> Scene:
         """The scene of a slice; any other scene is returned as it is."""
@@ -63,7 +69,7 @@ class Sections:
         cut = part(objects_in, scene.document.objects, here)
         document, places = part(_document, scene.document, here, volume, cut)
         near = part(_near, scene.snapshot, here, volume, reach)
-        reconstruction, contours = part(_result, scene.reconstruction, here)
+        reconstruction, contours = self._lines(scene.reconstruction, here)
         seeds = scene.image_seeds
         return Scene(
             image,
@@ -84,6 +90,16 @@ class Sections:
             volume=volume,
             near=near,
         )
+
+    def _lines(self, found: Reconstruction | None, here: Slice) -> Lines:
+        """What a slice shows of a result; a large surface is cut later, and its last cut is shown meanwhile."""
+        before, faces = self._shown, len(getattr(getattr(found.result, "surface", None), "faces", ())) if found else 0
+        if self.later is None or faces <= MANY or before is None or before[0] != here:
+            lines = self._parts.get(_result, found, here)
+        else:
+            lines = self.later.named("lines", partial(_result, found, here), lambda: before[1], found, here)
+        self._shown = here, lines
+        return lines
 
     def _display(self, image: Image, window: IntensityWindow) -> DisplayImage:
         """The slice in the window of the volume, so that it does not flicker from slice to slice."""
@@ -185,7 +201,7 @@ def _snapshot(snapshot: Snapshot | None, near: NearParticles | None, here: Slice
     return replace(snapshot, position=position, resting=snapshot.resting[near.index])
 
 
-def _result(reconstruction: Reconstruction | None, here: Slice) -> tuple[Reconstruction | None, ReviewedContours]:
+def _result(reconstruction: Reconstruction | None, here: Slice) -> Lines:
     """What the slice shows of center lines, or else the lines in which it cuts the surface."""
     if reconstruction is None:
         return None, NO_CONTOURS

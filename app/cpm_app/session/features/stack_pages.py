@@ -101,7 +101,13 @@ class StackPages(QObject):
         review.changed.connect(self._select_wanted)
         self.changed.connect(self._select_wanted)
         session.listen(Opened, self._take_opened)
-        session.listen(Written, self._take_written)
+
+        def take_written(written: Written) -> None:
+            if self._file.is_current(written):
+                for number, page in self._kept.items():
+                    self._kept[number] = replace(page, known=page.document, runs_unsaved=False)
+
+        session.listen(Written, take_written)
         session.scene_changed.connect(self._look)
         session.tasks.changed.connect(self._look_at_task)
 
@@ -261,11 +267,6 @@ class StackPages(QObject):
         else:
             self._begin_stack(opened)
         self.changed.emit()
-
-    def _take_written(self, written: Written) -> None:
-        if self._file.is_current(written):
-            for number, page in self._kept.items():
-                self._kept[number] = replace(page, known=page.document, runs_unsaved=False)
 
     # Running all
 

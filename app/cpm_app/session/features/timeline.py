@@ -36,7 +36,13 @@ class TimelineNavigation(QObject):
         self._stay = QTimer(self, singleShot=True, interval=_STAYING)
         self._stay.timeout.connect(self._reconstruct)
         session.scene_changed.connect(self._follow)
-        session.status_changed.connect(self._follow_phase)
+
+        def follow_phase() -> None:
+            if session.status.phase == "running" and self._target is not None:
+                self._target = None
+                self.changed.emit()
+
+        session.status_changed.connect(follow_phase)
         session.image_changed.connect(lambda: self._use_outline(NOTHING))
         session.listen(CommandFailed, lambda _: setattr(self, "_target", None))  # which may have failed to go there
         session.listen(
@@ -171,11 +177,6 @@ class TimelineNavigation(QObject):
                     runs=", ".join(fallen),
                 )
             )
-
-    def _follow_phase(self) -> None:
-        if self._session.status.phase == "running" and self._target is not None:
-            self._target = None
-            self.changed.emit()
 
     def _reconstruct(self) -> None:
         if self._session.status.started and self._session.status.phase != "running":

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from cpm_app.model.display.display_image import display_of
@@ -26,9 +26,10 @@ from cpm_core.formats import (
     open_stack,
 )
 from cpm_core.formats.images import raster
+from cpm_core.formats.images.ome_zarr import is_zarr
 from cpm_core.formats.images.reading import DEFAULT
 from cpm_core.image import MINIMUM_SIDE
-from cpm_core.numerics.types import Callback
+from cpm_core.numerics.types import Callback, frozen
 from cpm_core.pages import fitting
 from cpm_core.shapes import check_axes
 
@@ -66,7 +67,8 @@ def session_beside(image: Path) -> Path | None:
 
 
 def _is_image(entry: os.DirEntry[str]) -> bool:
-    return Path(entry.name).suffix.lower() in READABLE and not entry.name.startswith(".") and entry.is_file()
+    known = Path(entry.name).suffix.lower() in READABLE and not entry.name.startswith(".")
+    return known and (entry.is_file() or is_zarr(Path(entry)))
 
 
 PAGED = frozenset({".tif", ".tiff", *raster.READS})
@@ -94,7 +96,7 @@ def parts_of(path: Path, reading: Reading) -> tuple[Parts | None, Reading]:
         return None, reading
 
 
-@dataclass(frozen=True)
+@frozen
 class Wanted:
     """A request to open an image or a session file at `path`.
 

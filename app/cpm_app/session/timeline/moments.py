@@ -16,7 +16,7 @@ from cpm_app.model.display.plots import RunMetrics
 from cpm_core import Method, Parameters, PlacedCharge
 from cpm_core.image import AnyRegions
 from cpm_core.numerics import Array, Place, polyline
-from cpm_core.numerics.types import Sides
+from cpm_core.numerics.types import Sides, frozen
 from cpm_core.segmentation import MethodState, Steerable
 
 BranchStep = tuple[int, int]
@@ -160,7 +160,7 @@ class RunAction(Protocol):
         """Apply it to a state of a method with these regions."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Stepped:
     """One step with these parameters, placed charges and regions; a run that had ended continues."""
 
@@ -174,7 +174,7 @@ class Stepped:
         return method.step(state, self.parameters, self.charges)
 
 
-@dataclass(frozen=True)
+@frozen
 class Joined:
     """Particles added at seeds."""
 
@@ -186,7 +186,7 @@ class Joined:
         return method.joined(state, np.array(self.seeds))
 
 
-@dataclass(frozen=True)
+@frozen
 class Erased:
     """Particles removed that are no farther from a path than a radius, in sides of the smallest pixel or voxel."""
 

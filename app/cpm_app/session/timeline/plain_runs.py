@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import lru_cache
 from pathlib import Path
 from typing import TypeVar
@@ -41,7 +41,8 @@ from cpm_core.formats import (
     to_plain,
 )
 from cpm_core.numerics import Position
-from cpm_core.numerics.types import Entries, Plain
+from cpm_core.numerics.polyline import as_line
+from cpm_core.numerics.types import Entries, Plain, frozen
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.parameters import shown
 
@@ -54,7 +55,7 @@ MOST_STEPS = 200_000
 T = TypeVar("T")
 
 
-@dataclass(frozen=True)
+@frozen
 class _Numbered:
     """A contour by its number, with a place that it passes."""
 
@@ -233,7 +234,7 @@ def _action(plain: Plain, usual: Parameters) -> RunAction:
         seeds = array_from_plain(plain["join"], float, (None, axes), "particles that were added")
         if not np.isfinite(seeds).all():
             raise ValueError("particles that were added hold a value that is not a number.")
-        return Joined(tuple(map(tuple, seeds.tolist())), regions)
+        return Joined(as_line(seeds), regions)
     erased = from_plain(Erased, {"path": plain.get("erase"), "radius": plain.get("radius")}, "eraser")
     return replace(erased, regions=regions)
 

@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Hashable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from cpm_app.model.document.document import Document
 from cpm_app.session.timeline.moments import BranchStep, RunAction
 from cpm_core.numerics import Array, Position
-from cpm_core.numerics.types import record
+from cpm_core.numerics.types import frozen, record
 from cpm_core.segmentation import MethodState
 from cpm_core.shapes import Points, Start
 
 
-@dataclass(frozen=True)
+@frozen
 class Branch:
     """A run, or a branch of one.
 

@@ -213,13 +213,11 @@ def warm_up(volumes: bool = False) -> Command:
     return Command(work, tr("preparing"))
 
 
-@cache
-def _keep_loaded(volumes: bool) -> None:
-    """Let no search for garbage go through what is loaded by now, which would delay the window by several frames.
+_keep_loaded = cache(lambda volumes: gc.freeze())
+"""Lets no search for garbage go through what is loaded by now, which would delay the window by several frames.
 
-    Once for images and once for volumes: done with every volume that is opened, this would keep each of them.
-    """
-    gc.freeze()
+Once for images and once for volumes: done with every volume that is opened, this would keep each of them.
+"""
 
 
 @record

@@ -8,7 +8,7 @@ from functools import partial
 
 import numpy as np
 
-from cpm_app.model.display.display_image import DisplayImage, IntensityWindow, apply_window
+from cpm_app.model.display.display_image import DisplayImage, IntensityWindow
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.contour_tracking import ContourTracker
 from cpm_app.session.exchange.messages import CommandFailed, Finished, Reconstruction, Report, Snapshot
@@ -146,8 +146,7 @@ def shade(image: Image, window: IntensityWindow, channel: str = "luminance") -> 
     """Make the display image of a channel for an intensity window."""
 
     def work(context: CommandContext) -> None:
-        display = DisplayImage.of(apply_window(image.gray(channel), window))
-        context.report(Shaded(image, window, display, channel))
+        context.report(Shaded(image, window, DisplayImage.within(image, window, channel), channel))
 
     return Command(work, tr("changing the levels"), "shade")
 

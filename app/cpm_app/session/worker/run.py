@@ -24,6 +24,7 @@ from cpm_core.contours import HandEdit
 from cpm_core.formats import plain_shapes
 from cpm_core.image import AnyRegions
 from cpm_core.numerics import Place
+from cpm_core.numerics.polyline import as_line
 from cpm_core.parameters import invalidating
 from cpm_core.segmentation import MethodState, Steerable
 from cpm_core.shapes import ImageSeeds
@@ -129,7 +130,7 @@ class Run:
         if not isinstance(self.method, Steerable) or self.state is None:
             return False
         ended = bool(self.state.stop_reason)
-        self._do(Joined(tuple(map(tuple, self._prepared.seeds(document).tolist())), self.method.regions))
+        self._do(Joined(as_line(self._prepared.seeds(document)), self.method.regions))
         return ended and self._keep_going()
 
     def erase(self, path: tuple[Place, ...], radius: float, erasure: int) -> None:

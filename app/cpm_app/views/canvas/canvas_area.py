@@ -14,6 +14,7 @@ from cpm_app.session.features.workspace import Workspace
 from cpm_app.session.signals import OF_THE_PROGRAM, OPENING
 from cpm_app.views.canvas.canvas import Canvas, ToolInUse
 from cpm_app.views.canvas.crosshair import Crosshair
+from cpm_app.views.canvas.flow import Flow
 from cpm_app.views.canvas.image_view import ImageView
 from cpm_app.views.canvas.legend import Strip
 from cpm_app.views.canvas.pointed import Pointed, part_around, selected_places
@@ -49,7 +50,7 @@ class CanvasArea(QWidget):
         self._workspace = workspace
         self._session = session = workspace.session
         self._selection = workspace.object_selection
-        self.canvas = Canvas(session)
+        self.canvas, self.flow = Canvas(session), Flow(session, self)
         self.strip = Strip(self.canvas.layers.legend)
         self.messages, self.hint = self.strip.messages, self.strip.hint
         self._pointed = Pointed(workspace)
@@ -71,10 +72,16 @@ class CanvasArea(QWidget):
         session.said.connect(self.messages.say)
         session.attempted.connect(self.messages.attempt)
         session.image_changed.connect(lambda: self.messages.keep_only(OPENING, *OF_THE_PROGRAM))
+
+        def follow_layers() -> None:
+            """Contours that are not visible cannot be selected."""
+            workspace.review.rejected_seen = bool(self.canvas.layers.contours.chosen["rejected"])
+            self.strip.legend.refresh()
+
         for layer in self.canvas.layers:
-            layer.changed.connect(self._follow_layers)
+            layer.changed.connect(follow_layers)
         session.status_changed.connect(self.refresh)
-        session.scene_changed.connect(self._draw)
+        self.flow.changed.connect(self._draw)
         self._selection.changed.connect(self.refresh)
         workspace.object_list.selection_changed.connect(self.refresh)
         self._draw()
@@ -174,12 +181,7 @@ class CanvasArea(QWidget):
         self._given = False
 
     def _draw(self) -> None:
-        self.canvas.draw(self._session.scene)
-        self.strip.legend.refresh()
-
-    def _follow_layers(self) -> None:
-        """Contours that are not visible cannot be selected."""
-        self._workspace.review.rejected_seen = bool(self.canvas.layers.contours.chosen["rejected"])
+        self.canvas.draw(self.flow.scene)
         self.strip.legend.refresh()
 
     def _take_key(self, event: QKeyEvent) -> bool:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Container
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -48,6 +47,7 @@ from cpm_app.views.window.dialogs import FileDialogs, ask_to_replace
 from cpm_core import Skeleton
 from cpm_core.formats import IN_SPACE, left_out
 from cpm_core.image import CONVENTIONS
+from cpm_core.numerics.types import frozen
 
 _KEY = "export/"
 FORMATS = _KEY + "formats"
@@ -63,7 +63,7 @@ _WIDTH = 430
 _SPACES = {"LPS": tr("Left, back, head (LPS), as in DICOM"), "RAS": tr("Right, front, head (RAS), as in NIfTI")}
 
 
-@dataclass(frozen=True)
+@frozen
 class Exportable:
     """What there is besides the scene: chosen objects and contours, done pages, the last step of the run.
 
@@ -188,7 +188,14 @@ class ExportDialog(QDialog):
     def _lay_out(self) -> None:
         buttons = AcceptButtons(self, tr("&Export"))
         self.export_button = buttons.accept_button
-        self._place.clicked.connect(self._choose_folder)
+
+        def choose_folder() -> None:
+            chosen_folder = self._files.ask_for_folder(tr("Folder of the files"), "export", self)
+            if chosen_folder:
+                self.folder = Path(chosen_folder)
+                self._follow()
+
+        self._place.clicked.connect(choose_folder)
         self._form = form = QFormLayout()
         found = self._session.document.objects
         for category in sorted({item.category for item in found.items if not item.hidden}):
@@ -266,12 +273,6 @@ class ExportDialog(QDialog):
             counts["contours"] = len(chosen(self._found, scene.document, ExportOrder(), "contours").contours)
         counts |= {"pages": there.pages, "space": there.in_space, "turntable": there.in_space, "run": there.last > 0}
         return {what: count for what, count in counts.items() if count}
-
-    def _choose_folder(self) -> None:
-        chosen_folder = self._files.ask_for_folder(tr("Folder of the files"), "export", self)
-        if chosen_folder:
-            self.folder = Path(chosen_folder)
-            self._follow()
 
     def _follow(self, *_: object) -> None:
         """Show how the files are called, what concerns the present choice, and what is written."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import queue
 from collections import deque
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from PySide6.QtCore import QObject, QRectF, Qt, QTimer
@@ -21,6 +21,7 @@ from cpm_app.session.worker.requests import FrameTaken, take_frame
 from cpm_app.views.canvas.canvas import Canvas
 from cpm_app.views.canvas.image_view import ImageView
 from cpm_core.numerics import Pixels
+from cpm_core.numerics.types import frozen
 
 _INTERVAL = 15
 """Time between two checks whether another frame can be taken [ms]."""
@@ -32,7 +33,7 @@ NARROWEST, WIDEST = 64, 3840
 """Smallest and largest width of a frame [px]."""
 
 
-@dataclass(frozen=True)
+@frozen
 class AnimationPlan:
     """Settings of an animation: a step for each frame, width and height of a frame [px], and the speed."""
 

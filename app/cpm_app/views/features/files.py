@@ -163,14 +163,15 @@ class OpenSaveFeature(Feature):
         turned = opened.saved is not None and opened.saved.turned
         if turned or not self.document_file.unsaved or self._left == self._work:
             return True
-        QTimer.singleShot(0, self.window, lambda: self._ask_again(opened))
-        return False
 
-    def _ask_again(self, opened: Opened) -> None:
-        if self.close():
-            self.session.use(opened)
-        else:
-            self.session.say(tr("{name} was not opened, and your work stays open.", name=opened.path.name))
+        def ask_again() -> None:
+            if self.close():
+                self.session.use(opened)
+            else:
+                self.session.say(tr("{name} was not opened, and your work stays open.", name=opened.path.name))
+
+        QTimer.singleShot(0, self.window, ask_again)
+        return False
 
     def _ask_where(self) -> Path | None:
         path, name = self.document_file.path, self.document_file.name

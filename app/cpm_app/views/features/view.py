@@ -42,7 +42,13 @@ class LayersFeature(Feature):
         for layer in layers:
             layer.use_view_state(_kept(window.preferences, layer))
             layer.changed.connect(window.refresh)
-        area.level_drag.moved.connect(self._say_range)
+
+        def say_range() -> None:
+            low, high = layers.image.window
+            text = tr("Black {low}, white {high}", low=written(f"{low:.4g}"), high=written(f"{high:.4g}"))
+            area.strip.say_next(f"{text}: {named((low, high))}")
+
+        area.level_drag.moved.connect(say_range)
         area.level_drag.ended.connect(window.refresh)
         legend.fold(bool(window.preferences.get(_LEGEND, False)))
         legend.folded_changed.connect(lambda folded: window.preferences.put(_LEGEND, folded))
@@ -93,11 +99,6 @@ class LayersFeature(Feature):
     def _choose_range(self, value: str) -> None:
         self.canvas.layers.image.choose("range", value)
         self.window.refresh()
-
-    def _say_range(self) -> None:
-        low, high = self.canvas.layers.image.window
-        text = tr("Black {low}, white {high}", low=written(f"{low:.4g}"), high=written(f"{high:.4g}"))
-        self.window.canvas_area.strip.say_next(f"{text}: {named((low, high))}")
 
 
 def _kept(preferences: Preferences, layer: Layer) -> dict[str, object]:

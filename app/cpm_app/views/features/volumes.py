@@ -63,7 +63,7 @@ class SlicesFeature(Feature):
         self._later: list[AsyncCache] = []
         self._draw_later(area.canvas)
         area.canvas.slice_wanted.connect(slices.go)
-        window.session.scene_changed.connect(self._show)
+        area.flow.changed.connect(self._show)
         window.preferences.follow(UNIT, self.show_place)
         window.shortcuts.changed.connect(self.bar.show_keys)
 
@@ -127,7 +127,7 @@ class SlicesFeature(Feature):
         self.window.refresh()
 
     def _show(self) -> None:
-        scene = self.window.session.scene
+        scene = self.window.canvas_area.flow.scene
         self._show_sides(scene)
         if (scene.slices, scene.whole) != self._shown:
             self._shown = scene.slices, scene.whole
@@ -250,7 +250,7 @@ class SpaceFeature(Feature):
         window.feature(SlicesFeature).space = self.panel.view
         window.canvas_area.views.addWidget(self.panel.view, 1, 0)
         self._layers = layers = window.canvas_area.canvas.layers
-        window.session.scene_changed.connect(self._show)
+        window.canvas_area.flow.changed.connect(self._show)
         window.workspace.object_list.changed.connect(self._show)
         window.session.image_changed.connect(self.reveal)
         self.panel.view.picked.connect(self._pick)
@@ -300,4 +300,4 @@ class SpaceFeature(Feature):
         self.window.docks.offer("space", self.window.session.scene.slices is not None)
 
     def _show(self, *_: object) -> None:
-        self.panel.show_contents(self._seen.of(self.window.session.scene, self._layers, self._objects.bodies))
+        self.panel.show_contents(self._seen.of(self.window.canvas_area.flow.scene, self._layers, self._objects.bodies))

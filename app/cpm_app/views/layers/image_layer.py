@@ -13,7 +13,6 @@ from PySide6.QtWidgets import QWidget
 from cpm_app.model.display.display_image import (
     DisplayImage,
     IntensityWindow,
-    apply_window,
     color_curve,
     percentile_window,
 )
@@ -188,7 +187,7 @@ class ImageLayer(Layer):
         elif image.colors is None and all_of_it:
             self._item.show_image(whole)
         elif image.colors is None and image.values.size <= _AT_ONCE:
-            self._item.show_image(DisplayImage.of(apply_window(image.values, window)))
+            self._item.show_image(DisplayImage.within(image, window))
         elif channel is not None:
             self.requests.post(shade(image, window, channel))
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import ClassVar, Literal, Protocol
 
 import pyqtgraph as pg
@@ -13,12 +12,12 @@ from PySide6.QtWidgets import QGraphicsItem
 from cpm_app.session.scene import Scene
 from cpm_app.session.worker.commands import Command
 from cpm_app.views.items.item import OverImage
-from cpm_core.numerics.types import Extent
+from cpm_core.numerics.types import Extent, frozen
 
 Value = str | float | bool
 
 
-@dataclass(frozen=True)
+@frozen
 class Choice:
     """One of several alternatives.
 
@@ -43,7 +42,7 @@ class Choice:
         return value if isinstance(value, str) and value in self.ways else None
 
 
-@dataclass(frozen=True)
+@frozen
 class Amount:
     """A number between `low` and `high` in increments of `step`, by default `first`; the rest is as in `Choice`."""
 
@@ -60,7 +59,7 @@ class Amount:
         return float(value) if isinstance(value, int | float) and self.low <= value <= self.high else None
 
 
-@dataclass(frozen=True)
+@frozen
 class Switch:
     """Something that is on or off, by default `first`; the rest is as in `Choice`."""
 
@@ -81,7 +80,7 @@ Sign = Literal["line", "dashed", "dot", "check", "area"]
 """How it is drawn: as a line, a dashed line, a disc, or not in a way of its own."""
 
 
-@dataclass(frozen=True)
+@frozen
 class LegendEntry:
     """One kind of thing on the canvas.
 

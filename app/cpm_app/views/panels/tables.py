@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence, Set
-from dataclasses import dataclass
 from functools import partial
 from itertools import groupby
 from typing import Any, Generic, TypeVar
@@ -39,6 +38,7 @@ from cpm_app.model.text.keys import with_keys
 from cpm_app.model.text.language import tr, written
 from cpm_app.views.widgets.actions import add_choice
 from cpm_app.views.widgets.containers import ENTER, takes_key
+from cpm_core.numerics.types import Callback, frozen
 
 Row = TypeVar("Row")
 Index = QModelIndex | QPersistentModelIndex
@@ -65,7 +65,7 @@ def _blocks(rows: Sequence[int]) -> Iterator[tuple[int, int]]:
         yield found[0], found[-1]
 
 
-@dataclass(frozen=True)
+@frozen
 class Column(Generic[Row]):
     """One column of a table.
 
@@ -495,7 +495,7 @@ class ItemTable(Table):
             self.edit(self.rows.index(row, self.number("name")))
 
 
-def wide_button(text: str, do: Callable[[], object] | None = None) -> QToolButton:
+def wide_button(text: str, do: Callback | None = None) -> QToolButton:
     """A button as wide as its place."""
     button = QToolButton()
     button.setText(text)

@@ -6,7 +6,7 @@ Items of the canvas read the look when they paint, so that layers need not know 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, field
 from string import Template
 from typing import Literal
 
@@ -15,6 +15,7 @@ from PySide6.QtGui import QColor, QGuiApplication, QPalette
 from PySide6.QtWidgets import QApplication, QWidget
 
 from cpm_app.model.preferences.table import INKS
+from cpm_core.numerics.types import frozen
 
 Kind = Literal["contours", "shapes", "fixed"]
 """What a line belongs to; the width of fixed ones cannot be chosen."""
@@ -34,7 +35,7 @@ class Ink(str):
     name: str
 
 
-@dataclass(frozen=True)
+@frozen
 class Look:
     """Factors for the widths of lines and the size of points, and the colors that were chosen, by name."""
 
@@ -94,7 +95,7 @@ DISK = "#70ffffff"
 COULOMB, LORENTZ, DAMPING = "#ff9d1e", "#56b4e9", "#2bd4a4"
 
 
-@dataclass(frozen=True)
+@frozen
 class Theme:
     """Colors of the window."""
 

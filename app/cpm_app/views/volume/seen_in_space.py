@@ -75,8 +75,7 @@ def _particles(
     if quantity in QUANTITIES:
         marks = colored(QUANTITIES[quantity], state, snapshot.metrics).marks
         palette = np.vstack([color_maps.table(map_name, SHADES, BEGIN), _rgb(UNKNOWN)]).astype(np.uint8)
-    run = snapshot.generation
-    return Particles(snapshot.position, palette[marks], size, run, state.step, state.particles.identity)
+    return Particles(snapshot.position, palette[marks], size)
 
 
 def _mesh(found: Reconstruction | None) -> Mesh | None:

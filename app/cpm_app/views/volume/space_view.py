@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from dataclasses import fields, replace
 from functools import partial
-from math import inf, pi, radians
+from math import pi, radians
 
 import numpy as np
 from PySide6.QtCore import QPoint, QPointF, QSize, Qt, QTimer, Signal
@@ -52,13 +52,6 @@ _STILL = 150
 
 _SMOOTH = 0.02
 """Time that a picture may take while the view turns [s]; a slower one is drawn coarser."""
-
-_BETWEEN = 25
-"""Time from one picture to the next while particles flow [ms]."""
-
-_STEP_SHOWN, _SLACK = (0.04, 0.6), 1.2
-"""Time between two steps from which, and up to which, pictures show particles on the way between them [s], and how much
-longer than the last step the next one may take without a halt."""
 
 _COARSEST = 4
 
@@ -107,10 +100,6 @@ class SpaceView(QWidget):
         self._painter = LatestOnlyWorker(session, "cpm-space", tr("drawing the view in space"))
         self._still = QTimer(self, interval=_STILL, singleShot=True)
         self._still.timeout.connect(partial(self._ask, 1))
-        self._flow = QTimer(self, interval=_BETWEEN)
-        self._flow.timeout.connect(self._changed)
-        self._before: Particles | None = None
-        self._arrived, self._pause = 0.0, inf
         self._parts = IdentityCache()
 
     def sizeHint(self) -> QSize:
@@ -120,7 +109,6 @@ class SpaceView(QWidget):
     def show_view(self, view: ViewInSpace | None) -> None:
         """Show something else; one of another size is seen as a whole, otherwise the camera stays."""
         before, self._view = self._view, view
-        self._follow(None if before is None else before.particles)
         if view is None:
             self._frame, self.camera = None, None
             self.update()
@@ -129,22 +117,11 @@ class SpaceView(QWidget):
         else:
             self._changed()
 
-    def _follow(self, before: Particles | None) -> None:
-        """Let particles flow to where a step has brought them, for as long as it took."""
-        now = None if self._view is None else self._view.particles
-        if now is before:
-            return
-        self._pause, self._arrived = time.perf_counter() - self._arrived, time.perf_counter()
-        follows = now is not None and before is not None and (now.run, now.step) == (before.run, before.step + 1)
-        self._before = before if follows and _STEP_SHOWN[0] < self._pause < _STEP_SHOWN[1] else None
-        if self._before is not None:
-            self._flow.start()
-
     @property
     def idle(self) -> bool:
         """Whether the picture shows all that was asked for, in full."""
         shown = 0 if self._frame is None else self._frame.number
-        return not (self._still.isActive() or self._flow.isActive()) and (self._view is None or shown == self._asked)
+        return not self._still.isActive() and (self._view is None or shown == self._asked)
 
     @property
     def positions(self) -> Array | None:
@@ -176,7 +153,6 @@ class SpaceView(QWidget):
     def close_thread(self) -> None:
         """End the thread that draws."""
         self._still.stop()
-        self._flow.stop()
         self._painter.close()
 
     def menu_at(self, point: QPoint | None) -> tuple[str, QPoint]:
@@ -288,11 +264,7 @@ class SpaceView(QWidget):
             self._still.stop()
         rows, cols = (max(1, side // coarseness) for side in self.room)
         self._asked += 1
-        way = (time.perf_counter() - self._arrived + 1e-3 * _BETWEEN) / (_SLACK * self._pause)
-        if way >= 1.0 or self._before is None:
-            self._before = None
-            self._flow.stop()
-        given = self._view, self._before, way, self.camera, (rows, cols), coarseness, self._asked
+        given = self._view, self.camera, (rows, cols), coarseness, self._asked
         self._painter.ask(partial(_draw, self._parts, *given), self._take)
 
     def _take(self, frame: _Frame) -> None:
@@ -323,21 +295,16 @@ class SpaceView(QWidget):
 def _draw(
     parts: IdentityCache,
     view: ViewInSpace,
-    before: Particles | None,
-    way: float,
     camera: Camera,
     size: tuple[int, int],
     coarseness: int,
     number: int,
 ) -> _Frame:
-    """Draw on the thread, with the particles a part of their way from where they were before."""
+    """Draw on the thread."""
     begin, particles = time.perf_counter(), view.particles
-    if before is not None and particles is not None:
-        start = parts.get(Particles.start, particles, before)
-        particles = replace(particles, positions=start + way * (particles.positions - start))
     look, seen = replace(LOOK, radius=max(LOOK.radius / coarseness, 0.6)), camera.enlarged(1.0 / coarseness)
     if view.shown.opacity < 1.0:
-        picture = replace(view, particles=particles).drawn(seen, size, look)
+        picture = view.drawn(seen, size, look)
     else:  # what does not flow is drawn only once
         still = replace(view, particles=None)
         made_of = *(getattr(still, one.name) for one in fields(still)), camera, size

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from functools import partial
 from typing import Protocol, runtime_checkable
 
@@ -26,7 +25,7 @@ from cpm_app.model.text.language import from_core
 from cpm_app.views.theme.icons import icon
 from cpm_app.views.theme.theme import Theme
 from cpm_app.views.widgets.turns import Turns
-from cpm_core.numerics.types import Callback
+from cpm_core.numerics.types import Callback, frozen
 
 
 def native(key: str) -> str:
@@ -38,7 +37,7 @@ LAYER = "layer_"
 """What the names of the actions that show or hide a layer begin with."""
 
 
-@dataclass(frozen=True)
+@frozen
 class ActionSpec:
     """One action.
 
@@ -110,7 +109,7 @@ class ActionSpec:
         return self.text.replace("&", "").rstrip("…")
 
 
-@dataclass(frozen=True)
+@frozen
 class Submenu:
     """A submenu that `fill` fills each time before it opens; the rest is as in `ActionSpec`."""
 
@@ -182,10 +181,14 @@ class Actions(dict[str, QAction]):
             self._tell(name)
 
     def use_theme(self, theme: Theme, turns: Turns) -> None:
-        """Tint the icons in later turns, except those that a new window shows first."""
+        """Tint the icons in later turns, those on buttons first; in a new window these are tinted immediately."""
         begins, self._theme = self._theme is None, theme
-        for name in self._icons:
-            if begins and any(isinstance(it, QToolBar | QToolButton) for it in self[name].associatedObjects()):
+
+        def later(name: str) -> bool:
+            return not any(isinstance(it, QToolBar | QToolButton) for it in self[name].associatedObjects())
+
+        for name in sorted(self._icons, key=later):
+            if begins and not later(name):
                 self._tint(name)
             else:
                 turns.ask(partial(self._tint, name))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, cast
 
@@ -14,6 +13,7 @@ from cpm_app.session.session import Session
 from cpm_app.session.storage.folders import Purpose, first_folder, remember_folder
 from cpm_app.session.storage.preferences import Preferences
 from cpm_core.formats import SUFFIX
+from cpm_core.numerics.types import frozen
 
 Answer = Literal["save", "discard", "cancel"]
 
@@ -27,7 +27,7 @@ _LEAST_WIDTH, _BESIDE_TITLE = 360, 180
 """Least width of a dialog, and what its frame needs next to its title, so that the title is not cut off [px]."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Button:
     """A button of a question: the answer it gives, its text, and what it does."""
 
@@ -111,7 +111,7 @@ _SHORT = QFileDialog.Option.HideNameFilterDetails
 """Kinds of files are shown by their names, without a list of suffixes."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Files:
     """A kind of files that a dialog shows: its name and its suffixes; all files have none."""
 

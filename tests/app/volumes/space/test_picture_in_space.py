@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from cpm_app.model.display.display_image import IntensityWindow
@@ -11,6 +13,7 @@ from cpm_app.model.space.triangles import Cut, Mesh, draw_mesh
 from cpm_app.model.space.view_in_space import Look, Particles, ShownParts, ViewInSpace
 from cpm_app.model.space.voxels import Shaded, draw_projection, draw_slice
 from cpm_app.model.volume.slices import Slice, Slices
+from cpm_app.views.canvas.flow import start
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -196,8 +199,13 @@ def test_a_surface_that_is_not_opaque_lets_the_particles_behind_it_be_seen() -> 
 def test_particles_come_from_where_those_of_the_same_number_were_and_new_ones_from_nowhere() -> None:
     rng = np.random.default_rng(0)
     numbers = rng.permutation(40)
-    before = Particles(rng.normal(size=(30, 3)), np.zeros((30, 3), np.uint8), identity=numbers[:30])
-    after = Particles(rng.normal(size=(25, 3)), np.zeros((25, 3), np.uint8), identity=rng.permutation(numbers[15:]))
-    for start, place, number in zip(after.start(before), after.positions, after.identity, strict=True):
-        known = np.flatnonzero(before.identity == number)
-        assert start.tolist() == (before.positions[known[0]] if len(known) else place).tolist()
+
+    def snapshot(step: int, count: int, identity: np.ndarray) -> SimpleNamespace:
+        state = SimpleNamespace(step=step, particles=SimpleNamespace(identity=identity))
+        return SimpleNamespace(generation=1, position=rng.normal(size=(count, 3)), state=state)
+
+    before, after = snapshot(4, 30, numbers[:30]), snapshot(5, 25, rng.permutation(numbers[15:]))
+    for begin, place, number in zip(start(before, after), after.position, after.state.particles.identity, strict=True):
+        known = np.flatnonzero(numbers[:30] == number)
+        assert begin.tolist() == (before.position[known[0]] if len(known) else place).tolist()
+    assert start(after, before) is start(before, before) is None, "only from one step to the next"

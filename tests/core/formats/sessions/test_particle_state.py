@@ -71,7 +71,7 @@ def test_a_run_goes_on_from_a_state_that_was_read_as_from_the_state_itself(data:
     assert read.particles.distance.tobytes() == state.particles.distance.tobytes()
     assert (read.step, read.stop_reason, read.converged) == (state.step, state.stop_reason, state.converged)
     same = [state.resumed(), state.resumed()]
-    same[1] = type(state)(**{**{n: getattr(read.resumed(), n) for n in state.__slots__}, "steering": state.steering})
+    same[1] = type(state)(**{**{n: getattr(read.resumed(), n) for n in vars(state)}, "steering": state.steering})
     one, other = (ENGINE.step(each, Parameters(scales=2)) for each in same)
     assert one.particles.position.tobytes() == other.particles.position.tobytes()
     assert one.particles.force.tobytes() == other.particles.force.tobytes()

@@ -1,0 +1,58 @@
+"""Workers and runs that are killed while an image is run chunk by chunk."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+pytest.importorskip("zarr", reason="the extra `scale` is not installed")
+pytest.importorskip("distributed", reason="the extra `scale` is not installed")
+
+from cpm_core.cli.workers import cluster, finished
+from cpm_core.formats.images.ome_zarr import create_levels, open_levels, write_part
+
+pytestmark = pytest.mark.long
+
+
+def test_a_killed_worker_costs_what_it_was_doing_and_no_more(tmp_path):
+    def work(job):
+        with (tmp_path / f"{job}.txt").open("a") as begun:
+            begun.write("x")
+        if job == 3 and (tmp_path / "3.txt").read_text() == "x":
+            os._exit(1)
+        time.sleep(0.3)
+        return 2 * job
+
+    with cluster(None, 2) as client:
+        results = {at: future.result() for at, future in finished(client, work, range(8))}
+    assert results == {job: 2 * job for job in range(8)}
+    begun = [len((tmp_path / f"{job}.txt").read_text()) for job in range(8)]
+    assert begun[3] == 2
+    assert sum(begun) <= 10  # what has been done and not been fetched yet may be done again
+
+
+def test_a_killed_run_is_continued_by_the_same_command(tmp_path):
+    row, col = np.indices((1100, 1100))
+    image = (120 * (np.hypot(row % 110 - 55, col % 110 - 55) < 22) + 20).astype(np.uint8)
+    create_levels(tmp_path / "cells.zarr", image.shape, image.dtype, 1024)
+    write_part(tmp_path / "cells.zarr", 0, np.s_[:, :], image)
+    command = [sys.executable, "-m", "cpm_app", "run", "cells.zarr", "--auto", "gradient", "--workers", "2"]
+    command += ["--scales", "1", "--smoothing", "1.5", "--export", "labels.zarr", "cells.csv"]
+    chunks = tmp_path / "labels.zarr.cpm-chunks"
+    with subprocess.Popen(command, cwd=tmp_path, start_new_session=True) as begun:
+        while not list(chunks.glob("chunk_*")):
+            assert begun.poll() is None
+            time.sleep(0.05)
+        os.killpg(begun.pid, signal.SIGKILL)
+    assert not (tmp_path / "labels.zarr").exists()
+    kept = {path.name for path in chunks.glob("chunk_*")}
+    subprocess.run(command, cwd=tmp_path, check=True)
+    assert 1 <= len(kept) <= 4
+    labels = np.asarray(open_levels(tmp_path / "labels.zarr").arrays[0])
+    assert len(np.unique(labels)) == 101
+    assert len((tmp_path / "cells.csv").read_text().splitlines()) == 101
+    assert {path.name for path in tmp_path.iterdir()} == {"cells.zarr", "labels.zarr", "cells.csv"}
