@@ -189,4 +189,4 @@ _WRITERS: dict[str, Callable[[Found, Path, Path, Compute], list[str]]] = {
     ".geojson": write_tiles,
     **dict.fromkeys((".csv", ".parquet"), write_table),
 }
-"""Suffixes -> writers, which take what was found, a path, where to write until all is written, and how jobs are done."""
+"""Suffixes -> writers: they take what was found, a path, where to write until all is written, and how jobs are done."""
