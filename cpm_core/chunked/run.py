@@ -116,9 +116,11 @@ def surveyed(task: Task, compute: Compute, side: int) -> tuple[Grid, survey.Whol
     if task.store.has(_WHOLE):
         whole = survey.Whole.of(task.store.load(_WHOLE))
         return grid_for(shape, parameters, whole.tone.smoothing, side), whole
-    plain = Grid(shape, side, 0, 0.0)
-    gray = _in_order(compute(partial(survey.gray_levels, source), plain.chunks, "gray levels"))
-    tone = survey.tone_of(source, plain, gray, parameters)
+    tone = survey.plain_tone(shape, parameters)
+    if tone is None:
+        plain = Grid(shape, side, 0, 0.0)
+        gray = _in_order(compute(partial(survey.gray_levels, source), plain.chunks, "gray levels"))
+        tone = survey.tone_of(source, plain, gray, parameters)
     grid = grid_for(shape, parameters, tone.smoothing, side)
     work = partial(survey.edges, source, tone=tone, parameters=parameters)
     whole = survey.whole_of(tone, _in_order(compute(work, grid.chunks, "edges")), parameters)

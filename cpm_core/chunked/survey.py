@@ -17,7 +17,7 @@ from cpm_core.image.border import inside_border, within
 from cpm_core.image.gray_levels import automatic_gamma
 from cpm_core.image.pyramid import pyramid
 from cpm_core.numerics.grids import relative
-from cpm_core.numerics.types import Array, frozen
+from cpm_core.numerics.types import Array, Extent, frozen
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.large_images import strongest_part
 
@@ -153,11 +153,16 @@ def gray_levels(source: Source, chunk: Chunk) -> GrayLevels:
     return GrayLevels(float(values.min()), float(values.max()), values[::step, ::step].ravel(), blocks)
 
 
+def plain_tone(shape: Extent, parameters: Parameters) -> Tone | None:
+    """How gray levels are taken where that depends on parameters alone; else None."""
+    if parameters.gamma != 1.0 or parameters.smoothing == "auto" or parameters.max_border > 0.0:
+        return None
+    return Tone(0.0, 0.0, 1.0, float(parameters.smoothing), (0, 0, shape[0], shape[1]))
+
+
 def tone_of(source: Source, grid: Grid, seen: Sequence[GrayLevels], parameters: Parameters) -> Tone:
     """How the gray levels of the whole image are taken, from those of the chunks in the order of the grid."""
     low, high = min(one.low for one in seen), max(one.high for one in seen)
-    if low == high:
-        raise ValueError(f"{source.path.name} is constant ({low:g} everywhere) and has no edges: open another image.")
     sample = np.concatenate([one.sample for one in seen])
     exponent = automatic_gamma(sample) if parameters.gamma == "auto" else float(parameters.gamma)
     columns, side = grid.columns, block_of(grid.shape)
@@ -199,6 +204,8 @@ def edges(source: Source, chunk: Chunk, tone: Tone, parameters: Parameters) -> E
 def whole_of(tone: Tone, seen: Sequence[Edges], parameters: Parameters) -> Whole:
     """What the fields of the whole image are measured by, from the edges of the chunks."""
     strongest = tuple(max(scale) for scale in zip(*(one.strongest for one in seen), strict=True))
+    if not strongest[0]:
+        raise ValueError("The image is the same everywhere and has no edges: open an image with objects.")
     samples = (np.concatenate(scale) for scale in zip(*(one.samples for one in seen), strict=True))
     floor = (weakest_edge(sample, most, parameters.edge_floor) for sample, most in zip(samples, strongest, strict=True))
     return Whole(tone, strongest, tuple(floor))

@@ -14,11 +14,12 @@ from cpm_core.chunked.chunk_run import KINDS
 from cpm_core.chunked.run import Task, run
 from cpm_core.chunked.store import Store
 from cpm_core.cli.arguments import check_targets, refuse
-from cpm_core.cli.output import Files, StatusLine, announce_compilation, report
+from cpm_core.cli.output import Files, StatusLine, announce_compilation, report, say_notes
 from cpm_core.cli.workers import cluster, finished, on_one_core
 from cpm_core.formats.common.atomic import suffix_among
 from cpm_core.formats.images.ome_zarr import is_zarr
 from cpm_core.formats.images.reading import Reading
+from cpm_core.image.colors import LUMINANCE
 from cpm_core.numerics.types import Plain
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import counted, sized
@@ -42,7 +43,9 @@ def run_large(arguments: argparse.Namespace, path: Path, part: Plain, parameters
     first = Path(arguments.export[0])
     store = Store(first.with_name(f"{first.name}{_FOLDER}"))
     task = Task(source, parameters, arguments.auto, store, arguments.max_steps)
-    began = time.perf_counter()
+    began, channels = time.perf_counter(), source.levels.count("c")
+    if channels > 1 and source.reading.channel is None:
+        say_notes(source.levels.name, [f"Only the first of its {channels} channels was taken."])
     announce_compilation()
     with cluster(arguments.scheduler, arguments.workers) as client, StatusLine() as line:
 
@@ -63,7 +66,7 @@ def run_large(arguments: argparse.Namespace, path: Path, part: Plain, parameters
     size = sized(found.grid.shape)
     lines = [
         f"{source.levels.name}: {counted(count, 'contour')} in {size}",
-        f"{counted(chunks, 'chunk')} in {seconds:.1f} s",
+        f"{counted(chunks, 'chunk')} in {seconds:.1f} s, smoothing {smoothing:g} px",
     ]
     return report(arguments, facts, lines, files)
 
@@ -72,6 +75,8 @@ def _check(arguments: argparse.Namespace, path: Path, parameters: Parameters) ->
     """Raise ValueError for what does not work chunk by chunk."""
     if arguments.auto not in KINDS:
         raise ValueError(f"--auto is {arguments.auto}, which looks at the whole image: use one of {', '.join(KINDS)}.")
+    if parameters.channel != LUMINANCE:
+        raise ValueError(f"--channel is {parameters.channel}, but its channels have numbers: give one from 1.")
     if parameters.edges == "vessels":
         raise ValueError("--edges vessels looks at the whole image at once: use gradient, or a smaller image.")
     if is_limited(parameters):
@@ -81,6 +86,8 @@ def _check(arguments: argparse.Namespace, path: Path, parameters: Parameters) ->
     for target in arguments.export:
         if not suffix_among(target, results.WRITABLE):
             raise ValueError(f"{target} cannot be written chunk by chunk: choose one of {', '.join(results.WRITABLE)}.")
+        if Path(target).is_dir() and not is_zarr(Path(target)):
+            raise ValueError(f"{target} is a folder, which would be replaced: choose another name.")
         if not Path(target).absolute().parent.is_dir():
             raise ValueError(f"{target} cannot be written: there is no such folder.")
     check_targets(arguments.export, arguments, path)

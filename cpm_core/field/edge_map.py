@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 from cpm_core.image.denoising import Cleaned, clean, noise_level
 from cpm_core.numerics.grids import Window, around, gaussian_reach, in_bands, relative, smoothed_rows
 from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.parallel import share
 from cpm_core.numerics.real_numbers import checked_number, grid_of_numbers, real_numbers
 from cpm_core.numerics.types import Array, Index
 
@@ -148,6 +149,9 @@ def background_strength(strength: Array) -> float:
 _BINS = 16
 """First bits of a number by which many of them are sorted roughly."""
 
+_WORTH_A_THREAD = 2**20
+"""Numbers from which a second thread counts them faster."""
+
 
 def _quartile(values: Array) -> float:
     """The lower quartile of numbers that are not negative, shape (N,), without a copy of all of them.
@@ -156,7 +160,9 @@ def _quartile(values: Array) -> float:
     """
     bits = values.view(f"i{values.itemsize}")
     shift = 8 * values.itemsize - _BINS
-    before = np.cumsum(_counts(bits, shift))
+    counts: list[Index] = []
+    share(lambda first, end: counts.append(_counts(bits[first:end], shift)), len(bits), _WORTH_A_THREAD)
+    before = np.cumsum(sum(counts))
     place = 0.25 * (len(values) - 1)
     first, last = np.searchsorted(before, [int(place), math.ceil(place)], side="right").tolist()
     some = np.sort(values[(bits >= first << shift) & (bits < last + 1 << shift)])

@@ -48,8 +48,11 @@ _SUMMIT_REACH, _FIELD_REACH = 2, 1
 _OVERLAP = _SUMMIT_REACH + 1
 """Lines beyond a part of the image on which its forces depend: a central difference within reach of a ridge."""
 
+_LINES = 128
+"""Lines of a large image whose edge strength is computed at once: smoothing looks at some more."""
+
 _TILE = 948
-"""Side of the windows in which the edge map and the field of a large image are made [px]; with what the field needs
+"""Side of the windows in which the field of a large image is made [px]; with what the field needs
 around them it is one whose transforms are fast."""
 
 FIELD_PRECISION: DTypeLike = np.float32
@@ -283,8 +286,11 @@ def _strength_of(slopes: Slopes, shape: Extent) -> Array:
     if math.prod(shape) <= LARGE:
         return magnitude(slopes(whole_window(shape)))
     strength: Array = np.empty(shape, FIELD_PRECISION)
-    for tile in tiles(shape, _TILE):
-        strength[tile] = magnitude(slopes(tile))
+
+    def write(first: int, end: int) -> None:
+        strength[first:end] = magnitude(slopes((slice(first, end), slice(0, shape[1]))))
+
+    in_bands(write, shape[0], _LINES)
     return strength
 
 

@@ -13,8 +13,11 @@ from functools import lru_cache
 from threading import RLock
 from typing import Any, Literal, NamedTuple
 
+import numpy as np
+
 from cpm_core.field.edge_map import automatic_smoothing, prepared
 from cpm_core.field.scale_field import LARGE, ScaleField, Slopes, build_scale_field, slopes_of
+from cpm_core.image.colors import LUMINANCE
 from cpm_core.image.denoising import Cleaned
 from cpm_core.image.gray_levels import toned
 from cpm_core.image.image import Image
@@ -70,25 +73,31 @@ class SourceImages:
         check_scales(scales, image.shape)
         self.scales, self.shape = scales, image.shape
         lock = RLock()
-        original = lru_cache(1)(lambda: pyramid(image.values, scales))  # not before the image is seen
+        large = math.prod(image.shape) > LARGE  # it stays in the few bytes of its file
+
+        @lru_cache(1)
+        def original() -> tuple[Array, ...]:  # not before the image is seen
+            return pyramid(image.stored if large else image.values, scales)
 
         @lru_cache(_KEPT_SETTINGS)
         def images_of(channel: str, edges: str, gamma: _Gamma) -> tuple[Array, ...]:
-            values = image.gray(channel)
-            if values is not image.values and values.min() == values.max():
+            own = image.colors is None or channel == LUMINANCE
+            given = original()[0] if own else image.gray(channel)
+            if not own and given.min() == given.max():
                 raise ValueError(
                     f"The channel {channel} is the same everywhere and has no edges: choose another channel."
                 )
-            values = toned(values, gamma)
+            values = toned(given, gamma)
             if edges == "vessels":
-                values = vesselness(values)
-            return original() if values is image.values else pyramid(values, scales)
+                values = vesselness(values.astype(np.float64, copy=False))
+            return original() if own and values is given else pyramid(values, scales)
 
         @lru_cache(_KEPT_SETTINGS)
         def cleaned_of(channel: str, edges: str, gamma: _Gamma) -> tuple[tuple[Array, ...], Cleaned]:
             images = images_of(channel, edges, gamma)
-            ready = prepared(images[0])
-            return images if ready.image is images[0] else pyramid(ready.image, scales), ready
+            given = images[0].astype(np.float64, copy=False)
+            ready = prepared(given)
+            return images if ready.image is given else pyramid(ready.image, scales), ready
 
         @lru_cache(_KEPT_SETTINGS * scales)
         def at(scale: int, channel: str, edges: str, gamma: _Gamma, smoothing: _Gamma) -> Source:

@@ -9,6 +9,7 @@ import numpy as np
 import scipy
 import skimage
 
+from cpm_core.numerics.grids import in_bands
 from cpm_core.numerics.types import Array, Mask
 
 NO_DATA = float(np.finfo(np.float64).min)
@@ -135,4 +136,12 @@ def toned(values: Array, gamma: float | Literal["auto"]) -> Array:
     low, high = float(values.min()), float(values.max())
     if exponent == 1.0 or high <= low:
         return values
+    if values.dtype.kind == "u":  # one of few levels each, and so many pixels that they are kept in few bytes
+        table, shown = toned(np.maximum(np.arange(high + 1.0), low), exponent), np.empty(values.shape, np.float32)
+
+        def look_up(first: int, end: int) -> None:
+            shown[first:end] = table[values[first:end]]
+
+        in_bands(look_up, len(values))
+        return shown
     return low + (high - low) * ((values - low) / (high - low)) ** exponent

@@ -235,7 +235,12 @@ class Image(drawing.Pictured):
     @cached_property
     def sha256(self) -> str:
         """Hash of its file, or of `values` as float64, little-endian and row by row, where there is no file."""
-        return self.file_sha256 or hashlib.sha256(self.values.astype("<f8", copy=False).data).hexdigest()
+        if self.file_sha256:
+            return self.file_sha256
+        found = hashlib.sha256()
+        for line in self.stored:  # without a copy of all of them
+            found.update(np.ascontiguousarray(line, "<f8").data)
+        return found.hexdigest()
 
     @cached_property
     def gray_range(self) -> tuple[float, float]:

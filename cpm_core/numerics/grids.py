@@ -326,8 +326,9 @@ def smoothed_rows(values: Array, sigma: float, first: int, end: int) -> Array:
     those of `scipy.ndimage.gaussian_filter`, bit for bit, in a tenth of its time.
     """
     first, end = max(first, 0), min(end, len(values))
-    smooth = np.empty((end - first, values.shape[1]))
-    _smooth(values, half_gaussian(sigma), first, smooth)
+    smooth, top = np.empty((end - first, values.shape[1])), max(first - gaussian_reach(sigma), 0)
+    lines = values[top : end + gaussian_reach(sigma)].astype(np.float64, copy=False)
+    _smooth(lines, half_gaussian(sigma), first - top, smooth)
     return smooth
 
 

@@ -57,6 +57,18 @@ def middles(path: Array, count: int) -> Array:
     return places_at(path, (np.arange(count) + 0.5) * lengths_along(path)[-1] / count)
 
 
+def middles_of(paths: Sequence[Array], count: int) -> Array:
+    """`middles` of many paths, one or more, shape (P, count, D), at once."""
+    counts = [len(path) for path in paths]
+    corners, ends = np.concatenate(paths), np.cumsum(counts)
+    steps = np.linalg.norm(np.diff(corners, axis=0), axis=1)
+    steps[ends[:-1] - 1] = 1.0  # so that no path begins where another one ends
+    along = np.concatenate([[0.0], np.cumsum(steps)])
+    begin, end = along[ends - counts, None], along[ends - 1, None]
+    at = begin + (np.arange(count) + 0.5) / count * (end - begin)
+    return np.stack([np.interp(at, along, axis) for axis in corners.T], axis=-1)
+
+
 def sampled(path: Array, spacing: float) -> Array:
     """Midpoints of equal parts of a path that are at most `spacing` long, shape (N, D) [px].
 

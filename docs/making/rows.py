@@ -69,6 +69,8 @@ ROWS = (
         "tests/app/model/test_language.py::test_a_window_in_a_made_up_language_shows_nothing_that_is_not_translated"),
     Row("A click selects an object, closed across gaps", "the tool Objects, `partition`, `--object`",
         "tests/core/objects/test_partition.py::test_a_click_in_a_disk_gives_the_disk"),
+    Row("Objects are clicked in a notebook", "`view`",
+        "tests/library/test_view.py::test_clicks_choose_select_correct_and_remove"),
     Row("Contours can be mended by hand", "the tool Mend",
         "tests/app/tools/test_hand_editing.py::test_a_drag_from_end_to_end_closes_the_contour_along_the_edge"),
     Row("Results are compared with a truth", "Ctrl+D, `compare`",

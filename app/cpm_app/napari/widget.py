@@ -12,7 +12,7 @@ from magicgui.widgets import ComboBox, Container, FloatSlider, Label, PushButton
 from napari import Viewer
 from napari.layers import Image, Labels, Layer, Points, Shapes
 from napari.qt.threading import GeneratorWorker, create_worker
-from qtpy.QtWidgets import QDoubleSpinBox
+from qtpy.QtWidgets import QLineEdit
 
 import cpm_core as cpm
 from cpm_app.napari import finding
@@ -23,7 +23,7 @@ from cpm_core.numerics import Array
 OBJECTS, RUN = "Objects at the points", "Run from the shapes"
 _SLIDERS = ("beta", "w1", "w2", "annealing")
 _PLACING = ("scale", "translate", "rotate", "shear", "affine")
-_PARTICLES, _NUMBER_WIDTH = "particles", 60
+_PARTICLES, _NUMBER_WIDTH = "particles", 40
 
 _CHOICES = {
     "points": (Points, "Points inside", "Each point lies in an object of its own."),
@@ -61,8 +61,8 @@ class FindWidget(Container):  # type: ignore[misc]
         ]  # fmt: skip
         super().__init__(
             widgets=[
-                create_widget(annotation=Image, name="image"),
-                ComboBox(name="way", label="find", choices=[OBJECTS, RUN]),
+                create_widget(annotation=Image, name="image", label="Image"),
+                ComboBox(name="way", label="Find", choices=[OBJECTS, RUN]),
                 *(
                     create_widget(annotation=kind, name=name, label=title, options={"tooltip": tooltip})
                     for name, (kind, title, tooltip) in _CHOICES.items()
@@ -74,7 +74,7 @@ class FindWidget(Container):  # type: ignore[misc]
         )
         self.said.native.setWordWrap(True)
         for slider in self.sliders:
-            slider.native.findChild(QDoubleSpinBox).setMinimumWidth(_NUMBER_WIDTH)
+            slider.native.findChild(QLineEdit).setMinimumWidth(_NUMBER_WIDTH)  # else it is 1 in the style of napari
             slider.changed.connect(self._steer)
         self.image.changed.connect(self._use_preset)
         self.way.changed.connect(self._show_rows)

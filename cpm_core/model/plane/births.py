@@ -195,32 +195,16 @@ _MOST_NEAR, _NEAR_RANGE = 64, 2.75
 _FULL = 1_000_000
 """More than any number of particles: the count around a position where a particle is too near."""
 
+_ROOM = 64
+"""Rows of offers that there is room for at first."""
+
 _SEARCHES_A_THREAD = 600
 """Particles from which a second thread makes the search faster."""
 
 
-class _Offers(NamedTuple):
-    """Positions that the particles offer, up to a number M each.
-
-    Attributes
-    ----------
-    number : ndarray of int64, shape (N,)
-        How many each offers.
-    place : ndarray, shape (N, M, 2)
-        Where [px].
-    other : ndarray of int64, shape (N, M)
-        The second of the two particles next to each position; the first itself for a position ahead.
-    room : ndarray, shape (N, M)
-        Distance of each position from all other particles [px].
-    crowd : ndarray of int64, shape (N, M)
-        Particles around each.
-    """
-
-    number: Index
-    place: Array
-    other: Index
-    room: Array
-    crowd: Index
+_Offers = Array
+"""Positions that particles offer, a row for each: the particle, the second of the two next to the position (the first
+itself for a position ahead), the position [px], its distance from all other particles [px], and how many are around."""
 
 
 def insertion(
@@ -233,17 +217,20 @@ def insertion(
     """
     count, d_min = len(contact.strength), parameters.d_min
     rule = Rule(scale_field.floor, d_min, d_min + d_max, search_range(parameters))
-    room = np.empty((count, _MOST_PLACES))
-    other, crowd = np.empty(room.shape, np.int64), np.empty(room.shape, np.int64)
-    offers = _Offers(np.empty(count, np.int64), np.empty((*room.shape, 2)), other, room, crowd)
     eligible, there = contact.on_edge & search.present, search.present[contact.cells.order]
     asked = search._replace(present=there, thorough=search.thorough & search.looking)
     edge = (contact.strength, contact.normal)
     seen = (contact.cells, *edge, asked, eligible, scale_field.packed, scale_field.barrier_map)
-    share(partial(_find_places, *seen, rule, _TURNS, turn, offers), count, _SEARCHES_A_THREAD)
-    most = int(offers.number.sum())
-    position, parents = np.empty((most, 2)), np.empty((most, 2), np.int64)
-    born = _occupy(contact.cells, offers, d_min, position, parents) if most else 0
+    found: dict[int, _Offers] = {}
+
+    def search_some(first: int, last: int) -> None:
+        found[first] = _find_places(*seen, rule, _TURNS, turn, first, last)
+
+    share(search_some, count, _SEARCHES_A_THREAD)
+    offers = np.concatenate([found[first] for first in sorted(found)])
+    offers = offers[np.argsort(offers[:, 0], kind="stable")]
+    position, parents = np.empty((len(offers), 2)), np.empty((len(offers), 2), np.int64)
+    born = _occupy(contact.cells, offers, d_min, position, parents) if len(offers) else 0
     return Births(position[:born], parents[:born, 0], parents[:born, 1])
 
 
@@ -259,19 +246,18 @@ def _find_places(
     rule: Rule,
     turns: Array,
     turn: int,
-    offers: _Offers,
     first: int,
     last: int,
-) -> None:
+) -> _Offers:
     """Let some of the sorted particles search for positions, each as if alone; `present` is in their order."""
     # a wider range contains more particles
     most = min(int(_MOST_NEAR * max(1.0, rule.range / (_NEAR_RANGE * rule.d_min)) ** 2), len(cells.order) + 1)
     near, index = np.empty((2, most + 1)), np.empty(most + 1, np.int64)
     here, there = np.empty(2), np.empty(2)
     present, thorough = search.present, search.thorough
+    offers, count = np.empty((_ROOM, 6)), 0
     for k in range(first, last):
         i, y, x = cells.order[k], cells.y[k], cells.x[k]
-        offers.number[i] = 0
         if not (eligible[i] and search.looking[i]):
             continue
         n_y, n_x = normal[i, 0], normal[i, 1]
@@ -280,7 +266,9 @@ def _find_places(
         length = _list_near(cells, present, y, x, rule.range, near, index)
         if length == most:
             continue
-        faintest = max(rule.floor, FAINTEST * strength[i])
+        faintest, before = max(rule.floor, FAINTEST * strength[i]), count
+        if count + _MOST_PLACES > len(offers):
+            offers = np.concatenate((offers, np.empty_like(offers)))
         for n in range(length + len(turns) if search.ahead[i] else length):
             j, far_y, far_x = i, y, x
             if n < length:
@@ -296,20 +284,14 @@ def _find_places(
                     continue
                 found = _ahead(near, length, y, x, down, right, packed, faintest, rule)
                 far_y, far_x = found[1], found[2]
-            if not found[0] or offers.number[i] == _MOST_PLACES:
+            if not found[0] or count - before == _MOST_PLACES:
                 continue
             here[0], here[1], there[0], there[1] = y, x, far_y, far_x
             if not crosses(barrier_map, here, there):
-                _offer(offers, i, j, found)
-
-
-@compiled
-def _offer(offers: _Offers, i: int, j: int, found: Place) -> None:
-    """Add a position to those that a particle offers."""
-    n = offers.number[i]
-    offers.place[i, n, 0], offers.place[i, n, 1] = found[1], found[2]
-    offers.other[i, n], offers.room[i, n], offers.crowd[i, n] = j, found[3], found[4]
-    offers.number[i] = n + 1
+                offers[count, 0], offers[count, 1] = i, j
+                offers[count, 2], offers[count, 3], offers[count, 4], offers[count, 5] = found[1:]
+                count += 1
+    return offers[:count]
 
 
 @compiled
@@ -429,23 +411,22 @@ def _occupy(cells: Cells, offers: _Offers, d_min: float, position: Array, parent
     newest = np.full(cells.rows * cells.cols, -1, np.int64)
     earlier = np.empty(len(position), np.int64)
     born = 0
-    for i in range(len(offers.number)):
-        for n in range(offers.number[i]):
-            y, x = offers.place[i, n, 0], offers.place[i, n, 1]
-            row, col = cell_of(y, cells.size, cells.rows), cell_of(x, cells.size, cells.cols)
-            about = offers.crowd[i, n]
-            for r in range(max(row - 1, 0), min(row + 2, cells.rows)):
-                for c in range(max(col - 1, 0), min(col + 2, cells.cols)):
-                    j = newest[r * cells.cols + c]
-                    while j >= 0:
-                        squared = (position[j, 0] - y) ** 2 + (position[j, 1] - x) ** 2
-                        about += 1 if squared < (CROWD_RANGE * d_min) ** 2 else 0
-                        about += _FULL if squared < offers.room[i, n] ** 2 else 0
-                        j = earlier[j]
-            if about <= CROWD:
-                position[born, 0], position[born, 1] = y, x
-                parents[born, 0], parents[born, 1] = i, offers.other[i, n]
-                earlier[born] = newest[row * cells.cols + col]
-                newest[row * cells.cols + col] = born
-                born += 1
+    for i in range(len(offers)):
+        y, x = offers[i, 2], offers[i, 3]
+        row, col = cell_of(y, cells.size, cells.rows), cell_of(x, cells.size, cells.cols)
+        about = int(offers[i, 5])
+        for r in range(max(row - 1, 0), min(row + 2, cells.rows)):
+            for c in range(max(col - 1, 0), min(col + 2, cells.cols)):
+                j = newest[r * cells.cols + c]
+                while j >= 0:
+                    squared = (position[j, 0] - y) ** 2 + (position[j, 1] - x) ** 2
+                    about += 1 if squared < (CROWD_RANGE * d_min) ** 2 else 0
+                    about += _FULL if squared < offers[i, 4] ** 2 else 0
+                    j = earlier[j]
+        if about <= CROWD:
+            position[born, 0], position[born, 1] = y, x
+            parents[born, 0], parents[born, 1] = int(offers[i, 0]), int(offers[i, 1])
+            earlier[born] = newest[row * cells.cols + col]
+            newest[row * cells.cols + col] = born
+            born += 1
     return born

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from cpm_core.model.coverage import cell_of, sorted_by
 from cpm_core.model.state import MeshForce
 from cpm_core.numerics.jit import compiled, reordered
+from cpm_core.numerics.parallel import cores
 from cpm_core.numerics.types import Array, Extent, Index, Single
 
 
@@ -248,8 +249,8 @@ def convolved(charge: Single, reach: float) -> Single:
     r"""Smooth part of the force of charges on the nodes of a mesh, shape (\*nodes), shape (\*nodes, D)."""
     padded, kernels = _spectra(charge.shape, reach)
     axes = tuple(range(1, charge.ndim + 1))
-    spectrum = scipy.fft.rfftn(charge, padded) * np.complex64(1j)
-    smooth = scipy.fft.irfftn(spectrum * kernels, padded, axes)
+    spectrum = scipy.fft.rfftn(charge, padded, workers=cores()) * np.complex64(1j)
+    smooth = scipy.fft.irfftn(spectrum * kernels, padded, axes, workers=cores())
     return np.ascontiguousarray(np.moveaxis(smooth[(slice(None), *map(slice, charge.shape))], 0, -1))
 
 

@@ -112,7 +112,7 @@ def reach_map(scale_field: ScaleField, start: Array, closed: Mask, parameters: P
     parameters : Parameters
         For `beta`, `w2` and `weakest_edge`.
     """
-    bounds = bounds_of(scale_field.values, start, closed, parameters.beta)
+    bounds = bounds_of(scale_field.values.astype(np.float64, copy=False), start, closed, parameters.beta)
     if bounds is None:
         return None
     ridge = _ridge(scale_field)

@@ -5,12 +5,14 @@ from __future__ import annotations
 import numpy as np
 import PIL.Image
 import pytest
-from cpm_app.model.display.display_image import DisplayImage
+from cpm_app.model.display.display_image import DisplayImage, IntensityWindow
 from cpm_app.views.items.tiled_image import TiledImage, part_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from PySide6.QtCore import QRectF
 from PySide6.QtGui import QColor
+
+from cpm_core import Image
 
 pytestmark = pytest.mark.shared_window
 
@@ -48,6 +50,30 @@ def test_a_part_covers_what_is_seen_with_no_more_pixels_than_the_screen_needs(ro
     if level < len(display.levels) - 1:
         assert end - left <= 2.0 * max(zoom, 0.5) * seen.width() + MOST_BESIDE
         assert bottom - top <= 2.0 * max(zoom, 0.5) * seen.height() + MOST_BESIDE
+
+
+def test_finer_levels_of_a_file_are_read_where_the_screen_has_room_for_them():
+    values = np.random.default_rng(1).integers(0, 256, (1600, 1400), np.uint8)
+    read = []
+
+    class Level:
+        shape = values.shape
+
+        def __getitem__(self, part):
+            read.append(part)
+            return values[part]
+
+    image = Image(values[::2, ::2], finer=(Level(),))
+    display = DisplayImage.within(image, IntensityWindow(0.0, 255.0))
+    assert display.shape == image.shape
+    seen = QRectF(300.0, 400.0, 100.0, 50.0)
+    assert part_of(display, seen, 1.0)[0] == 0
+    assert not read
+    level, top, left, bottom, end = part_of(display, seen, 2.0)
+    assert (level, top, left, bottom, end) == (-1, 768, 512, 1024, 1024)
+    shades = display.levels[level - display.finest][top:bottom, left:end]
+    assert (shades == values[top:bottom, left:end]).all()
+    assert len(read) == 1
 
 
 @settings(deadline=None, max_examples=30)

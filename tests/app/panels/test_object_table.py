@@ -213,6 +213,19 @@ def test_accepted_closed_contours_are_objects_with_those_directly_in_them_as_hol
     assert column(drawn, "class").count("closed") == 4
 
 
+def test_all_proposals_are_accepted_but_doubtful_ones_only_when_they_are_selected(window, drawn, offer) -> None:
+    offer((10.5, 10.5, 8.0), (30.5, 30.5, 8.0))
+    scene, rows = window.session.scene, window.workspace.object_list
+    sure, other = (replace(each, key=-at) for at, each in enumerate(scene.objects.proposals, start=1))
+    doubtful = replace(other, selection=replace(other.selection, confidence=0.2))
+    window.session.show(replace(scene, objects=replace(scene.objects, proposals=(sure, doubtful))))
+    rows.accept()
+    assert [item.confidence for item in items(window)] == [0.9]
+    rows.select([("proposal", -2)])
+    rows.accept()
+    assert [item.confidence for item in items(window)] == [0.9, 0.2]
+
+
 def test_several_rows_of_any_kind_are_accepted_in_one_step_and_open_contours_are_kept(
     window, hand, drawn, offer
 ) -> None:
@@ -398,8 +411,7 @@ def test_a_name_that_is_typed_goes_to_no_object_of_another_image(window, hand, t
     hand.qtbot.keyClicks(field, "aorta")
     before = window.session.image_generation
     window.session.open(image_file)
-    hand.wait(lambda: window.session.image_generation != before)
-    assert not field.isVisible()
+    hand.wait(lambda: window.session.image_generation != before and not field.isVisible())
 
 
 def test_the_radius_of_the_brush_is_in_the_panel_while_the_tool_that_mends_is_used(window, hand, panel) -> None:

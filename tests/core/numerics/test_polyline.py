@@ -72,3 +72,11 @@ def test_a_resampled_path_keeps_its_ends_and_has_one_vertex_between_at_least(lin
     assert len(path) >= 3
     assert polyline.distances(line, path).max() < 1e-9
     assert np.linalg.norm(np.diff(path, axis=0), axis=1).max() <= spacing + 1e-9
+
+
+@given(st.lists(st.lists(positions, min_size=1, max_size=6), min_size=1, max_size=5), st.integers(1, 5))
+def test_the_middles_of_many_paths_are_those_of_each(paths, count) -> None:
+    each = [np.array(path) for path in paths]
+    np.testing.assert_allclose(
+        polyline.middles_of(each, count), [polyline.middles(path, count) for path in each], atol=1e-9
+    )

@@ -21,6 +21,7 @@ from cpm_app.session.features.background import IdentityCache, LatestOnlyWorker,
 from cpm_app.session.features.contour_review import ContourReview
 from cpm_app.session.scene import Item, Proposal
 from cpm_app.session.session import Session
+from cpm_app.session.signals import EDITING
 from cpm_core import Image, Surface
 from cpm_core.contours import bridges_on
 from cpm_core.numerics import Array, Place, Position, polyline
@@ -165,6 +166,9 @@ def _holds(row: Row, place: Place) -> bool:
 def _size(row: Row) -> float:
     return size_of(row.item) if row.item is not None else row.contour.contour.area if row.contour else 0.0
 
+
+DOUBTFUL = 0.7
+"""Probability below which an object is doubtful."""
 
 BRUSH = 0.5, 500.0
 """Limits of the radius of the brush [px]."""
@@ -395,14 +399,19 @@ class ObjectList(QObject):
     def accept(self) -> None:
         """Make objects of the selected proposals and closed contours, and keep open ones; without any, all proposals.
 
-        What has been rejected is there again.
+        Doubtful ones next to others have to be selected. What has been rejected is there again.
         """
-        rows = self.open_rows
+        rows = offered = self.open_rows
+        if not self.selected:
+            sure = [row for row in offered if row.item is not None and row.item.confidence >= DOUBTFUL]
+            rows = sure or offered
         if not rows:
             self._session.say(tr("There is nothing to accept: click in an object first."))
             return
         self._with_objects(tr("accept {what}"), rows)
         self._session.seal()
+        if len(rows) < len(offered):
+            self._session.say(tr("Doubtful proposals are left: select one to accept it."), topic=EDITING)
 
     def reject(self) -> None:
         """Dismiss the selected proposals, remove objects, and mark contours as rejected, those around them too.
@@ -438,7 +447,7 @@ class ObjectList(QObject):
         if rows and (rows[0].kind in ("proposal", "closed")):
             self._with_objects(tr("name {what}"), rows, lambda d, numbers: objects.rename(d, numbers, name))
         elif rows and rows[0].contour is not None:
-            targets = [self._review.target(rows[0].contour)]
+            targets = self._review.targets([rows[0].contour])
             self._edit(tr("name {what}"), rows, lambda d: contours.rename(d, targets, name))
         else:
             self._edit(tr("name {what}"), rows, lambda d: objects.rename(d, (key[1],), name))
@@ -465,7 +474,7 @@ class ObjectList(QObject):
         """Color the selected objects and contours; an empty color is that of their class, or of contours."""
         rows = [row for row in self.selected_rows if row.kind != "proposal"]
         numbers = [row.item.number for row in rows if row.item is not None]
-        targets = [self._review.target(row.contour) for row in rows if row.contour is not None]
+        targets = self._review.targets(row.contour for row in rows if row.contour is not None)
 
         def edit(document: Document) -> Document:
             return objects.amend(contours.paint(document, targets, color), numbers, color=color)
@@ -565,7 +574,7 @@ class ObjectList(QObject):
         """The contours that rows are, and those that run along their boundaries."""
         apart = {item.key for item in self._review.apart(_boundaries(row.item for row in rows if row.item))}
         left = apart - {row.contour.key for row in rows if row.contour}
-        return [self._review.target(item) for item in self._review.items if item.key not in left]
+        return self._review.targets(item for item in self._review.items if item.key not in left)
 
     def _bounded(self, rows: Sequence[Row]) -> list[SegmentedObject]:
         """The objects that closed contours make, not accepted yet: each with the holes directly in it, and bridges.

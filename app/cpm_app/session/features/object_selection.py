@@ -17,7 +17,7 @@ from cpm_app.model.document.objects import AnySelection
 from cpm_app.model.text.keys import with_keys
 from cpm_app.model.text.language import tr, written
 from cpm_app.session.features.background import LatestOnlyWorker
-from cpm_app.session.features.object_list import ObjectList
+from cpm_app.session.features.object_list import DOUBTFUL, ObjectList
 from cpm_app.session.features.selector import (
     MOST_OFFERED,
     AnyPartition,
@@ -39,9 +39,6 @@ from cpm_core.shapes import Everywhere, Start
 
 _COVERED = 0.5
 """Share of an object that others cover from which it counts as one of them."""
-
-DOUBTFUL = 0.7
-"""Probability below which an object is doubtful."""
 
 
 def percent(selection: AnySelection) -> str:
@@ -165,7 +162,9 @@ class ObjectSelection(QObject):
     def advice(self) -> str:
         """What can be done with what is offered; empty where nothing is."""
         offered, chosen = self.proposals, self._session.scene.objects.chosen
-        meant = [each for each in offered if each.key in chosen] or offered
+        found = ((each, each.selection) for each in offered)
+        sure = [each for each, one in found if isinstance(one, Selection) and one.confidence >= DOUBTFUL]
+        meant = [each for each in offered if each.key in chosen] or sure or offered
         if self.selecting:
             said = tr(
                 "Click to add, Shift-click to remove, [ ] for smaller and larger. Enter accepts, {key:escape} cancels."

@@ -9,7 +9,8 @@ import pyqtgraph as pg
 from PySide6.QtCore import Qt
 
 from cpm_app.model.text.language import tr
-from cpm_app.session.features.object_selection import DOUBTFUL, percent
+from cpm_app.session.features.object_list import DOUBTFUL
+from cpm_app.session.features.object_selection import percent
 from cpm_app.session.scene import Scene
 from cpm_app.views.items.curves import Area, Curves, Fills
 from cpm_app.views.items.item import Markers, Names

@@ -181,10 +181,14 @@ class Actions(dict[str, QAction]):
             self._tell(name)
 
     def use_theme(self, theme: Theme, turns: Turns) -> None:
-        """Tint the icons in later turns, except those that a new window shows first."""
+        """Tint the icons in later turns, those on buttons first; in a new window these are tinted immediately."""
         begins, self._theme = self._theme is None, theme
-        for name in self._icons:
-            if begins and any(isinstance(it, QToolBar | QToolButton) for it in self[name].associatedObjects()):
+
+        def later(name: str) -> bool:
+            return not any(isinstance(it, QToolBar | QToolButton) for it in self[name].associatedObjects())
+
+        for name in sorted(self._icons, key=later):
+            if begins and not later(name):
                 self._tint(name)
             else:
                 turns.ask(partial(self._tint, name))
