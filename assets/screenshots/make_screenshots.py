@@ -17,7 +17,6 @@ from pathlib import Path
 import numpy as np
 from cpm_app.model.document import edits
 from cpm_app.model.document.samples import sample_called
-from cpm_app.session.features.object_selection import DOUBTFUL
 from cpm_app.views.application import make_application
 from cpm_app.views.features.files import OpenSaveFeature
 from cpm_app.views.features.volumes import SpaceFeature
@@ -111,16 +110,13 @@ LARGE = ((167.0, 33.0), (264.0, 39.0), (284.0, 193.0), (76.0, 280.0))
 
 
 def objects(stand: Stand) -> None:
-    """All nuclei found, accepted as objects of two classes, one of them selected; a doubtful one is rejected."""
+    """All nuclei found, accepted as objects of two classes, one of them selected; a doubtful proposal is left."""
     selection, listed = stand.window.workspace.object_selection, stand.window.workspace.object_list
     stand.open("nuclei.png")
     stand.run()
     wait(lambda: selection.idle and bool(selection.proposals))
     stand.do("objects")
     listed.accept()
-    stand.settle()
-    listed.choose({item.number for item in listed.objects.items if item.confidence < DOUBTFUL})
-    listed.reject()
     stand.settle()
     for category, name in ((1, "small"), (2, "large")):
         listed.name_class(category, name)

@@ -25,7 +25,7 @@ from cpm_core.contours.review import Mark as Mark
 from cpm_core.contours.review import Outline as Outline
 from cpm_core.contours.review import ReviewedContour as ReviewedContour
 from cpm_core.contours.review import Verdict as Verdict
-from cpm_core.contours.review import anchor as anchor
+from cpm_core.contours.review import anchors as anchors
 from cpm_core.contours.review import apply as apply
 from cpm_core.contours.review import attached as attached
 from cpm_core.contours.review import middle as middle

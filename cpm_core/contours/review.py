@@ -180,19 +180,24 @@ def middle(contour: Contour) -> Position:
     return tuple(polyline.middles(contour.path, 1)[0].tolist())
 
 
-def anchor(contours: Contours, index: int) -> Position:
-    """Position (row, col) on the contour of an index that is far from the others, and from its own ends [px]."""
-    contour = contours[index]
+def anchors(contours: Contours, indices: Sequence[int]) -> list[Position]:
+    """For each index a position (row, col) on its contour, far from the other contours and from its own ends [px]."""
+    if not indices:
+        return []
     share = (np.arange(_PLACES) + 0.5) / _PLACES
     order = np.argsort(np.abs(share - 0.5), kind="stable")  # the middle has priority among equals
-    places = polyline.middles(contour.path, _PLACES)[order]
-    clear = np.full(_PLACES, _ALONE)
     low, high = np.concatenate([one.box for one in contours]).reshape(-1, 2, 2).swapaxes(0, 1)
-    apart = np.maximum(low - high[index], low[index] - high).max(axis=1)
-    for other in np.flatnonzero(apart < _ALONE).tolist():
-        if other != index:
-            clear = np.minimum(clear, polyline.distances(contours[other].path, places))
-    return tuple(places[int(np.argmax(clear))].tolist())
+    found: list[Position] = []
+    along = polyline.middles_of([contours[index].path for index in indices], _PLACES)[:, order]
+    for index, places in zip(indices, along, strict=True):
+        clear = np.full(_PLACES, _ALONE)
+        apart = np.maximum(low - high[index], low[index] - high).max(axis=1)
+        for other in np.flatnonzero(apart < _ALONE).tolist():
+            if other != index:
+                clear = np.minimum(clear, polyline.distances(contours[other].path, places))
+        row, col = places[int(np.argmax(clear))].tolist()
+        found.append((row, col))
+    return found
 
 
 _SAME = 2.0

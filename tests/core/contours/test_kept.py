@@ -8,12 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cpm_core.contours.contour import Contour
-from cpm_core.contours.review import Mark, anchor, apply, outline_of, with_kept
+from cpm_core.contours.review import Mark, anchors, apply, outline_of, with_kept
 from tests.core.contours.test_review import line, result_of, ring
 
 
 def kept(contours: list[Contour], index: int, name: str = "") -> Mark:
-    return Mark(anchor(contours, index), "kept", name, outline=outline_of(contours[index]))
+    return Mark(anchors(contours, [index])[0], "kept", name, outline=outline_of(contours[index]))
 
 
 @settings(max_examples=30, deadline=None)

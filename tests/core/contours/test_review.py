@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from cpm_core import Parameters, circle, segment
 from cpm_core.contours.contour import Bridge, Contour
 from cpm_core.contours.result import Result
-from cpm_core.contours.review import Mark, anchor, apply, attached, reviewed
+from cpm_core.contours.review import Mark, anchors, apply, attached, reviewed
 
 
 def ring(row: float, col: float, radius: float, count: int = 60, turn: float = 0.0) -> Contour:
@@ -37,7 +37,7 @@ def grid_of_rings() -> list[Contour]:
 )
 def test_marks_find_contours_that_have_moved_turned_and_changed_their_order(order, turn, down, right, chosen):
     first = grid_of_rings()
-    marks = [Mark(anchor(first, index), "rejected", f"ring {index}") for index in chosen]
+    marks = [Mark(at, "rejected", f"ring {index}") for at, index in zip(anchors(first, chosen), chosen, strict=True)]
     again = [ring(30 + 40 * (i // 3) + down, 30 + 40 * (i % 3) + right, 8.0 + i // 3 + 3 * (i % 3), 47, turn)
              for i in order]  # fmt: skip
     for one in reviewed(again, marks):
@@ -49,7 +49,7 @@ def test_marks_find_contours_that_have_moved_turned_and_changed_their_order(orde
 def test_an_anchor_is_far_from_other_contours() -> None:
     shared = [(20.0, 0.0), (20.0, 40.0)]
     contours = [line(*shared, (20, 60)), line((21, 0), (21, 45))]
-    row, col = anchor(contours, 0)
+    row, col = anchors(contours, [0])[0]
     assert (row, col > 50) == (20.0, True)
     assert attached(contours, [(row, col)]) == [0]
 
@@ -80,9 +80,8 @@ def test_marks_survive_a_run_from_another_start() -> None:
         for r in (8.0, 13.0)
     ]
     first, second = (segment(values, seeds, Parameters(scales=1)) for seeds in starts)
-    marks = [
-        Mark(anchor(first.contours, i), name=f"{c.points[:, 1].mean() > 60}") for i, c in enumerate(first.contours)
-    ]
+    at = anchors(first.contours, range(len(first.contours)))
+    marks = [Mark(at[i], name=f"{c.points[:, 1].mean() > 60}") for i, c in enumerate(first.contours)]
     assert len(first.contours) == len(second.contours) == 2
     for one in reviewed(second.contours, marks):
         assert one.contour.name == f"{one.contour.points[:, 1].mean() > 60}"

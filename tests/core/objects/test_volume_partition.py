@@ -234,3 +234,15 @@ def test_what_a_click_gives_stays_in_the_region_of_interest(side):
     assert (found.mask & ~allowed).sum() < 0.002 * found.mask.sum()
     beyond = cut.select([center - 6.0])
     assert (beyond.found, beyond.remark) == (False, "A place outside the regions of interest counts for nothing.")
+
+
+def test_a_click_deep_in_an_organ_has_it_among_its_candidates_next_to_the_whole():
+    away, rng = _lengths((64,) * 3, (1.0,) * 3, np.full(3, 31.0)), np.random.default_rng(7)
+    layers = np.select([away < 18.0, away < 20.5, away < 26.0], [100.0, 35.0, 150.0], 10.0)
+    shade = scipy.ndimage.gaussian_filter(rng.normal(size=away.shape), 20.0)
+    values = scipy.ndimage.gaussian_filter(layers, 0.8) * (1.0 + 0.08 * shade / shade.std())
+    cut = cpm.partition(values + rng.normal(0.0, 6.0, away.shape))
+    found = cut.candidates([(31, 39, 35)])
+    assert max(_dice(one.mask, away < 18.0) for one in found) > 0.95
+    assert _dice(found[-1].mask, away < 26.0) > 0.95
+    assert len(found) < 4

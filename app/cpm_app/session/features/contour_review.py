@@ -12,7 +12,7 @@ from cpm_app.model.document.contours import Target
 from cpm_app.session.scene import NO_CONTOURS, Item, ReviewedContours
 from cpm_app.session.session import Session
 from cpm_core import Result
-from cpm_core.contours import anchor, neighborhood
+from cpm_core.contours import anchors, neighborhood
 from cpm_core.numerics import Array, PathTree, Position, polyline
 
 _PLACES = 24
@@ -93,11 +93,15 @@ class ContourReview(QObject):
         share = along.reshape(-1, _PLACES).mean(axis=1).tolist()
         return tuple(item for item, part in zip(self.items, share, strict=True) if part < _MOST)
 
-    def target(self, item: Item) -> Target:
-        """A contour as edits of the document name it."""
-        assert self.result is not None
-        mark = item.reviewed.mark
-        return Target(mark, mark.anchor if mark else anchor(self.result.contours, item.reviewed.index), item.contour)
+    def targets(self, items: Iterable[Item]) -> list[Target]:
+        """Contours as edits of the document name them."""
+        given, known = [*items], () if self.result is None else self.result.contours
+        fresh = [item.reviewed.index for item in given if item.reviewed.mark is None]
+        made = iter(anchors(known, fresh))
+        return [
+            Target(mark, mark.anchor if mark else next(made), item.contour)
+            for item, mark in ((item, item.reviewed.mark) for item in given)
+        ]
 
     # Selecting
 

@@ -447,7 +447,7 @@ class ObjectList(QObject):
         if rows and (rows[0].kind in ("proposal", "closed")):
             self._with_objects(tr("name {what}"), rows, lambda d, numbers: objects.rename(d, numbers, name))
         elif rows and rows[0].contour is not None:
-            targets = [self._review.target(rows[0].contour)]
+            targets = self._review.targets([rows[0].contour])
             self._edit(tr("name {what}"), rows, lambda d: contours.rename(d, targets, name))
         else:
             self._edit(tr("name {what}"), rows, lambda d: objects.rename(d, (key[1],), name))
@@ -474,7 +474,7 @@ class ObjectList(QObject):
         """Color the selected objects and contours; an empty color is that of their class, or of contours."""
         rows = [row for row in self.selected_rows if row.kind != "proposal"]
         numbers = [row.item.number for row in rows if row.item is not None]
-        targets = [self._review.target(row.contour) for row in rows if row.contour is not None]
+        targets = self._review.targets(row.contour for row in rows if row.contour is not None)
 
         def edit(document: Document) -> Document:
             return objects.amend(contours.paint(document, targets, color), numbers, color=color)
@@ -574,7 +574,7 @@ class ObjectList(QObject):
         """The contours that rows are, and those that run along their boundaries."""
         apart = {item.key for item in self._review.apart(_boundaries(row.item for row in rows if row.item))}
         left = apart - {row.contour.key for row in rows if row.contour}
-        return [self._review.target(item) for item in self._review.items if item.key not in left]
+        return self._review.targets(item for item in self._review.items if item.key not in left)
 
     def _bounded(self, rows: Sequence[Row]) -> list[SegmentedObject]:
         """The objects that closed contours make, not accepted yet: each with the holes directly in it, and bridges.
