@@ -61,7 +61,11 @@ def stack(path: Path, _reading: Reading) -> Stack:
     with _opened(path) as picture:
         check_size(name, picture.height, picture.width)
         frames, turn = int(getattr(picture, "n_frames", 1)), _orientation(picture, path)
-        spacing, unit = _density(picture) if frames == 1 else resolution.UNKNOWN
+        spacing, unit = resolution.UNKNOWN
+        density = picture.info.get("dpi")
+        if frames == 1 and picture.format == "PNG" and density is not None:  # of these formats only PNG has a unit
+            along = (float(density[1]) * _PIXELS_A_METER, float(density[0]) * _PIXELS_A_METER)
+            spacing, unit = resolution.from_density(*along)
         order = -1 if turn in range(5, 9) else 1  # rows and columns are swapped
         shape, (row, col) = (1, *picture.size[::-order]), spacing[::order]
 
@@ -81,14 +85,6 @@ def _opened(path: Path) -> Iterator[PIL.Image.Image]:
             yield picture
     except PIL.Image.DecompressionBombError:
         raise UnreadableError(f"{path.name} has far too many pixels: crop it or make it smaller first.") from None
-
-
-def _density(picture: PIL.Image.Image) -> tuple[tuple[float, float], str | None]:
-    """Size of a pixel along each axis as it is stored, and its unit."""
-    density = picture.info.get("dpi")
-    if picture.format != "PNG" or density is None:  # among these formats only PNG has a unit of length
-        return resolution.UNKNOWN
-    return resolution.from_density(float(density[1]) * _PIXELS_A_METER, float(density[0]) * _PIXELS_A_METER)
 
 
 def _orientation(picture: PIL.Image.Image, path: Path) -> int:
