@@ -72,7 +72,7 @@ def twice(boxes: Array, chunks: Index, grid: Grid) -> Mask:
     middle = boxes.mean(axis=1)
     edge = (middle + 0.5) % grid.side
     near = np.flatnonzero((np.minimum(edge, grid.side - edge) <= _UNSURE + _SAME).any(axis=1))
-    found = np.zeros(len(boxes), np.bool_)
+    found = np.zeros(len(boxes), bool)
     if len(near):
         pairs = scipy.spatial.KDTree(boxes[near].reshape(-1, 4)).query_pairs(_SAME, p=np.inf, output_type="ndarray")
         one, other = near[pairs].T

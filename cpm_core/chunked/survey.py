@@ -17,7 +17,7 @@ from cpm_core.image.border import inside_border, within
 from cpm_core.image.gray_levels import automatic_gamma
 from cpm_core.image.pyramid import pyramid
 from cpm_core.numerics.grids import relative
-from cpm_core.numerics.types import Array, Extent, frozen
+from cpm_core.numerics.types import Array, Arrays, Extent, frozen
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.large_images import strongest_part
 
@@ -44,7 +44,7 @@ class Edges(NamedTuple):
     """Edges in the core of a chunk: the largest strength at each scale, and some strengths at each."""
 
     strongest: tuple[float, ...]
-    samples: tuple[Array, ...]
+    samples: Arrays
 
 
 @frozen
