@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
@@ -31,7 +32,7 @@ NAMED = (
 LEFT_OUT = (
     *("tkinter", "IPython", "pytest", "setuptools", "PyQt5", "PyQt6", "pandas", "numba.cuda", "numba.tests", "OpenGL"),
     *("PySide6.QtQml", "PySide6.QtQuick", "PySide6.QtSql", "PySide6.QtNetwork", "PySide6.QtTest"),
-    *("PySide6.QtOpenGL", "PySide6.QtOpenGLWidgets", "matplotlib", "networkx", "pydoc_data"),
+    *("matplotlib", "networkx", "pydoc_data"),
     *("PIL.AvifImagePlugin", "PIL._avif", "scipy.io", "skimage.data", "skimage.io", "skimage.filters.rank"),
 )
 """What is installed here or named by a library, and not needed."""
@@ -41,9 +42,6 @@ CODECS = (
     *("jpeg8", "jpegls", "jpegsof3", "ljpeg", "jpeg2k", "jpegxl", "jpegxr", "png", "webp"),
 )
 """Modules of imagecodecs for what TIFF, DICOM and pictures contain; others are left out."""
-
-SYMBOLS = ("libpython*", "llvmlite/binding/*.so", "ezdxf/acc/*.so", "fontTools/*/*.so", "python3*/lib-dynload/*.so")
-"""Libraries of Linux that come with names for debuggers; those that auditwheel has changed must not be stripped."""
 
 UNSEEN = ("numba._devicearray", "numba.mviewbuf")
 """Modules that only compiled code loads."""
@@ -81,7 +79,9 @@ def frozen(output: Path, work: Path) -> Path:
     subprocess.run([sys.executable, "-m", "PyInstaller", *options, start], check=True, cwd=work, env=environment)
     folder = output / "cpm"
     if sys.platform == "linux":
-        libraries = [path for pattern in SYMBOLS for path in (folder / "_internal").glob(pattern)]
+        # not those that auditwheel has changed, which would no longer be loaded, nor those of Qt, which have no symbols
+        found = (path for path in folder.rglob("*.so*") if path.is_file() and not path.is_symlink())
+        libraries = [path for path in found if not re.search(r"[.]libs/|PySide6/", path.as_posix())]
         subprocess.run(["strip", "--strip-unneeded", *map(str, libraries)], check=True)
     for texts in folder.glob("_internal/PySide6/**/translations/*.qm"):
         if not any(texts.stem.startswith(f"qtbase_{language}") for language in ("de", "es", "fr", "ja", "zh")):

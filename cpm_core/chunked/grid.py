@@ -41,7 +41,7 @@ class Source:
 
     def gray(self, window: Window) -> Array:
         """Gray levels in a window, shape (H, W)."""
-        return self.levels.part(window, self.reading).astype(np.float64)
+        return self.levels.part(window, self.reading).astype(float)
 
 
 @lru_cache(2)

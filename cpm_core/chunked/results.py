@@ -24,7 +24,7 @@ from cpm_core.formats.contours.geojson import features_of
 from cpm_core.formats.images.ome_zarr import create_levels, halve_part, write_part
 from cpm_core.formats.images.resolution import in_ascii
 from cpm_core.numerics.grids import Window, tiles
-from cpm_core.numerics.types import Array, frozen
+from cpm_core.numerics.types import Array
 from cpm_core.parameters.provenance import Provenance, taken
 from cpm_core.segmentation.engine import Engine
 from cpm_core.shapes import Everywhere
@@ -38,20 +38,12 @@ WRITABLE = {
 """Suffixes of the files -> what they hold."""
 
 
-@frozen
-class Target:
-    """A file that is written chunk by chunk; `draft` is where, until it is whole."""
-
-    path: Path
-    draft: Path
-
-
 def write(found: Found, paths: Sequence[str], compute: Compute) -> list[str]:
     """Write files by their suffixes, and give the names of those that were written."""
     written = []
     for path in map(Path, paths):
         with _draft(path) as draft:
-            written += _WRITERS[path.suffix.lower()](found, Target(path, draft), compute)
+            written += _WRITERS[path.suffix.lower()](found, path, draft, compute)
     return written
 
 
@@ -76,16 +68,16 @@ def _near(found: Found, number: int, window: Window) -> list[Contour]:
     return [unique[at] for at in sorted(unique)]
 
 
-def write_labels(found: Found, target: Target, compute: Compute) -> list[str]:
+def write_labels(found: Found, path: Path, draft: Path, compute: Compute) -> list[str]:
     """Write a label image in levels of resolution."""
     grid, levels = found.grid, found.task.source.levels
     more = {"image-label": {"version": "0.5"}}
-    count = create_levels(target.draft, grid.shape, np.uint32, grid.side, levels.spacing[1:], levels.unit, more)
-    _done(compute(partial(_paint, found, target.draft), grid.chunks, "labels"))
+    count = create_levels(draft, grid.shape, np.uint32, grid.side, levels.spacing[1:], levels.unit, more)
+    _done(compute(partial(_paint, found, draft), grid.chunks, "labels"))
     for level in range(1, count):
         shape = tuple(-(-n // 2**level) for n in grid.shape)
-        _done(compute(partial(halve_part, target.draft, level), tiles(shape, grid.side), "levels of labels"))
-    return [str(target.path)]
+        _done(compute(partial(halve_part, draft, level), tiles(shape, grid.side), "levels of labels"))
+    return [str(path)]
 
 
 def _paint(found: Found, path: Path, chunk: Chunk) -> None:
@@ -103,9 +95,9 @@ def _moved(contours: Sequence[Contour], window: Window) -> list[Contour]:
     return [Contour(one.points - corner, one.closed, group=one.group, hole=one.hole) for one in contours]
 
 
-def write_tiles(found: Found, target: Target, compute: Compute) -> list[str]:
+def write_tiles(found: Found, path: Path, _: Path, compute: Compute) -> list[str]:
     """Write a file of GeoJSON for each chunk with contours."""
-    names = dict(compute(partial(_tile, found, target.path), found.grid.chunks, "GeoJSON"))
+    names = dict(compute(partial(_tile, found, path), found.grid.chunks, "GeoJSON"))
     return [names[at] for at in sorted(names) if names[at]]
 
 
@@ -140,24 +132,24 @@ def _result(found: Found, contours: Sequence[Contour]) -> Result:
     )  # fmt: skip
 
 
-def write_table(found: Found, target: Target, compute: Compute) -> list[str]:
+def write_table(found: Found, path: Path, draft: Path, compute: Compute) -> list[str]:
     """Write a table, with a row for each closed contour."""
     import pyarrow
     from pyarrow import csv, parquet
 
     tables: dict[int, Any] = {}
     writer, following = None, 0
-    make = parquet.ParquetWriter if target.path.suffix.lower() == ".parquet" else csv.CSVWriter
+    make = parquet.ParquetWriter if path.suffix.lower() == ".parquet" else csv.CSVWriter
     for at, columns in compute(partial(_rows, found), found.grid.chunks, "table"):
         tables[at] = columns
         while following in tables:  # in the order of the chunks
             table = pyarrow.table(tables.pop(following))
-            writer = writer or make(str(target.draft), table.schema)
+            writer = writer or make(str(draft), table.schema)
             writer.write_table(table)
             following += 1
     if writer is not None:
         writer.close()
-    return [str(target.path)]
+    return [str(path)]
 
 
 def _rows(found: Found, chunk: Chunk) -> dict[str, Array]:
@@ -192,8 +184,9 @@ def _done(results: Iterable[object]) -> None:
         pass
 
 
-_WRITERS: dict[str, Callable[[Found, Target, Compute], list[str]]] = {
+_WRITERS: dict[str, Callable[[Found, Path, Path, Compute], list[str]]] = {
     ".zarr": write_labels,
     ".geojson": write_tiles,
     **dict.fromkeys((".csv", ".parquet"), write_table),
 }
+"""Suffixes -> writers: they take what was found, a path, where to write until all is written, and how jobs are done."""

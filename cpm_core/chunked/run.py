@@ -16,9 +16,10 @@ from cpm_core.chunked.seams import joined, owned, twice
 from cpm_core.chunked.store import Piece, Store, packed, unpacked
 from cpm_core.contours.contour import Contour
 from cpm_core.formats.common.provenance import VERSION
-from cpm_core.numerics.types import Array, frozen
+from cpm_core.numerics.types import Array, Entries, Integers, frozen
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction.curve.hysteresis import shortest
+from cpm_core.shapes.everywhere import Kind
 
 Compute = Callable[[Callable[[Any], Any], Sequence[Any], str], Iterable[tuple[int, Any]]]
 """Applies a function to each of some jobs, in any order and on any workers, under a title: gives index and result."""
@@ -46,12 +47,12 @@ class Task:
 
     source: Source
     parameters: Parameters
-    kind: str
+    kind: Kind
     store: Store
     max_steps: int | None = None
 
     @property
-    def settings(self) -> dict[str, Any]:
+    def settings(self) -> Entries:
         """All that the result depends on, but the image."""
         return {"image": str(self.source.path.absolute()), "reading": asdict(self.source.reading), "start": self.kind,
                 "parameters": asdict(self.parameters), "steps": self.max_steps, "version": VERSION}  # fmt: skip
@@ -76,7 +77,7 @@ class Found:
     task: Task
     grid: Grid
     whole: survey.Whole
-    counts: tuple[int, ...]
+    counts: Integers
 
     def contours(self, chunk: int) -> list[Contour]:
         """The contours of a chunk, numbered through the image; last those that no chunk sees as a whole."""
@@ -94,7 +95,7 @@ class Found:
         return [one for one in found if (one.box[1] >= low).all() and (one.box[0] <= high).all()]
 
 
-def _long(known: dict[str, Any]) -> list[Contour]:
+def _long(known: Entries) -> list[Contour]:
     rows = zip(unpacked(known, "long_"), known["number"].tolist(), strict=True)
     return [replace(piece.contour, number=number) for piece, number in rows]
 
@@ -149,7 +150,7 @@ def _chunk(number: int) -> str:
     return f"chunk_{number}.npz"
 
 
-def _join(store: Store, grid: Grid, least: float) -> tuple[int, ...]:
+def _join(store: Store, grid: Grid, least: float) -> Integers:
     """Join what crosses seams to contours of some length, store it, and give the number of contours of each chunk."""
     boxes: list[Array] = []
     pieces: list[Piece] = []

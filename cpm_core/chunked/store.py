@@ -78,12 +78,12 @@ def packed(pieces: Sequence[Piece]) -> Entries:
     return {
         "points": np.concatenate([np.empty((0, 2)), *(one.points for one in contours)]),
         "counts": np.array([len(one.points) for one in contours], np.int64),
-        "closed": np.array([one.closed for one in contours], np.bool_),
+        "closed": np.array([one.closed for one in contours], bool),
         "strength": np.array([one.strength for one in contours]),
-        "junctions": np.array([one.junctions for one in contours], np.bool_).reshape(-1, 2),
+        "junctions": np.array([one.junctions for one in contours], bool).reshape(-1, 2),
         "group": np.array([one.group for one in contours], np.int64),
-        "hole": np.array([one.hole for one in contours], np.bool_),
-        "cut": np.array([piece.cut for piece in pieces], np.bool_).reshape(-1, 2),
+        "hole": np.array([one.hole for one in contours], bool),
+        "cut": np.array([piece.cut for piece in pieces], bool).reshape(-1, 2),
     }
 
 

@@ -16,6 +16,7 @@ from cpm_core.cli import batch, bench, compare, export, info, run, skeleton
 from cpm_core.cli.inputs import expanded, only_image
 from cpm_core.cli.output import say
 from cpm_core.formats.common.provenance import VERSION
+from cpm_core.numerics.types import Texts
 
 BAD_INPUT = 2
 INTERRUPTED = 130
@@ -30,7 +31,7 @@ class Command(NamedTuple):
     description: str
     add_arguments: Callable[[argparse.ArgumentParser], object]
     run: Callable[[argparse.Namespace], int | None]
-    examples: tuple[str, ...]
+    examples: Texts
 
 
 COMMANDS = {

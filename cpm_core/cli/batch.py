@@ -21,7 +21,7 @@ from cpm_core.formats.common.atomic import append, drafts_of, interrupts_put_off
 from cpm_core.formats.common.content import fingerprint, fingerprint_if_read
 from cpm_core.formats.common.printable import cell, printable, text_of_cell
 from cpm_core.formats.sessions.session_file import SessionFile, load_session
-from cpm_core.numerics.types import Entries
+from cpm_core.numerics.types import Entries, Texts
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import counted, shown
 from cpm_core.shapes.document_shapes import starts_of
@@ -155,7 +155,7 @@ class Batch:
         session: SessionFile,
         source: Path,
         output: Path,
-        suffixes: tuple[str, ...],
+        suffixes: Texts,
         parameters: Parameters | None = None,
         max_steps: int | None = None,
         *,

@@ -29,7 +29,7 @@ from cpm_core.formats.contour_file import CONTOURS_READABLE
 from cpm_core.formats.sessions.session_file import SessionFile
 from cpm_core.image.colors import LUMINANCE
 from cpm_core.image.image import Image
-from cpm_core.numerics.types import Entries
+from cpm_core.numerics.types import Entries, Texts
 from cpm_core.objects.methods import (
     CONTOUR_METHODS,
     Compared,
@@ -199,7 +199,7 @@ def _settings(
     return {name: replace(settings, **changes.get(name, {})) for name, settings in found.items()}
 
 
-def _names(method: str) -> tuple[str, ...]:
+def _names(method: str) -> Texts:
     """Names of the settings of a method."""
     kind = CONTOUR_METHODS[method].settings
     return tuple(kind.table()) if issubclass(kind, Settings) else tuple(Parameters.__dataclass_fields__)

@@ -29,7 +29,7 @@ from cpm_core.image.colors import LUMINANCE_NOTE
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.state import State
-from cpm_core.numerics.types import Entries
+from cpm_core.numerics.types import Entries, Texts
 from cpm_core.pages.follow import fitting
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
@@ -117,13 +117,13 @@ def fitted(image: Image, parameters: Parameters, *, scales: bool = True) -> Para
     return parameters
 
 
-def with_room(parameters: Parameters, image: Image) -> tuple[Parameters, tuple[str, ...]]:
+def with_room(parameters: Parameters, image: Image) -> tuple[Parameters, Texts]:
     """Parameters with as many scales as an image has room for, and a note where that changes them."""
     fit = fitting(parameters, image.shape)
     return fit, () if fit == parameters else (f"The image is small: scales is set to {fit.scales}.",)
 
 
-def notes_on(image: Image, parameters: Parameters) -> tuple[str, ...]:
+def notes_on(image: Image, parameters: Parameters) -> Texts:
     """What was changed between the file of an image and the gray levels that a run with these parameters takes."""
     wanted = parameters.channel
     if wanted == "luminance":

@@ -86,6 +86,8 @@ def _check(arguments: argparse.Namespace, path: Path, parameters: Parameters) ->
     for target in arguments.export:
         if not suffix_among(target, results.WRITABLE):
             raise ValueError(f"{target} cannot be written chunk by chunk: choose one of {', '.join(results.WRITABLE)}.")
+        if Path(target).is_dir() and not is_zarr(Path(target)):
+            raise ValueError(f"{target} is a folder, which would be replaced: choose another name.")
         if not Path(target).absolute().parent.is_dir():
             raise ValueError(f"{target} cannot be written: there is no such folder.")
     check_targets(arguments.export, arguments, path)

@@ -73,6 +73,7 @@ from cpm_core.formats.stack_files import FOR_STACKS
 from cpm_core.image.image import Image
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
 from cpm_core.model.state import State
+from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Entries, Plain
 from cpm_core.objects import Selection, objects_result, partition
 from cpm_core.parameters import PRESETS, Parameters
@@ -303,7 +304,7 @@ def _shapes(drawn: Drawn, arguments: argparse.Namespace, volume: Image | None = 
     """The shapes that are drawn on the command line, in an image or in a volume, where limits are no shapes."""
     axes = 2 if volume is None else 3
     shapes: list[Shape] = [Stroke(places_in(numbers, axes)) for numbers in drawn["stroke"]]
-    shapes += [Points(tuple(map(tuple, load_points(path, axes).tolist()))) for path in arguments.points]
+    shapes += [Points(as_line(load_points(path, axes))) for path in arguments.points]
     everywhere = [Everywhere(arguments.auto)] if arguments.auto else []
     if volume is not None:
         spheres = (Sphere.round(tuple(center), radius, volume.spacing) for *center, radius in drawn["sphere"])

@@ -28,7 +28,7 @@ from cpm_core.formats.common.provenance import VERSION, with_shapes
 from cpm_core.formats.images.reading import DEFAULT
 from cpm_core.formats.sessions.session_file import SessionFile, part_for
 from cpm_core.numerics.parallel import at_most, cores
-from cpm_core.numerics.types import Callback, frozen
+from cpm_core.numerics.types import Callback, Texts, frozen
 from cpm_core.parameters import Parameters
 from cpm_core.warm_up import is_compiled, warm_up
 
@@ -70,9 +70,9 @@ class Row:
 
     image: str
     facts: dict[str, object] = field(default_factory=dict)
-    files: tuple[str, ...] = ()
+    files: Texts = ()
     trouble: str = ""
-    notes: tuple[str, ...] = ()
+    notes: Texts = ()
     image_sha256: str = ""
     session_sha256: str = ""
     settings: str = ""
@@ -91,7 +91,7 @@ class Job:
     session: SessionFile  # start, regions, charges and review
     parameters: Parameters
     max_steps: int | None
-    suffixes: tuple[str, ...]  # formats to write
+    suffixes: Texts  # formats to write
 
 
 def do(job: Job) -> Row:
@@ -117,7 +117,7 @@ def do(job: Job) -> Row:
         return replace(job.row, trouble=reason, image_sha256=fingerprint_if_read(Path(job.path)))
 
 
-def _files(result: Result, suffixes: Sequence[str]) -> tuple[dict[str, bytes], tuple[str, ...]]:
+def _files(result: Result, suffixes: Sequence[str]) -> tuple[dict[str, bytes], Texts]:
     """The files of a result by suffix, and why some hold less than it or cannot be made; ValueError when none can."""
     files: dict[str, bytes] = {}
     notes: list[str] = []

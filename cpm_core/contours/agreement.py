@@ -16,7 +16,7 @@ from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.rasterize import inside, paint
 from cpm_core.numerics.real_numbers import checked_number
 from cpm_core.numerics.segments import SegmentTree
-from cpm_core.numerics.types import Array, Index, Mask, frozen, record
+from cpm_core.numerics.types import Array, Arrays, Index, Mask, frozen, record
 from cpm_core.parameters.quotation import described
 
 TOLERANCE = 2.0
@@ -118,7 +118,7 @@ class Comparison(Agreement):
 
     dice: float
     jaccard: float
-    distances: tuple[Array, ...]
+    distances: Arrays
     missing: Array
     objects: ObjectCounts
 

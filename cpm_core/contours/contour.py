@@ -12,7 +12,7 @@ import numpy as np
 
 from cpm_core.numerics import polyline
 from cpm_core.numerics.segments import PathTree
-from cpm_core.numerics.types import Array, frozen, record
+from cpm_core.numerics.types import Array, Arrays, Integers, frozen, record
 from cpm_core.parameters.quotation import counted, described, shown
 
 SAMPLING = 0.25
@@ -117,7 +117,7 @@ class Contour:
     name: str = ""
     color: str = ""
     number: int = 0
-    by_hand: tuple[Array, ...] = ()
+    by_hand: Arrays = ()
     group: int = 0
     hole: bool = False
     bridged: float = 0.0
@@ -208,7 +208,7 @@ class Bridge:
         return described("Bridge", f"{self.length:,.1f} px", f"strength {self.strength:.3g}")
 
 
-def numbers_of(contours: Contours) -> tuple[int, ...]:
+def numbers_of(contours: Contours) -> Integers:
     """The numbers of contours, no two of them equal: their own, and for those without one the next free ones."""
     taken = {contour.number for contour in contours}
     free = (number for number in itertools.count(1) if number not in taken)

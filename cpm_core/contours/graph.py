@@ -110,9 +110,9 @@ class Graph:
         if self._ways is None:
             total = self.degrees.sum()  # each edge twice: room for its two vertices
             vertices, start = np.empty(total, np.int64), np.zeros(total // 2 + 1, np.int64)
-            closed = np.zeros(total // 2, np.bool_)
+            closed = np.zeros(total // 2, bool)
             near = np.sort(self._near, axis=1)
-            count = _walk_all(near, self.degrees, np.zeros(near.shape, np.bool_), vertices, start, closed)
+            count = _walk_all(near, self.degrees, np.zeros(near.shape, bool), vertices, start, closed)
             start, closed = start[: count + 1], closed[:count]
             self._ways = Ways(self.points, vertices[: start[-1]], start, closed)
         return self._ways
@@ -128,7 +128,7 @@ class Graph:
         if not near:
             return np.array([end])
         path = np.empty(len(self.points) + 1, np.int64)
-        count = follow(self._near, self.degrees, np.zeros(self._near.shape, np.bool_), end, near[0], path)
+        count = follow(self._near, self.degrees, np.zeros(self._near.shape, bool), end, near[0], path)
         return path[:count]
 
     def way_between(self, end: Index, other: Index) -> Array:

@@ -152,7 +152,7 @@ def labels_of(values: NDArray[np.generic], source: str) -> Labels:
         levels, index = np.unique(values, return_inverse=True)
         labels = index.reshape(values.shape).astype(np.int32)
     if len(levels) > 8:
-        span = (np.asarray(values, np.float64) - float(levels[0])) / (float(levels[-1]) - float(levels[0]))
+        span = (np.asarray(values, float) - float(levels[0])) / (float(levels[-1]) - float(levels[0]))
         if np.minimum(span, 1.0 - span).max() < _CLEAR:  # black and white from a lossy format
             labels = (span > 0.5).astype(np.int32)
     if len(levels) < 2:

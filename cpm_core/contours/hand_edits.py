@@ -19,7 +19,7 @@ from cpm_core.contours.contour import Contour, Contours
 from cpm_core.contours.polygonal_line import PolygonalLine, joined, ring
 from cpm_core.contours.review import REACH
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Line, Position, frozen
+from cpm_core.numerics.types import Array, Integers, Line, Position, frozen
 
 Kind = Literal["cut", "deletion", "redrawing", "join", "extension", "line", "outline"]
 """What an edit does, by what it removes and adds."""
@@ -90,7 +90,7 @@ class HandEdit:
         return "join" if self.before and self.after else "extension" if self.before or self.after else "line"
 
 
-def apply(contours: Contours, edits: Sequence[HandEdit]) -> tuple[tuple[Contour, ...], tuple[int, ...]]:
+def apply(contours: Contours, edits: Sequence[HandEdit]) -> tuple[tuple[Contour, ...], Integers]:
     """Contours with edits by hand, in the order in which they were made.
 
     Parameters
@@ -111,7 +111,12 @@ def apply(contours: Contours, edits: Sequence[HandEdit]) -> tuple[tuple[Contour,
         return tuple(contours), ()
     lines, missed = [PolygonalLine.of(contour) for contour in contours], []
     for number, edit in enumerate(edits):
-        lines, done = _removed(lines, edit.removed) if edit.removed else (lines, True)
+        done = not edit.removed
+        if len(edit.removed) == 1:
+            lines, done = _cut(lines, edit.removed[0])
+        for reach in _CLOSEST:
+            if not done and len(edit.removed) > 1:
+                lines, done = _without(lines, np.array(edit.removed), reach)
         if edit.added:
             lines, held = _added(lines, edit)
             done = done and held
@@ -122,18 +127,6 @@ def apply(contours: Contours, edits: Sequence[HandEdit]) -> tuple[tuple[Contour,
 
 
 # Removing
-
-
-def _removed(lines: list[PolygonalLine], stretch: Line) -> tuple[list[PolygonalLine], bool]:
-    """The lines cut at a place, or without a stretch; and whether a line was found there."""
-    if len(stretch) == 1:
-        return _cut(lines, stretch[0])
-    path = np.array(stretch)
-    for reach in _CLOSEST:
-        rest, along = _without(lines, path, reach)
-        if along:
-            return rest, True
-    return lines, False
 
 
 def _cut(lines: list[PolygonalLine], place: Position) -> tuple[list[PolygonalLine], bool]:

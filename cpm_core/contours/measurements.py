@@ -9,7 +9,7 @@ import numpy as np
 from cpm_core.contours.contour import Contour, Contours, numbers_of
 from cpm_core.numerics.polyline import inside, length, middles
 from cpm_core.numerics.real_numbers import real_numbers
-from cpm_core.numerics.types import Array, Position, frozen
+from cpm_core.numerics.types import Array, Integers, Position, frozen
 from cpm_core.parameters.quotation import described, shown
 
 _SAME = 1.0
@@ -86,7 +86,7 @@ class Measures:
         )
 
 
-def contour_labels(contours: Contours) -> tuple[int, ...]:
+def contour_labels(contours: Contours) -> Integers:
     """Label of each contour: 1, 2, ... over the closed ones in their order, 0 for open ones and holes.
 
     The outlines of one object share a label.

@@ -21,7 +21,7 @@ from numpy.typing import DTypeLike
 from cpm_core.contours.surface import Surface, inside_of
 from cpm_core.image.volume_regions import Voxels
 from cpm_core.numerics.grids import ends, zero_surface
-from cpm_core.numerics.types import Array, Index, Mask, Numbers, Pixels, Place, frozen
+from cpm_core.numerics.types import Array, Index, Integers, Mask, Numbers, Pixels, Place, frozen
 
 _LARGEST = 256 * 2**20
 """Most bytes of an array that is read."""
@@ -176,7 +176,7 @@ class PackedVoxels:
         When there is no voxel.
     """
 
-    first: tuple[int, ...]
+    first: Integers
     width: int
     planes: tuple[bytes, ...]
 
@@ -197,7 +197,7 @@ class PackedVoxels:
 
     def part(self, begin: Corner, shape: Corner) -> Mask:
         """Which voxels of another box, given its first voxel and its shape, are among them."""
-        found = np.zeros(tuple(shape), np.bool_)
+        found = np.zeros(tuple(shape), bool)
         low, high = np.maximum(begin, self.first), np.minimum(np.add(begin, shape), np.add(self.first, self.shape))
         if (low < high).all():
             (plane, row, col), (planes, rows, cols) = low - self.first, high - low

@@ -48,13 +48,13 @@ class PolygonalLine:
     @classmethod
     def of(cls, contour: Contour) -> PolygonalLine:
         """A contour as a line."""
-        drawn = np.zeros(len(contour.path) - 1, np.bool_)
+        drawn = np.zeros(len(contour.path) - 1, bool)
         return cls(contour.points, contour.closed, drawn, contour.junctions, contour)
 
     @classmethod
     def by_hand(cls, points: Array, closed: bool = False) -> PolygonalLine:
         """A line that is drawn by hand as a whole."""
-        return cls(points, closed, np.ones(len(points) - (not closed), np.bool_))
+        return cls(points, closed, np.ones(len(points) - (not closed), bool))
 
     @cached_property
     def path(self) -> Array:
@@ -146,7 +146,7 @@ def joined(first: PolygonalLine, second: PolygonalLine) -> PolygonalLine:
     """Two open lines as one, from the end of the first to the beginning of the second; what is between is by hand."""
     touching = _touch(first.points[-1], second.points[0])
     points = np.concatenate([first.points, second.points[touching:]])
-    drawn = np.concatenate([first.drawn, [] if touching else [True], second.drawn]).astype(np.bool_)
+    drawn = np.concatenate([first.drawn, [] if touching else [True], second.drawn]).astype(bool)
     return PolygonalLine(points, False, drawn, (first.junctions[0], second.junctions[1]))
 
 

@@ -216,7 +216,7 @@ def inside_of(surface: Surface, shape: Extent) -> Mask:
     corners = surface.vertices[surface.faces] - (*_BESIDE, 0.0)
     low = np.clip(np.ceil(corners.min(axis=1)), 0, shape).astype(np.int64)
     high = np.clip(np.floor(corners.max(axis=1)) + 1, 0, shape).astype(np.int64)
-    found = np.zeros(shape, np.bool_)
+    found = np.zeros(shape, bool)
     if not len(corners):
         return found
     first = low.min(axis=0)

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 from cpm_core.numerics.grids import Window, around, in_bands, relative, sides_of
 from cpm_core.numerics.parallel import cores
 from cpm_core.numerics.real_numbers import checked_number
-from cpm_core.numerics.types import Array, Index, Single, record
+from cpm_core.numerics.types import Array, Index, Integers, Single, record
 
 _MOST_KEPT = 2**21
 """Pixels of an image up to which the spectra of its kernels are kept for the next image of the same size."""
@@ -96,7 +96,7 @@ def _times(spectrum: NDArray[Any], kernel: Array, component: int) -> NDArray[Any
 @lru_cache(maxsize=12)
 def _kernel_spectrum(
     component: int,
-    half: tuple[int, ...],
+    half: Integers,
     power: float,
     made_in: np.dtype,
     precision: np.dtype,
@@ -189,7 +189,7 @@ class WindowedField:
 def _convolved(
     charges: NDArray[np.floating],
     sides: list[int],
-    kernels_of: Callable[[tuple[int, ...], float], Single],
+    kernels_of: Callable[[Integers, float], Single],
     exponent: float | None,
 ) -> Single:
     """Field of charges on a grid padded to these sides or more, from the transforms of its two kernels over i."""
@@ -199,7 +199,7 @@ def _convolved(
     return np.asarray(scipy.fft.irfft2(spectrum, padded, workers=cores()))
 
 
-def _padded(sides: list[int]) -> tuple[int, ...]:
+def _padded(sides: list[int]) -> Integers:
     """The least sides of a grid from these on whose transforms are fast; the last axis is transformed as real."""
     return tuple(scipy.fft.next_fast_len(n, axis == len(sides) - 1) for axis, n in enumerate(sides))
 
@@ -234,7 +234,7 @@ def _smooth_decay(squared: Single, power: float) -> Single:
     return decay
 
 
-def _offsets(padded: tuple[int, ...], pitch: int) -> tuple[Single, Single]:
+def _offsets(padded: Integers, pitch: int) -> tuple[Single, Single]:
     """Offsets between two nodes of a padded grid, shape (2, rows, columns) [px], and their squared length."""
     steps = (np.float32(pitch * size) * np.fft.fftfreq(size).astype(np.float32) for size in padded)
     offsets = np.stack(np.meshgrid(*steps, indexing="ij")).round()
@@ -242,7 +242,7 @@ def _offsets(padded: tuple[int, ...], pitch: int) -> tuple[Single, Single]:
 
 
 @lru_cache(maxsize=8)
-def _near_kernels(padded: tuple[int, ...], power: float) -> Single:
+def _near_kernels(padded: Integers, power: float) -> Single:
     """Transforms, over i, of the components of the field of one unit charge, less its smooth part."""
     offsets, squared = _offsets(padded, 1)
     squared[0, 0] = _NEAR**2  # no charge acts on itself
@@ -252,7 +252,7 @@ def _near_kernels(padded: tuple[int, ...], power: float) -> Single:
 
 
 @lru_cache(maxsize=8)
-def _far_kernels(padded: tuple[int, ...], power: float) -> Single:
+def _far_kernels(padded: Integers, power: float) -> Single:
     """Transforms, over i, of the smooth part on nodes, such that splines to and between them leave it as it is."""
     offsets, squared = _offsets(padded, _BLOCK)
     decay = _smooth_decay(squared, power)

@@ -145,7 +145,7 @@ def radius_at(scale: int) -> float:
 
 def near_charges(charges: Array, radius: float, places: Array) -> Mask:
     """Which places, shape (N, D), lie within the reach of at least one charge; see `placed_force_at`."""
-    near = np.zeros(len(places), np.bool_)
+    near = np.zeros(len(places), bool)
     for *place, _ in charges:
         near |= ((places - place) ** 2).sum(axis=1) < (RADII * radius) ** 2
     return near
@@ -235,7 +235,7 @@ NOTHING_PLACED = Placed(np.zeros((0, 4)), 1.0)
 def torn_off(placed: Placed, places: Array, normals: Array) -> Mask:
     """At which places on edges with these normals, shapes (N, 3), charges draw particles off the edge."""
     if not len(placed.charges):
-        return np.zeros(len(places), np.bool_)
+        return np.zeros(len(places), bool)
     across = np.einsum("ni,ni->n", placed_force_at(*placed, places), normals)
     return np.abs(across) > HELD
 

@@ -23,7 +23,7 @@ _SIDE, _REACH = 8, 3
 _LEAST_LINES = 8
 """Planes that are worth a thread."""
 
-_EVERYWHERE = np.ones((0, 0, 0), np.bool_)
+_EVERYWHERE = np.ones((0, 0, 0), bool)
 """The mask of what is of interest where everything is."""
 
 
@@ -69,7 +69,7 @@ class Edges(NamedTuple):
     def of(cls, slopes: Slopes, floor: float) -> Edges:
         """The edge map around the voxels where the force of edges of at least this strength begins to count."""
         planes, rows, cols = slopes.smoothed.shape
-        seen = np.zeros([-(-n // _SIDE) for n in (planes, rows, cols)], np.bool_)
+        seen = np.zeros([-(-n // _SIDE) for n in (planes, rows, cols)], bool)
         share(partial(_mark, slopes, np.float32(HALF_NEAR * floor), seen), planes, _LEAST_LINES)
         number = np.where(seen, np.cumsum(seen).reshape(seen.shape) - 1, -1).astype(np.int32)
         values = np.empty((np.count_nonzero(seen), *(_SIDE + 1,) * 3), np.float32)

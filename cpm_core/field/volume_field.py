@@ -22,7 +22,7 @@ from cpm_core.image.volume_regions import VolumeRegions, Walls
 from cpm_core.numerics.grids import extend, half_gaussian, sum_across, sum_along
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.parallel import share
-from cpm_core.numerics.types import Array, Extent, Mask, Sides, Single, record
+from cpm_core.numerics.types import Array, Arrays, Extent, Mask, Sides, Single, record
 from cpm_core.numerics.vectors import Vector
 from cpm_core.parameters import DEFAULTS, OF_PLANES, Parameters
 from cpm_core.parameters.choices import Accuracy
@@ -186,7 +186,7 @@ class VolumeField:
 
     def crossed(self, start: Array, end: Array) -> Mask:
         """Which of the straight moves between positions, shapes (N, 3) [units], cross a wall."""
-        return np.zeros(len(start), np.bool_) if self.walls is None else self.walls.crossed(start, end)
+        return np.zeros(len(start), bool) if self.walls is None else self.walls.crossed(start, end)
 
     @cached_property
     def ridges(self) -> Ridges:
@@ -254,7 +254,7 @@ def smoothed_volume(values: Array, sigmas: list[float]) -> Single:
 
 
 @compiled
-def _smooth(values: Array, weights: tuple[Array, ...], out: Single, first: int, end: int) -> None:
+def _smooth(values: Array, weights: Arrays, out: Single, first: int, end: int) -> None:
     """Write planes after a Gaussian, axis by axis, each rounded to single precision."""
     (rows, cols), reach = out.shape[1:], len(weights[2]) - 1
     flat, line, total = np.empty((rows, cols)), np.empty(cols + 2 * reach), np.empty(cols)

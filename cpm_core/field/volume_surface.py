@@ -163,7 +163,7 @@ def ridges_of(smoothed: Single, edges: Edges, pitch: Vector, floor: float, turn:
         slope[:, axis] = (smoothed[tuple(ahead.T)] - smoothed[tuple(behind.T)]) / pitch[axis]
     component = _parts_alike(voxels, slope, lengths(slope), turn, smoothed.shape[1:])
     place = voxels * np.array(pitch)
-    normal, ridge = np.empty((count, 3)), np.empty(count, np.bool_)
+    normal, ridge = np.empty((count, 3)), np.empty(count, bool)
     share(partial(_test, smoothed, edges, pitch, place, normal, ridge), count, _WORTH_A_THREAD)
     place = place[ridge]
     return Ridges(place, normal[ridge], edges.at(pitch, place), component[ridge])

@@ -17,7 +17,7 @@ from cpm_core.formats.contours import coco, contour_csv, contour_json, dxf, geoj
 from cpm_core.formats.contours.contents import Contents, Plane
 from cpm_core.formats.images.readers import READABLE, load_image
 from cpm_core.image.image import Image
-from cpm_core.numerics.types import Array, record
+from cpm_core.numerics.types import Array, Texts, record
 from cpm_core.parameters.quotation import shown
 
 _LOG = logging.getLogger(__name__)
@@ -56,7 +56,7 @@ class ContourFile:
     contours: tuple[Contour, ...]
     shape: tuple[int, int] | None = None
     places: Array = field(default_factory=lambda: np.empty((0, 2)))
-    notes: tuple[str, ...] = ()
+    notes: Texts = ()
 
 
 def load_contours(
@@ -167,7 +167,7 @@ def _checked(found: Contents, name: str, page: int | None) -> ContourFile:
         notes.append(f"The contours lie on {len(pages)} pages, and those of all were taken.")
     for what, count in sorted(found.left_out.items()):
         notes.append(f"Left out: {what} ({count}).")
-    drawn = np.array(places, np.float64).reshape(-1, 2)
+    drawn = np.array(places, float).reshape(-1, 2)
     if not all(np.isfinite(points).all() for points in (drawn, *(one.points for one in kept))):
         raise ValueError(f"{name} holds vertices that are not finite numbers: write it again.")
     if page is not None and pages and page not in pages:

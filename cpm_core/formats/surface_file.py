@@ -24,7 +24,7 @@ from cpm_core.formats.meshes.coordinates import place_of
 from cpm_core.formats.meshes.triangles import Triangles
 from cpm_core.image.geometry import Convention
 from cpm_core.image.image import Image
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Texts
 
 _LOG = logging.getLogger(__name__)
 
@@ -98,9 +98,7 @@ def load_surface(
     return surface
 
 
-def read_surface(
-    path: AnyPath, image: Image | None = None, space: Convention | None = None
-) -> tuple[Surface, tuple[str, ...]]:
+def read_surface(path: AnyPath, image: Image | None = None, space: Convention | None = None) -> tuple[Surface, Texts]:
     """Read a surface, with what was assumed; see `load_surface`."""
     file = Path(path)
     if file.suffix.lower() not in SURFACES_READABLE:
@@ -110,7 +108,7 @@ def read_surface(
 
 def decode_surface(
     content: bytes, name: str, image: Image | None = None, space: Convention | None = None
-) -> tuple[Surface, tuple[str, ...]]:
+) -> tuple[Surface, Texts]:
     """The same of the content of a file of triangles."""
     with decoding(name, "is damaged, or no surface of this kind: write it again."):
         found = _READERS[Path(name).suffix.lower()][1](content)
@@ -187,7 +185,7 @@ def _put(labels: Decoded, name: str, volume: Image, into: Array) -> None:
     """
     from nibabel.orientations import apply_orientation, inv_ornt_aff, io_orientation
 
-    values: Array = np.asarray(labels.values, np.float64)
+    values: Array = np.asarray(labels.values, float)
     part: tuple[slice, ...] = (slice(None),) * 3
     if labels.geometry is not None and volume.geometry is not None:
         spacing = labels.spacing

@@ -36,7 +36,7 @@ from cpm_core.formats.meshes import obj, ply, stl, swc, vtk
 from cpm_core.image.geometry import Convention
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.skeleton import Skeleton
-from cpm_core.numerics.types import Entries, frozen
+from cpm_core.numerics.types import Entries, Texts, frozen
 from cpm_core.parameters.quotation import counted, shown
 
 _LOG = logging.getLogger(__name__)
@@ -68,7 +68,7 @@ class Format:
     branches: str = ""
     volume: str = ""
     lines: str = ""
-    options: tuple[str, ...] = ()
+    options: Texts = ()
 
 
 _FIGURE = "a figure of the image with {} and a scale bar, "

@@ -7,7 +7,7 @@ import skimage
 
 from cpm_core.numerics.grids import in_bands
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Numbers, Pixels, record
+from cpm_core.numerics.types import Array, Numbers, Pixels, Texts, record
 from cpm_core.parameters.choices import CHOICES, check_choice
 from cpm_core.parameters.quotation import shown
 
@@ -79,7 +79,7 @@ def channel_of(luminance: Array, colors: Colors | None, channel: str) -> Array:
     return light
 
 
-Reduced = tuple[Numbers, Colors | None, tuple[str, ...]]
+Reduced = tuple[Numbers, Colors | None, Texts]
 """Gray levels of pixels of several samples, their colors where they have any, and what was done."""
 
 
@@ -136,7 +136,7 @@ def reduced(samples: Numbers, alpha: Numbers | None = None, white: float | None 
             line = line * opacity + white * (1.0 - opacity)
         gray[first:end] = line[..., 0] if colors is None else luminance(line)
         if colors is not None:
-            shares = np.asarray(np.clip(line, 0.0, white), np.float64) / white
+            shares = np.asarray(np.clip(line, 0.0, white), float) / white
             colors.samples[first:end] = np.rint(np.nan_to_num(255.0 * shares))
 
     in_bands(reduce_rows, shape[0])

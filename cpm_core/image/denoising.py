@@ -172,7 +172,7 @@ def total_variation(values: Array, weight: float) -> Array:
     if weight <= 0.0:
         return values.copy()
     data = values.astype(np.float32)
-    return _primal_dual(data, np.pad(data, ((0, 1), (0, 1)), mode="edge"), weight, _ITERATIONS).astype(np.float64)
+    return _primal_dual(data, np.pad(data, ((0, 1), (0, 1)), mode="edge"), weight, _ITERATIONS).astype(float)
 
 
 @compiled

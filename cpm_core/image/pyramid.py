@@ -12,7 +12,7 @@ import numpy as np
 import scipy
 
 from cpm_core.numerics.grids import in_bands, smoothed_rows
-from cpm_core.numerics.types import Array, Extent
+from cpm_core.numerics.types import Array, Arrays, Extent
 
 LEAST_SIDE = 8
 """Pixels that the shortest side of the coarsest scale must have."""
@@ -29,7 +29,7 @@ def most_scales(shape: Extent) -> int:
     return scales
 
 
-def shape_of_scale(shape: Extent, scale: int) -> tuple[int, ...]:
+def shape_of_scale(shape: Extent, scale: int) -> Extent:
     """Shape of an image of shape `shape` at a scale."""
     for _ in range(scale):
         shape = tuple((n + 1) // 2 for n in shape)
@@ -44,7 +44,7 @@ def check_scales(scales: int, shape: Extent) -> None:
         raise ValueError(f"scales is {scales} but must be from 1 to {most} for an image of {size} pixels.")
 
 
-def pyramid(values: Array, scales: int) -> tuple[Array, ...]:
+def pyramid(values: Array, scales: int) -> Arrays:
     r"""Gaussian pyramid of an image, shape (\*shape): it and its reductions, from fine to coarse, `scales` in all."""
     images = [np.ascontiguousarray(values)]
     for scale in range(1, scales):

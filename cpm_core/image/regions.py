@@ -90,7 +90,7 @@ class Regions:
     def contains(self, points: Array) -> Mask:
         """Which of points, shape (N, 2) [px], lie in a region of interest; all of them where there is none."""
         if not self.interest:
-            return np.ones(len(points), np.bool_)
+            return np.ones(len(points), bool)
         return np.any([polyline.inside(polygon, points) for polygon in self.interest], axis=0)
 
     def allows(self, points: Array) -> Mask:
@@ -102,7 +102,7 @@ class Regions:
     def pixels(self, shape: Extent) -> Mask:
         """Which pixels of an image of this shape have their center in a region of interest."""
         if not self.interest:
-            return np.ones(shape, np.bool_)
+            return np.ones(shape, bool)
         return np.any([pixels_in(polygon, shape) for polygon in self.interest], axis=0)
 
     def rims(self) -> Array:
@@ -182,7 +182,7 @@ class BarrierMap(NamedTuple):
     def crossed(self, start: Array, end: Array) -> Mask:
         """Which of the straight moves from `start` to `end`, shapes (N, 2) [px], cross or touch a barrier."""
         if not len(self.segments):
-            return np.zeros(len(start), np.bool_)
+            return np.zeros(len(start), bool)
         return _crossed(self, np.ascontiguousarray(start, float), np.ascontiguousarray(end, float))
 
     def within(self, window: Window) -> BarrierMap:
@@ -205,7 +205,7 @@ def build_barrier_map(regions: Regions, shape: Extent) -> BarrierMap:
     sides = shapely.segmentize(shapely.linestrings(segments.reshape(-1, 2, 2)), _SAMPLING)
     pixels = np.rint(shapely.get_coordinates(sides)).astype(int)
     pixels = pixels[((pixels >= -1) & (pixels <= shape)).all(axis=1)]
-    free = np.ones(shape, np.bool_)
+    free = np.ones(shape, bool)
     free[tuple(np.clip(pixels, 0, np.array(shape) - 1).T)] = False
     # along the axis on which it is longer: never more than the distance itself
     clearance = np.full(shape, _FAR) if free.all() else scipy.ndimage.distance_transform_cdt(free, "chessboard")

@@ -26,7 +26,7 @@ from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import Parts, parts_of
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.real_numbers import checked_number, real_numbers
-from cpm_core.numerics.types import Array, Extent, Index, Line, Mask, Voxel, frozen, record
+from cpm_core.numerics.types import Array, Extent, Index, Integers, Line, Mask, Voxel, frozen, record
 from cpm_core.numerics.vectors import Vector, row_of
 from cpm_core.parameters.quotation import counted, described, shown, sized
 
@@ -63,7 +63,7 @@ class Walls:
 
     def crossed(self, start: Array, end: Array) -> Mask:
         """Which of the straight moves between positions of the scale, shapes (N, 3), cross or touch a wall."""
-        out = np.zeros(len(start), np.bool_)
+        out = np.zeros(len(start), bool)
         if len(start):
             _crossed(self.closed, self.voxels(start), self.voxels(end), out)
         return out
@@ -155,10 +155,10 @@ class Voxels:
     """
 
     mask: Mask
-    first: tuple[int, ...] | None = None
+    first: Integers | None = None
 
     def __post_init__(self) -> None:
-        mask = np.array(self.mask, np.bool_, order="C")
+        mask = np.array(self.mask, bool, order="C")
         mask.flags.writeable = False
         object.__setattr__(self, "mask", mask)
 
@@ -236,7 +236,7 @@ def _pixels_on(line: Line, shape: Extent) -> Mask:
     """The pixels of a slice that a line passes through."""
     pixels = np.rint(polyline.resampled(polyline.corners_of(line), _FINE)).astype(np.int64)
     pixels = pixels[((pixels >= 0) & (pixels < shape)).all(axis=1)]
-    filled = np.zeros(shape, np.bool_)
+    filled = np.zeros(shape, bool)
     filled[tuple(pixels.T)] = True
     return filled
 
@@ -313,14 +313,14 @@ class VolumeRegions:
     def contains(self, points: Array) -> Mask:
         """Which of points, shape (N, 3) [voxels], lie in a region of interest; all of them where there is none."""
         if not self.interest:
-            return np.ones(len(points), np.bool_)
+            return np.ones(len(points), bool)
         voxels = np.maximum(np.rint(points), 0.0).astype(np.int64)
         filled = _filled(self.interest, tuple(voxels.max(axis=0, initial=0) + 1), _fill_box)
         return filled[tuple(voxels.T)]
 
     def allows(self, points: Array) -> Mask:
         """Where of points, shape (N, 3) [voxels], a particle may be: in a region of interest, and on no barrier."""
-        allowed = np.ones(len(points), np.bool_)
+        allowed = np.ones(len(points), bool)
         last = np.maximum(np.rint(points.max(axis=0, initial=0.0)), 0.0).astype(np.int64) + 1
         closed = self.walls(tuple((last + 1).tolist())).closed
         for corner in product((-OFF, OFF), repeat=3):  # on the faces between two voxels it must be allowed in both
@@ -355,7 +355,7 @@ def _walls(regions: VolumeRegions, shape: Extent) -> Walls:
 
 def _filled(limits: tuple[Limit, ...], shape: Extent, fill_pair: Callable[[Mask, Pair], None]) -> Mask:
     """Which voxels of a volume lie in some limits; what a pair of places fills depends on what it is."""
-    filled = np.zeros(shape, np.bool_)
+    filled = np.zeros(shape, bool)
     for limit in limits:
         if isinstance(limit, tuple):
             fill_pair(filled, limit)

@@ -20,7 +20,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.image.geometry import Geometry
 from cpm_core.numerics import polyline
 from cpm_core.numerics.real_numbers import checked_number, real_numbers, voxel_sides
-from cpm_core.numerics.types import Array, Sides, record
+from cpm_core.numerics.types import Array, Arrays, Sides, record
 from cpm_core.numerics.voxel_graph import Chain, chains_of, thinned
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.parameters.quotation import counted, described
@@ -117,7 +117,7 @@ class Centerlines:
         return tuple(found)
 
     @cached_property
-    def radii(self) -> tuple[Array, ...]:
+    def radii(self) -> Arrays:
         """For every contour the distance of its vertices from the surface, in `unit`."""
         return tuple(branch.radii[:-1] if branch.closed else branch.radii for branch in self.branches)
 

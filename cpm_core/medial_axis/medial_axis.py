@@ -96,7 +96,7 @@ class Axis:
     def within(self, low: Array, high: Array) -> Axis:
         """The part of the axis in a rectangle; edges are clipped."""
         places = np.column_stack([self.points, self.radius])
-        nearest, edges, kept = self.nearest, self.edges.copy(), np.ones(len(self.edges), np.bool_)
+        nearest, edges, kept = self.nearest, self.edges.copy(), np.ones(len(self.edges), bool)
         for axis, bound, inward in [(k, end[k], sign) for end, sign in ((low, 1.0), (high, -1.0)) for k in range(2)]:
             height = inward * (places[:, axis] - bound)
             one, other = height[edges].T
@@ -136,7 +136,7 @@ def medial_axis(boundary: Boundary, shape: Extent) -> Axis:
     tree = scipy.spatial.cKDTree(boundary.points)
     reach = 0.5 * size + _AROUND * widest
     whole = _measured(diagram.vertices, edges[kept], sites[kept], tree)
-    rough = whole.chosen(np.ones(len(whole.edges), np.bool_)).within(middle - reach, middle + reach)
+    rough = whole.chosen(np.ones(len(whole.edges), bool)).within(middle - reach, middle + reach)
     return _measured(*_divided(rough.points, rough.edges, rough.sides), tree)
 
 

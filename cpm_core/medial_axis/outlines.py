@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from cpm_core.contours.contour import Contour, Contours
 from cpm_core.numerics import polyline
 from cpm_core.numerics.real_numbers import real_numbers
-from cpm_core.numerics.types import Array, Extent, Line, Mask, frozen
+from cpm_core.numerics.types import Array, Extent, Integers, Line, Mask, frozen
 
 
 @frozen
@@ -26,7 +26,7 @@ class Outlined:
         Closed outlines, as vertices (row, col) [px].
     """
 
-    objects: tuple[int, ...] = ()
+    objects: Integers = ()
     contours: tuple[Line, ...] = ()
 
 
@@ -63,7 +63,7 @@ def mask_of(within: Contours | ArrayLike, shape: Extent) -> Mask:
 
 def inside_outlines(outlines: Contours, places: Array) -> Mask:
     """Which places, shape (N, 2) [px], lie inside an odd number of outlines: in objects and not in their holes."""
-    inside = np.zeros(len(places), np.bool_)
+    inside = np.zeros(len(places), bool)
     for outline in outlines:
         low, high = outline.points.min(axis=0), outline.points.max(axis=0)
         near = np.flatnonzero(((places >= low) & (places <= high)).all(axis=1))

@@ -26,7 +26,7 @@ from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.medial_axis import Axis
 from cpm_core.medial_axis.structure import half_width
 from cpm_core.numerics.polyline import lengths_along
-from cpm_core.numerics.types import Array, Extent, Mask, Sides, record
+from cpm_core.numerics.types import Array, Arrays, Extent, Mask, Sides, record
 from cpm_core.parameters.provenance import Provenance
 from cpm_core.parameters.quotation import counted, described
 
@@ -86,7 +86,7 @@ class Skeleton(drawing.Pictured):
     """
 
     contours: tuple[Contour, ...]
-    radii: tuple[Array, ...]
+    radii: Arrays
     shape: Extent
     spacing: Sides
     unit: str | None
@@ -176,7 +176,7 @@ def along(points: Array, radii: Array) -> Array:
 
 def covered(disks: Array, shape: Extent) -> Mask:
     """Pixels whose centers lie in one of the disks (row, col, radius), shape (M, 3) [px]."""
-    found = np.zeros(shape, np.bool_)
+    found = np.zeros(shape, bool)
     for row, col, radius in disks.tolist():
         found[skimage.draw.disk((row, col), radius + _RIM, shape=shape)] = True  # type: ignore[no-untyped-call]
     return found

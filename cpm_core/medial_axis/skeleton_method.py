@@ -31,7 +31,7 @@ from cpm_core.medial_axis.structure import DARK, Structure, find_structure, with
 from cpm_core.model.image_fields import ImageFields
 from cpm_core.model.starts import inside_image
 from cpm_core.model.state import Particles
-from cpm_core.numerics.types import Array, Mask, Numbers, record
+from cpm_core.numerics.types import Array, Arrays, Mask, Numbers, Texts, record
 from cpm_core.parameters import OF_CHARGES, OF_STARTS, PRESETS, Parameters, invalidating
 from cpm_core.parameters.provenance import Provenance, taken
 from cpm_core.parameters.quotation import described, shown, sized
@@ -87,7 +87,7 @@ class SkeletonState:
     points: Array = field(default_factory=lambda: np.zeros((0, 2)))
     first: int = 0
     contours: tuple[Contour, ...] = ()
-    radii: tuple[Array, ...] = ()
+    radii: Arrays = ()
     lines: Centerlines | None = None
     stop_reason: str = ""
     converged: bool = False
@@ -151,7 +151,7 @@ class SkeletonMethod(ImageFields):
 
     name: ClassVar[str] = "skeleton"
     title: ClassVar[str] = "Skeleton"
-    parameters: ClassVar[tuple[str, ...]] = tuple(
+    parameters: ClassVar[Texts] = tuple(
         name for name in invalidating("field", "contours") if name not in (*OF_STARTS, *OF_CHARGES)
     )
     seeded: ClassVar[bool] = False
@@ -224,31 +224,22 @@ class SkeletonMethod(ImageFields):
                     structure = find_structure(self.scale_field, parameters)
                 points = self._in_image(structure.boundary.points)
             return replace(state, made_of=made_of, structure=structure, axis=None, points=points, first=0)
-        if isinstance(state.structure, Structure):
-            return self._step_in_plane(state, state.structure, parameters)
-        return self._step_in_volume(state, state.structure, parameters.pruning)
-
-    def _step_in_plane(self, state: SkeletonState, found: Structure, parameters: Parameters) -> SkeletonState:
-        """The second or third step in an image."""
-        if not isinstance(state.axis, Axis):
-            found, axis = self._with_axis(found, parameters)
-            points = self._in_image(axis.points[np.unique(axis.edges)])
-            return replace(state, structure=found, axis=axis, points=points, first=len(state.points))
-        rest = found.pruned(state.axis, parameters.pruning, self.image.shape)
-        drawn = branches(rest, found.boundary, found.smoothing)
-        drawn.sort(key=lambda branch: -branch[0].length)
-        contours, radii = tuple(contour for contour, _ in drawn), tuple(radii for _, radii in drawn)
-        reason = "the skeleton is found" if contours else _nothing(found)
-        return replace(state, contours=contours, radii=radii, stop_reason=reason, converged=bool(contours))
-
-    def _step_in_volume(self, state: SkeletonState, inside: Mask, pruning: float) -> SkeletonState:
-        """The second or third step in a volume."""
-        image = self.image
+        found, image = state.structure, self.image
+        if isinstance(found, Structure):
+            if not isinstance(state.axis, Axis):
+                found, axis = self._with_axis(found, parameters)
+                points = self._in_image(axis.points[np.unique(axis.edges)])
+                return replace(state, structure=found, axis=axis, points=points, first=len(state.points))
+            rest = found.pruned(state.axis, parameters.pruning, image.shape)
+            drawn = branches(rest, found.boundary, found.smoothing)
+            drawn.sort(key=lambda branch: -branch[0].length)
+            contours, radii = tuple(contour for contour, _ in drawn), tuple(radii for _, radii in drawn)
+            reason = "the skeleton is found" if contours else _nothing(found)
+            return replace(state, contours=contours, radii=radii, stop_reason=reason, converged=bool(contours))
+        lines = centerlines(found, image.spacing, image.unit, 0.0 if state.axis is None else parameters.pruning)
         if state.axis is None:
-            lines = centerlines(inside, image.spacing, image.unit, 0.0)
             points = np.concatenate([np.empty((0, 3)), *(branch.points for branch in lines.branches)])
             return replace(state, axis=lines, points=points, first=len(state.points))
-        lines = centerlines(inside, image.spacing, image.unit, pruning)
         return replace(
             state,
             lines=lines,
@@ -313,7 +304,7 @@ class SkeletonMethod(ImageFields):
         image, dark = self.image, parameters.polarity < 0.0
         low, high = image.gray_range
         if self._within:
-            inside = np.zeros(image.shape, np.bool_)
+            inside = np.zeros(image.shape, bool)
             for one in self._within:
                 if isinstance(one, PackedSurface | PackedVoxels):
                     one.voxels.fill(inside)

@@ -157,7 +157,7 @@ def within_objects(axis: Axis, boundary: Boundary, values: Array, smoothing: flo
         For every edge of the axis.
     """
     if not len(axis.edges):
-        return np.zeros(0, np.bool_)
+        return np.zeros(0, bool)
     clear = _AWAY * step_width(smoothing)
     # two positions are compared: the vertex itself and one just next to the edge, since beyond a sharp tip the object
     # is still visible for some distance, and far away there may be something else without edges

@@ -181,9 +181,9 @@ def cover_surfaces(coverage: SurfaceCoverage, places: Array, normals: Array) -> 
     number = surface_cells(places, normals, coverage.side)
     new, first = np.unique(number, return_index=True)
     place = np.searchsorted(coverage.cells, new)
-    known = np.zeros(len(new), np.bool_)
+    known = np.zeros(len(new), bool)
     inside = place < len(coverage.cells)
     known[inside] = coverage.cells[place[inside]] == new[inside]
-    fresh = np.zeros(len(places), np.bool_)
+    fresh = np.zeros(len(places), bool)
     fresh[first[~known]] = True
     return coverage._replace(cells=np.insert(coverage.cells, place[~known], new[~known])), fresh

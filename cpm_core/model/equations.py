@@ -204,7 +204,7 @@ def first_of(position: Array, distance: float) -> Mask:
         near = np.sqrt(((position[one] - position[other]) ** 2).sum(axis=1)) < distance
         for first, second in pairs[near].tolist():  # in the order of the second ones
             kept[second] = kept[second] and not kept[first]
-    return np.array(kept, np.bool_)
+    return np.array(kept, bool)
 
 
 STRIDE, STRIDE_ROOM = 0.9, 0.8

@@ -297,7 +297,7 @@ def _thinned(points: Array, shape: Extent) -> Array:
 
 def inside_image(positions: Array, shape: Extent) -> Mask:
     """Which positions lie on the image, including the whole of its outermost pixels."""
-    inside = np.ones(len(positions), np.bool_)
+    inside = np.ones(len(positions), bool)
     for along, x in zip(shape, positions.T, strict=True):
         inside &= (x >= -0.5) & (x <= along - 0.5)
     return inside
@@ -305,7 +305,7 @@ def inside_image(positions: Array, shape: Extent) -> Mask:
 
 def allowed_by(positions: Array, regions: AnyRegions | None) -> Mask:
     """Which positions [px of the image] lie in the regions of interest and on no barrier."""
-    return np.ones(len(positions), np.bool_) if regions is None else regions.allows(positions)
+    return np.ones(len(positions), bool) if regions is None else regions.allows(positions)
 
 
 def _inflow(direction: Array) -> Array:

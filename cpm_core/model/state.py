@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from cpm_core.image.pyramid import to_image, to_scale
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.coverage import Coverage, SurfaceCoverage
 from cpm_core.numerics.grids import Window
-from cpm_core.numerics.types import Array, Extent, Index, Mask, Numbers, Single, record
+from cpm_core.numerics.types import Array, Entries, Extent, Index, Integers, Mask, Numbers, Single, record
 from cpm_core.numerics.vectors import Vector
 from cpm_core.parameters.quotation import counted, described
 
@@ -69,13 +69,13 @@ class SurfaceContact:
     @classmethod
     def none(cls, count: int) -> SurfaceContact:
         """Contact of particles that are not on any surface, awake since the first step."""
-        return cls(np.zeros((count, 3)), np.zeros(count, np.bool_), np.zeros(count), np.zeros(count, np.int64))
+        return cls(np.zeros((count, 3)), np.zeros(count, bool), np.zeros(count), np.zeros(count, np.int64))
 
     @classmethod
     def of_seated(cls, normal: Array, strength: Array, step: int) -> SurfaceContact:
         """Contact of particles that lie on surfaces with these normals, awake since a step."""
         count = len(normal)
-        return cls(normal, np.ones(count, np.bool_), strength, np.full(count, step))
+        return cls(normal, np.ones(count, bool), strength, np.full(count, step))
 
     def taken(self, index: Index) -> SurfaceContact:
         """That of the particles with the given indices, in this order."""
@@ -178,7 +178,7 @@ class Particles:
 
     def taken(self, index: Index) -> Particles:
         """The particles with the given indices, shape (M,), in this order."""
-        arrays: dict[str, Any] = {name: getattr(self, name).take(index, axis=0) for name in _ARRAYS}
+        arrays: Entries = {name: getattr(self, name).take(index, axis=0) for name in _ARRAYS}
         return Particles(**arrays, contact=self.contact and self.contact.taken(index))
 
     def woken_at(self, step: int, which: Mask | None = None) -> Particles:
@@ -191,7 +191,7 @@ class Particles:
         In a volume they may have contact with surfaces.
         """
         more = Particles.at_rest(position, first)
-        arrays: dict[str, Any] = {name: np.concatenate([getattr(self, name), getattr(more, name)]) for name in _ARRAYS}
+        arrays: Entries = {name: np.concatenate([getattr(self, name), getattr(more, name)]) for name in _ARRAYS}
         met = contact or more.contact
         return Particles(**arrays, contact=self.contact and met and self.contact.joined(met))
 
@@ -204,7 +204,7 @@ class Particles:
         more = Particles.at_rest(position, first)
         more.velocity[:] = 0.5 * (self.velocity[parent] + self.velocity[other])
         more.force[:] = 0.5 * (self.force[parent] + self.force[other])
-        arrays: dict[str, Any] = {
+        arrays: Entries = {
             name: np.concatenate([getattr(self, name).take(stay, axis=0), getattr(more, name)]) for name in _ARRAYS
         }
         return Particles(**arrays)
@@ -333,7 +333,7 @@ class State:
     window: Window | None = None
 
     @property
-    def corner(self) -> tuple[int, ...]:
+    def corner(self) -> Integers:
         """First pixel of the window."""
         return tuple(side.start for side in self.window) if self.window else (0,) * len(self.shape)
 

@@ -163,7 +163,7 @@ def coarser(paths: Sequence[Array], off: float) -> list[Array]:
         aside = before[:, 0] * along[:, 1] - before[:, 1] * along[:, 0]
         flat = aside**2 <= off**2 * np.einsum("ij,ij->i", along, along)
         onward = np.einsum("ij,ij->i", before, behind) > 0.0
-        left_out = np.zeros(len(corners), np.bool_)
+        left_out = np.zeros(len(corners), bool)
         left_out[1:-1] = flat & onward & (number[2:] == number[:-2])
         left_out[::2] = False  # so that the neighbors stay
         corners, number = corners[~left_out], number[~left_out]

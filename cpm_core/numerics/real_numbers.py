@@ -31,7 +31,7 @@ def real_numbers(values: ArrayLike) -> Array:
         raise ValueError(f"The values are {shown(values)}, whose lists differ in length: make them the same.") from None
     if given.size and given.dtype.kind not in "buif":
         raise ValueError(f"The values are of type {given.dtype} but must be real numbers.")
-    return given.astype(np.float64, copy=False)
+    return given.astype(float, copy=False)
 
 
 def as_places(given: ArrayLike, axes: str) -> Array:

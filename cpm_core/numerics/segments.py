@@ -162,7 +162,7 @@ def winds_around(corners: Array, points: Array) -> Mask:
     from_, to = np.roll(corners, 1, axis=0), corners
     first = np.searchsorted(rows, np.minimum(from_[:, 0], to[:, 0]))
     last = np.searchsorted(rows, np.maximum(from_[:, 0], to[:, 0]))
-    inside = np.empty(len(points), np.bool_)
+    inside = np.empty(len(points), bool)
     inside[order] = _turns(from_, to, points[order], first, last) != 0
     return inside
 

@@ -24,6 +24,9 @@ Mask = NDArray[np.bool_]
 Pixels = NDArray[np.uint8]
 """Pixels for the screen, (H, W) or (H, W, 3)."""
 
+Texts = tuple[str, ...]
+"""Names or sentences, one after the other."""
+
 Numbers = NDArray[Any]
 """Numbers of any type."""
 
@@ -41,6 +44,12 @@ Line = tuple[Position, ...]
 
 Extent = tuple[int, ...]
 """How many pixels or voxels there are along each axis."""
+
+Integers = tuple[int, ...]
+"""Whole numbers: counts, or which of some things."""
+
+Arrays = tuple[Array, ...]
+"""Arrays, as the points of several lines."""
 
 Sides = tuple[float, ...]
 """Side of a pixel or voxel along each axis."""

@@ -156,7 +156,7 @@ def loops_of(boundary: Index) -> list[Array]:
     `boundary`, shape (M, 3), are voxels on it. Every other closed way in there is made up of these loops.
     """
     low = boundary.min(0) - 3
-    solid = np.zeros(boundary.max(0) - low + 4, np.bool_)
+    solid = np.zeros(boundary.max(0) - low + 4, bool)
     solid[tuple((boundary - low).T)] = True
     solid = scipy.ndimage.binary_fill_holes(scipy.ndimage.binary_dilation(solid, np.ones((3, 3, 3), bool)))
     lines = thinned(solid, scipy.ndimage.distance_transform_cdt(solid).astype(float))

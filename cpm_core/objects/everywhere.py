@@ -56,7 +56,7 @@ def similar(partition: Partition, chosen: Selection) -> Iterator[Selection]:
         body = parts[box] == number
         cut = any(part.start == 0 or part.stop > last for part, last in zip(box, limit.tolist(), strict=True))
         if (_CUT if cut else _SIZE[0]) * area <= np.count_nonzero(body) <= _SIZE[1] * area:
-            mask = np.zeros(partition.shape, np.bool_)
+            mask = np.zeros(partition.shape, bool)
             mask[box] = _largest(body)
             other = _proposed(partition, mask)
             if _boundary_strength(other) >= _EDGE * strength:
@@ -71,7 +71,7 @@ def everywhere(partition: Partition, check: Callback = lambda: None) -> Iterator
     called between the parts, and may raise to end it.
     """
     known: list[Mask] = []
-    taken = np.zeros(partition.shape, np.bool_)
+    taken = np.zeros(partition.shape, bool)
     for mask in partition.certain():
         known.append(mask)
         taken |= scipy.ndimage.binary_fill_holes(mask)
@@ -149,7 +149,7 @@ class _Parts(NamedTuple):
             within = self.labels[box] == number
             if np.count_nonzero(within & taken[box]) > _OVER * self.pixels[number]:
                 return None
-            mask = np.zeros(self.labels.shape, np.bool_)
+            mask = np.zeros(self.labels.shape, bool)
             mask[box] = within
             return partition.judged(mask)
 

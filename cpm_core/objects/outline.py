@@ -14,7 +14,7 @@ from cpm_core.field.interpolation import interpolate
 from cpm_core.field.region_contrast import mean_contrast
 from cpm_core.numerics import polyline
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Index, Mask, Single, record
+from cpm_core.numerics.types import Array, Arrays, Index, Mask, Single, record
 from cpm_core.objects.boundaries.crossings import Crossings
 from cpm_core.objects.boundaries.ground import Ground
 
@@ -202,7 +202,7 @@ class Outline:
     bridged: Mask
 
     @property
-    def gaps(self) -> tuple[Array, ...]:
+    def gaps(self) -> Arrays:
         """Stretches that follow no contour, each of shape (K, 2)."""
         path, bridged = self.contour.path, self.bridged
         if bridged.all():

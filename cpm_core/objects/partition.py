@@ -259,7 +259,7 @@ class Partition(drawing.Pictured):
             first = self.selection_of(found.mask, within, beyond, remark, found.signs, found.certain)
         else:
             remark = remark or "No place has been said to be inside."
-            yield self.selection_of(np.zeros(self.shape, np.bool_), within, beyond, remark)
+            yield self.selection_of(np.zeros(self.shape, bool), within, beyond, remark)
             return
         yield replace(first, remark=_NOTHING) if first.only_places and not first.remark else first
         known = [first.mask]
@@ -301,7 +301,7 @@ class Partition(drawing.Pictured):
         same = (within[:, None] == beyond[None]).all(axis=2)
         if same.any():
             remark = "The same place has been said to be inside and outside; what was said last counts."
-            newer = np.zeros(len(within), np.bool_) if newer is None else newer
+            newer = np.zeros(len(within), bool) if newer is None else newer
             within, beyond = within[newer | ~same.any(axis=1)], beyond[~(same & newer[:, None]).any(axis=0)]
         return Prompt(*(pixels[interest[tuple(pixels.T)]] for pixels in (within, beyond))), remark
 
@@ -320,7 +320,7 @@ class Partition(drawing.Pictured):
                 answers = self._answers(replace(prompt, former=mask), areas)
                 break
             mask, certain = better, True
-        found = next(answers, None) or _Found(np.zeros(self.shape, np.bool_) if mask is None else mask.copy())
+        found = next(answers, None) or _Found(np.zeros(self.shape, bool) if mask is None else mask.copy())
         if mask is not None:  # places inside only add, and those outside only take away
             adds, takes = not mask[tuple(prompt.inside.T)].all(), mask[tuple(prompt.outside.T)].any()
             if adds != takes:
@@ -492,7 +492,7 @@ def _linked(mask: Mask, pixels: Index, barred: Mask | None = None) -> Mask:
     parts, _ = scipy.ndimage.label(mask if barred is None else mask & ~barred, np.ones((3, 3), bool))
     if barred is not None and barred.any():
         parts = np.where(mask, skimage.segmentation.expand_labels(parts, 2.0), 0)  # type: ignore[no-untyped-call]
-    held = np.zeros(int(parts.max()) + 1, np.bool_)
+    held = np.zeros(int(parts.max()) + 1, bool)
     held[parts[tuple(pixels.T)]] = True
     held[0] = False
     return held[parts]

@@ -6,7 +6,7 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.image import drawing
-from cpm_core.numerics.types import Array, Mask, record
+from cpm_core.numerics.types import Array, Arrays, Mask, record
 from cpm_core.objects.confidence import Signs
 from cpm_core.parameters.quotation import counted, described
 
@@ -46,7 +46,7 @@ class Selection(drawing.Pictured):
 
     mask: Mask
     contours: tuple[Contour, ...]
-    gaps: tuple[Array, ...]
+    gaps: Arrays
     confidence: float
     inside: Array
     outside: Array

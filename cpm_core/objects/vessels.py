@@ -32,7 +32,7 @@ def vessel_tree(values: Array, pixels: Index) -> Mask | None:
         tree = _line_around(values[box], pixels - low, slender, thin)
         if tree is None:
             return None
-    whole = np.zeros(values.shape, np.bool_)
+    whole = np.zeros(values.shape, bool)
     whole[box] = tree
     return whole
 

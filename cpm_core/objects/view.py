@@ -19,6 +19,7 @@ from cpm_core.contours.result import Result
 from cpm_core.contours.surface import section_of
 from cpm_core.image import drawing
 from cpm_core.image.image import Image, as_image
+from cpm_core.numerics.types import Entries
 from cpm_core.objects.partition import Partition, partition
 from cpm_core.objects.volume_partition import NO_SURFACE, VolumePartition
 from cpm_core.parameters.quotation import counted, described
@@ -192,12 +193,12 @@ class View(drawing.Pictured):
             self._widget.chosen = self._chosen()
             self._widget.ground = self._ground() if ground else self._widget.ground
 
-    def _chosen(self) -> dict[str, Any]:
+    def _chosen(self) -> Entries:
         """The objects, and what is said about the last one."""
         objects = [(one is self.selection, "".join(map(_path, self._lines([one])))) for one in self.objects]
         return {"objects": objects, "said": self._said}
 
-    def _ground(self) -> dict[str, Any]:
+    def _ground(self) -> Entries:
         """The image and its contours."""
         image, stream = self._image, io.BytesIO()
         black, white = self._limits

@@ -100,7 +100,7 @@ class VolumePartition:
         count = 0
         for part, corners in ((inside, True), (~inside, False)):
             parts = parts_of(part, corners=corners)
-            enclosed = np.ones(parts.count, np.bool_) if corners else ~parts.at_border
+            enclosed = np.ones(parts.count, bool) if corners else ~parts.at_border
             found.append((parts, np.where(enclosed, count + np.cumsum(enclosed), 0)))
             count += int(enclosed.sum())
         return tuple(found)
@@ -341,7 +341,7 @@ class VolumeSelection:
     @cached_property
     def mask(self) -> Mask:
         """Voxels whose centers lie in it, shape (P, R, C), with those of the places inside, without those outside."""
-        found = np.zeros(self.partition.shape, np.bool_)
+        found = np.zeros(self.partition.shape, bool)
         first, part = self._voxels
         found[tuple(slice(at, at + side) for at, side in zip(first.tolist(), part.shape, strict=True))] = part
         return found
@@ -355,7 +355,7 @@ class VolumeSelection:
         first = np.maximum(np.floor(every.min(axis=0)), 0).astype(np.int64) if len(every) else np.zeros(3, np.int64)
         end = np.minimum(np.ceil(every.max(axis=0)).astype(np.int64) + 1, shape) if len(every) else first
         there = replace(self.surface, vertices=self.surface.vertices - first)
-        part = inside_of(there, tuple((end - first).tolist())) if self.found else np.zeros(end - first, np.bool_)
+        part = inside_of(there, tuple((end - first).tolist())) if self.found else np.zeros(end - first, bool)
         for voxels, within in zip(places, (False, True), strict=True):
             if self.body is not None and self.remark != _BOTH:
                 part[tuple((voxels - first).T)] = within
@@ -404,7 +404,7 @@ class VolumeSelection:
 
 def _more(before: Array, places: Array) -> Array:
     """Places, and those before that are not among them, in their order."""
-    fresh = (places[:, None] != before[None]).any(axis=2).all(axis=1) if len(places) else np.zeros(0, np.bool_)
+    fresh = (places[:, None] != before[None]).any(axis=2).all(axis=1) if len(places) else np.zeros(0, bool)
     return np.concatenate([before, places[fresh]])
 
 

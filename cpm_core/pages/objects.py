@@ -238,7 +238,7 @@ def _seen(mask: Mask, before: Array, now: Array, speed: Index) -> Index:
 
 def _found(sought: Sequence[_Sought], page: Partition, check: Callback) -> list[Selection]:
     """What is where objects are sought, each once; of two that share pixels, what is more like before comes first."""
-    certain, taken = [(one, *ends(one)) for one in page.certain()], np.zeros(page.shape, np.bool_)
+    certain, taken = [(one, *ends(one)) for one in page.certain()], np.zeros(page.shape, bool)
     found: list[Selection] = []
 
     def near(mask: Mask) -> list[Mask]:

@@ -12,7 +12,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.rasterize import paint
 from cpm_core.contours.result import Result
-from cpm_core.numerics.types import Plain, frozen, record
+from cpm_core.numerics.types import Integers, Plain, frozen, record
 from cpm_core.pages.tracks import TrackEvent
 from cpm_core.parameters.quotation import counted, described
 
@@ -120,7 +120,7 @@ class Track:
     """
 
     number: int
-    pages: tuple[int, ...]
+    pages: Integers
     origin: int
     end: TrackEvent | None
 

@@ -17,7 +17,7 @@ from cpm_core.contours.contour import Contour, Contours, neighborhood
 from cpm_core.contours.measurements import containment
 from cpm_core.contours.rasterize import paint
 from cpm_core.numerics.polyline import owners, sampled
-from cpm_core.numerics.types import Array, Extent, Index, frozen
+from cpm_core.numerics.types import Array, Extent, Index, Integers, frozen
 from cpm_core.parameters.quotation import described
 
 LEAST_OVERLAP = 0.2
@@ -72,7 +72,7 @@ class TrackEvent:
     kind: EventKind
     page: int
     track: int
-    others: tuple[int, ...] = ()
+    others: Integers = ()
 
     @property
     def sentence(self) -> str:

@@ -27,7 +27,7 @@ from cpm_core.model.plane import step as plane
 from cpm_core.model.starts import starting_points
 from cpm_core.model.state import Particles, SpaceState, State
 from cpm_core.model.volume import step as volume
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Texts
 from cpm_core.parameters import OF_SKELETONS, PARAMETERS, Parameters
 from cpm_core.parameters.choices import CHOICES
 from cpm_core.parameters.provenance import Provenance, taken
@@ -78,7 +78,7 @@ class Engine(ImageFields):
 
     name: ClassVar[str] = "cpm"
     title: ClassVar[str] = "Charged particles"
-    parameters: ClassVar[tuple[str, ...]] = tuple(name for name in (*PARAMETERS, *CHOICES) if name not in OF_SKELETONS)
+    parameters: ClassVar[Texts] = tuple(name for name in (*PARAMETERS, *CHOICES) if name not in OF_SKELETONS)
     seeded: ClassVar[bool] = True
 
     def __init__(

@@ -21,7 +21,7 @@ from cpm_core.medial_axis.skeleton_method import SkeletonMethod
 from cpm_core.model.interventions import Chosen
 from cpm_core.model.measures import Forces
 from cpm_core.model.state import Particles
-from cpm_core.numerics.types import Array, Numbers
+from cpm_core.numerics.types import Array, Numbers, Texts
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.engine import Engine
 
@@ -110,7 +110,7 @@ class Method(Protocol[S]):
 
     name: ClassVar[str]
     title: ClassVar[str]
-    parameters: ClassVar[tuple[str, ...]]
+    parameters: ClassVar[Texts]
     seeded: ClassVar[bool]
     image: Image
 

@@ -79,7 +79,7 @@ class Points(WithoutOutline):
 
     def seeds(self) -> Array:
         """Positions of the particles, shape (N, 2), or (N, 3) in a volume."""
-        return np.array(self.positions, np.float64)
+        return np.array(self.positions, float)
 
     def moved(self, by: Place) -> Points:
         """The same points displaced by so much along each axis."""

@@ -11,7 +11,7 @@ from cpm_core.contours.surface import Surface
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.numerics import polyline
 from cpm_core.numerics.polyline import as_line
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Arrays
 from cpm_core.shapes.ellipse import Circle, Ellipse
 from cpm_core.shapes.lines import Points, Polygon, Stroke
 from cpm_core.shapes.shape import Shape
@@ -20,7 +20,7 @@ APART = 2.0
 """Distance of the particles that a surface gives, as of those along a stroke [smallest sides of a voxel]."""
 
 
-def outlines_of(shapes: Iterable[Shape]) -> tuple[Array, ...]:
+def outlines_of(shapes: Iterable[Shape]) -> Arrays:
     """Corners of each circle, ellipse and polygon among shapes, shape (K, 2) [px], the first not repeated."""
     return tuple(shape.outline[:-1] for shape in shapes if isinstance(shape, Circle | Ellipse | Polygon))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Literal
@@ -27,6 +27,7 @@ from cpm_core.formats import (
 )
 from cpm_core.image import Convention, has_matplotlib
 from cpm_core.numerics import polyline
+from cpm_core.numerics.types import frozen
 
 What = Literal["objects", "contours", "skeleton", "surface", "lines", "pages", "space", "turntable", "run"]
 
@@ -118,7 +119,7 @@ BY_HAND = frozenset({".labelme.json"})
 """Suffixes of formats that are edited by hand, for which few vertices count."""
 
 
-@dataclass(frozen=True)
+@frozen
 class ExportFile:
     """A file to write: where, what, and the suffix of its format."""
 
@@ -127,7 +128,7 @@ class ExportFile:
     suffix: str
 
 
-@dataclass(frozen=True)
+@frozen
 class ExportOrder:
     """Files to write, and how.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -13,6 +13,7 @@ from cpm_core.contours import numbers_of
 from cpm_core.formats import color_of, ellipse
 from cpm_core.formats.contours.contents import DEFAULT
 from cpm_core.numerics import Array
+from cpm_core.numerics.types import Integers, Plain
 
 LayerData = tuple[Any, dict[str, Any], str]
 """What napari makes a layer of: data, settings, and the kind."""
@@ -53,7 +54,7 @@ def layers_of_result(result: Result, name: str, **settings: Any) -> list[LayerDa
     return [*layers, layer_of_contours(result.contours, f"{name} contours", result.shape, **settings)]
 
 
-def contours_of(data: Sequence[Array], settings: Mapping[str, Any]) -> tuple[tuple[Contour, ...], tuple[int, ...]]:
+def contours_of(data: Sequence[Array], settings: Plain) -> tuple[tuple[Contour, ...], Integers]:
     """The contours of a layer of shapes in a plane, with names and colors, and the shape of their image."""
     drawn = drawn_lines([np.asarray(corners)[:, -2:] for corners in data], settings["shape_type"])
     names = settings["features"].get("name", [""] * len(drawn))

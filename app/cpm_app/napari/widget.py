@@ -19,6 +19,7 @@ from cpm_app.napari import finding
 from cpm_app.napari.layers import LayerData, drawn_lines, layers_of_result
 from cpm_core.image.drawing import PARTICLE
 from cpm_core.numerics import Array
+from cpm_core.numerics.types import Entries
 
 OBJECTS, RUN = "Objects at the points", "Run from the shapes"
 _SLIDERS = ("beta", "w1", "w2", "annealing")
@@ -184,7 +185,7 @@ class FindWidget(Container):  # type: ignore[misc]
         for layer in found:
             self._show(*layer)
 
-    def _show(self, data: Any, settings: dict[str, Any], kind: str) -> None:
+    def _show(self, data: Any, settings: Entries, kind: str) -> None:
         """Show a layer in place of one with its name, which remains chosen where its data can be replaced."""
         with suppress(KeyError):
             known = self._viewer.layers[settings["name"]]

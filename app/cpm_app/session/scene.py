@@ -23,7 +23,8 @@ from cpm_core import Contour, Image, Result, Skeleton, Truth, VolumeTruth
 from cpm_core.contours import Mark, Measures, ReviewedContour, reviewed
 from cpm_core.numerics import Array, Index
 from cpm_core.numerics.types import record
-from cpm_core.objects.segmented import Click, SegmentedObject
+from cpm_core.objects.segmented import SegmentedObject
+from cpm_core.objects.segmented.segmented_object import Clicks
 from cpm_core.shapes import NO_SEEDS, ImageSeeds
 
 
@@ -90,7 +91,7 @@ class Proposal:
     """
 
     selection: AnySelection
-    clicks: tuple[Click, ...]
+    clicks: Clicks
     number: int = 0
     key: int = 0
     followed: SegmentedObject | None = None

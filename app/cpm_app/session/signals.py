@@ -32,6 +32,7 @@ from cpm_app.session.scene import NO_CONTOURS, ReviewedContours, Scene
 from cpm_app.session.worker.commands import RunsRestored
 from cpm_app.session.worker.requests import Probed, Shaded
 from cpm_app.session.worker.worker_thread import WorkerThread
+from cpm_core.numerics.types import Texts
 
 R = TypeVar("R", bound=Report)
 
@@ -47,7 +48,7 @@ OF_THE_PROGRAM = (RECOVERY, JOURNAL, UNEXPECTED)
 
 _COMPILING = tr("Preparing for the first run on this computer: {percent} %")
 
-_ENDED_BY: Mapping[type[Report], tuple[str, ...]] = {
+_ENDED_BY: Mapping[type[Report], Texts] = {
     Opened: ("seeding", "restoring"), RunsRestored: ("restoring",), RunFailed: ("restoring",),
     SeedsFound: ("seeding",), WarmedUp: ("preparing",),
 }  # fmt: skip

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from cpm_core.numerics.types import Callback
+from cpm_core.numerics.types import Callback, Integers
 
 AnyPath = str | os.PathLike[str]
 
@@ -44,7 +44,7 @@ class UnreadableError(ValueError):
         Which parts of a file with several of them are images or volumes, from 0, where none was chosen; else empty.
     """
 
-    def __init__(self, message: str, images: tuple[int, ...] = ()) -> None:
+    def __init__(self, message: str, images: Integers = ()) -> None:
         super().__init__(message)
         self.images = images
 

@@ -21,7 +21,7 @@ from numpy.typing import DTypeLike
 from cpm_core.contours.packed_surface import MOST_VOXELS, PackedVoxels, packed, unpacked
 from cpm_core.image.regions import Regions
 from cpm_core.image.volume_regions import AnyRegions, VolumeRegions, Voxels
-from cpm_core.numerics.types import Entries, Numbers, Plain, frozen
+from cpm_core.numerics.types import Entries, Numbers, Plain, Texts, frozen
 from cpm_core.parameters import Parameters
 from cpm_core.parameters.quotation import shown
 from cpm_core.shapes import SHAPES, Shape
@@ -101,7 +101,7 @@ def shape_from_plain(plain: object, where: str) -> Shape:
     return from_plain(SHAPES[kind], values, f"{where} ({kind})")
 
 
-def parameters_from_plain(plain: object) -> tuple[Parameters, tuple[str, ...]]:
+def parameters_from_plain(plain: object) -> tuple[Parameters, Texts]:
     """Parameters from plain JSON, and the names that are unknown.
 
     Missing parameters have their defaults. ValueError when `plain` is not a mapping, or a value is out of range.
@@ -194,7 +194,7 @@ def _voxels(plain: object, where: str) -> Voxels:
     if min(box.shape) < 1 or count > MOST_VOXELS:
         raise ValueError(f"shape of {where} is {shown(box.shape)} but may be {MOST_VOXELS:,} voxels at most.")
     bits = unpacked(box.voxels, np.uint8, -(-count // 8), where)
-    return Voxels(np.unpackbits(bits, count=count).reshape(box.shape).astype(np.bool_), box.first)
+    return Voxels(np.unpackbits(bits, count=count).reshape(box.shape).astype(bool), box.first)
 
 
 _READ: dict[Any, Callable[[object, str], Any]] = {

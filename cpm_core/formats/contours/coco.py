@@ -132,4 +132,4 @@ def _add(found: Contents, entry: Entries, name: str) -> None:
 
 
 def _corners(ring: Any) -> Any:
-    return np.array(ring, np.float64).reshape(-1, 2)[:, ::-1] - PIXEL
+    return np.array(ring, float).reshape(-1, 2)[:, ::-1] - PIXEL

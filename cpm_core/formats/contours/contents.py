@@ -81,7 +81,7 @@ class Contents:
 
     def add(self, points: Any, closed: bool, *, page: int = 0, junctions: Any = (), **properties: Any) -> None:
         """Add a line of vertices (row, col); a single vertex is a point. Properties are those of a contour."""
-        vertices = np.array(points, np.float64)
+        vertices = np.array(points, float)
         if vertices.ndim != 2 or vertices.shape[1] != 2:
             raise ValueError("vertices are not pairs")
         if not len(vertices):

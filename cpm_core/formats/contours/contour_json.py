@@ -196,7 +196,7 @@ def _contour_from(plain: Plain) -> Contour:
 
 
 def _points(plain: Plain) -> Array:
-    points = np.array(plain["points"], np.float64)
+    points = np.array(plain["points"], float)
     if points.ndim != 2 or points.shape[1] != 2 or not (np.abs(points) <= _FARTHEST).all():
         raise ValueError("vertices are not pairs of numbers that can be measured")
     return points

@@ -167,7 +167,7 @@ def _selections(content: bytes, found: Contents) -> Iterator[tuple[str, bytes]]:
 
 def _add(found: Contents, roi: ImagejRoi, selection: bytes, known: Entries) -> None:
     if roi.multi_coordinates is not None:
-        curves = [curve - PIXEL for curve in _composite(roi.multi_coordinates.astype(np.float64))]
+        curves = [curve - PIXEL for curve in _composite(roi.multi_coordinates.astype(float))]
         found.add_object(nested(curves), **known)
     elif roi.roitype in _AREAL:
         found.add(_area(roi, selection) - PIXEL, True, **known)
@@ -181,7 +181,7 @@ def _add(found: Contents, roi: ImagejRoi, selection: bytes, known: Entries) -> N
 
 
 def _rows(xy: object) -> Array:
-    return np.asarray(xy, np.float64)[:, ::-1]
+    return np.asarray(xy, float)[:, ::-1]
 
 
 def _area(roi: ImagejRoi, selection: bytes) -> Array:

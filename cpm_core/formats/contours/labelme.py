@@ -131,7 +131,7 @@ def read(content: Entries) -> Contents:
         kind, label = shape.get("shape_type") or "polygon", str(shape["label"])
         name = "" if label == _CONTOUR else label
         known: Entries = {"name": shape.get("description") or name, "category": name}
-        corners = np.array(shape["points"], np.float64).reshape(-1, 2)[:, ::-1] - PIXEL
+        corners = np.array(shape["points"], float).reshape(-1, 2)[:, ::-1] - PIXEL
         if kind == "mask":
             found.add_object(_mask(shape, corners), **known)
         elif kind in ("point", "points"):

@@ -38,7 +38,7 @@ def outlines(mask: NDArray[np.generic], row: int = 0, col: int = 0) -> list[tupl
 
     `row` and `col` are the place of the first pixel. Curves run between the centers of pixels inside and outside.
     """
-    padded = np.pad(np.asarray(mask) != 0, 1).astype(np.float64)
+    padded = np.pad(np.asarray(mask) != 0, 1).astype(float)
     found = []
     for curve in skimage.measure.find_contours(padded, 0.5, fully_connected="low"):  # type: ignore[no-untyped-call]
         (rows, cols), (below, right) = curve[:-1].T, curve[1:].T

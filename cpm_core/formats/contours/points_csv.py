@@ -11,7 +11,7 @@ from cpm_core.contours.result import Result
 from cpm_core.formats.common.content import AnyPath, content_of
 from cpm_core.formats.common.provenance import Outcome
 from cpm_core.formats.contours.contour_csv import Row, provenance_cells, table
-from cpm_core.numerics.types import Array
+from cpm_core.numerics.types import Array, Integers
 from cpm_core.parameters.quotation import shown
 
 _NAMES = ("plane", "row", "col")
@@ -82,7 +82,7 @@ def load_points(path: AnyPath, axes: int = 2) -> Array:
     return np.array([_point(file.name, number, cells, columns) for number, cells in lines])
 
 
-def _point(name: str, number: int, cells: list[str], columns: tuple[int, ...]) -> tuple[float, ...]:
+def _point(name: str, number: int, cells: list[str], columns: Integers) -> tuple[float, ...]:
     try:
         place = tuple(float(cells[column]) for column in columns)
     except (ValueError, IndexError):

@@ -11,7 +11,7 @@ import numpy as np
 from cpm_core.formats.common.content import UnreadableError
 from cpm_core.image.colors import Colors, reduced
 from cpm_core.image.geometry import Geometry
-from cpm_core.numerics.types import Numbers, Sides, record
+from cpm_core.numerics.types import Numbers, Sides, Texts, record
 
 MAXIMUM_PIXELS = 2**26
 """Most pixels of an image; the field of a larger one exceeds the memory of a common computer."""
@@ -47,7 +47,7 @@ class Decoded:
     values: Numbers
     spacing: Sides = (1.0, 1.0)
     unit: str | None = None
-    notes: tuple[str, ...] = ()
+    notes: Texts = ()
     colors: Colors | None = None
     geometry: Geometry | None = None
     hounsfield: bool | None = None
@@ -64,7 +64,7 @@ def check_size(name: str, rows: int, columns: int) -> None:
 
 
 def from_samples(
-    samples: Numbers, alpha: Numbers | None = None, notes: tuple[str, ...] = (), white: float | None = None
+    samples: Numbers, alpha: Numbers | None = None, notes: Texts = (), white: float | None = None
 ) -> Decoded:
     """Reduce the samples of each pixel, along the last axis, to its gray level, and keep its colors; see `reduced`.
 

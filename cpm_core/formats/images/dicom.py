@@ -21,7 +21,7 @@ from cpm_core.formats.images.reading import Reading, series_of
 from cpm_core.formats.images.stack import Stack, check_content, joined
 from cpm_core.image.gray_levels import NO_DATA
 from cpm_core.image.image import MINIMUM_SIDE
-from cpm_core.numerics.types import Numbers
+from cpm_core.numerics.types import Numbers, Texts
 from cpm_core.parameters.quotation import shown
 
 READS = {".dcm": "DICOM image, or a folder with the slices of a series", ".dicom": "the same", ".ima": "the same"}
@@ -173,7 +173,7 @@ def _decoded(dataset: Any, frame: Frame, name: str) -> Decoded:
     if stored.ndim == 3:
         return from_samples(stored[..., :3], white=2.0**bits - 1.0)
     values: Numbers = stored
-    notes: tuple[str, ...] = ()
+    notes: Texts = ()
     if colors == "MONOCHROME1":
         ends = -1 if int(dataset.get("PixelRepresentation", 0)) else 2**bits - 1
         values, notes = ends - stored.astype(np.int64), ("It counts from white to black and was inverted.",)

@@ -15,7 +15,7 @@ from cpm_core.formats.images.decoded import Decoded
 from cpm_core.formats.images.stack import Stack
 from cpm_core.image.geometry import Geometry
 from cpm_core.image.image import MINIMUM_SIDE
-from cpm_core.numerics.types import Array, record
+from cpm_core.numerics.types import Array, Texts, record
 
 _ORDER = ("TemporalPositionIdentifier", "AcquisitionNumber", "EchoNumbers", "TriggerTime", "InstanceNumber")
 """What orders images of one place."""
@@ -96,7 +96,7 @@ class Frame:
     spacing: tuple[float, float] | None
     unit: str | None
     thickness: float | None
-    notes: tuple[str, ...]
+    notes: Texts
     slope: float
     intercept: float
     in_time: bool
@@ -166,7 +166,7 @@ def _frame(path: Path, index: int, header: Any, own: list[Any], count: int) -> F
     )
 
 
-def _spacing(header: Any, given: Any) -> tuple[tuple[float, float] | None, str | None, tuple[str, ...]]:
+def _spacing(header: Any, given: Any) -> tuple[tuple[float, float] | None, str | None, Texts]:
     """Size of a pixel along (row, col), its unit, and what is to be said of it."""
     on_detector, nominal = header.get("ImagerPixelSpacing"), header.get("NominalScannedPixelSpacing")
     for sides in (given, on_detector, nominal):
@@ -310,7 +310,7 @@ def _placed(frames: list[Frame], name: str, decode: Decode) -> Iterator[Stack]:
             depth = float(np.linalg.norm(step))
         line = origins[shift] + np.arange(count + 1)[:, None] * step
         aside = float(np.linalg.norm(origins[shift : shift + count + 1] - line, axis=1).max())
-        doubts: tuple[str, ...] = mixed if _interleaved(places[begin : last + 1]) else ()
+        doubts: Texts = mixed if _interleaved(places[begin : last + 1]) else ()
         if aside > _ASIDE * min(first.spacing or (1.0,)):
             doubts += (f"Its slices are shifted sideways by up to {aside:.3g} mm; they were taken as if in line.",)
         found = replace(_stack(title, kept, depth, name, decode), of_volume=doubts)

@@ -15,7 +15,7 @@ from cpm_core.formats.images.decoded import Decoded, check_size, from_bands
 from cpm_core.formats.images.reading import Reading, series_of
 from cpm_core.formats.images.stack import Stack, check_content, check_memory
 from cpm_core.image.image import MINIMUM_SIDE
-from cpm_core.numerics.types import Extent, Numbers
+from cpm_core.numerics.types import Extent, Numbers, Texts
 
 READS = {".npy": "NumPy array", ".npz": "archive of NumPy arrays"}
 
@@ -66,7 +66,7 @@ def stack(path: Path, reading: Reading) -> Stack:
     return Stack(name, (planes, rows, columns), take, each, otherwise=planes // 2, series=names, number=number)
 
 
-def _header(path: Path, reading: Reading, name: str) -> tuple[tuple[int, ...], np.dtype[Any], tuple[str, ...], int]:
+def _header(path: Path, reading: Reading, name: str) -> tuple[Extent, np.dtype[Any], Texts, int]:
     """Shape and type of the array that is meant, and of an archive the names of all arrays and which of them it is."""
     with path.open("rb") as stream:
         if stream.read(4) != _ARCHIVE:

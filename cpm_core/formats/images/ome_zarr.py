@@ -17,7 +17,7 @@ from cpm_core.formats.images.decoded import MAXIMUM_PIXELS, Decoded
 from cpm_core.formats.images.reading import Reading, index_of, series_of
 from cpm_core.formats.images.stack import Stack
 from cpm_core.numerics.grids import Window
-from cpm_core.numerics.types import Entries, record
+from cpm_core.numerics.types import Entries, Texts, record
 from cpm_core.parameters.quotation import sized
 
 READS = {".zarr": "OME-Zarr image"}
@@ -67,7 +67,7 @@ class Levels:
     axes: str
     spacing: tuple[float, float, float] = (1.0, 1.0, 1.0)
     unit: str | None = None
-    series: tuple[str, ...] = ()
+    series: Texts = ()
     number: int = 0
 
     def count(self, axis: str, level: int = 0) -> int:
@@ -183,7 +183,7 @@ def stack(path: Path, reading: Reading) -> Stack:
         same = planes == shape[0] and end == first + 1
         return Decoded(values, finer=levels.finer(level, time, channel, first) if same else ())
 
-    notes: tuple[str, ...] = ()
+    notes: Texts = ()
     if level:
         notes = (
             f"It has {sized(levels.shape)}, of which level {level} was opened, {shape[1]} x {shape[2]} px; "

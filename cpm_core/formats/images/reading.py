@@ -11,7 +11,7 @@ from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.images import resolution
 from cpm_core.image.colors import LUMINANCE, checked_color
 from cpm_core.numerics.real_numbers import checked_number
-from cpm_core.numerics.types import Entries, frozen
+from cpm_core.numerics.types import Entries, Texts, frozen
 from cpm_core.parameters.quotation import shown
 
 
@@ -98,7 +98,7 @@ def index_of(what: str, wanted: int | None, count: int, otherwise: int, name: st
     return wanted - 1
 
 
-def series_of(wanted: int | str | None, names: tuple[str, ...], otherwise: int, file: str) -> int:
+def series_of(wanted: int | str | None, names: Texts, otherwise: int, file: str) -> int:
     """Index of the series that is wanted, by number or name; UnreadableError when there is none such."""
     if isinstance(wanted, str):
         if wanted in names:

@@ -17,7 +17,7 @@ from cpm_core.image.colors import Colors
 from cpm_core.image.geometry import Convention, Geometry, Triple, from_affine
 from cpm_core.image.image import MINIMUM_SIDE, Image
 from cpm_core.numerics.memory import check_room
-from cpm_core.numerics.types import Array, Extent, record
+from cpm_core.numerics.types import Array, Extent, Texts, record
 from cpm_core.parameters.quotation import counted, described, shown
 
 _BYTES_OF_GRAY = 16
@@ -26,7 +26,7 @@ _BYTES_OF_GRAY = 16
 _SLANTED = 0.5
 """Angle by which axes may be off right ones without a note [degrees]."""
 
-Position = tuple[Triple, str | None, Geometry | None, tuple[str, ...]]
+Position = tuple[Triple, str | None, Geometry | None, Texts]
 """Size of a voxel, its unit, where the volume lies, where the file gives them, and notes on them."""
 
 ONLY_THESE = "Only these were taken."
@@ -90,11 +90,11 @@ class Stack:
     geometry: Geometry | None = None
     places: tuple[Geometry, ...] = ()
     stretch: tuple[int, int] | None = None
-    notes: tuple[str, ...] = ()
-    of_volume: tuple[str, ...] = ()
+    notes: Texts = ()
+    of_volume: Texts = ()
     word: str = "plane"
     otherwise: int = 0
-    series: tuple[str, ...] = ()
+    series: Texts = ()
     number: int = 0
     deep: bool = False
     hounsfield: bool | None = None

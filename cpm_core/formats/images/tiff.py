@@ -173,7 +173,7 @@ def _decoded(page: tifffile.TiffPage, raw: Numbers, name: str) -> Decoded:
         samples, bits = samples.astype(np.uint8) * np.uint8(255), 8
         notes.append("Black and white were read as 0 and 255.")
     if colors == _PALETTE:
-        table = np.asarray(page.colormap, np.float64)
+        table = np.asarray(page.colormap, float)
         table = table if table.max() < 256.0 else table / 257.0  # old programs write eight bits in sixteen
         samples, bits = np.rint(table).astype(np.uint8).T[samples[..., 0]], 8
     elif colors == _INKS:

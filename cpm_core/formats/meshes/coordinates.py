@@ -20,7 +20,7 @@ from cpm_core.formats.common.provenance import PROGRAM, Outcome, facts_of, text_
 from cpm_core.formats.images.resolution import factor, in_ascii, known_unit
 from cpm_core.image.geometry import Convention, Geometry
 from cpm_core.image.image import Image
-from cpm_core.numerics.types import Array, Sides, Single, frozen
+from cpm_core.numerics.types import Array, Sides, Single, Texts, frozen
 from cpm_core.parameters import DEFAULTS
 
 _FINE = 1e-3
@@ -55,7 +55,7 @@ class Mesh(NamedTuple):
     points: NDArray[np.floating]
     normals: Single
     faces: NDArray[np.int32]
-    notes: tuple[str, ...]
+    notes: Texts
     title: str
     numbers: NDArray[np.int32] | None
     decimals: int
@@ -132,7 +132,7 @@ class Place:
         return np.asarray(np.linalg.solve(self.matrix[:3, :3], (positions - self.matrix[:3, 3]).T).T)
 
 
-def place_of(head: str, image: Image | None, space: Convention | None) -> tuple[Place, tuple[str, ...]]:
+def place_of(head: str, image: Image | None, space: Convention | None) -> tuple[Place, Texts]:
     """How positions of a file become voxels, by the beginning of the file and by the volume, and what was assumed.
 
     What the file says of LPS and RAS is overruled by `space`. Without a volume voxels have sides of one unit of the

@@ -51,4 +51,4 @@ def read(content: bytes) -> Triangles:
                 number = int(name[len(_GROUP) :]) if name.startswith(_GROUP) else 0
     faces, polygon = split(counts, corners)
     objects = np.array(numbers, np.int64)[polygon] if min(numbers) > 0 else None
-    return Triangles(np.array(points, np.float64).reshape(-1, 3), faces, objects)
+    return Triangles(np.array(points, float).reshape(-1, 3), faces, objects)

@@ -74,7 +74,7 @@ def read(content: bytes) -> Triangles:
             case ["property", kind, name]:
                 properties[element].append(_Property(name, order + _KINDS[kind]))
     if form == "ascii":  # which is read as a binary file of double precision
-        body = np.array(body.split(), np.float64).astype("<f8").tobytes()
+        body = np.array(body.split(), float).astype("<f8").tobytes()
         for element, known in properties.items():
             properties[element] = [_Property(one.name, "<f8", "<f8" if one.counts else "") for one in known]
     columns: dict[str, Entries] = {}
@@ -82,7 +82,7 @@ def read(content: bytes) -> Triangles:
         columns[element], body = _element(body, rows[element], known)
     vertices, polygons = columns["vertex"], columns["face"]
     corners = polygons["vertex_indices"] if "vertex_indices" in polygons else polygons["vertex_index"]
-    points = np.stack([vertices[axis] for axis in "xyz"], axis=1).astype(np.float64)
+    points = np.stack([vertices[axis] for axis in "xyz"], axis=1).astype(float)
     faces, polygon = split(*corners)
     numbers = np.asarray(polygons[_OBJECT], np.int64)[polygon] if _OBJECT in polygons else None
     return Triangles(points, faces, numbers)

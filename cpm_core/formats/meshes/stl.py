@@ -37,9 +37,9 @@ def read(content: bytes) -> Triangles:
     """Triangles of a file, as text or as binary numbers; UnreadableError when it has none."""
     count = int.from_bytes(content[_HEADER : _HEADER + 4], "little")
     if count and len(content) >= _HEADER + 4 + count * _TRIANGLE.itemsize:
-        corners = np.frombuffer(content, _TRIANGLE, count, _HEADER + 4)["corners"].reshape(-1, 3).astype(np.float64)
+        corners = np.frombuffer(content, _TRIANGLE, count, _HEADER + 4)["corners"].reshape(-1, 3).astype(float)
     elif content.lstrip()[:5].lower() == b"solid":
-        corners = np.array(_VERTEX.findall(content), np.float64).reshape(-1, 3)
+        corners = np.array(_VERTEX.findall(content), float).reshape(-1, 3)
         corners = corners[: len(corners) // 3 * 3]
     else:
         raise UnreadableError("It has no triangles: write it again.")

@@ -16,7 +16,7 @@ import scipy
 from cpm_core.formats.common.content import AnyPath, content_of
 from cpm_core.formats.common.provenance import PROGRAM, facts_on, text_of
 from cpm_core.formats.images.resolution import in_ascii
-from cpm_core.formats.meshes.coordinates import Place, decimals_for, place_of, positions
+from cpm_core.formats.meshes.coordinates import decimals_for, place_of, positions
 from cpm_core.image.geometry import Convention
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.centerlines import Branch, Centerlines
@@ -121,7 +121,21 @@ def load_centerlines(
     remarks = "\n".join(line for line in text.splitlines() if line.lstrip().startswith("#"))
     place, notes = place_of(remarks, image, space)
     points, radii = place.voxels(rows[:, 2:5]), rows[:, 5] * place.scale
-    branches = _branches(points, radii, _joints(points, rows, place, file.name))
+    index = {number: k for k, number in enumerate(rows[:, 0].tolist())}
+    parents = rows[:, 6].tolist()
+    if len(index) < len(rows) or any(parent >= 0 and parent not in index for parent in parents):
+        raise ValueError(
+            f"{file.name} has two points of the same number, or a point without its parent: write it again."
+        )
+    links = [(index[parent], k) for k, parent in enumerate(parents) if parent >= 0]
+    degree = np.bincount(np.array(links, np.int64).reshape(-1), minlength=len(rows))
+    same, physical = np.arange(len(rows)), points * place.spacing  # an end that lies at another point is that point
+    near, reach = scipy.spatial.KDTree(physical), _SAME * min(place.spacing)
+    for k in np.flatnonzero(degree == 1).tolist():
+        others = [other for other in near.query_ball_point(physical[k], reach) if other != k and same[other] == other]
+        if others:
+            same[k] = min(others)
+    branches = _branches(points, radii, [(int(same[a]), int(same[b])) for a, b in links if same[a] != same[b]])
     if not branches:
         raise ValueError(f"{file.name} holds single points and no lines: choose a file with lines.")
     for note in notes:
@@ -146,25 +160,6 @@ def _rows(text: str, name: str) -> Array:
     if not len(rows) or not np.isfinite(rows).all():
         raise ValueError(f"{name} holds no center lines: choose a file of SWC.")
     return np.asarray(rows)
-
-
-def _joints(points: Array, rows: Array, place: Place, name: str) -> list[tuple[int, int]]:
-    """Links (parent, child) between points; an end that lies at another point is that point."""
-    index = {number: k for k, number in enumerate(rows[:, 0].tolist())}
-    parents = rows[:, 6].tolist()
-    if len(index) < len(rows) or any(parent >= 0 and parent not in index for parent in parents):
-        raise ValueError(f"{name} has two points of the same number, or a point without its parent: write it again.")
-    links = [(index[parent], k) for k, parent in enumerate(parents) if parent >= 0]
-    degree = np.bincount(np.array(links, np.int64).reshape(-1), minlength=len(rows))
-    same = np.arange(len(rows))
-    physical = points * place.spacing
-    near = scipy.spatial.KDTree(physical)
-    reach = _SAME * min(place.spacing)
-    for k in np.flatnonzero(degree == 1).tolist():
-        others = [other for other in near.query_ball_point(physical[k], reach) if other != k and same[other] == other]
-        if others:
-            same[k] = min(others)
-    return [(int(same[a]), int(same[b])) for a, b in links if same[a] != same[b]]
 
 
 def _branches(points: Array, radii: Array, links: list[tuple[int, int]]) -> list[Branch]:

@@ -71,7 +71,7 @@ class _Stream:
             return numbers
         words = self._rest.split(None, count)
         self._rest = b"".join(words[count:])
-        return np.array(words[:count], np.float64)
+        return np.array(words[:count], float)
 
 
 def read(content: bytes) -> Triangles:
@@ -86,7 +86,7 @@ def read(content: bytes) -> Triangles:
     while words := stream.line():
         match words:
             case ["POINTS", count, kind]:
-                points = stream.numbers(3 * int(count), kind).reshape(-1, 3).astype(np.float64)
+                points = stream.numbers(3 * int(count), kind).reshape(-1, 3).astype(float)
             case ["VERTICES" | "LINES" | "TRIANGLE_STRIPS", first, second]:
                 _cells(stream, int(first), int(second), modern)
             case ["POLYGONS", first, second]:

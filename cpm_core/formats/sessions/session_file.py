@@ -35,7 +35,7 @@ from cpm_core.formats.common.provenance import PROGRAM
 from cpm_core.formats.images.readers import open_stack
 from cpm_core.formats.images.reading import DEFAULT, Reading
 from cpm_core.medial_axis.outlines import Outlined
-from cpm_core.numerics.types import Callback, Entries, Plain, frozen
+from cpm_core.numerics.types import Callback, Entries, Integers, Plain, Texts, frozen
 from cpm_core.objects.methods import CONTOUR_METHODS, Compared, Settings
 from cpm_core.objects.segmented.segmented_object import SegmentedObjects
 from cpm_core.parameters import Parameters
@@ -74,7 +74,7 @@ class ImageFile:
 
     path: str
     sha256: str = ""
-    shape: Annotated[tuple[int, ...], 0, 2, 3] = ()
+    shape: Annotated[Integers, 0, 2, 3] = ()
     absolute: str = ""
     reading: Reading = DEFAULT
 
@@ -160,7 +160,7 @@ class SessionFile:
     outlined: Outlined = field(default_factory=Outlined)
     view: Plain = field(default_factory=dict)
     extra: Plain = field(default_factory=dict)
-    notes: tuple[str, ...] = ()
+    notes: Texts = ()
     hand_edits: tuple[HandEdit, ...] = ()
     runs: Plain = field(default_factory=dict)
     truth: TruthFile | None = None
@@ -309,7 +309,7 @@ def _compared(plain: object) -> Compared:
     return Compared(tuple(filter(None, methods)), settings, given.get("around") is True)
 
 
-def find_image(image: ImageFile, folder: Path, go_on: Callback = lambda: None) -> tuple[Path, tuple[str, ...]]:
+def find_image(image: ImageFile, folder: Path, go_on: Callback = lambda: None) -> tuple[Path, Texts]:
     """Find the image of a session.
 
     Parameters

@@ -41,7 +41,7 @@ def thinned(particles: Particles, cells: Cells, turn: Index, d_min: float) -> Ma
     Of two nearer than ``d_min / 2`` the one on the weaker edge is deleted, and of equal ones the later, unless both are
     seated, on different sheets. Only those that have their `turn` have moved since the last use.
     """
-    kept, contact = np.ones(len(particles), np.bool_), particles.on_surface
+    kept, contact = np.ones(len(particles), bool), particles.on_surface
     sheets = (particles.position, contact.normal, contact.seated)
     share(partial(_find_close, cells, turn, *sheets, NEAR * d_min, kept), len(turn), _WORTH_A_THREAD)
     close = np.flatnonzero(~kept)
@@ -141,7 +141,7 @@ def insertion(
     `d_max` is the annealed insertion range [units]. They are where the placed charges leave particles on the edge.
     """
     contact = particles.on_surface
-    looking, looks = turn[contact.seated[turn]], np.zeros(len(particles), np.bool_)
+    looking, looks = turn[contact.seated[turn]], np.zeros(len(particles), bool)
     looks[looking] = True
     found, count = np.empty((len(looking), _MOST, 7)), np.zeros(len(looking), np.int64)
     sheets = (particles.position, contact.normal, contact.seated, contact.strength)
@@ -286,7 +286,7 @@ def apart(position: Array, normal: Array, room: float, seated: Mask | None = Non
 
     `seated` are those that lie on a sheet, by default all; others are in the way of any.
     """
-    kept = np.ones(len(position), np.bool_)
+    kept = np.ones(len(position), bool)
     if len(position):
         cells = build_cells(position, tuple(position.max(axis=0)), max(room, LEAST_CELL))
         _keep_apart(cells, position, normal, kept.copy() if seated is None else seated, room, kept)

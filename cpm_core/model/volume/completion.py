@@ -60,7 +60,7 @@ def reseed_surface(state: State, field: VolumeField, d_min: float) -> State | No
         inside = np.flatnonzero((rooms >= 0) & np.isin(rooms, taken))
         ridges = ridges._replace(component=number.ravel()).where(inside)
     cover = _cover(state, field, ridges, d_min)
-    reached = np.zeros(int(ridges.component.max(initial=-1)) + 1, np.bool_)
+    reached = np.zeros(int(ridges.component.max(initial=-1)) + 1, bool)
     reached[ridges.component[cover == _ON]] = True
     more = inseparable(field, ridges, reached, cover != _BARE)
     bare = np.flatnonzero((cover == _BARE) & (reached | more)[ridges.component])

@@ -56,7 +56,7 @@ def inseparable(field: VolumeField, ridges: Ridges, reached: Mask, covered: Mask
 
 def _enclosed(field: VolumeField, ridges: Ridges, covered: Mask, fitting: Mask) -> Mask:
     """Which fitting boundaries bound an enclosed region of which another boundary has been found."""
-    between = np.ones(field.shape, np.bool_)
+    between = np.ones(field.shape, bool)
     between[tuple(field.edges.above(field.floor).T)] = False
     regions = parts_of(between, corners=False)
     open_ = regions.at_border
@@ -83,7 +83,7 @@ def _enclosed(field: VolumeField, ridges: Ridges, covered: Mask, fitting: Mask) 
         return more
     number = number.ravel()
     share = np.bincount(number, np.concatenate(near)) / np.bincount(number)
-    known = np.zeros(regions.count, np.bool_)
+    known = np.zeros(regions.count, bool)
     known[rim[share >= _COVERED, 1]] = True
     more[rim[known[rim[:, 1]], 0]] = True
     return more & fitting

@@ -236,7 +236,7 @@ def at_centers(volume: Image | ArrayLike, smoothing: float = 2.0, spacing: float
     shape = np.maximum(np.rint(extent / cube).astype(int) + 1, 2)
     even = scipy.ndimage.zoom(smooth, shape / np.array(volume.shape), order=1, grid_mode=False)
     strength = Slopes.of(even, (1.0, 1.0, 1.0)).strengths()
-    found = centers_between(np.asarray(strength, np.float64), apart)
+    found = centers_between(np.asarray(strength, float), apart)
     return found * (np.array(volume.shape) - 1) / (np.array(even.shape) - 1)
 
 

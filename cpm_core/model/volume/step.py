@@ -151,7 +151,7 @@ def _joined(
     covered, fresh = cover_surfaces(covered, places, np.concatenate([contact.normal[some], births.normal]))
     met = SurfaceContact.of_seated(births.normal, births.strength, step)
     met = met.woken_at(step - _OLD_GROUND, ~fresh[len(some) :])
-    woken = np.zeros(len(particles), np.bool_)
+    woken = np.zeros(len(particles), bool)
     _wake(cells, places[fresh], _WOKEN * ROOM * d_min, woken)
     particles = replace(particles, contact=contact.woken_at(step, woken))
     if len(births.position):

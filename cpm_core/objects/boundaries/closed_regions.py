@@ -101,7 +101,7 @@ class ClosedRegions:
         """
         if not len(places):
             return None
-        found = np.zeros(self._values.shape, np.bool_)
+        found = np.zeros(self._values.shape, bool)
         for piece in self._pieces(places):
             region = next((region for region in self._over(piece.mean(axis=0)) if region.share(piece) > _MOST), None)
             if region is None:
@@ -119,7 +119,7 @@ class ClosedRegions:
             elif region.share(pixels) > _MOST:
                 yield self._whole(region)
         for index in sorted(unsure, key=lambda index: -self._contours[index].strength):
-            mask = np.zeros(self._values.shape, np.bool_)
+            mask = np.zeros(self._values.shape, bool)
             rows, cols = self._contours[index].points.T
             mask[skimage.draw.polygon(rows, cols, mask.shape)] = True  # type: ignore[no-untyped-call]
             if mask[tuple(pixels.T)].mean() > _MOST:
@@ -186,7 +186,7 @@ class ClosedRegions:
 
     def _whole(self, region: ClosedRegion) -> Mask:
         """The pixels of a region, shape (H, W)."""
-        mask = np.zeros(self._values.shape, np.bool_)
+        mask = np.zeros(self._values.shape, bool)
         mask[region.box] = region.mask
         return mask
 
@@ -240,7 +240,7 @@ class ClosedRegions:
         high = np.minimum(np.ceil(contour.box[1]).astype(int) + margin + 1, self._values.shape)
         box = slice(int(low[0]), int(high[0])), slice(int(low[1]), int(high[1]))
         strength, values = self._strength[box], self._values[box]
-        filled, off = np.zeros(strength.shape, np.bool_), np.ones(strength.shape, np.bool_)
+        filled, off = np.zeros(strength.shape, bool), np.ones(strength.shape, bool)
         rows, cols = (contour.points - low).T
         filled[skimage.draw.polygon(rows, cols, filled.shape)] = True  # type: ignore[no-untyped-call]
         off[_pixels(contour, low, off.shape)] = False

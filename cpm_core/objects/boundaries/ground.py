@@ -61,7 +61,7 @@ def ground(
     """Prepare to outline objects in an image along lines, each of shape (K, 2); see `Ground`."""
     shape = values.shape
     if interest is None or not interest.any():
-        interest = np.ones(shape, np.bool_)
+        interest = np.ones(shape, bool)
     strong = max(float(np.percentile(strength[interest], STRONG_PERCENTILE)), 1e-300)
     lines = [crossings(paths, shape) for paths in (contours, barriers, rims)]
     return Ground(values, strength, strong, lines[0], lines[1], lines[2], interest)

@@ -18,7 +18,7 @@ from cpm_core.field.edge_map import edge_map
 from cpm_core.field.interpolation import interpolate
 from cpm_core.image.image import Image, as_image
 from cpm_core.numerics.real_numbers import checked_number
-from cpm_core.numerics.types import frozen, record
+from cpm_core.numerics.types import Texts, frozen, record
 from cpm_core.objects.methods.level_sets import GEODESIC, GEOMETRIC_GVF
 from cpm_core.objects.methods.method import AnyMethod, ContourMethod, ContourState, Settings, Start
 from cpm_core.objects.methods.particles import PARTICLES, PROPOSED_OBJECT
@@ -67,7 +67,7 @@ class Compared:
         Whether the start lies around the objects.
     """
 
-    methods: tuple[str, ...] = FIRST
+    methods: Texts = FIRST
     settings: tuple[tuple[str, Settings], ...] = ()
     around: bool = False
 

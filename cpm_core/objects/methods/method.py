@@ -22,7 +22,7 @@ from cpm_core.field.edge_map import edge_map
 from cpm_core.image.image import Image
 from cpm_core.numerics.polyline import resampled
 from cpm_core.numerics.real_numbers import real_numbers
-from cpm_core.numerics.types import Array, Extent, Mask, frozen, record
+from cpm_core.numerics.types import Array, Arrays, Extent, Mask, frozen, record
 from cpm_core.parameters import ParameterInfo, Parameters
 from cpm_core.parameters.quotation import counted, described, shown
 
@@ -59,7 +59,7 @@ class Start:
     (1.0, (26, 2), 1, 194)
     """
 
-    outlines: tuple[Array, ...]
+    outlines: Arrays
     around: bool = False
 
     def __post_init__(self) -> None:
@@ -88,7 +88,7 @@ class Start:
         """Points every `SPACING` along the outlines, shape (N, 2) [px]."""
         return np.concatenate(self.curves(SPACING))
 
-    def curves(self, spacing: float) -> tuple[Array, ...]:
+    def curves(self, spacing: float) -> Arrays:
         """Each outline with corners at equal distances of about `spacing` [px]."""
         closed = (np.concatenate([outline, outline[:1]]) for outline in self.outlines)
         return tuple(resampled(outline, spacing)[:-1] for outline in closed)

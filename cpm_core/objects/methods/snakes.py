@@ -20,7 +20,7 @@ from cpm_core.field.edge_map import gradient
 from cpm_core.image.image import Image
 from cpm_core.numerics.polyline import length, resampled
 from cpm_core.numerics.segments import SegmentTree
-from cpm_core.numerics.types import Array, Extent, frozen
+from cpm_core.numerics.types import Array, Arrays, Extent, frozen
 from cpm_core.objects.methods.method import (
     ContourMethod,
     ContourState,
@@ -144,7 +144,7 @@ def moved(curve: Array, force: Force, elasticity: Elasticity, shape: Extent) -> 
     return np.clip(after, 0.0, np.array(shape) - 1.0)
 
 
-def evolution(curves: tuple[Array, ...], force: Force, elasticity: Elasticity, shape: Extent) -> Iterator[ContourState]:
+def evolution(curves: Arrays, force: Force, elasticity: Elasticity, shape: Extent) -> Iterator[ContourState]:
     """States of closed curves until all are at rest or have collapsed."""
     before = curves
     yield _state(0, curves)
@@ -167,7 +167,7 @@ def evolution(curves: tuple[Array, ...], force: Force, elasticity: Elasticity, s
             return
 
 
-def _state(step: int, curves: tuple[Array, ...], reason: str = "", at_rest: bool = False) -> ContourState:
+def _state(step: int, curves: Arrays, reason: str = "", at_rest: bool = False) -> ContourState:
     return ContourState(step, lambda: tuple(Contour(curve, closed=True) for curve in curves), reason, at_rest)
 
 

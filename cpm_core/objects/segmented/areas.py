@@ -59,14 +59,14 @@ def body_of_both(first: PackedBody, second: PackedBody) -> PackedBody:
 
 def _signed(voxels: Voxels, surface: Surface, begin: Index, shape: Extent) -> Array:
     """Distance of the voxels of a part of a volume from a surface, negative inside, exact near it [voxels]."""
-    inside = np.zeros(shape, np.bool_)
+    inside = np.zeros(shape, bool)
     assert voxels.first is not None
     Voxels(voxels.mask, tuple((np.array(voxels.first) - begin).tolist())).fill(inside)
     away = np.where(inside, scipy.ndimage.distance_transform_edt(inside), scipy.ndimage.distance_transform_edt(~inside))
     near = away <= _EXACT_WITHIN
     triangles = Triangles((surface.vertices - begin)[surface.faces])
     away = np.maximum(away - 0.5, 0.5)
-    away[near] = triangles.distances(np.argwhere(near).astype(np.float64))
+    away[near] = triangles.distances(np.argwhere(near).astype(float))
     return np.where(inside, -away, away)
 
 

@@ -14,7 +14,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.contours.hand_edits import HandEdit, apply
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Index, Line, Mask, Position, frozen
+from cpm_core.numerics.types import Array, Arrays, Index, Line, Mask, Position, frozen
 from cpm_core.objects.segmented.areas import area_of, boundary_of, lies_on
 from cpm_core.objects.segmented.segmented_object import SegmentedObject
 from cpm_core.reconstruction.by_hand.live_wire import on_ridge
@@ -62,7 +62,7 @@ class Halves:
 
     first: SegmentedObject
     second: SegmentedObject
-    cuts: tuple[Array, ...]
+    cuts: Arrays
 
 
 def split(item: SegmentedObject, first: Position, second: Position, scale_field: ScaleField | None = None) -> Halves:
@@ -171,7 +171,7 @@ class _Edges:
     def on(self, path: Array) -> Mask:
         """Which vertices lie on the ridge of an edge."""
         if self._field is None:
-            return np.zeros(len(path), np.bool_)
+            return np.zeros(len(path), bool)
         ridge, found = ridge_points(path, self._field)
         strong = self._strength(ridge) >= max(_STRONG * self._boundary, self._field.floor)
         return found & strong & (np.linalg.norm(ridge - path, axis=1) <= _ON)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import scipy
 
@@ -12,7 +10,7 @@ from cpm_core.contours.packed_surface import PackedBody
 from cpm_core.contours.surface import Surface
 from cpm_core.image.volume_regions import Voxels
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Extent, Line, Mask, Place, Position, Sides
+from cpm_core.numerics.types import Array, Extent, Line, Mask, Place, Position, Sides, frozen
 from cpm_core.objects.selection import Selection
 
 MOST_CLASSES = 9
@@ -22,7 +20,7 @@ _AT_ONCE = 2**20
 """Pixels that are tested at once, so that a large image takes little memory."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Click:
     """Places that were said to be inside of an object, or outside of it, in one gesture.
 
@@ -50,7 +48,11 @@ class Click:
             raise ValueError("A click has no position: give at least one, (row, col).")
 
 
-@dataclass(frozen=True)
+Clicks = tuple[Click, ...]
+"""Clicks, one after the other."""
+
+
+@frozen
 class ObjectClass:
     """A class of objects: its name, which may be empty, and its color, ``"#rrggbb"``."""
 
@@ -64,7 +66,7 @@ class ObjectClass:
         check_color("a class", self.color)
 
 
-@dataclass(frozen=True)
+@frozen
 class SegmentedObject:
     """An object of an image with its boundary.
 
@@ -102,7 +104,7 @@ class SegmentedObject:
     """
 
     number: int
-    clicks: tuple[Click, ...]
+    clicks: Clicks
     boundary: tuple[Line, ...] = ()
     gaps: tuple[Line, ...] = ()
     confidence: float = 0.0
@@ -145,14 +147,14 @@ class SegmentedObject:
 
     def encloses(self, places: Array) -> Mask:
         """Which of places, shape (N, 2) [px], lie inside, shape (N,)."""
-        found = np.zeros(len(places), np.bool_)
+        found = np.zeros(len(places), bool)
         for curve in self.boundary:
             found ^= polyline.inside(curve, places)
         return found
 
     def mask(self, shape: Extent) -> Mask:
         """The pixels of an image, or the voxels of a volume, of this shape whose centers lie inside."""
-        found = np.zeros(shape, np.bool_)
+        found = np.zeros(shape, bool)
         for packed in self.surface:
             packed.voxels.fill(found)
         if self.surface:
@@ -228,7 +230,7 @@ class SegmentedObject:
         top, left = np.clip(np.floor(low), 0, shape).astype(int).tolist()
         bottom, right = np.clip(np.ceil(high) + 1, (top, left), np.maximum(shape, (top, left))).tolist()
         rows, cols = np.arange(top, bottom), np.arange(left, right)
-        window = np.zeros((len(rows), len(cols)), np.bool_)
+        window = np.zeros((len(rows), len(cols)), bool)
         height = max(1, _AT_ONCE // max(1, len(cols)))
         for first in range(0, len(rows), height):
             part = window[first : first + height]
@@ -254,7 +256,7 @@ CLASSES: tuple[ObjectClass, ...] = tuple(
 """The classes at first: hues after Okabe and Ito, which color-blind people can distinguish, and two more."""
 
 
-@dataclass(frozen=True)
+@frozen
 class SegmentedObjects:
     """The objects of an image, their classes, and the selection that is being made.
 
@@ -284,7 +286,7 @@ class SegmentedObjects:
     items: tuple[SegmentedObject, ...] = ()
     classes: tuple[ObjectClass, ...] = CLASSES
     category: int = 1
-    clicks: tuple[Click, ...] = ()
+    clicks: Clicks = ()
     edited: int = 0
     rejected: tuple[SegmentedObject, ...] = ()
     taken: int = 0
@@ -324,7 +326,7 @@ class SegmentedObjects:
         return item.color or self.classes[item.category - 1].color
 
 
-def places_of(clicks: tuple[Click, ...], *, inside: bool) -> Array:
+def places_of(clicks: Clicks, *, inside: bool) -> Array:
     """Places of the clicks inside, or of those outside, shape (N, D) [px]."""
     found = [place for click in clicks if click.inside == inside for place in click.places]
     return np.array(found, dtype=float).reshape(-1, len(clicks[0].places[0]) if clicks else 2)

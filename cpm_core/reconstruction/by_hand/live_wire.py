@@ -83,7 +83,7 @@ class LiveWire:
         low, high = self._around(goal, _MARGIN)
         if self._search is None or (low < self._low).any() or (high > self._high).any():
             self._search = self._look_around(goal)
-        pixels = (np.array(self._search.traceback(tuple(goal - self._low))) + self._low).astype(np.float64)
+        pixels = (np.array(self._search.traceback(tuple(goal - self._low))) + self._low).astype(float)
         return on_ridge(smoothed(pixels, ends[0], ends[1]), self._field)
 
     def _pixel(self, place: Position) -> Index:

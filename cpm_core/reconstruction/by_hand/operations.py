@@ -18,7 +18,7 @@ from cpm_core.contours.polygonal_line import PolygonalLine
 from cpm_core.contours.result import Result
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics import polyline
-from cpm_core.numerics.types import Array, Line, Position, record
+from cpm_core.numerics.types import Array, Integers, Line, Position, record
 from cpm_core.reconstruction.by_hand.live_wire import LiveWire, nearest_ridge
 from cpm_core.reconstruction.curve.hysteresis import measured
 
@@ -91,9 +91,7 @@ class Contact:
         return self.line.source is other.line.source
 
 
-def carried_out(
-    result: Result, edits: Sequence[HandEdit], scale_field: ScaleField | None
-) -> tuple[Result, tuple[int, ...]]:
+def carried_out(result: Result, edits: Sequence[HandEdit], scale_field: ScaleField | None) -> tuple[Result, Integers]:
     """A result with edits by hand, without the bridges that they have removed; and the edits that were missed.
 
     Contours that have changed are measured in the fields of the image, where these are given.
@@ -123,7 +121,16 @@ def connect(path: Array, begin: Contact | None = None, end: Contact | None = Non
     """
     if begin is not None and end is not None and begin.same_contour(end):
         if not begin.at_end and not end.at_end:
-            return (_redrawn(path, begin, end),)
+            # in place of the stretch between the two, of a closed contour the nearer one
+            if begin.along > end.along:
+                begin, end, path = end, begin, path[::-1]
+            line = begin.line
+            stretch = line.part(begin.along, end.along)
+            if line.closed:
+                other = line.part(end.along, begin.along + line.length)
+                if polyline.distances(path, other.path).mean() < polyline.distances(path, stretch.path).mean():
+                    stretch, begin, end, path = other, end, begin, path[::-1]
+            return (_instead(stretch, path, begin, end),)
         if not end.at_end:
             begin, end, path = end, begin, path[::-1]
         if not begin.at_end:
@@ -206,19 +213,6 @@ def places(path: Array) -> Line:
     rounded = [_rounded(place) for place in path.tolist()]
     kept = [place for place, _ in groupby(rounded)]
     return tuple(kept if len(kept) > 1 else rounded[:1] * 2)
-
-
-def _redrawn(path: Array, begin: Contact, end: Contact) -> HandEdit:
-    """A contour with a path in place of the stretch between two places, of a closed one the nearer of the two."""
-    if begin.along > end.along:
-        begin, end, path = end, begin, path[::-1]
-    line = begin.line
-    stretch = line.part(begin.along, end.along)
-    if line.closed:
-        other = line.part(end.along, begin.along + line.length)
-        if polyline.distances(path, other.path).mean() < polyline.distances(path, stretch.path).mean():
-            stretch, begin, end, path = other, end, begin, path[::-1]
-    return _instead(stretch, path, begin, end)
 
 
 def _instead(stretch: PolygonalLine, path: Array, begin: Contact, end: Contact) -> HandEdit:

@@ -18,7 +18,7 @@ from cpm_core.contours.graph import Graph
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics.polyline import length, lengths_along, resampled
 from cpm_core.numerics.segments import first_crossing
-from cpm_core.numerics.types import Array, Index, Mask, record
+from cpm_core.numerics.types import Array, Index, Integers, Mask, record
 
 _EASE = 20.0
 """Ratio, less one, of the costs of a step without an edge and on an edge as strong as at the ends."""
@@ -118,7 +118,7 @@ class _Site:
         stretch = last_stretch(self.graph.points[self.graph.branch(end)], _BACK_STRENGTH)
         return max(float(self.scale_field.strength(stretch).max()), self.scale_field.floor)
 
-    def crossing(self, path: Array, spared: tuple[int, ...]) -> tuple[int, tuple[int, int]] | None:
+    def crossing(self, path: Array, spared: Integers) -> tuple[int, tuple[int, int]] | None:
         """First segment of a path that crosses an edge of the graph, and that edge; edges at `spared` are ignored."""
         edges = self._edges[~np.isin(self._edges, spared).any(axis=1)]
         at, crossed = first_crossing(path, self.graph.points[edges].reshape(-1, 4))
@@ -134,7 +134,7 @@ class _Site:
         way = np.array([end, *range(first, first + len(between)), other], dtype=np.int64)
         self._edges = np.concatenate([self._edges, np.stack([way[:-1], way[1:]], axis=1)])
 
-    def free(self, path: Array, spared: tuple[int, ...]) -> bool:
+    def free(self, path: Array, spared: Integers) -> bool:
         """Whether a path crosses neither a contour nor a barrier."""
         return (
             not self.scale_field.barrier_map.crossed(path[:-1], path[1:]).any() and self.crossing(path, spared) is None

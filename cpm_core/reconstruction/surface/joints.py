@@ -116,7 +116,7 @@ _MOST_MEETINGS = 4
 def join(height: Single, begin: Index, surroundings: Surroundings) -> None:
     """Raise the voxels of necks in a height just above zero; `begin` is its first voxel in the volume."""
     parts = parts_of(height > 0.0, corners=True)
-    passable, every = (height <= 0.0) & (height > -DEEPEST), np.ones(parts.count, np.bool_)
+    passable, every = (height <= 0.0) & (height > -DEEPEST), np.ones(parts.count, bool)
 
     def is_neck(way: Index, saddle: Index) -> bool:
         depth = -float(height[tuple(saddle)])

@@ -12,7 +12,7 @@ from cpm_app.model.display.page_rows import PageRow
 from cpm_app.model.text.language import tr
 from cpm_core.model import EPSILON
 from cpm_core.numerics import Array
-from cpm_core.numerics.types import frozen, record
+from cpm_core.numerics.types import Integers, frozen, record
 
 
 @record
@@ -137,7 +137,7 @@ _MOST_CURVES = 10
 """Number of objects that are plotted at most; a choice among them is made in the table."""
 
 
-def plotted(rows: Sequence[PageRow], chosen: Collection[int]) -> tuple[int, ...]:
+def plotted(rows: Sequence[PageRow], chosen: Collection[int]) -> Integers:
     """The tracks that are plotted: those that are chosen, or the first ones."""
     return tuple(sorted(chosen or {row.track for row in rows if row.track})[:_MOST_CURVES])
 

@@ -17,7 +17,7 @@ from cpm_core.contours import Label, PackedSurface, alone, inside_of
 from cpm_core.contours.contour import Contours
 from cpm_core.formats import ContourFile
 from cpm_core.numerics import Place
-from cpm_core.numerics.types import Extent, record
+from cpm_core.numerics.types import Extent, Texts, record
 from cpm_core.objects.segmented import Click, SegmentedObject, line_of
 from cpm_core.shapes import Points, Polygon, Stroke, start_on_surface, starts_along, starts_in
 
@@ -56,19 +56,19 @@ class Imported:
     starts: tuple[Polygon | Stroke | Points, ...]
     objects: tuple[SegmentedObject, ...]
     open: int
-    notes: tuple[str, ...]
+    notes: Texts
     kind: Kind = "contours"
-    classes: tuple[str, ...] = ()
+    classes: Texts = ()
 
     @classmethod
-    def of_surface(cls, surface: Surface, volume: Image, name: str, notes: tuple[str, ...] = ()) -> Imported:
+    def of_surface(cls, surface: Surface, volume: Image, name: str, notes: Texts = ()) -> Imported:
         """A surface in a volume, with an object for each body inside; ValueError when those are too many."""
         objects = bodies_of(surface, volume) if surface.closed else ()
         _check(tr("{name} has {count} objects, but at most {most} can be imported."), name, len(objects))
         return cls(name, 1, (start_on_surface(surface),), objects, int(not surface.closed), notes, "surface")
 
     @classmethod
-    def of_lines(cls, lines: Centerlines, notes: tuple[str, ...] = ()) -> Imported:
+    def of_lines(cls, lines: Centerlines, notes: Texts = ()) -> Imported:
         """Center lines in a volume."""
         count = len(lines.branches)
         return cls(lines.source, count, starts_in(lines), (), count, notes, "center lines")

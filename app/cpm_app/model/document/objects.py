@@ -17,7 +17,7 @@ from cpm_core.contours import Label, PackedBody, surfaces_joined
 from cpm_core.contours.contour import Contours
 from cpm_core.numerics import Array, Place, Position, length, polyline, thinned
 from cpm_core.numerics.polyline import as_line
-from cpm_core.numerics.types import Extent, Line, Sides
+from cpm_core.numerics.types import Extent, Integers, Line, Sides
 from cpm_core.objects import boundaries_result
 from cpm_core.objects.segmented import (
     Click,
@@ -32,6 +32,7 @@ from cpm_core.objects.segmented import (
     union,
 )
 from cpm_core.objects.segmented.in_volumes import Part
+from cpm_core.objects.segmented.segmented_object import Clicks
 from cpm_core.parameters import Provenance
 from cpm_core.shapes import Barrier, EnclosedRegion, EnclosingWall, Points, Polygon, Region
 
@@ -48,19 +49,19 @@ _DECIMALS = 3
 # Selecting
 
 
-def first_clicks(item: SegmentedObject, shape: Extent) -> tuple[Click, ...]:
+def first_clicks(item: SegmentedObject, shape: Extent) -> Clicks:
     """The clicks by which an object of an image of this shape is selected anew: its own, or one where it is widest."""
     return item.clicks or (Click((item.innermost(shape),)),)
 
 
-def select(document: Document, clicks: tuple[Click, ...], number: int = 0) -> Document:
+def select(document: Document, clicks: Clicks, number: int = 0) -> Document:
     """The document in which the object of some clicks is being selected; with a number, in place of that object."""
     known = document.objects
     category = known[number].category if number and number != known.edited else known.category
     return _with(document, clicks=clicks, edited=number if clicks else 0, category=category)
 
 
-Found = tuple[AnySelection, tuple[Click, ...], int]
+Found = tuple[AnySelection, Clicks, int]
 """A selection with its clicks and the number of the object that it replaces, 0 for a new one."""
 
 
@@ -123,7 +124,7 @@ def replace_boundaries(document: Document, found: Iterable[Found]) -> Document:
     return accept(document, (made(*each, 1) for each in found if each[2] in known and each[0].found))
 
 
-def made(selection: AnySelection, clicks: tuple[Click, ...], number: int, category: int) -> SegmentedObject:
+def made(selection: AnySelection, clicks: Clicks, number: int, category: int) -> SegmentedObject:
     """The object of a selection that is not empty."""
     if isinstance(selection, VolumeSelection):
         clicks = clicks if selection.voxels is None else ()  # of which what has been painted is not the answer
@@ -290,7 +291,7 @@ def class_title(objects: SegmentedObjects, category: int) -> str:
     return tr("object") if category == 1 else tr("class {number}", number=category)
 
 
-def listed_classes(objects: SegmentedObjects) -> tuple[int, ...]:
+def listed_classes(objects: SegmentedObjects) -> Integers:
     """Numbers of the classes that are in use or have a name, and the next one."""
     used = {objects.category, *(item.category for item in objects.items)}
     listed = [number for number, known in enumerate(objects.classes, start=1) if number in used or known.name]

@@ -12,6 +12,7 @@ from cpm_app.model.document.modes import MODES, is_only_in_another_mode
 from cpm_app.model.text.language import tr
 from cpm_core import Parameters
 from cpm_core.formats import ImageFile, SessionFile
+from cpm_core.numerics.types import Texts
 
 _PARTS = {
     "shapes": tr("the shapes"),
@@ -48,7 +49,7 @@ def to_file(document: Document, view: View, before: SessionFile | None = None) -
     )
 
 
-def changed_parts(document: Document, known: Document | None) -> tuple[str, ...]:
+def changed_parts(document: Document, known: Document | None) -> Texts:
     """What of a document is not in the one that is `known`, in words; the choice of a mode alone is no work.
 
     Objects are counted. Without a known document, as after a crash, that is all there is.

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, replace
-from typing import Any
 
 from cpm_app.model.text.language import from_core, tr, written
 from cpm_app.model.text.wording import rich
 from cpm_core import PARAMETERS, Parameters
-from cpm_core.numerics.types import frozen
+from cpm_core.numerics.types import Entries, Texts, frozen
 from cpm_core.parameters import AUTOMATIC, CHOICES, OF_STARTS, Invalidates
 
 RATIO = "ratio"
@@ -188,7 +187,7 @@ def with_value(parameters: Parameters, name: str, value: float | str) -> Paramet
         return replace(parameters, w2=weight, w1=min(parameters.w1 / parameters.w2, HIGHEST_RATIO) * weight)
     if name == "scales" and isinstance(value, float):
         value = round(value)
-    fields: dict[str, Any] = {name: value}
+    fields: Entries = {name: value}
     return replace(parameters, **fields)
 
 
@@ -258,7 +257,7 @@ class ChoiceControl:
     acts: str
 
     @property
-    def lines(self) -> tuple[str, ...]:
+    def lines(self) -> Texts:
         """The explanation, one line for each choice."""
         effects = (tr("{choice}: {effect}", choice=title, effect=about) for _, title, about in self.choices)
         return (self.meaning, *effects, self.acts)

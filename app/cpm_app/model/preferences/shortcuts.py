@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterable, Mapping, Sequence
 
 from cpm_app.model.text.language import tr
-from cpm_core.numerics.types import frozen
+from cpm_core.numerics.types import Texts, frozen
 
 KEY = "shortcuts"
 """Key of the file of preferences: the chosen keys of all actions, as one line of JSON."""
@@ -25,14 +25,14 @@ class Keyed:
     name: str
     title: str
     group: str
-    default: tuple[str, ...]
+    default: Texts
 
 
-Chosen = Mapping[str, tuple[str, ...]]
+Chosen = Mapping[str, Texts]
 """Keys by the names of actions; one that is not there has its default ones."""
 
 
-def read(stored: str) -> dict[str, tuple[str, ...]]:
+def read(stored: str) -> dict[str, Texts]:
     """Chosen keys from the file; what cannot be read is left out."""
     try:
         found = json.loads(stored)
@@ -50,7 +50,7 @@ def written(chosen: Chosen) -> str:
     return json.dumps({name: list(keys) for name, keys in chosen.items()})
 
 
-def keys_of(action: Keyed, chosen: Chosen) -> tuple[str, ...]:
+def keys_of(action: Keyed, chosen: Chosen) -> Texts:
     """The keys of an action."""
     return chosen.get(action.name, action.default)
 
@@ -60,7 +60,7 @@ def holder(key: str, actions: Iterable[Keyed], chosen: Chosen, besides: str = ""
     return next((one for one in actions if one.name != besides and key in keys_of(one, chosen)), None)
 
 
-def with_key(key: str, action: Keyed, actions: Sequence[Keyed], chosen: Chosen) -> dict[str, tuple[str, ...]]:
+def with_key(key: str, action: Keyed, actions: Sequence[Keyed], chosen: Chosen) -> dict[str, Texts]:
     """Chosen keys after an action has got one key in place of its own; an action that had it loses it."""
     changed = {**chosen, action.name: (key,) if key else ()}
     other = holder(key, actions, chosen, besides=action.name) if key else None

@@ -7,6 +7,7 @@ import math
 from cpm_app.model.display.lengths import shown_in
 from cpm_app.model.text.language import tr, written
 from cpm_core import Surface
+from cpm_core.numerics.types import Texts
 
 SURFACE, CLOSED, EULER = tr("Surface"), tr("Closed"), tr("Euler number")
 AREA, VOLUME, SUPPORT = tr("Area"), tr("Volume"), tr("Supported")
@@ -29,7 +30,7 @@ def figure_texts(found: Surface | None) -> tuple[tuple[str, str, str], ...]:
     return tuple(zip((SURFACE, CLOSED, EULER, AREA, VOLUME, SUPPORT), texts, tips, strict=True))
 
 
-def _texts(found: Surface) -> tuple[str, ...]:
+def _texts(found: Surface) -> Texts:
     size = shown_in(found.spacing, found.unit)
     unit = size.unit or tr("voxels")
     parts = tr("1 part") if found.components == 1 else tr("{count} parts", count=written(f"{found.components:,}"))

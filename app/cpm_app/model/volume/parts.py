@@ -7,7 +7,7 @@ from pathlib import Path
 from cpm_app.model.text.language import tr
 from cpm_core.formats import ONLY_THESE, Reading, Stack
 from cpm_core.image import MINIMUM_SIDE
-from cpm_core.numerics.types import Sides, frozen
+from cpm_core.numerics.types import Sides, Texts, frozen
 
 _WORDS = {
     "plane": (tr("{count} planes"), tr("plane {number}")),
@@ -49,7 +49,7 @@ class Parts:
     pages: int
     times: int = 1
     channels: int = 1
-    series: tuple[str, ...] = ()
+    series: Texts = ()
     number: int = 1
     word: str = "page"
     usual: int = 1
@@ -57,7 +57,7 @@ class Parts:
     spacing: Sides = (1.0, 1.0, 1.0)
     unit: str | None = None
     planes: int = 0
-    doubts: tuple[str, ...] = ()
+    doubts: Texts = ()
     series_around: Path | None = None
 
     @classmethod

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from cpm_app.model.text.language import tr
 from cpm_core import Image
 from cpm_core.numerics import Array, Place, Position, Single
-from cpm_core.numerics.types import Extent, Sides, frozen, record
+from cpm_core.numerics.types import Arrays, Extent, Integers, Sides, frozen, record
 from cpm_core.shapes import sides_of
 
 T = TypeVar("T")
@@ -69,7 +69,7 @@ class Slices:
     """
 
     shape: Extent
-    voxel: tuple[int, ...]
+    voxel: Integers
     axis: int = 0
 
     @classmethod
@@ -159,7 +159,7 @@ def planes_of(volume: Image) -> tuple[str, str, str]:
     return plane, row, column
 
 
-def directions_of(volume: Image) -> tuple[Array, ...]:
+def directions_of(volume: Image) -> Arrays:
     """Directions to the right, down and away, one a row, along (plane, row, col), as slices across each axis lie."""
     along = [[(end == pair[0]) - (end == pair[1]) for pair in _PATIENT] for _, end in ends_of(volume)]
     handed = float(np.linalg.det(np.array(along, float))) or _MIRRORED

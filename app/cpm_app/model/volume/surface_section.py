@@ -104,7 +104,7 @@ def selection_in(selection: AnySelection, here: Slice) -> Selection:
     """What a slice shows of a selection: its boundary alone."""
     nowhere = np.empty((0, 2))
     lines = _closed(selection.surface, here) if isinstance(selection, VolumeSelection) else ()
-    return Selection(np.zeros((0, 0), np.bool_), lines, (), 1.0, nowhere, nowhere)
+    return Selection(np.zeros((0, 0), bool), lines, (), 1.0, nowhere, nowhere)
 
 
 def holds(item: SegmentedObject, place: Place) -> bool:

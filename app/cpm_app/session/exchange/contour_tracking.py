@@ -12,7 +12,7 @@ from cpm_core import Result, measure
 from cpm_core.contours import REACH, Mark, Measures, attached, middle, neighborhood, with_kept
 from cpm_core.contours.contour import Contours
 from cpm_core.numerics import Position
-from cpm_core.numerics.types import record
+from cpm_core.numerics.types import Integers, record
 
 
 @record
@@ -20,7 +20,7 @@ class TrackedContours:
     """The contours of a reconstruction, each with a key that later reconstructions keep, and its measures."""
 
     result: Result
-    keys: tuple[int, ...]
+    keys: Integers
     measures: tuple[Measures, ...]
 
     def keeping(self, marks: Sequence[Mark]) -> TrackedContours:
@@ -69,7 +69,7 @@ class ContourTracker:
         measures = measure(contours, result.spacing, contrast=False)
         return TrackedContours(replace(result, contours=contours) if contours else result, keys, measures)
 
-    def numbers(self, contours: Contours, *, lasting: bool) -> tuple[int, ...]:
+    def numbers(self, contours: Contours, *, lasting: bool) -> Integers:
         """Number of each contour: that of the one that passed there before, or a new one.
 
         Of several numbers at one contour the oldest wins, so that contours which a filter has cut apart have their

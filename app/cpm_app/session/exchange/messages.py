@@ -38,7 +38,7 @@ from cpm_core.formats import Reading, SessionFile
 from cpm_core.formats.images.reading import DEFAULT
 from cpm_core.image import AnyRegions
 from cpm_core.numerics import Array
-from cpm_core.numerics.types import Callback, Mask, frozen, record
+from cpm_core.numerics.types import Callback, Integers, Mask, Texts, frozen, record
 from cpm_core.segmentation import MethodState
 from cpm_core.shapes import ImageSeeds
 from cpm_core.warm_up import warm_up_runs, warm_up_volumes
@@ -143,7 +143,7 @@ class Reconstruction:
     generation: int
     result: Result | Skeleton
     tracked: TrackedContours | None
-    missed: tuple[int, ...] = ()
+    missed: Integers = ()
 
     @classmethod
     def of(cls, generation: int, result: Result | Skeleton, tracker: ContourTracker, thorough: bool) -> Reconstruction:
@@ -225,7 +225,7 @@ class Opened(Report):
     display: DisplayImage | None
     path: Path
     parameters: Parameters
-    notes: tuple[str, ...]
+    notes: Texts
     sha256: str = ""
     saved: Saved | None = None
     scales: int = 1

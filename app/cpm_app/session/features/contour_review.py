@@ -88,7 +88,7 @@ class ContourReview(QObject):
         if not paths or not self.items:
             return self.items
         pieces = [path[first : first + _PIECE + 1] for path in paths for first in range(0, len(path) - 1, _PIECE)]
-        along = np.zeros(len(self._sampled), np.bool_)
+        along = np.zeros(len(self._sampled), bool)
         along[PathTree(pieces).pairs(self._sampled, _ON)[0]] = True
         share = along.reshape(-1, _PLACES).mean(axis=1).tolist()
         return tuple(item for item, part in zip(self.items, share, strict=True) if part < _MOST)

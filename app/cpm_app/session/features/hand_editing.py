@@ -18,6 +18,7 @@ from cpm_core import Contour
 from cpm_core.contours import HandEdit, neighborhood
 from cpm_core.field import ScaleField
 from cpm_core.numerics import Array, PathTree, Position
+from cpm_core.numerics.types import Integers
 from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects, contours_of, outlined, redrawn
 from cpm_core.parameters import invalidating
 from cpm_core.reconstruction import Contact, LiveWire, chain, cut, deletion, nearest_ridge, wire_from
@@ -58,7 +59,7 @@ class HandEditing(QObject):
         self.edges: ScaleField | None = None
         """Fields of the image in which lines follow the edges; None until they are there."""
         self._asked: tuple[object, ...] = ()
-        self._reported: tuple[int, ...] = ()
+        self._reported: Integers = ()
         session.image_changed.connect(self._forget)
         session.scene_changed.connect(self._follow)
 
@@ -195,7 +196,7 @@ class HandEditing(QObject):
         )
 
     @property
-    def missed(self) -> tuple[int, ...]:
+    def missed(self) -> Integers:
         """Indices of the edits that have not found their contours in the present ones."""
         found = self._session.scene.reconstruction
         return found.missed if found is not None else ()

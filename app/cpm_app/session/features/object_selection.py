@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -33,8 +33,9 @@ from cpm_app.session.session import Session
 from cpm_app.session.tasks.tasks import Task
 from cpm_core import Partition, Result, Selection, select_all
 from cpm_core.numerics import Place
-from cpm_core.numerics.types import Callback
+from cpm_core.numerics.types import Callback, frozen
 from cpm_core.objects.segmented import Click, selection_of
+from cpm_core.objects.segmented.segmented_object import Clicks
 from cpm_core.shapes import Everywhere, Start
 
 _COVERED = 0.5
@@ -46,12 +47,12 @@ def percent(selection: AnySelection) -> str:
     return written(f"{100.0 * selection.confidence:.0f} %") if isinstance(selection, Selection) else ""
 
 
-@dataclass(frozen=True)
+@frozen
 class Pointed:
     """One more click at the pointer, on the object of the clicks before."""
 
     selector: Selector
-    clicks: tuple[Click, ...]
+    clicks: Clicks
     said: Click
 
     def preview(self) -> Preview | None:
@@ -61,21 +62,21 @@ class Pointed:
         return None if after is None else Preview(after, self.selector.selection(self.clicks), self.said.inside)
 
 
-@dataclass(frozen=True)
+@frozen
 class Stepped:
     """By how many candidates the object of some clicks shall become larger, or smaller below 0."""
 
     selector: Selector
-    clicks: tuple[Click, ...]
+    clicks: Clicks
     by: int
 
 
-@dataclass(frozen=True)
+@frozen
 class Question:
     """What is asked for: the object of some clicks, what the run offers, what one more click would change, a step."""
 
     selector: Selector
-    clicks: tuple[Click, ...]
+    clicks: Clicks
     pointed: Pointed | None
     stepped: Stepped | None
 
@@ -94,7 +95,7 @@ class Question:
         return offered, preview, step.selector.stepped(step.clicks, step.by) if step is not None else None
 
 
-Answer = tuple[tuple[Proposal, ...], Preview | None, tuple[tuple[Click, ...], int, int] | None]
+Answer = tuple[tuple[Proposal, ...], Preview | None, tuple[Clicks, int, int] | None]
 """What is offered, what a click would change, and the clicks of a candidate with its number and how many there are."""
 
 
@@ -254,7 +255,7 @@ class ObjectSelection(QObject):
             self._session.say(tr("There is nothing to fit: choose objects that are not frozen."))
             return
 
-        def work(task: Task) -> list[tuple[AnySelection, tuple[Click, ...], int]]:
+        def work(task: Task) -> list[tuple[AnySelection, Clicks, int]]:
             found = []
             selector = Selector(partition, items, 0, Offer())
             for done, item in enumerate(fitted):
@@ -264,7 +265,7 @@ class ObjectSelection(QObject):
                     found.append((selection, item.clicks, item.number))
             return found
 
-        def use(found: list[tuple[AnySelection, tuple[Click, ...], int]]) -> None:
+        def use(found: list[tuple[AnySelection, Clicks, int]]) -> None:
             if partition.image is self._session.image:
                 self._session.edit(tr("fit objects"), lambda document: objects.replace_boundaries(document, found))
 
@@ -302,7 +303,7 @@ class ObjectSelection(QObject):
 
     # Internal
 
-    def _select(self, words: str, clicks: tuple[Click, ...], number: int = 0) -> None:
+    def _select(self, words: str, clicks: Clicks, number: int = 0) -> None:
         followed = [each.item for each in self.proposals if each.number == number and each.followed is not None]
 
         def edit(document: Document) -> Document:
@@ -325,7 +326,7 @@ class ObjectSelection(QObject):
         alone = len(self.proposals) == 1 and self.proposals[0].followed is None
         return self.proposals[0].key if alone else 0
 
-    def _before(self, number: int) -> tuple[tuple[Click, ...], int]:
+    def _before(self, number: int) -> tuple[Clicks, int]:
         """The clicks of what is being selected, or of an object, or a proposal, and the number of the object."""
         document = self._session.document
         if self.selecting or not number:
@@ -418,7 +419,7 @@ class ObjectSelection(QObject):
             self._latest.ask(question.answer, partial(self._use, question), self._forget_steps)
 
     @property
-    def _stepping(self) -> tuple[tuple[Click, ...], int]:
+    def _stepping(self) -> tuple[Clicks, int]:
         """The clicks of what is being selected or chosen, and the number of the object."""
         chosen = self._session.scene.objects.chosen or {each.key for each in self.proposals}
         return self._before(next(iter(chosen)) if len(chosen) == 1 else 0)
@@ -442,7 +443,7 @@ class ObjectSelection(QObject):
         if do is not None and clicks:
             do()
 
-    def _use_step(self, step: Stepped, clicks: tuple[Click, ...], number: int, count: int) -> None:
+    def _use_step(self, step: Stepped, clicks: Clicks, number: int, count: int) -> None:
         """Select a candidate, and report which one it is."""
         before, edited = self._stepping
         self._forget_steps()

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from functools import cached_property
 from itertools import chain
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 from PySide6.QtCore import QObject, QTimer, Signal
@@ -35,17 +35,19 @@ from cpm_core import (
 )
 from cpm_core.image import AnyRegions, of_plane
 from cpm_core.numerics import Array
-from cpm_core.numerics.types import record
+from cpm_core.numerics.polyline import as_line
+from cpm_core.numerics.types import Entries, frozen, record
 from cpm_core.objects import EVERYWHERE, overlap
 from cpm_core.objects.everywhere import everywhere
 from cpm_core.objects.segmented import Click, SegmentedObject, places_of, selection_of
+from cpm_core.objects.segmented.segmented_object import Clicks
 from cpm_core.shapes import Box, BoxGrid, Circle, Ellipse, Grid, Points, Polygon, Sphere, Stroke
 
 _QUIET = 250
 """Time without a change to parameters or limits after which a run from everywhere begins again [ms]."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Everywhere:
     """What a run from everywhere depends on."""
 
@@ -250,7 +252,7 @@ Drawn = Circle | Ellipse | Polygon | Stroke | Points | Grid | Sphere | Box | Box
 """Starts whose seeds are known without the image."""
 
 
-@dataclass(frozen=True)
+@frozen
 class Offer:
     """What a run offers: the objects of its starts, or all that it has found, without those that were rejected."""
 
@@ -276,9 +278,9 @@ class Selector:
 
     def __init__(self, partition: AnyPartition, items: Sequence[SegmentedObject], edited: int, offer: Offer) -> None:
         self.partition, self.items, self.edited, self.offer = partition, items, edited, offer
-        self._known: dict[tuple[Click, ...], AnySelection | None] = {}
-        self._given: dict[tuple[Click, ...], AnySelection] = {each.clicks: each.selection for each in offer.found}
-        self._stepped: tuple[tuple[Click, ...], tuple[Sequence[AnySelection], int]] | None = None
+        self._known: dict[Clicks, AnySelection | None] = {}
+        self._given: dict[Clicks, AnySelection] = {each.clicks: each.selection for each in offer.found}
+        self._stepped: tuple[Clicks, tuple[Sequence[AnySelection], int]] | None = None
         """The clicks whose candidates were asked for last, and the candidates, which take long in a volume."""
         self._changed = next((item for item in items if item.number == edited), None)
         # the places of frozen objects that lie in them: not those of a line that was drawn around one
@@ -286,7 +288,7 @@ class Selector:
         within = (item.inside[item.encloses(item.inside)] for item in frozen)
         self._elsewhere = np.concatenate([np.empty((0, 2)), *within])
 
-    def selection(self, clicks: tuple[Click, ...]) -> AnySelection | None:
+    def selection(self, clicks: Clicks) -> AnySelection | None:
         """The object that clicks select; None while none of them is inside."""
         selection = self._known.pop(clicks) if clicks in self._known else self._select(clicks)
         if len(self._known) == _MOST_SELECTIONS:
@@ -294,7 +296,7 @@ class Selector:
         self._known[clicks] = selection
         return selection
 
-    def _select(self, clicks: tuple[Click, ...]) -> AnySelection | None:
+    def _select(self, clicks: Clicks) -> AnySelection | None:
         inside = places_of(clicks, inside=True)
         if not len(inside):
             return None
@@ -316,14 +318,14 @@ class Selector:
                 _ = made.packed, made.holds(inside)  # made on this thread, not on that of the window
         return made
 
-    def quick(self, clicks: tuple[Click, ...]) -> bool:
+    def quick(self, clicks: Clicks) -> bool:
         """Whether what clicks select is known at once, so that it can be shown while the pointer moves."""
         if not isinstance(self.partition, VolumePartition) or clicks in self._known:
             return True
         places = np.concatenate([np.array(each.places) for each in clicks])
         return bool(self.partition.bodies_at(places).all())
 
-    def _rest(self, clicks: tuple[Click, ...]) -> dict[str, Any]:
+    def _rest(self, clicks: Clicks) -> Entries:
         """What a selection depends on except for the places inside."""
         inside, outside = places_of(clicks, inside=True), places_of(clicks, inside=False)
         previous = self.selection(clicks[:-1])
@@ -334,7 +336,7 @@ class Selector:
             previous = self.partition.select(inside, outside, areas=areas)
         return {"outside": np.concatenate([outside, self._elsewhere]), "previous": previous, "areas": areas}
 
-    def _candidates(self, clicks: tuple[Click, ...]) -> tuple[Sequence[AnySelection], int]:
+    def _candidates(self, clicks: Clicks) -> tuple[Sequence[AnySelection], int]:
         """What clicks may mean, from small to large, and which of it is their answer without a step."""
         clicks = (*clicks[:-1], replace(clicks[-1], step=0))
         if self._stepped is None or self._stepped[0] != clicks:
@@ -343,7 +345,7 @@ class Selector:
             self._stepped = clicks, (found, int(np.argmax(alike)))
         return self._stepped[1]
 
-    def stepped(self, clicks: tuple[Click, ...], by: int) -> tuple[tuple[Click, ...], int, int]:
+    def stepped(self, clicks: Clicks, by: int) -> tuple[Clicks, int, int]:
         """The clicks of a candidate so many steps larger, or smaller below 0; its number, from 1, and how many are."""
         if self.selection(clicks) is None:
             return clicks, 1, 1
@@ -368,7 +370,7 @@ class Selector:
         """The objects in which runs were started."""
         found: list[Proposal] = []
         for key, start in enumerate(starts, start=1):
-            clicks = (Click(tuple(map(tuple, start.seeds().tolist()))),)
+            clicks = (Click(as_line(start.seeds())),)
             selection = self.selection(clicks)
             if not isinstance(selection, Selection) or not selection.contours or selection.only_places:
                 continue  # nothing was found, as from a start across an edge
@@ -395,7 +397,7 @@ class Selector:
             body = int(np.bincount(bodies[bodies > 0], minlength=1).argmax())
             if body not in taken:
                 taken.add(body)
-                clicks = (Click(tuple(map(tuple, seeds[bodies == body][:_MOST_PLACES].tolist()))),)
+                clicks = (Click(as_line(seeds[bodies == body][:_MOST_PLACES])),)
                 selection = self.selection(clicks)
                 if selection is not None and selection.found:
                     found.append(Proposal(selection, clicks, key=-key))
@@ -405,7 +407,7 @@ class Selector:
 def all_objects(partition: Partition, task: Task) -> tuple[Proposal, ...]:
     """All objects of an image, each as what a click where it is widest means."""
     found = enumerate(everywhere(partition, task.check_cancelled))
-    return tuple(Proposal(one, (Click(tuple(map(tuple, one.inside.tolist()))),), key=~index) for index, one in found)
+    return tuple(Proposal(one, (Click(as_line(one.inside)),), key=~index) for index, one in found)
 
 
 def _uncovered(found: Sequence[Proposal], items: Sequence[SegmentedObject]) -> list[Proposal]:

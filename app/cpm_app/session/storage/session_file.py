@@ -19,7 +19,7 @@ from cpm_app.session.signals import SAVING
 from cpm_app.session.storage.run_keeping import RunKeeping
 from cpm_app.session.tasks.tasks import Task
 from cpm_core.formats import SUFFIX, SessionFile, TruthFile, save_session
-from cpm_core.numerics.types import Plain, record
+from cpm_core.numerics.types import Plain, Texts, record
 
 _PATIENCE = 10.0
 """Longest time that a file waits for the worker to finish its step; then it has the runs collected last [s]."""
@@ -77,7 +77,7 @@ class DocumentFile(QObject):
         return bool(self.lost)
 
     @property
-    def lost(self) -> tuple[str, ...]:
+    def lost(self) -> Texts:
         """What closing would lose, in words."""
         document = self._session.document
         if document.image is None:

@@ -29,7 +29,7 @@ from cpm_core.formats.images import raster
 from cpm_core.formats.images.ome_zarr import is_zarr
 from cpm_core.formats.images.reading import DEFAULT
 from cpm_core.image import MINIMUM_SIDE
-from cpm_core.numerics.types import Callback, frozen
+from cpm_core.numerics.types import Callback, Texts, frozen
 from cpm_core.pages import fitting
 from cpm_core.shapes import check_axes
 
@@ -109,7 +109,7 @@ class Wanted:
     path: Path
     parameters: Parameters
     saved: Saved | None = None
-    notes: tuple[str, ...] = ()
+    notes: Texts = ()
     resumes: bool = False
     as_volume: bool | None = None
     reading: Reading = DEFAULT
@@ -173,7 +173,7 @@ def _read(
     asked: bool | None,
     parts: Parts | None,
     check_cancelled: Callback,
-) -> tuple[Image, tuple[str, ...]]:
+) -> tuple[Image, Texts]:
     """The image or the volume of a file, of which the range of gray levels is known afterwards.
 
     Where nobody has `asked` for the volume that a file holds and it cannot be used, one plane of it is read, and the

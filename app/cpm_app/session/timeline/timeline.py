@@ -23,7 +23,7 @@ from cpm_app.session.timeline.moments import BranchStep, KeptStates, Moment, Run
 from cpm_app.session.timeline.stored_runs import Branch, StoredBranch, StoredRun, StoredRuns
 from cpm_core import Method, Parameters
 from cpm_core.image import AnyRegions
-from cpm_core.numerics.types import record
+from cpm_core.numerics.types import Texts, record
 from cpm_core.segmentation import MethodState
 from cpm_core.shapes import Shape
 
@@ -64,7 +64,7 @@ class Outline:
     branches: tuple[Branch, ...] = ()
     branch: int = 0
     parameters: Parameters | None = None
-    fallen: tuple[str, ...] = ()
+    fallen: Texts = ()
     edition: int = 0
     steered: bool = False
     began: int = 0
@@ -123,7 +123,7 @@ class Timeline:
         self._step = 0
         self._numbered, self._named = 0, [0, 0]
         self._branches: tuple[Branch, ...] | None = None
-        self._fallen: tuple[str, ...] = ()
+        self._fallen: Texts = ()
         self._begun: dict[int, tuple[Document, int]] = {}
 
         @lru_cache(_METHODS)

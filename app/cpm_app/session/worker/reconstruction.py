@@ -19,7 +19,7 @@ from cpm_app.session.exchange.messages import Reconstruction, ReconstructionFail
 from cpm_core import Method, Parameters, Result, Skeleton
 from cpm_core.contours import HandEdit
 from cpm_core.model import ImageFields
-from cpm_core.numerics.types import record
+from cpm_core.numerics.types import Integers, record
 from cpm_core.reconstruction import carried_out
 from cpm_core.segmentation import MethodState
 
@@ -61,7 +61,7 @@ class Request:
 
 def edited(
     method: Method[Any], found: Result | Skeleton, parameters: Parameters, edits: tuple[HandEdit, ...]
-) -> tuple[Result | Skeleton, tuple[int, ...]]:
+) -> tuple[Result | Skeleton, Integers]:
     """Contours with edits by hand, and the edits that did not find their contours; a skeleton is not edited."""
     if not edits or isinstance(found, Skeleton):
         return found, ()

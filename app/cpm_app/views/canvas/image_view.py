@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any
 
 import pyqtgraph as pg
 from PySide6.QtCore import QPointF, QRectF, Qt
@@ -19,7 +17,7 @@ from cpm_app.views.layers.layer import NoRequests, Requests
 from cpm_app.views.theme import theme
 from cpm_app.views.widgets.turns import Turns
 from cpm_core.numerics import Place, Position
-from cpm_core.numerics.types import Extent
+from cpm_core.numerics.types import Entries, Extent, Plain
 
 _MARGIN = 0.04
 
@@ -151,13 +149,13 @@ class ImageView(pg.GraphicsView):  # type: ignore[misc]  # pyqtgraph has no type
         """Point of the widget over a position (row, col)."""
         return QPointF(self.mapFromScene(self.view.mapViewToScene(QPointF(position[1], position[0]))))
 
-    def view_state(self) -> dict[str, Any]:
+    def view_state(self) -> Entries:
         """Visible part, unless it is the whole image, and state of each layer, as plain JSON for a session file."""
         seen = self.view.viewRect()
         place = {} if self._fitted else {"center": [seen.center().y(), seen.center().x()], "rows": seen.height()}
         return {"place": place, "layers": {layer.name: layer.view_state() for layer in self.layers}}
 
-    def use_view_state(self, state: Mapping[str, Any]) -> None:
+    def use_view_state(self, state: Plain) -> None:
         """Restore the state from a session file; missing or invalid entries change nothing."""
         place, layers = (found if isinstance(found := state.get(name), dict) else {} for name in ("place", "layers"))
         for layer in self.layers:

@@ -11,6 +11,7 @@ from cpm_app.views.canvas.canvas import Canvas
 from cpm_app.views.canvas.image_view import ImageView
 from cpm_core import Image
 from cpm_core.numerics import Place
+from cpm_core.numerics.types import Integers
 
 
 class PointerReadout(QLabel):
@@ -33,7 +34,7 @@ class PointerReadout(QLabel):
         self.setText(text)
 
     @staticmethod
-    def _text(image: Image, pixel: tuple[int, ...], channel: str) -> str:
+    def _text(image: Image, pixel: Integers, channel: str) -> str:
         value, size = image.gray_at(pixel, channel), shown_in(image.spacing, image.unit)
         lengths = [length_text(place, each, size.unit or "") for place, each in zip(pixel, size.spacing, strict=True)]
         places = dict(zip(("plane", "row", "col")[-image.ndim :], pixel, strict=True))

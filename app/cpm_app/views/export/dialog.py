@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Container
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from PySide6.QtCore import QRectF, Qt, Signal
 from PySide6.QtWidgets import (
@@ -47,7 +46,7 @@ from cpm_app.views.window.dialogs import FileDialogs, ask_to_replace
 from cpm_core import Skeleton
 from cpm_core.formats import IN_SPACE, left_out
 from cpm_core.image import CONVENTIONS
-from cpm_core.numerics.types import frozen
+from cpm_core.numerics.types import Entries, frozen
 
 _KEY = "export/"
 FORMATS = _KEY + "formats"
@@ -115,7 +114,7 @@ class ExportDialog(QDialog):
         self.width_field = _number(tr("Width"), NARROWEST, WIDEST, 640, " px")
         self.speed = _number(tr("Speed"), 1, 50, 15, tr(" per second"))
         self._boxes = {"everywhere": self.everywhere, "units": self.units}
-        self._numbers: dict[str, Any] = {
+        self._numbers: Entries = {
             "tolerance": self.tolerance, "every": self.stride, "width": self.width_field, "speed": self.speed
         }  # fmt: skip
         self.rows: dict[tuple[What, str], QTreeWidgetItem] = {}

@@ -21,7 +21,7 @@ from cpm_app.session.worker.requests import FrameTaken, take_frame
 from cpm_app.views.canvas.canvas import Canvas
 from cpm_app.views.canvas.image_view import ImageView
 from cpm_core.numerics import Pixels
-from cpm_core.numerics.types import frozen
+from cpm_core.numerics.types import Integers, frozen
 
 _INTERVAL = 15
 """Time between two checks whether another frame can be taken [ms]."""
@@ -37,12 +37,12 @@ NARROWEST, WIDEST = 64, 3840
 class AnimationPlan:
     """Settings of an animation: a step for each frame, width and height of a frame [px], and the speed."""
 
-    steps: tuple[int, ...]
+    steps: Integers
     size: tuple[int, int]
     frames_per_second: int
 
 
-def every(first: int, last: int, stride: int) -> tuple[int, ...]:
+def every(first: int, last: int, stride: int) -> Integers:
     """Every `stride`-th step from the first, and always the last."""
     steps = list(range(first, last + 1, max(stride, 1)))
     return tuple(steps if steps and steps[-1] == last else [*steps, last])

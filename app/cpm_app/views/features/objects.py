@@ -21,6 +21,7 @@ from cpm_app.views.window.docks import Panel
 from cpm_app.views.window.keyboard import Keys
 from cpm_app.views.window.window import Feature, MainWindow
 from cpm_core.medial_axis import Outlined
+from cpm_core.numerics.polyline import as_line
 
 _ENTER = (Qt.Key.Key_Return, Qt.Key.Key_Enter)
 _DELETE = (Qt.Key.Key_Delete, Qt.Key.Key_Backspace)
@@ -222,7 +223,7 @@ class ObjectsFeature(Feature):
             self._skeletonize(tr("skeleton of objects"), Outlined(objects=tuple(sorted(chosen))))
             return
         items = review.chosen or [item for item in review.items if not item.reviewed.rejected]
-        lines = tuple(tuple(map(tuple, item.contour.points.tolist())) for item in items if item.contour.closed)
+        lines = tuple(as_line(item.contour.points) for item in items if item.contour.closed)
         if lines:
             self._skeletonize(tr("skeleton of contours"), Outlined(contours=lines))
         else:

@@ -6,7 +6,6 @@ import json
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from PySide6.QtWidgets import QMenu
 
@@ -16,7 +15,7 @@ from cpm_app.session.storage.preferences import Preferences
 from cpm_app.views.widgets.actions import add_choice
 from cpm_core.formats import Reading, from_plain
 from cpm_core.formats.images.reading import DEFAULT
-from cpm_core.numerics.types import Callback
+from cpm_core.numerics.types import Callback, Entries
 
 MOST = 12
 """Largest number of files in the list."""
@@ -77,7 +76,7 @@ class RecentFiles:
         add_choice(menu, tr("&Clear this list"), self.clear).setEnabled(bool(paths))
 
     @property
-    def _kept(self) -> dict[str, Any]:
+    def _kept(self) -> Entries:
         """What is kept of parts; nothing where that cannot be read."""
         try:
             return dict(json.loads(self._preferences.get(_PARTS, "{}")))

@@ -9,6 +9,7 @@ from cpm_app.session.scene import Scene
 from cpm_app.views.items.item import INK, Pinned
 from cpm_app.views.layers.layer import Layer, Switch
 from cpm_core.image import Bar
+from cpm_core.numerics.types import Texts
 
 LONGEST = 160.0
 """Largest length of the bar [px of the screen]; it is never shorter than 2/5 of it."""
@@ -77,7 +78,7 @@ class OrientationLayer(Layer):
 
     def make(self) -> None:
         """Make its items."""
-        self.letters: tuple[str, ...] = ("",) * 4
+        self.letters: Texts = ("",) * 4
         """What is shown at the top, the bottom, the left and the right."""
         self._letters = [Pinned(self.view, edge, _LETTER_GAP) for edge in self._EDGES]
         self.add(*self._letters)

@@ -12,7 +12,7 @@ from PySide6.QtWidgets import QGraphicsItem
 from cpm_app.session.scene import Scene
 from cpm_app.session.worker.commands import Command
 from cpm_app.views.items.item import OverImage
-from cpm_core.numerics.types import Extent, frozen
+from cpm_core.numerics.types import Extent, Texts, frozen
 
 Value = str | float | bool
 
@@ -151,7 +151,7 @@ class Layer(QObject):
     """Key that shows or hides the layer."""
     initially: ClassVar[bool] = True
     """Whether it is shown at first."""
-    colors: ClassVar[tuple[str, ...]] = ()
+    colors: ClassVar[Texts] = ()
     """Colors of its legend."""
     options: ClassVar[tuple[Option, ...]] = ()
     """Its options besides the opacity."""

@@ -45,7 +45,7 @@ from cpm_app.views.widgets.containers import arrange, wrapped
 from cpm_app.views.widgets.fields import DecimalField
 from cpm_core import Image
 from cpm_core.contours import Measures
-from cpm_core.numerics.types import Sides
+from cpm_core.numerics.types import Integers, Sides
 from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects
 
 REACHED: Mapping[str, str] = {
@@ -244,11 +244,11 @@ class Histogram(QWidget):
         self.setAccessibleName(tr("Gray values"))
         self.setToolTip(tr("Gray values inside the object, in its color, and of the whole image, in gray."))
         self._image: Image | None = None
-        self._whole: tuple[int, ...] = ()
-        self._counts: tuple[int, ...] = ()
+        self._whole: Integers = ()
+        self._counts: Integers = ()
         self._color = ""
 
-    def show_counts(self, image: Image | None, counts: tuple[int, ...], color: str) -> None:
+    def show_counts(self, image: Image | None, counts: Integers, color: str) -> None:
         """Show the numbers of pixels of an object in an image."""
         if image is not self._image and image is not None:
             self._whole = histogram(image.values.ravel()[:: max(1, image.values.size >> 18)], image)

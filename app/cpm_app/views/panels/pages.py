@@ -28,6 +28,7 @@ from cpm_app.views.panels.tables import Column, Index, Table, TableModel
 from cpm_app.views.widgets.containers import ENTER, arrange, wrapped
 from cpm_app.views.widgets.fields import PlaceBar
 from cpm_core.contours import Measures
+from cpm_core.numerics.types import Integers
 
 _JUMP = 10
 
@@ -109,7 +110,7 @@ class PagePanel(QWidget):
     def __init__(self, pages: StackPages, show: Callable[[PageRow], None]) -> None:
         super().__init__()
         self._pages = pages
-        self._plotted: tuple[tuple[int, ...], str] = ((), "")
+        self._plotted: tuple[Integers, str] = ((), "")
         self.table, self.summary, self.export = PageTable(), wrapped(dim=True), QPushButton(tr("Export all pages…"))
         self.kind, self.chart = QComboBox(), Chart((), tr("Plot over the pages"))
         for name, title in (("objects", tr("Objects")), ("contours", tr("Contours"))):

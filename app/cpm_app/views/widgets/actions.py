@@ -25,7 +25,7 @@ from cpm_app.model.text.language import from_core
 from cpm_app.views.theme.icons import icon
 from cpm_app.views.theme.theme import Theme
 from cpm_app.views.widgets.turns import Turns
-from cpm_core.numerics.types import Callback, frozen
+from cpm_core.numerics.types import Callback, Texts, frozen
 
 
 def native(key: str) -> str:
@@ -99,7 +99,7 @@ class ActionSpec:
         object.__setattr__(self, "tip", from_core(self.tip))
 
     @property
-    def shortcuts(self) -> tuple[str, ...]:
+    def shortcuts(self) -> Texts:
         """Its keys, one by one."""
         return tuple(self.keys.split())
 

@@ -13,7 +13,7 @@ from cpm_app.session.session import Session
 from cpm_app.session.storage.folders import Purpose, first_folder, remember_folder
 from cpm_app.session.storage.preferences import Preferences
 from cpm_core.formats import SUFFIX
-from cpm_core.numerics.types import frozen
+from cpm_core.numerics.types import Texts, frozen
 
 Answer = Literal["save", "discard", "cancel"]
 
@@ -116,7 +116,7 @@ class Files:
     """A kind of files that a dialog shows: its name and its suffixes; all files have none."""
 
     name: str
-    suffixes: tuple[str, ...]
+    suffixes: Texts
 
     @property
     def filter(self) -> str:

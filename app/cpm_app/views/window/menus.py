@@ -12,6 +12,7 @@ from PySide6.QtWidgets import QApplication, QMenu, QMenuBar, QWidget
 from cpm_app.model.text.keys import distinct
 from cpm_app.model.text.language import tr
 from cpm_app.views.widgets.actions import Actions, ActionSpec, MenuOwner, Submenu
+from cpm_core.numerics.types import Texts
 
 
 def keep_apart(menu: QMenu) -> None:
@@ -79,7 +80,7 @@ class Menus:
 
 _RUN = ("run", "step", "reset")
 
-THINGS: Mapping[str, tuple[str, ...]] = {
+THINGS: Mapping[str, Texts] = {
     "image": (*_RUN, "", "undo", "redo", "", "fit", "copy_view", "export", "", "layer_particles", "layer_forces"),
     "shape": ("enlarge", "shrink", "delete", "", *_RUN),
     "charge": ("enlarge", "shrink", "delete", "", "layer_potential", "layer_field"),

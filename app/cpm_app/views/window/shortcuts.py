@@ -12,6 +12,7 @@ from cpm_app.model.preferences.shortcuts import Keyed
 from cpm_app.model.text.keys import Named
 from cpm_app.session.storage.preferences import Preferences
 from cpm_app.views.widgets.actions import native
+from cpm_core.numerics.types import Texts
 
 
 class Shortcuts(QObject):
@@ -36,7 +37,7 @@ class Shortcuts(QObject):
         self._actions[name] = Keyed(name, title, group, tuple(key.toString() for key in action.shortcuts())), action
         action.setShortcuts([QKeySequence(key) for key in self.keys(name)])
 
-    def keys(self, name: str) -> tuple[str, ...]:
+    def keys(self, name: str) -> Texts:
         """Keys of an action."""
         return shortcuts.keys_of(self._actions[name][0], self._chosen)
 
@@ -73,7 +74,7 @@ class Shortcuts(QObject):
     def _store(self, chosen: shortcuts.Chosen) -> None:
         self._preferences.put(shortcuts.KEY, shortcuts.written(chosen))
 
-    def _read(self) -> dict[str, tuple[str, ...]]:
+    def _read(self) -> dict[str, Texts]:
         return shortcuts.read(self._preferences.get(shortcuts.KEY, "{}"))
 
     def _follow(self, key: str) -> None:
