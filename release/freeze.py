@@ -32,7 +32,7 @@ NAMED = (
 LEFT_OUT = (
     *("tkinter", "IPython", "pytest", "setuptools", "PyQt5", "PyQt6", "pandas", "numba.cuda", "numba.tests", "OpenGL"),
     *("PySide6.QtQml", "PySide6.QtQuick", "PySide6.QtSql", "PySide6.QtNetwork", "PySide6.QtTest"),
-    *("PySide6.QtOpenGL", "PySide6.QtOpenGLWidgets", "matplotlib", "networkx", "pydoc_data"),
+    *("matplotlib", "networkx", "pydoc_data"),
     *("PIL.AvifImagePlugin", "PIL._avif", "scipy.io", "skimage.data", "skimage.io", "skimage.filters.rank"),
 )
 """What is installed here or named by a library, and not needed."""

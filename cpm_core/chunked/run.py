@@ -19,6 +19,7 @@ from cpm_core.formats.common.provenance import VERSION
 from cpm_core.numerics.types import Array, Entries, Integers, frozen
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction.curve.hysteresis import shortest
+from cpm_core.shapes.everywhere import Kind
 
 Compute = Callable[[Callable[[Any], Any], Sequence[Any], str], Iterable[tuple[int, Any]]]
 """Applies a function to each of some jobs, in any order and on any workers, under a title: gives index and result."""
@@ -46,7 +47,7 @@ class Task:
 
     source: Source
     parameters: Parameters
-    kind: str
+    kind: Kind
     store: Store
     max_steps: int | None = None
 

@@ -34,7 +34,8 @@ def owned(contours: Sequence[Contour], chunk: Chunk, grid: Grid) -> tuple[list[P
     """What a chunk keeps of the contours that it sees: those that it owns, and pieces of long ones."""
     low, high = np.array([[side.start - 0.5, side.stop - 0.5] for side in chunk.core]).T
     low, high = np.where(low < 0.0, -np.inf, low), np.where(high > np.array(grid.shape) - 1.0, np.inf, high)
-    whole, pieces = [], []
+    whole: list[Piece] = []
+    pieces: list[Piece] = []
     for one in contours:
         middle = one.box.mean(axis=0)
         if not one.closed or (one.box[1] - one.box[0]).max() > grid.whole:
@@ -59,7 +60,7 @@ def _clipped(contour: Contour, low: Array, high: Array) -> Iterator[Piece]:
     for first, end in steps.tolist():
         cut = (first > 0, end < len(points))
         stretch = points[max(first - 1, 0) : end + 1]
-        ends = tuple(known and not gone for known, gone in zip(contour.junctions, cut, strict=True))
+        ends = (contour.junctions[0] and not cut[0], contour.junctions[1] and not cut[1])
         yield Piece(replace(contour, points=stretch, closed=False, junctions=ends), cut)
 
 

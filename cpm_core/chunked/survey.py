@@ -104,10 +104,9 @@ class Whole:
     @classmethod
     def of(cls, numbers: Mapping[str, Array]) -> Whole:
         """From the numbers that were stored."""
-        tone, inside, strongest, floor = (
-            tuple(numbers[name].tolist()) for name in ("tone", "inside", "strongest", "floor")
-        )
-        return cls(Tone(*tone, inside), strongest, floor)
+        low, high, exponent, smoothing = numbers["tone"].tolist()
+        inside, strongest, floor = (tuple(numbers[name].tolist()) for name in ("inside", "strongest", "floor"))
+        return cls(Tone(low, high, exponent, smoothing, inside), strongest, floor)
 
     def imposed(self, field: ScaleField, scale: int, corner: tuple[int, int], edge_floor: float) -> ScaleField:
         """The field of a chunk, whose first pixel is `corner` of the image, with what depends on the whole image."""
@@ -197,7 +196,7 @@ def edges(source: Source, chunk: Chunk, tone: Tone, parameters: Parameters) -> E
         size = 2**scale
         part = strength[tuple(slice(-(-s.start // size), -(-s.stop // size)) for s in relative(core, chunk.padded))]
         strongest.append(float(part.max(initial=0.0)))
-        samples.append(part[:: max(step // size, 1), :: max(step // size, 1)].astype(np.float32).ravel())
+        samples.append(part[:: max(step // size, 1), :: max(step // size, 1)].ravel())
     return Edges(tuple(strongest), tuple(samples))
 
 

@@ -110,6 +110,7 @@ class SlicesFeature(Feature):
         """Draw what takes long of the slices of a view when it has been made on another thread."""
         view.sections.later = later = AsyncCache(self.window.session)
         later.completed.connect(view.draw_again)
+        later.completed.connect(self.window.canvas_area.strip.legend.refresh)
         self._later.append(later)
 
     def _open_menu(self, point: QPoint) -> None:
