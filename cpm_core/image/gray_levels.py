@@ -10,7 +10,7 @@ import scipy
 import skimage
 
 from cpm_core.numerics.grids import in_bands
-from cpm_core.numerics.types import Array, Mask
+from cpm_core.numerics.types import Array, Mask, Numbers
 
 NO_DATA = float(np.finfo(np.float64).min)
 """What a reader puts where a file says that there is no data."""
@@ -137,7 +137,8 @@ def toned(values: Array, gamma: float | Literal["auto"]) -> Array:
     if exponent == 1.0 or high <= low:
         return values
     if values.dtype.kind == "u":  # one of few levels each, and so many pixels that they are kept in few bytes
-        table, shown = toned(np.maximum(np.arange(high + 1.0), low), exponent), np.empty(values.shape, np.float32)
+        table = toned(np.maximum(np.arange(high + 1.0), low), exponent)
+        shown: Numbers = np.empty(values.shape, np.float32)
 
         def look_up(first: int, end: int) -> None:
             shown[first:end] = table[values[first:end]]

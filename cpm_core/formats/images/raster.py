@@ -67,14 +67,14 @@ def stack(path: Path, _reading: Reading) -> Stack:
             along = (float(density[1]) * _PIXELS_A_METER, float(density[0]) * _PIXELS_A_METER)
             spacing, unit = resolution.from_density(*along)
         order = -1 if turn in range(5, 9) else 1  # rows and columns are swapped
-        shape, (row, col) = (1, *picture.size[::-order]), spacing[::order]
+        (rows, columns), (row, col) = picture.size[::-order], spacing[::order]
 
     def take(time: int, _channel: int, _first: int, _end: int) -> Decoded:
         with _opened(path) as picture:
             picture.seek(time)
             return joined([upright(_pixels(picture, path), turn)])
 
-    return Stack(name, shape, take, 4.0, frames, spacing=(row, row, col), unit=unit, word="frame")
+    return Stack(name, (1, rows, columns), take, 4.0, frames, spacing=(row, row, col), unit=unit, word="frame")
 
 
 @contextmanager
