@@ -263,7 +263,7 @@ class Batch:
             for file in files:
                 with file.open(encoding="utf-8", newline="") as table:
                     heads.add(tuple(next(csv.reader(table))))
-            longest_first = sorted(heads, key=lambda head: len(head), reverse=True)
+            longest_first = sorted(heads, key=len, reverse=True)
             columns = dict.fromkeys(["image", *itertools.chain.from_iterable(longest_first)])
             joined = csv.DictWriter(stream, columns, restval="", lineterminator="\n")
             joined.writeheader()

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, DTypeLike, NDArray
 from cpm_core.numerics.grids import Window, around, in_bands, relative, sides_of
 from cpm_core.numerics.parallel import cores
 from cpm_core.numerics.real_numbers import checked_number
-from cpm_core.numerics.types import Array, Index, Integers, Single, record
+from cpm_core.numerics.types import Array, Index, Integers, Numbers, Single, record
 
 _MOST_KEPT = 2**21
 """Pixels of an image up to which the spectra of its kernels are kept for the next image of the same size."""
@@ -34,7 +34,7 @@ def convolved_field(
     exponent: float | None = None,
     precision: DTypeLike = np.float64,
     pitch: tuple[float, ...] | None = None,
-) -> Array:
+) -> Numbers:
     r"""Electric field of the fixed charges, exact to rounding, shape (D, \*shape); it points towards the charges.
 
     The sum of eq. (8) is a convolution; computed with Fourier transforms on a grid padded with zeros to at least twice

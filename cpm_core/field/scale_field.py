@@ -326,7 +326,7 @@ def _packed_within(
 
 
 def _pack(
-    field: Array | Single,
+    field: Single,
     slopes: Slopes,
     strength: Array,
     strongest: float,
@@ -389,7 +389,7 @@ def lorentz_force(
 
 @compiled
 def _write_force(
-    field: Array | Single,
+    field: Single,
     grad: Array,
     strength: Array,
     limits: tuple[Any, ...],
