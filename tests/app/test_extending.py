@@ -12,8 +12,8 @@ from cpm_app.model.document import edits
 from cpm_app.model.text.wording import FORMULAS
 from cpm_app.session.exchange.messages import Core
 from cpm_app.session.features.workspace import Workspace
+from cpm_app.views import layers as canvas_layers
 from cpm_app.views.canvas import canvas_area
-from cpm_app.views.canvas import layers as canvas_layers
 from cpm_app.views.features import edit
 from cpm_app.views.items.curves import Curves
 from cpm_app.views.layers.layer import Layer

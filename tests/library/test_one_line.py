@@ -40,6 +40,7 @@ def objects():
         cpm.PlacedCharge((1 / 3, 2 / 3), 1 / 7), cpm.Bridge(seeds[:3], 12.0, 3.0),
         cpm.Regions([seeds[[0, 3, 20]]], [seeds[:2]]), cpm.VolumeRegions([((0, 0, 0), (9, 9, 9))]),
         cpm.Extrusion(tuple(map(tuple, seeds[[0, 3, 20]].tolist())), 0, 2, 7), *cpm.measure(result.contours),
+        cpm.view(result),
     ]  # fmt: skip
 
 

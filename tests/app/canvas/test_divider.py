@@ -48,7 +48,7 @@ def drag(divider, by: int) -> None:
 
 def test_both_sides_show_their_result_at_the_same_place(ready, wipe, hand) -> None:
     review = ready.workspace.review
-    targets = [review.target(item) for item in review.items]
+    targets = review.targets(review.items)
     ready.session.edit("reject", lambda document: judge(document, targets, "rejected"))
     mirror = wipe.mirror
     assert [name.text() for name in wipe.names] == [

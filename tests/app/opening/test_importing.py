@@ -12,11 +12,11 @@ from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import QMimeData, QStandardPaths, Qt
 from PySide6.QtGui import QColor, QImage
 from PySide6.QtWidgets import QApplication
-from tests.cpm_app.session.test_saving import answering, drop
 
 from cpm_core import Contour
 from cpm_core.formats import encoded
 from cpm_core.shapes import Points, Polygon, Stroke
+from tests.app.session.test_saving import answering, drop
 from tests.core.formats.drawn import RESULT
 
 pytestmark = pytest.mark.shared_window

@@ -13,7 +13,6 @@ from cpm_app.views.features.exchange import ImportFeature
 from cpm_app.views.window.window import MainWindow
 from PySide6.QtCore import Qt
 from PySide6.QtWidgets import QApplication, QFileDialog
-from tests.cpm_app.session.test_saving import answering, drop
 
 from cpm_core import Result, centerlines, export
 from cpm_core.contours.surface import inside_of, surface_of_labels
@@ -21,6 +20,7 @@ from cpm_core.formats import suffix_of
 from cpm_core.shapes import Points, Stroke
 from tests.app.conftest import Hand
 from tests.app.exporting import asked, check, order
+from tests.app.session.test_saving import answering, drop
 from tests.app.volumes.conftest import SHAPE, ball, open_file
 from tests.core.formats.images.made import write_series
 from tests.core.formats.masks.test_dicom_seg import HEADER, HEIGHTS, LABELS

@@ -111,7 +111,7 @@ def test_the_largest_difference_is_brought_into_view(compared, hand) -> None:
 def test_a_rejected_contour_is_excluded_until_it_is_restored(compared, hand) -> None:
     before, agreed = figure(compared, "dice"), compared.workspace.comparison.agreed
     review = compared.workspace.review
-    targets = [review.target(item) for item in review.items]
+    targets = review.targets(review.items)
     compared.session.edit("reject", lambda document: judge(document, targets, "rejected"))
     hand.wait(lambda: figure(compared, "dice") == 0.0)
     assert math.isinf(compared.workspace.comparison.agreed[NOW].hausdorff)

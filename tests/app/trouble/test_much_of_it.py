@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from cpm_app.model.document import edits
 from cpm_app.model.text.language import MOST_SHOWN
-from tests.cpm_app.session.test_never_blocks import Watch
 
 from cpm_core.shapes import Barrier, Polygon, Region
+from tests.app.session.test_never_blocks import Watch
 
 pytestmark = pytest.mark.shared_window
 

@@ -9,10 +9,10 @@ import pytest
 from cpm_app.session.storage import recovery
 from cpm_app.session.storage.recovery import KEY, folder_of_journals, left_behind
 from cpm_app.views.features.files import RecoveryFeature
-from tests.cpm_app.session.test_recovery import draw, journal, leave, offer, press, written
 
 from cpm_core.formats.sessions.session_file import ImageFile, SessionFile, save_session
 from cpm_core.shapes import Circle
+from tests.app.session.test_recovery import draw, journal, leave, offer, press, written
 
 PLAIN = {"cpm-session": 1, "image": {"path": "a.png"}, KEY: {"name": "a"}}
 

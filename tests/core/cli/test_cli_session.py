@@ -162,7 +162,7 @@ class Cluster:
 
 def test_a_batch_is_given_to_a_scheduler(command, session, disks, monkeypatch, tmp_path):
     module = types.ModuleType("distributed")
-    module.Client, module.as_completed = Cluster, reversed
+    module.Client, module.LocalCluster, module.as_completed = Cluster, None, reversed
     monkeypatch.setitem(sys.modules, "distributed", module)
     batch = ("batch", disks, tmp_path / "die.png", "--session", session, "--output", tmp_path / "o", "--scheduler")
     status, _, err = command(*batch, "tcp://there:8786", "--max-steps", 5)

@@ -152,7 +152,7 @@ def test_the_table_measures_objects_in_units_of_the_volume(found, hand) -> None:
     found.docks.reveal("objects")
     table = found.panels["objects"].table
     hand.wait(lambda: all(found.workspace.object_list.figures(item) is not None for item in items(found)))
-    model = table.model().sourceModel()
+    model = table.model()
     heads = [model.headerData(k, Qt.Orientation.Horizontal) for k in range(model.columnCount())]
     assert heads[3] == "Volume", heads
     row = dict(zip(heads, (model.index(0, k).data() for k in range(model.columnCount())), strict=True))
