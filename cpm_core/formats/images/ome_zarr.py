@@ -228,7 +228,7 @@ def create_levels(
     for level in range(count):
         size = tuple(-(-n // 2**level) for n in shape)
         group.create_array(str(level), shape=size, dtype=dtype, chunks=(_TILE, _TILE), shards=(side, side))
-    units = {"unit": {resolution.MICROMETER: "micrometer", "nm": "nanometer", "mm": "millimeter"}[unit]} if unit else {}
+    units = {"unit": resolution.long_name(unit)} if unit else {}
     levels = [
         {
             "path": str(level),

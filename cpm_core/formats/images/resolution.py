@@ -22,6 +22,7 @@ _NAMES = {
     "mm": "mm",
     "millimeter": "mm",
     "cm": "cm",
+    "centimeter": "cm",
     "m": "m",
     "meter": "m",
 }
@@ -53,6 +54,11 @@ def in_ascii(unit: str | None, otherwise: str) -> str:
 def known_unit(name: str) -> str | None:
     """The unit of length that is meant by a name; None for others."""
     return _NAMES.get(name.replace("\\u00B5", "\u00b5").strip().lower())
+
+
+def long_name(unit: str) -> str:
+    """The name of a known unit of length without a short form, such as "micrometer"."""
+    return next(name for name, known in _NAMES.items() if known == unit and name.endswith("meter"))
 
 
 def from_density(rows_per_meter: float, columns_per_meter: float) -> Spacing:

@@ -168,6 +168,13 @@ def test_pieces_are_joined_to_closed_contours_without_a_seam():
     assert one.area == pytest.approx(np.pi * 80.0**2, rel=1e-3)
 
 
+@pytest.mark.parametrize("unit", ["nm", "µm", "mm", "cm", "m"])
+def test_the_size_of_a_pixel_is_read_back_in_every_unit(tmp_path, unit):
+    ome_zarr.create_levels(tmp_path / "x.zarr", (600, 600), np.uint8, SIDE, (0.5, 0.25), unit)
+    levels = ome_zarr.open_levels(tmp_path / "x.zarr")
+    assert (levels.spacing[1:], levels.unit) == ((0.5, 0.25), unit)
+
+
 def test_an_image_is_opened_in_the_level_that_has_room(source, tmp_path, monkeypatch):
     image = cpm.load_image(source.path)
     assert (image.values == picture()).all()
