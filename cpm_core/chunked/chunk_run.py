@@ -13,6 +13,7 @@ from cpm_core.model.starts import STRONG, above, uniform_grid
 from cpm_core.numerics.types import Array
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.engine import Engine
+from cpm_core.segmentation.evolve import Evolution
 
 KINDS = ("grid", "gradient")
 """Automatic seeding that looks at no more than the surroundings of a place and the strongest edge."""
@@ -39,12 +40,12 @@ def contours_in(
     seeds = _seeds(engine.scale_field(own), kind)
     if not len(seeds):
         return ()
-    state = engine.start(seeds)
-    while not state.stop_reason and state.step != max_steps:
-        state = engine.step(state, own)
-    found = engine.result(state, own).contours
+    run = Evolution(engine, engine.start(seeds), own, max_steps)
+    for _ in run:
+        pass
     return tuple(
-        Contour(one.points + corner, one.closed, one.strength, one.junctions, bridged=one.bridged) for one in found
+        Contour(one.points + corner, one.closed, one.strength, one.junctions, bridged=one.bridged)
+        for one in run.result.contours
     )
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from cpm_core.contours.contour import Contour
 from cpm_core.formats.images.ome_zarr import Levels, open_levels
 from cpm_core.formats.images.reading import Reading
 from cpm_core.numerics.grids import Window, around, tiles
@@ -101,6 +102,10 @@ class Grid:
         last = (np.array(self.shape) - 1) // self.side
         row, col = np.clip(np.floor((places + 0.5) / self.side).astype(int), 0, last).T
         return row * self.columns + col
+
+    def sees(self, contour: Contour) -> bool:
+        """Whether each chunk whose core a contour touches sees it as a whole, undisturbed."""
+        return bool((contour.box[1] - contour.box[0]).max() <= self.whole)
 
     def around(self, number: int) -> list[int]:
         """Numbers of a chunk and its neighbors."""

@@ -63,7 +63,7 @@ def _near(found: Found, number: int, window: Window) -> list[Contour]:
     """Contours of a chunk and its neighbors, and longer ones, that reach into a window."""
     low, high = np.array([[side.start - 0.5, side.stop - 0.5] for side in window]).T
     known = [one for at in found.grid.around(number) for one in found.contours(at)]
-    known += found.long(low, high)
+    known += found.long
     unique = {one.number: one for one in known if (one.box[1] >= low).all() and (one.box[0] <= high).all()}
     return [unique[at] for at in sorted(unique)]
 
@@ -159,8 +159,8 @@ def _rows(found: Found, chunk: Chunk) -> dict[str, Array]:
     """
     levels = found.task.source.levels
     own = [one for one in found.contours(chunk.number) if one.closed]
-    long = [one for one in own if (one.box[1] - one.box[0]).max() > found.grid.whole]
-    short = [one for one in own if (one.box[1] - one.box[0]).max() <= found.grid.whole]
+    short = [one for one in own if found.grid.sees(one)]
+    long = [one for one in own if not found.grid.sees(one)]
     near = [one for one in _with_inner(found, chunk, short) if one.closed] if short else []
     gray = found.task.source.gray(chunk.padded)
     columns: dict[str, list[Array]] = {"label": [np.array([one.number for one in (*short, *long)], np.int64)]}

@@ -89,10 +89,10 @@ class Found:
         numbered = [replace(one, number=number) for number, one in enumerate(contours, start=first)]
         return numbered + [one for one, at in zip(_long(known), known["chunk"].tolist(), strict=True) if at == chunk]
 
-    def long(self, low: Array, high: Array) -> list[Contour]:
-        """The contours that no chunk sees as a whole and that reach into a window, by its ends along both axes."""
-        found = _long(self.task.store.load(_JOINED))
-        return [one for one in found if (one.box[1] >= low).all() and (one.box[0] <= high).all()]
+    @property
+    def long(self) -> list[Contour]:
+        """The contours that no chunk sees as a whole."""
+        return _long(self.task.store.load(_JOINED))
 
 
 def _long(known: Entries) -> list[Contour]:

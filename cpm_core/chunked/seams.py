@@ -38,7 +38,7 @@ def owned(contours: Sequence[Contour], chunk: Chunk, grid: Grid) -> tuple[list[P
     pieces: list[Piece] = []
     for one in contours:
         middle = one.box.mean(axis=0)
-        if not one.closed or (one.box[1] - one.box[0]).max() > grid.whole:
+        if not one.closed or not grid.sees(one):
             pieces += _clipped(one, low - _BEYOND, high + _BEYOND)
         elif ((middle >= low - _UNSURE) & (middle < high + _UNSURE)).all():
             whole.append(Piece(one))

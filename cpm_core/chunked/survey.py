@@ -14,7 +14,7 @@ from cpm_core.chunked.grid import Chunk, Grid, Source
 from cpm_core.field.edge_map import automatic_smoothing, gradient, magnitude
 from cpm_core.field.scale_field import ScaleField, packed_force, weakest_edge
 from cpm_core.image.border import inside_border, within
-from cpm_core.image.gray_levels import automatic_gamma
+from cpm_core.image.gray_levels import automatic_gamma, on_power_scale
 from cpm_core.image.pyramid import pyramid
 from cpm_core.numerics.grids import relative
 from cpm_core.numerics.types import Array, Arrays, Extent, frozen
@@ -71,7 +71,7 @@ class Tone:
         """Gray levels on the power scale, as `gray_levels.toned` makes them of the whole image."""
         if self.exponent == 1.0 or self.high <= self.low:
             return values
-        return self.low + (self.high - self.low) * ((values - self.low) / (self.high - self.low)) ** self.exponent
+        return on_power_scale(values, self.low, self.high, self.exponent)
 
     def parameters(self, parameters: Parameters) -> Parameters:
         """Parameters of a run on gray levels in this tone."""

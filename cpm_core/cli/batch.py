@@ -32,7 +32,8 @@ NAME = "summary.csv"
 MEASURES = "measures.csv"
 """Name of the table of all contours there, which joins those of the images."""
 
-WRITTEN = (".svg", f".{MEASURES}", ".png")
+_MEASURED = f".{MEASURES}"
+WRITTEN = (".svg", _MEASURED, ".png")
 """Formats that are written unless others are asked for."""
 
 _LONGEST = 200
@@ -109,7 +110,7 @@ def run(arguments: argparse.Namespace) -> int:
             if not row.trouble:
                 print(f"{printable(row.image)}: {counted(int(str(row.facts['contours'])), 'contour')}")
         more = (f", {failed} failed" if failed else "") + (f", {lacking} without some files" if lacking else "")
-        tables = f"{output / NAME}" + (f" and {output / MEASURES}" if WRITTEN[1] in suffixes else "")
+        tables = f"{output / NAME}" + (f" and {output / MEASURES}" if _MEASURED in suffixes else "")
         print(printable(f"{counted(len(rows), 'image')} in {seconds:.1f} s{more}; wrote {tables}"))
     return IN_PART if failed or lacking else 0
 
@@ -234,7 +235,7 @@ class Batch:
         finally:
             self.rows = dict(sorted(self.rows.items()))
             self._write_table()
-        if WRITTEN[1] in self._suffixes:
+        if _MEASURED in self._suffixes:
             self._write_measures()
 
     def _written(self, row: Row, stem: str) -> Row:
@@ -257,7 +258,7 @@ class Batch:
 
     def _write_measures(self) -> None:
         """Join the tables of measures of all images, one file at a time, with their columns and the image first."""
-        files = [self._folder / name for row in self._table() for name in row.files if name.endswith(WRITTEN[1])]
+        files = [self._folder / name for row in self._table() for name in row.files if name.endswith(_MEASURED)]
         with drafts_of(self._folder / MEASURES) as (draft,), draft.open("w", encoding="utf-8", newline="") as stream:
             heads = set()
             for file in files:

@@ -145,4 +145,9 @@ def toned(values: Array, gamma: float | Literal["auto"]) -> Array:
 
         in_bands(look_up, len(values))
         return shown
+    return on_power_scale(values, low, high, exponent)
+
+
+def on_power_scale(values: Array, low: float, high: float, exponent: float) -> Array:
+    """Gray levels on a power scale within a range; see `toned`."""
     return low + (high - low) * ((values - low) / (high - low)) ** exponent

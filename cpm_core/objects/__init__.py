@@ -4,6 +4,7 @@ from cpm_core.objects.objects_result import boundaries_result as boundaries_resu
 from cpm_core.objects.objects_result import objects_result
 from cpm_core.objects.partition import EVERYWHERE as EVERYWHERE
 from cpm_core.objects.partition import Partition, partition
+from cpm_core.objects.partition import without_run as without_run
 from cpm_core.objects.select import select, select_all
 from cpm_core.objects.selection import Selection
 from cpm_core.objects.selection import overlap as overlap

@@ -118,6 +118,11 @@ def partition(values: ArrayLike | Image | Result, params: Parameters | None = No
     return Partition(as_plane(values.image), tuple(values.contours), of_plane(values.regions), values.channel)
 
 
+def without_run(image: Image) -> Partition | VolumePartition:
+    """Prepare an image or a volume for choosing objects by clicks, all of which the prior answers."""
+    return Partition(image, ()) if image.ndim == 2 else VolumePartition(image)
+
+
 @record
 class Partition(drawing.Pictured):
     """An image with its contours, to select objects from.

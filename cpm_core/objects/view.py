@@ -20,7 +20,7 @@ from cpm_core.contours.surface import section_of
 from cpm_core.image import drawing
 from cpm_core.image.image import Image, as_image
 from cpm_core.numerics.types import Entries
-from cpm_core.objects.partition import Partition, partition
+from cpm_core.objects.partition import Partition, partition, without_run
 from cpm_core.objects.volume_partition import NO_SURFACE, VolumePartition
 from cpm_core.parameters.quotation import counted, described
 
@@ -61,8 +61,7 @@ def view(values: ArrayLike | Image | Result, result: Result | None = None) -> Vi
     found = values if result is None else replace(result, image=as_image(values))  # type: ignore[arg-type]
     if isinstance(found, Result):
         return View(partition(found), found)
-    image = as_image(found)
-    return View(Partition(image, ()) if image.ndim == 2 else VolumePartition(image))
+    return View(without_run(as_image(found)))
 
 
 class View(drawing.Pictured):

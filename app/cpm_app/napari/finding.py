@@ -14,7 +14,7 @@ import cpm_core as cpm
 from cpm_core.contours import surfaces_joined
 from cpm_core.contours.surface import surface_of_labels
 from cpm_core.numerics import Array, Index
-from cpm_core.objects import boundaries_result
+from cpm_core.objects import boundaries_result, without_run
 from cpm_core.shapes import starts_along
 
 Said = tuple[str, Array | None]
@@ -34,7 +34,7 @@ def objects_at(image: cpm.Image, inside: Array, outside: Array, drawn: Sequence[
     """
     if image.ndim == 3 and drawn:
         raise ValueError("In a volume, objects are found at points: choose no shapes, or a run from the shapes.")
-    partition = _partition(image)
+    partition: Any = without_run(image)
     found: list[Any] = []
     prompts = [{"inside": inside[[number]]} for number in range(len(inside))]
     prompts += [{"box": np.array(one.box)} if one.closed else {"stroke": one.points} for one in drawn]
@@ -58,7 +58,8 @@ def objects_at(image: cpm.Image, inside: Array, outside: Array, drawn: Sequence[
 
 def corrected(image: cpm.Image, labels: Index, number: int, inside: Array, outside: Array) -> Work:
     """Correct the object of a label by places, as labels; all others stay as they are."""
-    mask, partition = labels == number, _partition(image)
+    partition: Any = without_run(image)
+    mask = labels == number
     pixels = np.argwhere(mask).astype(float)
     if not len(pixels):
         raise ValueError(f"No pixel has the label {number}: select the label of the object to correct in its layer.")
@@ -93,7 +94,3 @@ def seeds_of(drawn: Sequence[cpm.Contour], labels: Index | None) -> Array:
     if not seeds:
         raise ValueError("Draw a shape in or around an object, or choose labels: particles start along them.")
     return np.concatenate(seeds)
-
-
-def _partition(image: cpm.Image) -> Any:
-    return cpm.Partition(image, ()) if image.ndim == 2 else cpm.partition(image)
