@@ -24,6 +24,9 @@ _OVERLAP = 128
 _DISTURBED, _IN_SIGMA = 16, 8.0
 """Distance from the border of what a chunk sees in which contours may differ: in px, and in addition in sigma."""
 
+UNSURE = 1.0
+"""Distance from the border of a core in which the middle of a box may be in another one for the neighbor [px]."""
+
 _STEP = 32
 """What the overlap is a multiple of, so that the pyramids of neighbors have the same pixels [px]."""
 
@@ -66,6 +69,17 @@ class Chunk:
     core: Window
     padded: Window
 
+    def may_own(self, middle: Array) -> bool:
+        """Whether it is the chunk of a contour with this middle, or a neighbor takes it for that."""
+        low, high = np.array([[side.start - 0.5, side.stop - 0.5] for side in self.core]).T
+        return bool(((middle >= low - UNSURE) & (middle < high + UNSURE)).all())
+
+
+def touches(contour: Contour, window: Window) -> bool:
+    """Whether the box of a contour has pixels in a window."""
+    low, high = np.array([[side.start - 0.5, side.stop - 0.5] for side in window]).T
+    return bool((contour.box[1] >= low).all() and (contour.box[0] <= high).all())
+
 
 @frozen
 class Grid:
@@ -107,15 +121,13 @@ class Grid:
         """Whether each chunk whose core a contour touches sees it as a whole, undisturbed."""
         return bool((contour.box[1] - contour.box[0]).max() <= self.whole)
 
-    def around(self, number: int) -> list[int]:
-        """Numbers of a chunk and its neighbors."""
-        row, col = divmod(number, self.columns)
-        rows = -(-self.shape[0] // self.side)
-        return [
-            r * self.columns + c
-            for r in range(max(row - 1, 0), min(row + 2, rows))
-            for c in range(max(col - 1, 0), min(col + 2, self.columns))
-        ]
+    def near(self, window: Window) -> list[int]:
+        """Numbers of the chunks that contours with pixels in a window may belong to, if they see them as a whole."""
+        reach = math.ceil(0.5 * self.whole + UNSURE) + 1
+        rows, cols = (
+            range(side.start // self.side, -(-side.stop // self.side)) for side in around(window, reach, self.shape)
+        )
+        return [row * self.columns + col for row in rows for col in cols]
 
 
 def grid_for(shape: tuple[int, int], parameters: Parameters, smoothing: float, side: int = SIDE) -> Grid:
