@@ -72,7 +72,7 @@ def write_labels(found: Found, path: Path, draft: Path, compute: Compute) -> lis
     """Write a label image in levels of resolution."""
     grid, levels = found.grid, found.task.source.levels
     more = {"image-label": {"version": "0.5"}}
-    count = create_levels(draft, grid.shape, np.uint32, grid.side, levels.spacing[1:], levels.unit, more)
+    count = create_levels(draft, grid.shape, np.uint32, grid.side, levels.spacing, levels.unit, more)
     _done(compute(partial(_paint, found, draft), grid.chunks, "labels"))
     for level in range(1, count):
         shape = tuple(-(-n // 2**level) for n in grid.shape)
