@@ -26,6 +26,7 @@ from cpm_core.formats.images.resolution import in_ascii
 from cpm_core.numerics.grids import Window, tiles
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.provenance import Provenance, taken
+from cpm_core.parameters.quotation import counted
 from cpm_core.segmentation.engine import Engine
 from cpm_core.shapes import Everywhere
 
@@ -39,11 +40,11 @@ WRITABLE = {
 
 
 def write(found: Found, paths: Sequence[str], compute: Compute) -> list[str]:
-    """Write files by their suffixes, and give the names of those that were written."""
+    """Write files by their suffixes, and give the name of each that was written, or of all tiles."""
     written = []
     for path in map(Path, paths):
         with _draft(path) as draft:
-            written += _WRITERS[path.suffix.lower()](found, path, draft, compute)
+            written.append(_WRITERS[path.suffix.lower()](found, path, draft, compute))
     return written
 
 
@@ -68,16 +69,16 @@ def _near(found: Found, number: int, window: Window) -> list[Contour]:
     return [unique[at] for at in sorted(unique)]
 
 
-def write_labels(found: Found, path: Path, draft: Path, compute: Compute) -> list[str]:
+def write_labels(found: Found, path: Path, draft: Path, compute: Compute) -> str:
     """Write a label image in levels of resolution."""
     grid, levels = found.grid, found.task.source.levels
     more = {"image-label": {"version": "0.5"}}
-    count = create_levels(draft, grid.shape, np.uint32, grid.side, levels.spacing[1:], levels.unit, more)
+    count = create_levels(draft, grid.shape, np.uint32, grid.side, levels.spacing, levels.unit, more)
     _done(compute(partial(_paint, found, draft), grid.chunks, "labels"))
     for level in range(1, count):
         shape = tuple(-(-n // 2**level) for n in grid.shape)
         _done(compute(partial(halve_part, draft, level), tiles(shape, grid.side), "levels of labels"))
-    return [str(path)]
+    return str(path)
 
 
 def _paint(found: Found, path: Path, chunk: Chunk) -> None:
@@ -95,23 +96,23 @@ def _moved(contours: Sequence[Contour], window: Window) -> list[Contour]:
     return [Contour(one.points - corner, one.closed, group=one.group, hole=one.hole) for one in contours]
 
 
-def write_tiles(found: Found, path: Path, _: Path, compute: Compute) -> list[str]:
+def write_tiles(found: Found, path: Path, _: Path, compute: Compute) -> str:
     """Write a file of GeoJSON for each chunk with contours."""
-    names = dict(compute(partial(_tile, found, path), found.grid.chunks, "GeoJSON"))
-    return [names[at] for at in sorted(names) if names[at]]
+    count = sum(some for _, some in compute(partial(_tile, found, path), found.grid.chunks, "GeoJSON"))
+    return f"{path.with_stem(f'{path.stem}_*')} ({counted(count, 'file')})"
 
 
-def _tile(found: Found, path: Path, chunk: Chunk) -> str:
-    """Write the contours of a chunk; the name of the file, empty where there are none."""
+def _tile(found: Found, path: Path, chunk: Chunk) -> bool:
+    """Write the contours of a chunk; whether there are any."""
     own = found.contours(chunk.number)
     if not own:
-        return ""
+        return False
     result = _result(found, _with_inner(found, chunk, own))
     numbers, mine = [one.number for one in result.contours if not one.hole], {one.number for one in own}
     features = [one for one, number in zip(features_of(result), numbers, strict=True) if number in mine]
     name = path.with_stem(f"{path.stem}_{chunk.core[0].start}_{chunk.core[1].start}")
     write_together([(name, encoded_json({"type": "FeatureCollection", ENTRY: facts_of(result), "features": features}))])
-    return str(name)
+    return True
 
 
 def _with_inner(found: Found, chunk: Chunk, own: Sequence[Contour]) -> list[Contour]:
@@ -132,7 +133,7 @@ def _result(found: Found, contours: Sequence[Contour]) -> Result:
     )  # fmt: skip
 
 
-def write_table(found: Found, path: Path, draft: Path, compute: Compute) -> list[str]:
+def write_table(found: Found, path: Path, draft: Path, compute: Compute) -> str:
     """Write a table, with a row for each closed contour."""
     import pyarrow
     from pyarrow import csv, parquet
@@ -149,7 +150,7 @@ def write_table(found: Found, path: Path, draft: Path, compute: Compute) -> list
             following += 1
     if writer is not None:
         writer.close()
-    return [str(path)]
+    return str(path)
 
 
 def _rows(found: Found, chunk: Chunk) -> dict[str, Array]:
@@ -184,7 +185,7 @@ def _done(results: Iterable[object]) -> None:
         pass
 
 
-_WRITERS: dict[str, Callable[[Found, Path, Path, Compute], list[str]]] = {
+_WRITERS: dict[str, Callable[[Found, Path, Path, Compute], str]] = {
     ".zarr": write_labels,
     ".geojson": write_tiles,
     **dict.fromkeys((".csv", ".parquet"), write_table),

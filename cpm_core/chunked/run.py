@@ -102,7 +102,7 @@ def _long(known: Entries) -> list[Contour]:
 
 def run(task: Task, compute: Compute, side: int) -> Found:
     """Find all contours; what is in the store from an earlier run with the same settings is not found again."""
-    task.store.begin({**task.settings, "side": side, "shape": task.source.levels.shape})
+    task.store.begin({**task.settings, "side": side, "shape": task.source.shape})
     grid, whole = surveyed(task, compute, side)
     todo = [chunk for chunk in grid.chunks if not task.store.has(_chunk(chunk.number))]
     for _ in compute(partial(find, task, grid, whole), todo, "contours"):
@@ -113,7 +113,7 @@ def run(task: Task, compute: Compute, side: int) -> Found:
 
 def surveyed(task: Task, compute: Compute, side: int) -> tuple[Grid, survey.Whole]:
     """The chunks of an image, and what depends on all of it."""
-    source, parameters, shape = task.source, task.parameters, task.source.levels.shape
+    source, parameters, shape = task.source, task.parameters, task.source.shape
     if task.store.has(_WHOLE):
         whole = survey.Whole.of(task.store.load(_WHOLE))
         return grid_for(shape, parameters, whole.tone.smoothing, side), whole

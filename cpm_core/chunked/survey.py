@@ -17,7 +17,7 @@ from cpm_core.image.border import inside_border, within
 from cpm_core.image.gray_levels import automatic_gamma, on_power_scale
 from cpm_core.image.pyramid import pyramid
 from cpm_core.numerics.grids import relative
-from cpm_core.numerics.types import Array, Arrays, Extent, frozen
+from cpm_core.numerics.types import Array, Arrays, Extent, Integers, frozen
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.large_images import strongest_part
 
@@ -65,7 +65,7 @@ class Tone:
     high: float
     exponent: float
     smoothing: float
-    inside: tuple[int, int, int, int]
+    inside: Integers
 
     def apply(self, values: Array) -> Array:
         """Gray levels on the power scale, as `gray_levels.toned` makes them of the whole image."""
@@ -108,7 +108,7 @@ class Whole:
         inside, strongest, floor = (tuple(numbers[name].tolist()) for name in ("inside", "strongest", "floor"))
         return cls(Tone(low, high, exponent, smoothing, inside), strongest, floor)
 
-    def imposed(self, field: ScaleField, scale: int, corner: tuple[int, int], edge_floor: float) -> ScaleField:
+    def imposed(self, field: ScaleField, scale: int, corner: Extent, edge_floor: float) -> ScaleField:
         """The field of a chunk, whose first pixel is `corner` of the image, with what depends on the whole image."""
         strongest, strength = self.strongest[scale], field.edge_map
         top, left, bottom, right = self.tone.inside
@@ -133,19 +133,19 @@ class Whole:
         )
 
 
-def block_of(shape: tuple[int, int]) -> int:
+def block_of(shape: Extent) -> int:
     """Side of the blocks whose means make the coarse image: a power of two [px]."""
     return 2 ** max(math.ceil(math.log2(max(shape) / _COARSEST)), 0)
 
 
-def _step(shape: tuple[int, int]) -> int:
+def _step(shape: Extent) -> int:
     """Distance of the pixels whose gray levels and strengths are sampled."""
     return max(math.ceil(math.sqrt(math.prod(shape) / _SAMPLES)), 1)
 
 
 def gray_levels(source: Source, chunk: Chunk) -> GrayLevels:
     """What is to be known of the gray levels of a chunk."""
-    values, step, side = source.gray(chunk.core), _step(source.levels.shape), block_of(source.levels.shape)
+    values, step, side = source.gray(chunk.core), _step(source.shape), block_of(source.shape)
     rows, cols = (-(-n // side) for n in values.shape)
     even = np.pad(values, ((0, rows * side - values.shape[0]), (0, cols * side - values.shape[1])), mode="edge")
     blocks = even.reshape(rows, side, cols, side).mean(axis=(1, 3))
@@ -164,7 +164,7 @@ def tone_of(source: Source, grid: Grid, seen: Sequence[GrayLevels], parameters: 
     low, high = min(one.low for one in seen), max(one.high for one in seen)
     sample = np.concatenate([one.sample for one in seen])
     exponent = automatic_gamma(sample) if parameters.gamma == "auto" else float(parameters.gamma)
-    columns, side = grid.columns, block_of(grid.shape)
+    columns, side = grid.counts[1], block_of(grid.shape)
     coarse = np.block([[one.blocks for one in seen[at : at + columns]] for at in range(0, len(seen), columns)])
     smoothing = parameters.smoothing
     if smoothing == "auto":
@@ -184,7 +184,7 @@ def tone_of(source: Source, grid: Grid, seen: Sequence[GrayLevels], parameters: 
 
 def edges(source: Source, chunk: Chunk, tone: Tone, parameters: Parameters) -> Edges:
     """What is to be known of the edges of a chunk."""
-    step = _step(source.levels.shape)
+    step = _step(source.shape)
     top, left, bottom, right = tone.inside
     core = tuple(
         slice(min(max(side.start, low), high), max(min(side.stop, high), low))

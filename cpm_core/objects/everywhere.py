@@ -9,7 +9,7 @@ import numpy as np
 import scipy
 import skimage
 
-from cpm_core.numerics.grids import running_maximum
+from cpm_core.numerics.grids import box_of, running_maximum
 from cpm_core.numerics.types import Array, Callback, Index, Mask
 from cpm_core.objects.boundaries.alike import alike
 from cpm_core.objects.boundaries.crossings import crossings
@@ -74,7 +74,8 @@ def everywhere(partition: Partition, check: Callback = lambda: None) -> Iterator
     taken = np.zeros(partition.shape, bool)
     for mask in partition.certain():
         known.append(mask)
-        taken |= scipy.ndimage.binary_fill_holes(mask)
+        box = box_of(mask)
+        taken[box] |= scipy.ndimage.binary_fill_holes(mask[box])
         yield _proposed(partition, mask, certain=True)
     if not partition.prior or not partition.contours:
         return
@@ -181,7 +182,7 @@ def _apart(mask: Mask, other: Mask) -> bool:
 
 def _proposed(partition: Partition, mask: Mask, signs: Signs | None = None, *, certain: bool = False) -> Selection:
     """An object of some pixels, shape (H, W), with the deepest of them as the place inside."""
-    box = scipy.ndimage.find_objects(mask.astype(np.uint8))[0]
+    box = box_of(mask)
     depth = scipy.ndimage.distance_transform_edt(np.pad(mask[box], 1))
     place = np.argwhere(depth == depth.max())[:1] - 1.0 + [side.start for side in box]
     if signs is None:

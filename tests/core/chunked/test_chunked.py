@@ -131,11 +131,9 @@ def test_files_hold_what_was_found(found, tmp_path):
     assert sorted(np.unique(finest)) == list(range(12))
     painted = cpm.Truth(finest.astype(np.int32), tuple(contours))
     assert cpm.compare(contours, painted).objects.found == 11
-    features = [
-        feature
-        for name in written if name.endswith(".geojson")
-        for feature in json.loads((tmp_path / name).read_text())["features"]
-    ]  # fmt: skip
+    tiles = list(tmp_path.glob("cells_*.geojson"))
+    assert written[1].endswith(f"cells_*.geojson ({len(tiles)} files)")
+    features = [feature for name in tiles for feature in json.loads(name.read_text())["features"]]
     assert sorted(int(one["properties"]["name"].split()[1]) for one in features) == list(range(1, 12))
     rings = sorted(len(one["geometry"]["coordinates"]) for one in features)
     assert rings[-3:] == [2, 2, 4]  # the disk and the ring have a hole each, and in the ring are three disks
