@@ -12,7 +12,7 @@ from cpm_core.contours.contour import Contour
 from cpm_core.formats.images.ome_zarr import Levels, open_levels
 from cpm_core.formats.images.reading import Reading
 from cpm_core.numerics.grids import Window, around, tiles
-from cpm_core.numerics.types import Array, frozen
+from cpm_core.numerics.types import Array, Extent, frozen
 from cpm_core.parameters import Parameters
 
 SIDE = 1024
@@ -33,18 +33,24 @@ _STEP = 32
 
 @frozen
 class Source:
-    """A plane of an image in a folder of Zarr; each process opens it by itself."""
+    """A plane of an image in a folder of Zarr, or with three axes a volume; each process opens it by itself."""
 
     path: Path
     reading: Reading
+    axes: str = "yx"
 
     @property
     def levels(self) -> Levels:
         """The image, of which nothing has been read."""
         return _opened(self.path, self.reading)
 
+    @property
+    def shape(self) -> Extent:
+        """Its shape."""
+        return tuple(self.levels.count(axis) for axis in self.axes)
+
     def gray(self, window: Window) -> Array:
-        """Gray levels in a window, shape (H, W)."""
+        """Gray levels in a window, shape (H, W) or (P, H, W)."""
         return self.levels.part(window, self.reading).astype(float)
 
 
@@ -60,7 +66,7 @@ class Chunk:
     Attributes
     ----------
     number : int
-        From 0, row by row.
+        From 0, plane by plane and row by row.
     core, padded : Window
         The pixels that it owns, and those that it sees.
     """
@@ -95,7 +101,7 @@ class Grid:
         Longest side of the box of a contour that each chunk whose core it touches sees as a whole, undisturbed [px].
     """
 
-    shape: tuple[int, int]
+    shape: Extent
     side: int
     overlap: int
     whole: float
@@ -107,30 +113,35 @@ class Grid:
         return tuple(Chunk(n, core, around(core, self.overlap, self.shape)) for n, core in enumerate(cores))
 
     @property
-    def columns(self) -> int:
-        """Number of chunks in a row."""
-        return -(-self.shape[1] // self.side)
+    def counts(self) -> Extent:
+        """Number of chunks along each axis."""
+        return tuple(-(-n // self.side) for n in self.shape)
 
     def chunk_at(self, places: Array) -> Array:
         """Number of the chunk in whose core each of places lies, shape (N,); beyond the border the nearest one."""
-        last = (np.array(self.shape) - 1) // self.side
-        row, col = np.clip(np.floor((places + 0.5) / self.side).astype(int), 0, last).T
-        return row * self.columns + col
+        at = np.clip(np.floor((places + 0.5) / self.side).astype(int), 0, np.array(self.counts) - 1)
+        return np.ravel_multi_index(tuple(at.T), self.counts)
 
     def sees(self, contour: Contour) -> bool:
         """Whether each chunk whose core a contour touches sees it as a whole, undisturbed."""
         return bool((contour.box[1] - contour.box[0]).max() <= self.whole)
 
+    def around(self, number: int) -> list[int]:
+        """Numbers of a chunk and its neighbors."""
+        at = np.array(np.unravel_index(number, self.counts)).tolist()
+        near = np.ix_(*(range(max(k - 1, 0), min(k + 2, n)) for k, n in zip(at, self.counts, strict=True)))
+        found: list[int] = np.ravel_multi_index(near, self.counts).ravel().tolist()
+        return found
+
     def near(self, window: Window) -> list[int]:
         """Numbers of the chunks that contours with pixels in a window may belong to, if they see them as a whole."""
-        reach = math.ceil(0.5 * self.whole + UNSURE) + 1
-        rows, cols = (
-            range(side.start // self.side, -(-side.stop // self.side)) for side in around(window, reach, self.shape)
-        )
-        return [row * self.columns + col for row in rows for col in cols]
+        wide = around(window, math.ceil(0.5 * self.whole + UNSURE) + 1, self.shape)
+        at = np.ix_(*(range(side.start // self.side, -(-side.stop // self.side)) for side in wide))
+        found: list[int] = np.ravel_multi_index(at, self.counts).ravel().tolist()
+        return found
 
 
-def grid_for(shape: tuple[int, int], parameters: Parameters, smoothing: float, side: int = SIDE) -> Grid:
+def grid_for(shape: Extent, parameters: Parameters, smoothing: float, side: int = SIDE) -> Grid:
     """The grid for a run with these parameters and a Gaussian of `smoothing` px."""
     disturbed = _DISTURBED + math.ceil(_IN_SIGMA * smoothing)
     needed = disturbed + max(parameters.min_length, parameters.max_gap)

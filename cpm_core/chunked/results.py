@@ -65,7 +65,7 @@ def write_labels(found: Found, path: Path, draft: Path, compute: Compute) -> str
     """Write a label image in levels of resolution."""
     grid, levels = found.grid, found.task.source.levels
     more = {"image-label": {"version": "0.5"}}
-    count = create_levels(draft, grid.shape, np.uint32, grid.side, levels.spacing[1:], levels.unit, more)
+    count = create_levels(draft, grid.shape, np.uint32, grid.side, levels.spacing, levels.unit, more)
     _done(compute(partial(_paint, found, draft), grid.chunks, "labels"))
     for level in range(1, count):
         shape = tuple(-(-n // 2**level) for n in grid.shape)
@@ -104,32 +104,25 @@ def _tile(found: Found, path: Path, chunk: Chunk) -> bool:
     own = found.contours(chunk.number)
     if not own:
         return False
-    result = _result(found, _with_inner(found, own))
+    result = _result(found, _with_inner(found, chunk, own))
     features = features_of(result)[: sum(not one.hole for one in own)]
     name = path.with_stem(f"{path.stem}_{chunk.core[0].start}_{chunk.core[1].start}")
     write_together([(name, encoded_json({"type": "FeatureCollection", ENTRY: facts_of(result), "features": features}))])
     return True
 
 
-def _with_inner(found: Found, own: Sequence[Contour]) -> list[Contour]:
+def _with_inner(found: Found, chunk: Chunk, own: Sequence[Contour]) -> list[Contour]:
     """Contours of a chunk, and those of others that may lie in one of them."""
     mine = {one.group or one.number for one in own}
-    low, high = _ends_of(own)
-    others = (one for one in found.near(_window(found, own)) if (one.group or one.number) not in mine)
-    return [*own, *(one for one in others if (one.box[0] >= low).all() and (one.box[1] <= high).all())]
+    return [*own, *(one for one in found.near(_window(found, chunk, own)) if (one.group or one.number) not in mine)]
 
 
-def _ends_of(contours: Sequence[Contour]) -> Array:
-    """First and last row and column of contours, shape (2, 2)."""
-    boxes = np.array([one.box for one in contours])
-    return np.array([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
-
-
-def _window(found: Found, contours: Sequence[Contour]) -> Window:
-    """The pixels of the image around contours."""
-    low, high = _ends_of(contours)
-    box = tuple(slice(int(first), int(last) + 1) for first, last in zip(low, high, strict=True))
-    return around(box, 1, found.grid.shape)
+def _window(found: Found, chunk: Chunk, contours: Sequence[Contour]) -> Window:
+    """The pixels around contours of a chunk, as far as it has neighbors."""
+    boxes, limits = np.array([one.box for one in contours]), around(chunk.core, found.grid.side, found.grid.shape)
+    low, high = np.floor(boxes[:, 0].min(axis=0)).astype(int), np.ceil(boxes[:, 1].max(axis=0)).astype(int) + 1
+    ends = zip(low.tolist(), high.tolist(), limits, strict=True)
+    return tuple(slice(max(first, side.start), min(last, side.stop)) for first, last, side in ends)
 
 
 def _result(found: Found, contours: Sequence[Contour]) -> Result:
@@ -175,8 +168,8 @@ def _rows(found: Found, chunk: Chunk) -> dict[str, Array]:
     for some in (short, long):
         contours, labels, gray, count = some, np.zeros((1, 1), np.int64), None, len(_numbers(some))
         if some and some is short:
-            window = _window(found, some)
-            contours = [one for one in _with_inner(found, some) if one.closed]
+            window = _window(found, chunk, some)
+            contours = [one for one in _with_inner(found, chunk, some) if one.closed]
             labels, gray = paint(_moved(contours, window), sides_of(window)), source.gray(window)
         table = region_table(contours, labels, gray, levels.spacing[1:], levels.unit)
         for name in dict.fromkeys((*table, *_GRAY)):

@@ -133,7 +133,7 @@ def _numbered(contour: Contour, number: int, kind: str) -> Contour:
 
 def run(task: Task, compute: Compute, side: int) -> Found:
     """Find all contours, or objects; what is in the store from an earlier run with the same settings stays."""
-    task.store.begin({**task.settings, "side": side, "shape": task.source.levels.shape})
+    task.store.begin({**task.settings, "side": side, "shape": task.source.shape})
     grid, whole = surveyed(task, compute, side)
     _each(compute, partial(find, task, grid, whole), task.store, grid, CONTOURS)
     least = max(shortest(whole.tone.smoothing, task.parameters), task.parameters.min_length)
@@ -153,7 +153,7 @@ def _each(compute: Compute, work: Callable[[Chunk], None], store: Store, grid: G
 
 def surveyed(task: Task, compute: Compute, side: int) -> tuple[Grid, survey.Whole]:
     """The chunks of an image, and what depends on all of it."""
-    source, parameters, shape = task.source, task.parameters, task.source.levels.shape
+    source, parameters, shape = task.source, task.parameters, task.source.shape
     if task.store.has(_WHOLE):
         whole = survey.Whole.of(task.store.load(_WHOLE), shape)
         return grid_for(shape, parameters, whole.tone.smoothing, side), whole

@@ -17,7 +17,7 @@ from cpm_core.image.border import inside_border, within
 from cpm_core.image.gray_levels import automatic_gamma, on_power_scale
 from cpm_core.image.pyramid import pyramid
 from cpm_core.numerics.grids import relative, whole_window
-from cpm_core.numerics.types import Array, Arrays, Extent, frozen
+from cpm_core.numerics.types import Array, Arrays, Extent, Integers, frozen
 from cpm_core.objects.partition import Frame
 from cpm_core.objects.prior.windows import gray_range, sample_step
 from cpm_core.parameters import Parameters
@@ -68,7 +68,7 @@ class Tone:
     high: float
     exponent: float
     smoothing: float
-    inside: tuple[int, int, int, int]
+    inside: Integers
 
     def apply(self, values: Array) -> Array:
         """Gray levels on the power scale, as `gray_levels.toned` makes them of the whole image."""
@@ -110,7 +110,7 @@ class Whole:
         return {"tone": range_, "inside": tone.inside, **found}
 
     @classmethod
-    def of(cls, numbers: Mapping[str, Array], shape: tuple[int, int]) -> Whole:
+    def of(cls, numbers: Mapping[str, Array], shape: Extent) -> Whole:
         """From the numbers that were stored, and the shape of the image."""
         low, high, exponent, smoothing = numbers["tone"].tolist()
         inside, strongest, floor = (tuple(numbers[name].tolist()) for name in ("inside", "strongest", "floor"))
@@ -118,7 +118,7 @@ class Whole:
         frame = Frame(shape, (0, 0), tuple(judged[:2]), judged[2]) if judged else None
         return cls(Tone(low, high, exponent, smoothing, inside), strongest, floor, frame)
 
-    def imposed(self, field: ScaleField, scale: int, corner: tuple[int, int], edge_floor: float) -> ScaleField:
+    def imposed(self, field: ScaleField, scale: int, corner: Extent, edge_floor: float) -> ScaleField:
         """The field of a chunk, whose first pixel is `corner` of the image, with what depends on the whole image."""
         strongest, strength = self.strongest[scale], field.edge_map
         top, left, bottom, right = self.tone.inside
@@ -143,19 +143,19 @@ class Whole:
         )
 
 
-def block_of(shape: tuple[int, int]) -> int:
+def block_of(shape: Extent) -> int:
     """Side of the blocks whose means make the coarse image: a power of two [px]."""
     return 2 ** max(math.ceil(math.log2(max(shape) / _COARSEST)), 0)
 
 
-def _step(shape: tuple[int, int]) -> int:
+def _step(shape: Extent) -> int:
     """Distance of the pixels whose gray levels and strengths are sampled."""
     return max(math.ceil(math.sqrt(math.prod(shape) / _SAMPLES)), 1)
 
 
 def gray_levels(source: Source, chunk: Chunk) -> GrayLevels:
     """What is to be known of the gray levels of a chunk."""
-    shape = source.levels.shape
+    shape = source.shape
     values, step, few, side = source.gray(chunk.core), _step(shape), sample_step(shape), block_of(shape)
     first, left = (-side.start % few for side in chunk.core)
     rows, cols = (-(-n // side) for n in values.shape)
@@ -203,13 +203,13 @@ def frame_of(source: Source, grid: Grid, seen: Sequence[GrayLevels]) -> Frame:
 
 def _coarse(grid: Grid, seen: Sequence[GrayLevels]) -> Array:
     """Means of the blocks of the whole image."""
-    columns = grid.columns
+    columns = grid.counts[1]
     return np.block([[one.blocks for one in seen[at : at + columns]] for at in range(0, len(seen), columns)])
 
 
 def _automatic(source: Source, coarse: Array, tone: Tone) -> float:
     """The smoothing that suits an image: of a large one, what is around its strongest edge."""
-    shape = source.levels.shape
+    shape = source.shape
     large = math.prod(shape) > LARGE
     part = strongest_part(coarse, block_of(shape), shape) if large else whole_window(shape)
     return automatic_smoothing(tone.apply(source.gray(part)))
@@ -217,7 +217,7 @@ def _automatic(source: Source, coarse: Array, tone: Tone) -> float:
 
 def edges(source: Source, chunk: Chunk, tone: Tone, parameters: Parameters) -> Edges:
     """What is to be known of the edges of a chunk."""
-    step = _step(source.levels.shape)
+    step = _step(source.shape)
     top, left, bottom, right = tone.inside
     core = tuple(
         slice(min(max(side.start, low), high), max(min(side.stop, high), low))
