@@ -6,10 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cpm_core.formats.common.provenance import Outcome
-from cpm_core.formats.meshes.coordinates import mesh_of
+from cpm_core.formats.meshes.coordinates import Mesh
 from cpm_core.formats.meshes.triangles import Triangles, split
-from cpm_core.image.geometry import Convention
 from cpm_core.numerics.types import Entries
 
 _OBJECT = "object"
@@ -23,9 +21,8 @@ _KINDS = {
 _ORDERS = {"ascii": "<", "binary_little_endian": "<", "binary_big_endian": ">"}
 
 
-def encode(result: Outcome, space: Convention = "LPS") -> bytes:
-    """Make a binary PLY file of the surface of a result with its normals; ValueError when it has none."""
-    mesh = mesh_of(result, space)
+def encode(mesh: Mesh) -> bytes:
+    """Make a binary PLY file of a surface with its normals."""
     precise = mesh.points.dtype == np.float64
     properties = "".join(f"property {'double' if precise else 'float'} {name}\n" for name in ("x", "y", "z"))
     properties += "".join(f"property float {name}\n" for name in ("nx", "ny", "nz"))

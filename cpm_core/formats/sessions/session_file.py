@@ -7,14 +7,13 @@ review of the contours, and the view. The image stays in its own file; a hash sh
 from __future__ import annotations
 
 import json
-import math
 import os
 import re
 from collections.abc import Callable
 from dataclasses import field, fields, replace
 from functools import partial
 from pathlib import Path, PurePath
-from typing import Annotated, Any, NoReturn, TypeVar
+from typing import Annotated, Any, TypeVar
 
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark
@@ -356,16 +355,8 @@ def _place_to_plain(place: str, folder: Path) -> Entries:
 
 def _parsed(content: bytes, name: str) -> Plain:
     """The JSON of a session file; ValueError, with `name`, when it is damaged or of an unknown kind or version."""
-
-    def refuse(constant: str) -> NoReturn:
-        raise ValueError(f"it holds {constant}")
-
-    def finite(text: str) -> float:
-        value = float(text)
-        return value if math.isfinite(value) else refuse(text)
-
     try:
-        plain = json.loads(content.decode("utf-8-sig"), parse_constant=refuse, parse_float=finite)
+        plain = json.loads(content.decode("utf-8-sig"))
     except (ValueError, RecursionError) as error:
         place = f" (line {error.lineno})" if isinstance(error, json.JSONDecodeError) else ""
         raise ValueError(f"{name} is not a session file, or a damaged one{place}: get a sound copy of it.") from error

@@ -269,7 +269,7 @@ def test_nothing_is_lost_of_a_file_that_cannot_be_written(tmp_path: Path, monkey
         (b'{"cpm-session": 1, "marks": [{"anchor": [1, 2], "color": "#\\u001b\\n"}]}', r"\x1b"),
         (b'{"cpm-session": 1, "shapes": [{"shape": "circle", "center": [1, 1e7], "radius": 2}]}', "1e+07"),
         (b'{"cpm-session": 1, "shapes": [{"shape": "points", "positions": []}]}', "shape 1 (points)"),
-        (b'{"cpm-session": 1, "parameters": {"beta": -Infinity}}', "damaged"),
+        (b'{"cpm-session": 1, "parameters": {"beta": -Infinity}}', "beta"),
         (b'{"cpm-session": 1, "parameters": {"beta": "auto"}}', 'beta is "auto"'),
         (b'{"cpm-session": 1, "image": {"path": "a", "shape": [0, 3]}}', "rows and columns"),
         (b'{"cpm-session": 1, "marks": [{"anchor": [1, 2], "color": "red"}]}', "#rrggbb"),
