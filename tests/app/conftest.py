@@ -12,8 +12,10 @@ from typing import Any, TypeVar
 import numpy as np
 import pytest
 from cpm_app.model.document import edits
+from cpm_app.session.features import comparison, selector, stack_pages, timeline
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.session.session import Session
+from cpm_app.session.storage import run_keeping
 from cpm_app.views.features import files
 from cpm_app.views.window import dialogs
 from cpm_app.views.window.window import MainWindow
@@ -38,6 +40,12 @@ SIDE = 64
 _tests = itertools.count(1)
 _COLLECTED_EVERY = 20
 """Number of tests after which garbage is collected, which takes as long as the quickest of them."""
+
+RESTS = (
+    (stack_pages, "_QUIET"), (stack_pages, "_WHILE_RUNNING"), (selector, "_QUIET"), (comparison, "_QUIET"),
+    (timeline, "_STAYING"), (run_keeping, "_QUIET"),
+)  # fmt: skip
+"""Times without a change after which work begins [ms]."""
 
 T = TypeVar("T")
 
@@ -149,6 +157,13 @@ def nothing_left_behind(request: pytest.FixtureRequest, kept_window: Kept) -> It
 def own_preferences(tmp_path: Path) -> None:
     """No test reads or writes the preferences of the user."""
     QSettings.setPath(QSettings.Format.IniFormat, QSettings.Scope.UserScope, str(tmp_path / "preferences"))
+
+
+@pytest.fixture(autouse=True)
+def rests_are_short(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What begins when nothing has changed for a while begins soon; no test depends on how long it rests."""
+    for module, name in RESTS:
+        monkeypatch.setattr(module, name, 10)
 
 
 @pytest.fixture(autouse=True)
