@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import gc
+import inspect
 import itertools
 import threading
+import time
 from collections.abc import Callable, Generator, Iterable, Iterator
 from pathlib import Path
 from typing import Any, TypeVar
@@ -103,8 +105,12 @@ class Hand:
         self.qtbot.keyClick(self.window.focusWidget() or self.window, key, modifier)
 
     def wait(self, condition: Callable[[], bool]) -> None:
-        """Wait until a condition holds."""
-        self.qtbot.waitUntil(condition, timeout=self.patience)
+        """Wait until a condition holds, which is asked every millisecond."""
+        end = time.monotonic() + 0.001 * self.patience
+        while not condition():
+            if time.monotonic() > end:
+                pytest.fail(f"nothing happened for {self.patience} ms: {inspect.getsource(condition).strip()}")
+            self.qtbot.wait(1)
 
     def wait_for_phase(self, phase: str) -> None:
         """Wait until the run is in this phase."""
