@@ -30,7 +30,7 @@ from cpm_app.session.features.selector import (
 )
 from cpm_app.session.scene import Preview, Proposal
 from cpm_app.session.session import Session
-from cpm_app.session.tasks.tasks import Task
+from cpm_app.session.tasks.tasks import OVER, Task
 from cpm_core import Partition, Result, Selection, select_all
 from cpm_core.numerics import Place
 from cpm_core.numerics.types import Callback, frozen
@@ -122,7 +122,7 @@ class ObjectSelection(QObject):
         self._asked: Question | None = None
         self._remark, self._was_ready = "", False
         self._latest = LatestOnlyWorker(session, "cpm-objects", tr("selecting objects"))
-        self._finding: Task | None = None
+        self._finding = OVER
         self.partitions = Partitions(
             session, lambda: self._in_use or self.selecting or bool(self._offering) or self.followed() is not None
         )
@@ -156,8 +156,7 @@ class ObjectSelection(QObject):
     @property
     def idle(self) -> bool:
         """Whether the proposals are up to date."""
-        finding = self._finding is not None and not self._finding.over
-        return self._latest.idle and not finding and not self.partitions.preparing
+        return self._latest.idle and self._finding.over and not self.partitions.preparing
 
     @property
     def advice(self) -> str:
@@ -364,7 +363,7 @@ class ObjectSelection(QObject):
             return Offer(tuple(start for start in starts if isinstance(start, Drawn)), (), rejected)
         if self._searched is not partition and (search or (isinstance(source, Result) and source.stop_reason)):
             self._searched, self._found = partition, ()
-            self._end_finding()
+            self._finding.cancel()
             self._finding = self._session.tasks.start(
                 tr("Following objects…") if search else tr("Finding objects between the contours…"),
                 partial(search or all_objects, partition),
@@ -372,11 +371,6 @@ class ObjectSelection(QObject):
                 then=partial(self._use_found, partition),
             )
         return Offer((), self._found if self._searched is partition else (), rejected)
-
-    def _end_finding(self) -> None:
-        if self._finding is not None:
-            self._finding.cancel()
-            self._finding = None
 
     def _use_found(self, partition: AnyPartition, found: tuple[Proposal, ...]) -> None:
         if self._searched is partition:
@@ -477,7 +471,7 @@ class ObjectSelection(QObject):
 
     def _forget(self) -> None:
         self._latest.forget()
-        self._end_finding()
+        self._finding.cancel()
         self._selectors, self._found = {}, ()
         self._asked = self._pointed = self._searched = None
         self._steps, self._over = 0, False

@@ -19,7 +19,7 @@ from cpm_app.model.text.language import tr
 from cpm_app.session.features.background import LatestOnlyWorker
 from cpm_app.session.scene import Proposal
 from cpm_app.session.session import Session
-from cpm_app.session.tasks.tasks import Task
+from cpm_app.session.tasks.tasks import OVER, Task
 from cpm_core import (
     PRESETS,
     Image,
@@ -90,7 +90,7 @@ class Partitions(QObject):
         self._made_from: Source | None = None
         self._asked_for: Source | None = None
         self._everywhere: Prepared | None = None
-        self._task: Task | None = None
+        self._task = OVER
         self._latest = LatestOnlyWorker(session, "cpm-partition", tr("preparing the selection of objects"))
         self._quiet = QTimer(self, singleShot=True, interval=_QUIET)
         self._quiet.timeout.connect(self.look)
@@ -101,7 +101,7 @@ class Partitions(QObject):
     @property
     def preparing(self) -> bool:
         """Whether a run from everywhere continues."""
-        return self._task is not None and not self._task.over
+        return not self._task.over
 
     @property
     def source(self) -> Source | None:
@@ -120,7 +120,7 @@ class Partitions(QObject):
                 self._use(known)
         elif source != self._asked_for:
             self._asked_for = source
-            self._end_task()
+            self._task.cancel()
             if isinstance(source, Everywhere):
                 alone = source.image.ndim == 3 or math.prod(source.image.shape) > MOST_OFFERED
                 if self.partition is None or alone:  # answers at once; contours follow
@@ -175,13 +175,8 @@ class Partitions(QObject):
         if isinstance(source, Everywhere) and isinstance(before, Everywhere) and source != before:
             self._quiet.start()
 
-    def _end_task(self) -> None:
-        if self._task is not None:
-            self._task.cancel()
-            self._task = None
-
     def _forget(self) -> None:
-        self._end_task()
+        self._task.cancel()
         self._latest.forget()
         self._quiet.stop()
         self.partition = self._made_from = self._asked_for = self._everywhere = None
