@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import gc
-import inspect
 import itertools
 import threading
-import time
 from collections.abc import Callable, Generator, Iterable, Iterator
 from pathlib import Path
 from typing import Any, TypeVar
@@ -55,11 +53,23 @@ ASK = dialogs.ask_about_unsaved
 KEEP_PICTURE = files.StartFeature._keep_picture
 
 
+PATIENCE = 20_000
+"""Turns of a millisecond that any effect may take; no test depends on the real time, nor fails when it is stopped."""
+
+
+def wait_until(qtbot: QtBot, condition: Callable[[], bool], patience: int = PATIENCE) -> None:
+    """Let the window work until a condition holds."""
+    for _ in range(patience):
+        if condition():
+            return
+        qtbot.wait(1)
+    pytest.fail(f"this has not happened in {patience} turns")
+
+
 class Hand:
     """Real mouse and key events on a window, and waiting for their effects."""
 
-    patience = 20_000
-    """Longest time that any effect may take [ms]; no test depends on the real time."""
+    patience = PATIENCE
 
     def __init__(self, qtbot: QtBot, window: MainWindow) -> None:
         self.qtbot = qtbot
@@ -105,12 +115,8 @@ class Hand:
         self.qtbot.keyClick(self.window.focusWidget() or self.window, key, modifier)
 
     def wait(self, condition: Callable[[], bool]) -> None:
-        """Wait until a condition holds, which is asked every millisecond."""
-        end = time.monotonic() + 0.001 * self.patience
-        while not condition():
-            if time.monotonic() > end:
-                pytest.fail(f"nothing happened for {self.patience} ms: {inspect.getsource(condition).strip()}")
-            self.qtbot.wait(1)
+        """Wait until a condition holds."""
+        wait_until(self.qtbot, condition, self.patience)
 
     def wait_for_phase(self, phase: str) -> None:
         """Wait until the run is in this phase."""
@@ -266,11 +272,11 @@ def window(qtbot: QtBot, workspace: Workspace, image_file: Path, kept_window: Ke
     made = kept_window.window or new_window(qtbot, workspace)
     if kept_window.window is not None:
         begin_anew(made, kept_window.views)
-        qtbot.waitUntil(made.isActiveWindow, timeout=Hand.patience)
     elif shared:
         kept_window.keep(made)
+    wait_until(qtbot, made.isActiveWindow)  # which the keys of actions need
     session.open(image_file)
-    qtbot.waitUntil(lambda: is_open(session, image_file), timeout=Hand.patience)
+    wait_until(qtbot, lambda: is_open(session, image_file))
     yield made
     if not shared:
         close_window(made)
