@@ -215,6 +215,11 @@ def numbers_of(contours: Contours) -> Integers:
     return tuple(contour.number or next(free) for contour in contours)
 
 
+def vertices_of(contours: Contours) -> Array:
+    """The vertices of contours, shape (N, 2) [px]."""
+    return np.concatenate([np.empty((0, 2)), *(contour.points for contour in contours)])
+
+
 def sampled(contours: Contours) -> Array:
     """Points every `SAMPLING` along contours, shape (N, 2) [px], for averages over their length."""
     return np.concatenate([np.empty((0, 2)), *(polyline.sampled(contour.path, SAMPLING) for contour in contours)])
