@@ -53,9 +53,7 @@ class _Property(NamedTuple):
 
 def read(content: bytes) -> Triangles:
     """Triangles of a file, as text or as binary numbers; UnreadableError when it has none."""
-    head, mark, body = content.partition(b"end_header")
-    if not mark:
-        raise ValueError("its header has no end")
+    head, _, body = content.partition(b"end_header")
     body = body.partition(b"\n")[2]
     form = order = ""
     rows: dict[str, int] = {}
@@ -106,8 +104,6 @@ def _element(body: bytes, count: int, properties: list[_Property]) -> tuple[Entr
             if one.counts:
                 length = int(np.frombuffer(body, one.counts, 1, at)[0])
                 at += np.dtype(one.counts).itemsize
-            if length < 0:
-                raise ValueError("a list has a negative number of entries")
             lengths.append(length)
             entries.extend(np.frombuffer(body, one.kind, length, at).tolist())
             at += length * np.dtype(one.kind).itemsize

@@ -1,4 +1,4 @@
-"""Which seeds a finer scale needs: those near edges that the particles of the coarser one do not explain.
+"""How a finer scale of a large image begins: with what the coarser one has found, and the seeds that it needs besides.
 
 Every scale begins with all seeds, so that what is too small for the coarser one is found as well. Most of them follow
 the field to an edge with particles on it and are deleted there. In a large image with starts everywhere these are most
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from cpm_core.field.interpolation import between, component
 from cpm_core.field.scale_field import GATE, ScaleField
-from cpm_core.model.coverage import CELL, cell_of
+from cpm_core.model.coverage import CELL, NEVER, REACH, Coverage, cell_of
 from cpm_core.model.interventions import allowed_places
 from cpm_core.model.state import State
 from cpm_core.numerics.grids import in_bands
@@ -24,7 +24,7 @@ from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Single
 
 _FROM = 2**20
-"""Pixels of an image above which seeds are left out."""
+"""Pixels of an image above which a finer scale begins like this."""
 
 _EXPLAINED, _NEAR = 1, 4
 """Cells of the coverage to each side of a particle, whose place on the finer scale is not yet exact, in which it
@@ -34,12 +34,13 @@ Directions = NDArray[np.uint8]
 """Directions in which an image rises across the edges in each cell, a bit for each eighth of a turn."""
 
 
-def without_needless_seeds(state: State, field: ScaleField) -> State:
-    """The first state of a scale without the seeds that are not near an edge which no particle explains.
+def begun(state: State, field: ScaleField) -> State:
+    """The first state of a scale, of a large image without the seeds that are not near an edge yet to be explained.
 
     An edge is explained by a particle of the coarser scale near it where the image rises in about the same direction,
-    so that one side of a thin object does not explain the other. All seeds stay where they are so few that an edge
-    which is not explained has none near it: particles may come to it from afar.
+    so that one side of a thin object does not explain the other. It counts as covered when the scale begins: repulsion
+    need not spread the particles along it once more. All seeds stay where they are so few that an edge which is not
+    explained has none near it: particles may come to it from afar.
     """
     if len(state.shape) != 2 or math.prod(state.shape) <= _FROM:
         return state
@@ -51,10 +52,13 @@ def without_needless_seeds(state: State, field: ScaleField) -> State:
     row, col = _cells(place[first:], edges.shape)
     missing, seeds = (edges & ~explained) != 0, np.zeros(edges.shape, bool)
     seeds[row, col] = True
-    if not _around(seeds)[missing].all():
+    if not _around(seeds, _NEAR)[missing].all():
         return state
-    stay = np.concatenate([np.ones(first, bool), _around(missing)[row, col]])
-    return replace(state, particles=state.particles.where(stay))
+    stay = np.concatenate([np.ones(first, bool), _around(missing, _NEAR)[row, col]])
+    known = (edges != 0) & ~missing
+    found, latest = (np.where(cells, 0, NEVER).astype(np.int32) for cells in (known, _around(known, REACH)))
+    coverage = Coverage(found, latest, int(np.count_nonzero(known)))
+    return replace(state, particles=state.particles.where(stay), coverage=coverage)
 
 
 def _cells(place: Array, shape: tuple[int, ...]) -> tuple[Index, ...]:
@@ -63,9 +67,9 @@ def _cells(place: Array, shape: tuple[int, ...]) -> tuple[Index, ...]:
     return tuple(cells.T)
 
 
-def _around(cells: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Some cells and those near them."""
-    return np.asarray(scipy.ndimage.maximum_filter(cells, 2 * _NEAR + 1), bool)
+def _around(cells: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
+    """Some cells and those near them, to each side."""
+    return np.asarray(scipy.ndimage.maximum_filter(cells, 2 * reach + 1), bool)
 
 
 @compiled
