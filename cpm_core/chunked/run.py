@@ -120,16 +120,16 @@ def surveyed(task: Task, compute: Compute, side: int) -> tuple[Grid, survey.Whol
     tone = survey.plain_tone(shape, parameters)
     if tone is None:
         plain = Grid(shape, side, 0, 0.0)
-        gray = _in_order(compute(partial(survey.gray_levels, source), plain.chunks, "gray levels"))
+        gray = in_order(compute(partial(survey.gray_levels, source), plain.chunks, "gray levels"))
         tone = survey.tone_of(source, plain, gray, parameters)
     grid = grid_for(shape, parameters, tone.smoothing, side)
     work = partial(survey.edges, source, tone=tone, parameters=parameters)
-    whole = survey.whole_of(tone, _in_order(compute(work, grid.chunks, "edges")), parameters)
+    whole = survey.whole_of(tone, in_order(compute(work, grid.chunks, "edges")), parameters)
     task.store.save(_WHOLE, **whole.numbers)
     return grid, whole
 
 
-def _in_order(results: Iterable[tuple[int, Any]]) -> list[Any]:
+def in_order(results: Iterable[tuple[int, Any]]) -> list[Any]:
     """Results in the order of their jobs."""
     return [result for _, result in sorted(results, key=lambda one: one[0])]
 
