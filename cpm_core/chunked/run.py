@@ -90,6 +90,11 @@ class Found:
         return numbered + [one for one, at in zip(_long(known), known["chunk"].tolist(), strict=True) if at == chunk]
 
     @property
+    def count(self) -> int:
+        """Number of contours."""
+        return sum(self.counts)
+
+    @property
     def long(self) -> list[Contour]:
         """The contours that no chunk sees as a whole."""
         return _long(self.task.store.load(_JOINED))

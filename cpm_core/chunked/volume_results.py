@@ -28,7 +28,7 @@ WRITABLE = {
 
 def write_labels(bodies: Bodies, path: Path, draft: Path, compute: Compute) -> str:
     """Write a label volume in levels of resolution."""
-    label_image(bodies.volume.task.source, bodies.volume.grid, draft, partial(_paint, bodies, draft), compute)
+    label_image(bodies.volume.task.source, bodies.grid, draft, partial(_paint, bodies, draft), compute)
     return str(path)
 
 
@@ -41,7 +41,7 @@ def _paint(bodies: Bodies, path: Path, chunk: Chunk) -> None:
 
 def write_surface(bodies: Bodies, path: Path, draft: Path, _: Compute) -> str:
     """Write the surfaces of all bodies, chunk by chunk; triangles of neighboring chunks have the same corners."""
-    task, grid = bodies.volume.task, bodies.volume.grid
+    task, grid = bodies.volume.task, bodies.grid
     levels = task.source.levels
     facts = facts_on(levels.name, provenance_of(task))
     notes = (PROGRAM, "SPACE=LPS", f"UNIT={in_ascii(levels.unit, 'voxel')}", text_of(facts))

@@ -5,10 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from cpm_core.chunked.chunk_run import thinned
 from cpm_core.chunked.grid import Chunk, Grid, Source
 from cpm_core.chunked.run import Compute, Task, in_order
 from cpm_core.chunked.survey import Tone, Whole, step_of
@@ -195,7 +196,7 @@ def _edges(source: Source, tone: Tone, scales: int, chunk: Chunk) -> list[_Edges
 
 def _find(volume: Volume, chunk: Chunk) -> None:
     """Run in a chunk, and store the particles that it owns."""
-    task, whole, corner = volume.task, volume.whole, np.array([side.start for side in chunk.padded])
+    task, corner = volume.task, np.array([side.start for side in chunk.padded])
     if task.store.has(of_chunk(chunk.number)):
         return
     levels, normals, distances = _particles_in(volume, chunk)
@@ -212,7 +213,7 @@ def _find(volume: Volume, chunk: Chunk) -> None:
 
 
 def _particles_in(volume: Volume, chunk: Chunk) -> tuple[Levels, Array, Array]:
-    """Particles at rest on edges in what a chunk sees, unit vectors away from bright, and how far each is from others."""
+    """Particles at rest on edges in what a chunk sees, unit vectors away from bright, and distances from others."""
     task, whole = volume.task, volume.whole
     source, own = task.source, whole.tone.parameters(task.parameters)
     values = whole.tone.apply(source.values(chunk.padded))
@@ -220,9 +221,10 @@ def _particles_in(volume: Volume, chunk: Chunk) -> tuple[Levels, Array, Array]:
     if values.min() == values.max():
         return nothing
     image = Image(values, source.levels.spacing, source.levels.unit, source.path.name)
-    engine = Engine(image, own, measured=partial(_imposed, whole))
-    field: VolumeField = engine.scale_field(own)  # type: ignore[assignment]
-    seeds = everywhere(image) if task.kind == "grid" else above(field.edge_map, STRONG, whole.strongest[0])
+    measured: Any = partial(_imposed, whole)
+    engine = Engine(image, own, measured=measured)
+    field: Any = engine.scale_field(own)
+    seeds = everywhere(image) if task.kind == "grid" else thinned(above(field.edge_map, STRONG, whole.strongest[0]))
     if not len(seeds):
         return nothing
     run = Evolution(engine, engine.start(seeds), own, task.max_steps)

@@ -17,9 +17,10 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-from cpm_core.chunked.grid import Chunk, Source
-from cpm_core.chunked.run import Compute
-from cpm_core.chunked.volume_run import Volume
+from cpm_core.chunked.grid import Chunk, Grid, Source
+from cpm_core.chunked.run import Compute, Task
+from cpm_core.chunked.survey import Whole
+from cpm_core.chunked.volume_run import SIDE, Volume, run_particles
 from cpm_core.formats.images.ome_zarr import create_levels, write_part
 from cpm_core.formats.images.reading import Reading
 from cpm_core.numerics.grids import Window, join_corners, parts_joined, parts_of, relative, sides_of, zero_surface
@@ -95,7 +96,9 @@ class _Regions:
 
 def _beyond(volume: Volume, chunk: Chunk) -> Window:
     """The core of a chunk with one voxel more at the end of each axis, within the volume."""
-    return tuple(slice(side.start, min(side.stop + 1, n)) for side, n in zip(chunk.core, volume.grid.shape, strict=True))
+    return tuple(
+        slice(side.start, min(side.stop + 1, n)) for side, n in zip(chunk.core, volume.grid.shape, strict=True)
+    )
 
 
 def _layers(volume: Volume, chunk: Chunk) -> Iterator[tuple[int, Window]]:
@@ -218,9 +221,7 @@ def _necks_in(heights: Heights, chunk: Chunk) -> None:
     if len(levels.points):
         found = heights.read(tuple(slice(side.start - 1, side.stop + 1) for side in chunk.padded))
         smoothed, begin = volume.smoothed(chunk), np.array([-1, -1, -1])
-        around = Surroundings(
-            smoothed, heights.sign, levels.points, heights.sign * normals, levels.slopes, volume.size
-        )
+        around = Surroundings(smoothed, heights.sign, levels.points, heights.sign * normals, levels.slopes, volume.size)
         ways = join(found, begin, around)
         ways += spin(found, begin, around, step_width(volume.whole.tone.smoothing))
         ways = [way + [side.start for side in chunk.padded] for way in ways]
@@ -250,6 +251,21 @@ class Bodies:
     of_part: Index
 
     @property
+    def count(self) -> int:
+        """Number of bodies."""
+        return len(self.table["label"])
+
+    @property
+    def grid(self) -> Grid:
+        """The chunks."""
+        return self.volume.grid
+
+    @property
+    def whole(self) -> Whole:
+        """What the fields were measured by."""
+        return self.volume.whole
+
+    @property
     def regions(self) -> _Regions:
         """Files of the parts."""
         return _Regions(self.volume, "parts")
@@ -265,6 +281,14 @@ class Bodies:
         """The body that each of the pairs of parts of a chunk bounds; 0 where the surface between them is left out."""
         inside, outside = self.of_part[self.first[number] + pairs].T
         return np.where(inside != outside, inside, 0)
+
+
+def run_volume(task: Task, compute: Compute, side: int = SIDE) -> Bodies:
+    """Find all bodies; what is in the store from an earlier run with the same settings is not found again."""
+    task.store.begin({**task.settings, "side": side, "shape": task.source.shape})
+    heights = find_heights(*run_particles(task, compute, side), compute)
+    find_necks(heights, compute)
+    return find_bodies(heights, compute)
 
 
 _SUMS = ("area", "volume", "moments", "corners", "supported", "particles")
@@ -336,8 +360,8 @@ def _parts_in(files: _Regions, heights: Heights, chunk: Chunk) -> None:
     found = heights.read(outer)
     corner = np.array([side.start for side in outer])
     for at in grid.around(chunk.number):
-        raised = store.load(_necks(at))["raised"] - corner
-        raised = tuple(raised[((raised >= 0) & (raised < found.shape)).all(axis=1)].T)
+        voxels = store.load(_necks(at))["raised"] - corner
+        raised = tuple(voxels[((voxels >= 0) & (voxels < found.shape)).all(axis=1)].T)
         found[raised] = np.maximum(found[raised], RAISED)
     join_corners(found, RAISED)
     found = np.ascontiguousarray(found[1:-1, 1:-1, 1:-1])
