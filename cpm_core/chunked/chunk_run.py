@@ -20,7 +20,7 @@ KINDS = ("grid", "gradient")
 
 
 _THINNED = 2
-"""Distance of the seeds on strong edges along each axis [px]: nearer ones would be deleted in the first steps, and take
+"""Distance of the seeds on strong edges along both axes [px]: nearer ones would be deleted in the first steps, and take
 three times the memory and time."""
 
 
@@ -56,9 +56,5 @@ def _seeds(field: ScaleField, kind: str) -> Array:
         return np.empty((0, 2))
     if kind == "grid":
         return uniform_grid(field.shape)
-    return thinned(above(strength, STRONG, field.strongest))
-
-
-def thinned(seeds: Array) -> Array:
-    """The seeds that stay of those on strong edges."""
+    seeds = above(strength, STRONG, field.strongest)
     return seeds[(seeds % _THINNED == 0.0).all(axis=1)]

@@ -28,6 +28,9 @@ _OVERLAP = 128
 _DISTURBED, _IN_SIGMA = 16, 8.0
 """Distance from the border of what a chunk sees in which contours may differ: in px, and in addition in sigma."""
 
+UNSURE = 1.0
+"""Distance from the border of a core in which the middle of a box may be in another one for the neighbor [px]."""
+
 _STEP = 32
 """What the overlap is a multiple of, so that the pyramids of neighbors have the same pixels [px]."""
 
@@ -79,6 +82,17 @@ class Chunk:
     number: int
     core: Window
     padded: Window
+
+    def may_own(self, middle: Array) -> bool:
+        """Whether it is the chunk of a contour with this middle, or a neighbor takes it for that."""
+        low, high = np.array([[side.start - 0.5, side.stop - 0.5] for side in self.core]).T
+        return bool(((middle >= low - UNSURE) & (middle < high + UNSURE)).all())
+
+
+def touches(contour: Contour, window: Window) -> bool:
+    """Whether the box of a contour has pixels in a window."""
+    low, high = np.array([[side.start - 0.5, side.stop - 0.5] for side in window]).T
+    return bool((contour.box[1] >= low).all() and (contour.box[0] <= high).all())
 
 
 @frozen
@@ -134,6 +148,13 @@ class Grid:
         at = np.array(np.unravel_index(number, self.counts)).tolist()
         near = np.ix_(*(range(max(k - 1, 0), min(k + 2, n)) for k, n in zip(at, self.counts, strict=True)))
         found: list[int] = np.ravel_multi_index(near, self.counts).ravel().tolist()
+        return found
+
+    def near(self, window: Window) -> list[int]:
+        """Numbers of the chunks that contours with pixels in a window may belong to, if they see them as a whole."""
+        wide = around(window, math.ceil(0.5 * self.whole + UNSURE) + 1, self.shape)
+        at = np.ix_(*(range(side.start // self.side, -(-side.stop // self.side)) for side in wide))
+        found: list[int] = np.ravel_multi_index(at, self.counts).ravel().tolist()
         return found
 
 

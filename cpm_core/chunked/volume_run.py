@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cpm_core.chunked.chunk_run import thinned
 from cpm_core.chunked.grid import Chunk, Grid, Source
 from cpm_core.chunked.run import Compute, Task, in_order
 from cpm_core.chunked.survey import Tone, Whole, step_of
@@ -124,7 +123,7 @@ def _surveyed(task: Task, compute: Compute, side: int) -> tuple[Volume, Array]:
     source, parameters, shape = task.source, task.parameters, task.source.shape
     if task.store.has(_WHOLE):
         known = task.store.load(_WHOLE)
-        whole = Whole.of(known)
+        whole = Whole.of(known, shape)
         return Volume(task, _grid_for(shape, whole.tone.smoothing, side), whole), known["in_core"]
     plain = Grid(shape, side, 0, 0.0)
     tone = Tone(0.0, 0.0, 1.0, 0.0, ())
@@ -224,7 +223,7 @@ def _particles_in(volume: Volume, chunk: Chunk) -> tuple[Levels, Array, Array]:
     measured: Any = partial(_imposed, whole)
     engine = Engine(image, own, measured=measured)
     field: Any = engine.scale_field(own)
-    seeds = everywhere(image) if task.kind == "grid" else thinned(above(field.edge_map, STRONG, whole.strongest[0]))
+    seeds = everywhere(image) if task.kind == "grid" else above(field.edge_map, STRONG, whole.strongest[0])
     if not len(seeds):
         return nothing
     run = Evolution(engine, engine.start(seeds), own, task.max_steps)

@@ -249,6 +249,7 @@ class Bodies:
     table: Entries
     first: Index
     of_part: Index
+    kind = "bodies"
 
     @property
     def count(self) -> int:

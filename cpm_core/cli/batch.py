@@ -17,7 +17,7 @@ from cpm_core.cli.arguments import add, add_parameters, parameters_of
 from cpm_core.cli.output import IN_PART, StatusLine, announce_compilation, print_json, say, say_notes
 from cpm_core.cli.workers import Job, Row, elsewhere, here
 from cpm_core.formats import WRITABLE
-from cpm_core.formats.common.atomic import append, drafts_of, interrupts_put_off, remove_abandoned, write_together
+from cpm_core.formats.common.atomic import append, drafts_of, remove_abandoned, write_together
 from cpm_core.formats.common.content import fingerprint, fingerprint_if_read
 from cpm_core.formats.common.printable import cell, printable, text_of_cell
 from cpm_core.formats.sessions.session_file import SessionFile, load_session
@@ -228,9 +228,8 @@ class Batch:
         try:
             with closing(results):
                 for job, found in results:
-                    with interrupts_put_off():  # files without their row would be made again
-                        row = self.rows[job.number] = self._written(found, self._stems[job.number])
-                        append(self._folder / NAME, _lines([row]))
+                    row = self.rows[job.number] = self._written(found, self._stems[job.number])
+                    append(self._folder / NAME, _lines([row]))
                     yield row
         finally:
             self.rows = dict(sorted(self.rows.items()))

@@ -58,7 +58,7 @@ def run_large(
     source = grid.Source(path, Reading(**part), "zyx" if volume else "yx")
     first = Path(arguments.export[0])
     store = Store(first.with_name(f"{first.name}{_FOLDER}"))
-    task = Task(source, parameters, arguments.auto, store, arguments.max_steps)
+    task = Task(source, parameters, arguments.auto, store, arguments.max_steps, arguments.objects)
     began, channels = time.perf_counter(), source.levels.count("c")
     if channels > 1 and source.reading.channel is None:
         say_notes(source.levels.name, [f"Only the first of its {channels} channels was taken."])
@@ -78,11 +78,10 @@ def run_large(
     store.remove()
     seconds, chunks = time.perf_counter() - began, len(found.grid.chunks)
     smoothing, unit = found.whole.tone.smoothing, "voxels" if volume else "px"
-    counts = {"bodies": found.count} if volume else {"contours": found.count}
-    facts = {**counts, "chunks": chunks, "seconds": round(seconds, 3), "smoothing": smoothing}
+    facts = {found.kind: found.count, "chunks": chunks, "seconds": round(seconds, 3), "smoothing": smoothing}
+    noun = {"bodies": "body"}.get(found.kind, found.kind[:-1])
     lines = [
-        f"{source.levels.name}: {counted(found.count, *(('body', 'bodies') if volume else ('contour',)))} in "
-        f"{sized(found.grid.shape, unit)}",
+        f"{source.levels.name}: {counted(found.count, noun, found.kind)} in {sized(found.grid.shape, unit)}",
         f"{counted(chunks, 'chunk')} in {seconds:.1f} s, smoothing {smoothing:g} {unit}",
     ]
     return report(arguments, facts, lines, files)

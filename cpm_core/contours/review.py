@@ -7,10 +7,9 @@ anchor keeps the mark. A mark without a contour at its anchor is kept for later.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Literal, get_args
+from typing import Literal
 
 import numpy as np
 
@@ -18,7 +17,6 @@ from cpm_core.contours.contour import Contour, Contours, check_color, check_name
 from cpm_core.contours.result import Result, remaining
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Line, Position, frozen, record
-from cpm_core.parameters.quotation import shown
 
 Verdict = Literal["", "kept", "rejected"]
 """Verdict on a contour: none yet, kept, or rejected."""
@@ -78,12 +76,6 @@ class Mark:
     outline: Outline = Outline()
 
     def __post_init__(self) -> None:
-        if len(self.anchor) != 2 or not all(math.isfinite(place) for place in self.anchor):
-            raise ValueError(
-                f"The anchor of a mark is {shown(self.anchor)} but must be two finite numbers, row and column."
-            )
-        if self.verdict not in get_args(Verdict):
-            raise ValueError(f'The verdict of a mark is {shown(self.verdict)} but must be "kept", "rejected" or empty.')
         check_name("a contour", self.name)
         check_color("a mark", self.color)
 

@@ -235,8 +235,6 @@ class Sphere(Round, WithoutOutline):
     sides: Voxel = (1.0, 1.0, 1.0)
 
     def __post_init__(self) -> None:
-        if len(self.center) != 3 or len(self.sides) != 3:
-            raise ValueError(f"center and sides have {len(self.center)} and {len(self.sides)} numbers but need three.")
         check_number("radius", self.radius)
         for side in self.sides:
             check_number("sides", side, 1e-3, 1e3)

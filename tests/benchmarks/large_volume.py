@@ -95,7 +95,9 @@ def run(path, files):
                     continue
             most, largest = max(most, sum(sizes)), max(largest, *sizes)
             time.sleep(0.5)
-    print(f"{time.perf_counter() - began:.0f} s, {most / 2**30:.2f} GiB in all, {largest / 2**30:.2f} GiB in one process")
+    print(
+        f"{time.perf_counter() - began:.0f} s, {most / 2**30:.2f} GiB in all, {largest / 2**30:.2f} GiB in one process"
+    )
 
 
 def judge(side, surface, table):

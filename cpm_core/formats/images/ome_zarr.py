@@ -203,7 +203,6 @@ def stack(path: Path, reading: Reading) -> Stack:
         (deep, row, col),
         levels.unit,
         notes=notes,
-        otherwise=shape[0] // 2,
         series=levels.series,
         number=levels.number,
     )

@@ -7,10 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.formats.common.provenance import Outcome
-from cpm_core.formats.meshes.coordinates import mesh_of
+from cpm_core.formats.meshes.coordinates import Mesh
 from cpm_core.formats.meshes.triangles import Triangles, split
-from cpm_core.image.geometry import Convention
 from cpm_core.numerics.types import Entries, Texts
 
 _OBJECT = "object"
@@ -24,9 +22,8 @@ _KINDS = {
 _ORDERS = {"ascii": "<", "binary_little_endian": "<", "binary_big_endian": ">"}
 
 
-def encode(result: Outcome, space: Convention = "LPS") -> bytes:
-    """Make a binary PLY file of the surface of a result with its normals; ValueError when it has none."""
-    mesh = mesh_of(result, space)
+def encode(mesh: Mesh) -> bytes:
+    """Make a binary PLY file of a surface with its normals."""
     precise = mesh.points.dtype == np.float64
     head = header(mesh.notes, len(mesh.points), len(mesh.faces), "nx ny nz", precise, mesh.numbers is not None)
     vertices = np.empty(len(mesh.points), [("place", "<f8" if precise else "<f4", 3), ("normal", "<f4", 3)])
@@ -70,9 +67,7 @@ class _Property(NamedTuple):
 
 def read(content: bytes) -> Triangles:
     """Triangles of a file, as text or as binary numbers; UnreadableError when it has none."""
-    head, mark, body = content.partition(b"end_header")
-    if not mark:
-        raise ValueError("its header has no end")
+    head, _, body = content.partition(b"end_header")
     body = body.partition(b"\n")[2]
     form = order = ""
     rows: dict[str, int] = {}
@@ -123,8 +118,6 @@ def _element(body: bytes, count: int, properties: list[_Property]) -> tuple[Entr
             if one.counts:
                 length = int(np.frombuffer(body, one.counts, 1, at)[0])
                 at += np.dtype(one.counts).itemsize
-            if length < 0:
-                raise ValueError("a list has a negative number of entries")
             lengths.append(length)
             entries.extend(np.frombuffer(body, one.kind, length, at).tolist())
             at += length * np.dtype(one.kind).itemsize
