@@ -25,7 +25,7 @@ from cpm_core.formats.images.ome_zarr import create_levels, write_part
 from cpm_core.formats.images.reading import Reading
 from cpm_core.numerics.grids import Window, join_corners, parts_joined, parts_of, relative, sides_of, zero_surface
 from cpm_core.numerics.types import Array, Entries, Index, Mask, Single, frozen, record
-from cpm_core.reconstruction.surface.components import FAR, is_borne_out, unknown_regions
+from cpm_core.reconstruction.surface.components import FAR, is_borne_out, support, unknown_regions
 from cpm_core.reconstruction.surface.joints import RAISED, Surroundings, join, spin
 from cpm_core.reconstruction.surface.local_threshold import Box, Levels, height
 from cpm_core.reconstruction.surface.pipeline import width_and_band
@@ -409,7 +409,7 @@ def _surface_in(heights: Heights, chunk: Chunk, found: Single, labels: NDArray[n
     particles, supported = np.empty(0, np.int64), np.zeros(len(vertices), bool)
     if len(vertices) and len(points):
         particles = pair[scipy.spatial.KDTree(vertices * volume.size).query(mine)[1]]
-        supported = scipy.spatial.KDTree(points).query(vertices * volume.size)[0] <= heights.apart
+        supported = support(vertices * volume.size, points, heights.apart)
     of_face, (a, b, c) = pair[faces[:, 0]], (vertices * sides)[faces.T]
     cross, enclosed = np.cross(b - a, c - a), np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0
     moments = enclosed[:, None] * (a + b + c) / 4.0 / sides

@@ -1,5 +1,7 @@
 """A volume larger than memory, here a small one with small chunks: surfaces are those of a run in one piece."""
 
+import shutil
+
 import numpy as np
 import pytest
 import scipy
@@ -120,6 +122,7 @@ def test_each_body_is_found_once_in_all_files(found, files):
     assert sorted(np.unique(surface.numbers)) == list(range(1, BODIES + 1))
 
 
+@pytest.mark.long
 def test_dark_bodies_are_found_where_most_of_the_border_is_bright(tmp_path):
     values = (200.0 - 150.0 * np.clip(distance() + 0.5, 0.0, 1.0)).astype(np.uint8)
     found = found_in(write(tmp_path / "dark.zarr", values), tmp_path, kind="gradient")
@@ -127,6 +130,7 @@ def test_dark_bodies_are_found_where_most_of_the_border_is_bright(tmp_path):
     assert found.table["volume"].sum() == pytest.approx((distance() > 0.0).sum() * 0.125, rel=0.02)
 
 
+@pytest.mark.long
 def test_a_body_larger_than_a_chunk_is_filled_where_no_chunk_sees_its_surface(tmp_path):
     p, r, c = np.indices((96, 96, 96), sparse=True)
     off = 37.0 - np.sqrt((p - 48) ** 2 + (r - 48) ** 2 + (c - 48) ** 2)
@@ -138,24 +142,16 @@ def test_a_body_larger_than_a_chunk_is_filled_where_no_chunk_sees_its_surface(tm
     assert (labels != inside).mean() < 2e-3
 
 
-def test_a_run_that_was_ended_is_continued_with_the_other_chunks(source, tmp_path):
-    done = []
-
-    def killed(function, jobs, title):
-        for at, job in enumerate(jobs):
-            if title == "bodies" and at == 3:
-                raise KeyboardInterrupt
-            yield at, function(job)
-            done.append(title)
-
-    with pytest.raises(KeyboardInterrupt):
-        found_in(source, tmp_path, compute=killed, max_steps=2)
+def test_a_run_that_was_ended_is_continued_with_the_other_chunks(source, found, tmp_path):
+    shutil.copytree(found.volume.task.store.folder, tmp_path / "chunks")
+    for name in ("parts_3.npz", "parts_6.npz", "necks_7.npz"):
+        (tmp_path / "chunks" / name).unlink()
     again = []
 
     def continued(function, jobs, title):
-        again.extend([title] * len(jobs))
+        again.extend([(title, job.number) for job in jobs])
         return serial(function, jobs, title)
 
-    found_in(source, tmp_path, compute=continued, max_steps=2)
-    assert done.count("bodies") == 3
-    assert again == ["bodies"] * 5
+    same = found_in(source, tmp_path, compute=continued)
+    assert again == [("necks", 7), ("bodies", 3), ("bodies", 6)]
+    assert (same.of_part == found.of_part).all()
