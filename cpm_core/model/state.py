@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -207,8 +207,8 @@ class Particles:
         """
         before = self.position, self.velocity, self.force, self.distance, self.identity
         count = len(stay) + len(position)
-        after = tuple(np.empty((count, *array.shape[1:]), array.dtype) for array in before)
-        _renew(before, stay, position, parents, first, after)
+        after: Any = [np.empty((count, *array.shape[1:]), array.dtype) for array in before]
+        _renew(before, stay, position, parents, first, tuple(after))
         return Particles(*after)
 
     def __repr__(self) -> str:

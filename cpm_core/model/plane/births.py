@@ -53,7 +53,7 @@ class EdgeContact:
     cells: Cells
 
 
-_WORTH_A_THREAD = 4000
+_WORTH_A_THREAD = 1500
 """Particles from which a second thread examines them faster."""
 
 
@@ -226,8 +226,8 @@ _FULL = 1_000_000
 _ROOM = 64
 """Rows of offers that there is room for at first."""
 
-_SEARCHES_A_THREAD = 600
-"""Particles from which a second thread makes the search faster."""
+_SEARCHES_A_THREAD = 300
+"""Particles that search, from which a second thread makes it faster."""
 
 
 _Offers = Array
@@ -254,7 +254,8 @@ def insertion(
     def search_some(first: int, last: int) -> None:
         found[first] = _find_places(*seen, rule, _TURNS, turn, first, last)
 
-    share(search_some, count, _SEARCHES_A_THREAD)
+    searching = int(np.count_nonzero(search.looking & eligible))
+    share(search_some, count, _SEARCHES_A_THREAD * count // (searching + 1) + 1)
     offers = np.concatenate([found[first] for first in sorted(found)])
     offers = offers[np.argsort(offers[:, 0], kind="stable")]
     position, parents = np.empty((len(offers), 2)), np.empty((len(offers), 2), np.int64)

@@ -86,7 +86,7 @@ def is_travelling(state: State, parameters: Parameters) -> bool:
     """
     idle = idle_at(state.coverage, state.particles.position, state.step_of_scale, _OUTSIDE)
     speed = lengths(state.particles.velocity[idle == _OUTSIDE])
-    return np.count_nonzero(speed > fast_speed(parameters)) > _TRAVELLING * state.count
+    return bool(np.count_nonzero(speed > fast_speed(parameters)) > _TRAVELLING * state.count)
 
 
 def _let_gather(state: State, scale_field: ScaleField, idle: Index) -> None:
