@@ -42,7 +42,7 @@ def run_large(arguments: argparse.Namespace, path: Path, part: Plain, parameters
     source = grid.Source(path, Reading(**part))
     first = Path(arguments.export[0])
     store = Store(first.with_name(f"{first.name}{_FOLDER}"))
-    task = Task(source, parameters, arguments.auto, store, arguments.max_steps)
+    task = Task(source, parameters, arguments.auto, store, arguments.max_steps, arguments.objects)
     began, channels = time.perf_counter(), source.levels.count("c")
     if channels > 1 and source.reading.channel is None:
         say_notes(source.levels.name, [f"Only the first of its {channels} channels was taken."])
@@ -62,10 +62,10 @@ def run_large(arguments: argparse.Namespace, path: Path, part: Plain, parameters
     store.remove()
     seconds, chunks = time.perf_counter() - began, len(found.counts)
     count, smoothing = sum(found.counts), found.whole.tone.smoothing
-    facts = {"contours": count, "chunks": chunks, "seconds": round(seconds, 3), "smoothing": smoothing}
+    facts = {found.kind: count, "chunks": chunks, "seconds": round(seconds, 3), "smoothing": smoothing}
     size = sized(found.grid.shape)
     lines = [
-        f"{source.levels.name}: {counted(count, 'contour')} in {size}",
+        f"{source.levels.name}: {counted(count, found.kind[:-1])} in {size}",
         f"{counted(chunks, 'chunk')} in {seconds:.1f} s, smoothing {smoothing:g} px",
     ]
     return report(arguments, facts, lines, files)

@@ -6,10 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from cpm_core.formats.common.provenance import Outcome
-from cpm_core.formats.meshes.coordinates import mesh_of
+from cpm_core.formats.meshes.coordinates import Mesh
 from cpm_core.formats.meshes.triangles import Triangles, split
-from cpm_core.image.geometry import Convention
 from cpm_core.numerics.types import Entries
 
 _OBJECT = "object"
@@ -23,9 +21,8 @@ _KINDS = {
 _ORDERS = {"ascii": "<", "binary_little_endian": "<", "binary_big_endian": ">"}
 
 
-def encode(result: Outcome, space: Convention = "LPS") -> bytes:
-    """Make a binary PLY file of the surface of a result with its normals; ValueError when it has none."""
-    mesh = mesh_of(result, space)
+def encode(mesh: Mesh) -> bytes:
+    """Make a binary PLY file of a surface with its normals."""
     precise = mesh.points.dtype == np.float64
     properties = "".join(f"property {'double' if precise else 'float'} {name}\n" for name in ("x", "y", "z"))
     properties += "".join(f"property float {name}\n" for name in ("nx", "ny", "nz"))
@@ -56,9 +53,7 @@ class _Property(NamedTuple):
 
 def read(content: bytes) -> Triangles:
     """Triangles of a file, as text or as binary numbers; UnreadableError when it has none."""
-    head, mark, body = content.partition(b"end_header")
-    if not mark:
-        raise ValueError("its header has no end")
+    head, _, body = content.partition(b"end_header")
     body = body.partition(b"\n")[2]
     form = order = ""
     rows: dict[str, int] = {}
@@ -109,8 +104,6 @@ def _element(body: bytes, count: int, properties: list[_Property]) -> tuple[Entr
             if one.counts:
                 length = int(np.frombuffer(body, one.counts, 1, at)[0])
                 at += np.dtype(one.counts).itemsize
-            if length < 0:
-                raise ValueError("a list has a negative number of entries")
             lengths.append(length)
             entries.extend(np.frombuffer(body, one.kind, length, at).tolist())
             at += length * np.dtype(one.kind).itemsize
