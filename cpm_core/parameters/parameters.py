@@ -8,6 +8,7 @@ it.
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from typing import Literal, cast
 
 import numpy as np
@@ -147,7 +148,7 @@ class Parameters:
                 "otherwise repulsion tears the particles off the edges."
             )
 
-    @property
+    @cached_property
     def steering(self) -> tuple[object, ...]:
         """Values that the motion of the particles depends on: all but those for the start and the contours."""
         return tuple(getattr(self, name) for name in invalidating("nothing", "field"))
