@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from cpm_core.contours.result import Result
+from cpm_core.field.edge_map import gradient, gradient_within
 from cpm_core.field.placed_charges import PlacedCharge
+from cpm_core.field.scale_field import build_scale_field, limited_to
 from cpm_core.image.denoising import clean
 from cpm_core.image.image import Image
 from cpm_core.image.regions import Regions
@@ -25,10 +28,14 @@ from cpm_core.objects.boundaries.snapping import snapped
 from cpm_core.objects.methods import CONTOUR_METHODS, Start, run_method
 from cpm_core.objects.partition import partition
 from cpm_core.parameters import PRESETS, Parameters
+from cpm_core.reconstruction import find_contours
 from cpm_core.segmentation.engine import Engine
 
 _ROW, _COL = np.indices((32, 32))
 _IMAGE = 255.0 * (np.hypot(_ROW - 15.5, _COL - 15.5) < 9.0)
+_TALL = np.zeros((512, 4))
+"""Rows of which several threads take some each."""
+
 _REGIONS = Regions(interest=(((1, 1), (1, 30), (30, 30), (30, 1)),), barriers=(((5.3, 2.2), (6.1, 28.4)),))
 _PARAMETERS = Parameters(scales=2)
 _CHARGES = (PlacedCharge((4.0, 4.0), 1.0),)
@@ -41,6 +48,7 @@ _MOST_STEPS = 60
 
 def step_once() -> None:
     """Run the kernels of the steps of a run, and of its energy."""
+    gradient(_TALL, 1.0)
     engine = Engine(_IMAGE, _PARAMETERS)
     state = engine.start(circle((15.5, 15.5), 5.0))
     for _ in range(_MOST_STEPS):
@@ -78,6 +86,15 @@ def extras_once() -> None:
     run_method(CONTOUR_METHODS["geodesic"], Image(_IMAGE), start, max_steps=_STEPS)
 
 
+def large_once() -> None:
+    """Run the kernels of a large image: its fields are in single precision, and made for windows of it."""
+    slopes = partial(gradient_within, _IMAGE, _PARAMETERS.smoothing)
+    gradient(_TALL, 1.0, np.float32)
+    part = build_scale_field(_IMAGE, _PARAMETERS.smoothing, 0.0, slopes=slopes).part((slice(0, 32), slice(0, 31)))
+    _ = part.packed
+    find_contours(circle((15.5, 15.5), 9.0), limited_to(part, part.edge_map > part.floor), _PARAMETERS)
+
+
 def volume_once() -> None:
     """Run the kernels of a run in a volume, with and without placed charges, of its forces and of its surface."""
     image = np.round(200.0 * np.clip(6.5 - np.linalg.norm(np.indices((20, 20, 20)) - 9.5, axis=0), 0.0, 1.0))
@@ -102,7 +119,7 @@ Part = Callback
 FIRST: tuple[Part, ...] = (step_once, contours_once)
 """What a first run on an image needs."""
 
-LATER: tuple[Part, ...] = (objects_once, extras_once)
+LATER: tuple[Part, ...] = (objects_once, large_once, extras_once)
 """All else that is done with images."""
 
 VOLUMES: tuple[Part, ...] = (volume_once,)

@@ -22,7 +22,6 @@ from cpm_core.cli.inputs import notes_on, reviewed, segmented, with_room
 from cpm_core.cli.output import facts_of_run
 from cpm_core.contours.result import Result
 from cpm_core.formats import encoded, load_image, omission
-from cpm_core.formats.common.atomic import interrupts_handled
 from cpm_core.formats.common.content import fingerprint_if_read, missing
 from cpm_core.formats.common.provenance import VERSION, with_shapes
 from cpm_core.formats.images.reading import DEFAULT
@@ -143,7 +142,7 @@ def here(
     """
     count = min(workers or cores(), len(jobs))
     each = 1 if workers else max(1, cores() // max(1, count))  # where there are more cores than jobs
-    if count <= 1 and (go_on is None or not jobs):
+    if count <= 1 and go_on is None:
         with at_most(each):
             yield from ((job, do(job)) for job in jobs)
         return
@@ -175,8 +174,7 @@ def _in_processes(
         while working or (waiting and not broken):
             while waiting and not broken and len(working) < count:  # no more, so that few results wait in memory
                 try:
-                    with interrupts_handled(signal.SIG_IGN):  # this process ends those that it starts
-                        working[pool.submit(do, waiting[-1])] = waiting[-1]
+                    working[pool.submit(do, waiting[-1])] = waiting[-1]
                     waiting.pop()
                 except BrokenProcessPool:
                     broken = True
@@ -198,6 +196,7 @@ def _in_processes(
 
 def _begin(use: int) -> None:
     """Let a new process use so many cores, and end when the one that has started it is killed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # as the one that has started it ends it
     at_most(use).__enter__()
     parent = multiprocessing.parent_process()
 

@@ -79,12 +79,6 @@ class PackedSurface:
     def __post_init__(self) -> None:
         if not len(self.surface.faces) or not self.surface.closed:
             raise ValueError("The surface around an object is not closed, so nothing is inside.")
-        sides = np.ceil(np.ptp(self.surface.vertices, axis=0)).tolist()
-        if math.prod(sides) > MOST_VOXELS:
-            raise ValueError(
-                f"The surface around an object spans {' x '.join(f'{side:g}' for side in sides)} voxels, but at most "
-                f"{MOST_VOXELS:,} in all can be filled: make it smaller."
-            )
 
     @classmethod
     def of(cls, surface: Surface) -> PackedSurface:
@@ -210,19 +204,21 @@ class PackedVoxels:
     def with_part(self, begin: Corner, mask: Mask) -> PackedVoxels | None:
         """These with a mask instead of what is in its box, which begins at a voxel; None without any voxel."""
         low, high = np.array(begin), np.add(begin, mask.shape)
-        known = self._around(low, high)
-        # whole bytes are changed
-        first, last = low.copy(), high.copy()
-        first[2] -= (low[2] - known.first[2]) % _BYTE
-        last[2] += (known.first[2] - high[2]) % _BYTE
-        bits = known.part(first, last - first)
-        bits[_window(low, high, first)] = mask
-        (plane, row, col), planes = first - known.first, [*known.planes]
-        for at, changed in enumerate(np.packbits(bits, axis=2), start=plane):
-            rows = known._rows(at).copy()
-            rows[row : row + len(changed), col // _BYTE :][:, : changed.shape[1]] = changed
-            planes[at] = rows.tobytes()
-        return replace(known, planes=tuple(planes)) if _any(planes) else None
+        first, last = np.minimum(self.first, low), np.maximum(np.add(self.first, self.shape), high)
+        first[2] -= (first[2] - self.first[2]) % _BYTE
+        last[2] += (first[2] - last[2]) % _BYTE
+        (_, rows, cols), planes = last - first, []
+        same = (rows, cols) == self.shape[1:]
+        for at in range(first[0], last[0]):
+            changed = low[0] <= at < high[0]
+            if same and not changed and 0 <= at - self.first[0] < len(self.planes):
+                planes.append(self.planes[at - self.first[0]])
+                continue
+            bits = self.part((at, first[1], first[2]), (1, rows, cols))[0]
+            if changed:
+                bits[_window(low[1:], high[1:], first[1:])] = mask[at - low[0]]
+            planes.append(np.packbits(bits, axis=1).tobytes())
+        return PackedVoxels(tuple(first.tolist()), cols // _BYTE, tuple(planes)) if _any(planes) else None
 
     @property
     def voxels(self) -> Voxels:
@@ -261,23 +257,6 @@ class PackedVoxels:
     def _rows(self, plane: int) -> Pixels:
         """The bytes of a plane of the box, a row of the array for each of its rows."""
         return np.frombuffer(self.planes[plane], np.uint8).reshape(-1, self.width)
-
-    def _around(self, low: Index, high: Index) -> PackedVoxels:
-        """The same voxels in a box with room for another one."""
-        before = np.maximum(np.subtract(self.first, low), 0)
-        after = np.maximum(high - np.add(self.first, self.shape), 0)
-        before[2], after[2] = -(-before[2] // _BYTE), -(-after[2] // _BYTE)
-        if not (before + after).any():
-            return self
-        (above, below), *room = zip(before.tolist(), after.tolist(), strict=True)
-        planes = [
-            np.pad(self._rows(at), room).tobytes() if np.any(room) else self.planes[at]
-            for at in range(len(self.planes))
-        ]
-        nothing, first = (bytes(len(planes[0])),), np.subtract(self.first, before * (1, 1, _BYTE))
-        return PackedVoxels(
-            tuple(first.tolist()), self.width + sum(room[1]), (*nothing * above, *planes, *nothing * below)
-        )
 
 
 PackedBody = PackedVoxels | PackedSurface

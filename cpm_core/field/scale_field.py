@@ -144,7 +144,7 @@ class ScaleField:
     @cached_property
     def gradient(self) -> Array:
         r"""Gradient of the smoothed image, shape (D, \*shape) [gray levels / px]; on an edge it is normal to it."""
-        return self.slopes(whole_window(self.shape))
+        return np.ascontiguousarray(self.slopes(whole_window(self.shape)))
 
     @cached_property
     def _windowed(self) -> WindowedField:
@@ -305,21 +305,15 @@ def packed_force(
         return packed
     field = WindowedField(charged, exponent)
     for tile in tiles(strength.shape, _TILE):  # one after the other: each uses all cores
-        _packed_within(field, *known, tile, packed[tile])
+        packed[tile] = _packed_within(field, *known, tile)
     return packed
 
 
 def _packed_within(
-    field: WindowedField,
-    slopes: Slopes,
-    strength: Array,
-    strongest: float,
-    cut: bool,
-    window: Window,
-    packed: Single | None = None,
+    field: WindowedField, slopes: Slopes, strength: Array, strongest: float, cut: bool, window: Window
 ) -> Single:
     """`packed_force` in a window of a large image."""
-    packed = np.empty((*sides_of(window), 5), np.float32) if packed is None else packed
+    packed = np.empty((*sides_of(window), 5), np.float32)
     outer = around(window, _OVERLAP, strength.shape)
     _pack(field.within(outer), slopes, strength, strongest, cut, outer, relative(window, outer), packed)
     return packed
@@ -336,7 +330,8 @@ def _pack(
     packed: Single,
 ) -> None:
     """Write `packed_force` in a part of a window of which the field is known."""
-    grad, length = slopes(window), strength[window]
+    # kernels are compiled for one layout of all images and windows
+    field, grad, length = map(np.ascontiguousarray, (field, slopes(window), strength[window]))
     lorentz_force(field, grad, magnitude(grad) if cut else length, strongest, packed, (inner[0].start, inner[1].start))
     if cut:
         packed[..., 4] = length[inner]

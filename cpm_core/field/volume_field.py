@@ -50,7 +50,7 @@ _USABLE = 0.25
 _TURN = 0.7
 """Scalar product of the normals of two voxels of the edge map, from which on they belong to one surface."""
 
-_EVERY = 3
+EVERY = 3
 """The background is measured at every third voxel along each axis."""
 
 _LEAST_LINES = 8
@@ -64,7 +64,7 @@ class FarField(NamedTuple):
     block: Vector
 
 
-class _Smoothed(NamedTuple):
+class Smoothed(NamedTuple):
     """Sigma of the smoothing, the smoothed volume, its largest edge strength, and that of its background."""
 
     sigma: float
@@ -208,41 +208,47 @@ def build_volume_field(
     `edge_floor` is the fraction of the largest edge strength below which there is no edge, 0 for what the background
     decides alone; outside `interest` there are no edges, and `walls` are what no particle crosses.
     """
-    if smoothing == "auto":
-        sigma, smoothed, strongest, background = _automatic_edges(values, pitch, interest)
-    else:
-        sigma, smoothed, strongest, background = _smooth_edges(values, pitch, float(smoothing), interest)
+    after = partial(_smooth_edges, values, pitch, interest)
+    sigma, smoothed, strongest, background = automatic_edges(after) if smoothing == "auto" else after(float(smoothing))
+    floor, noisy = weakest_edge_of(strongest, background, edge_floor)
+    return VolumeField(Slopes.of(smoothed, pitch, interest), pitch, strongest, floor, sigma, noisy=noisy, walls=walls)
+
+
+def weakest_edge_of(strongest: float, background: float, edge_floor: float) -> tuple[float, bool]:
+    """Least edge strength for edge contact, and whether noise decides on it."""
     least = max(WEAKEST_EDGE, edge_floor) * strongest
     noise = min(background, _MOST_BACKGROUND * strongest)
-    floor = max(least, noise) if strongest > 0.0 else math.inf
-    slopes = Slopes.of(smoothed, pitch, interest)
-    return VolumeField(slopes, pitch, strongest, floor, sigma, noisy=noise > least, walls=walls)
+    return max(least, noise) if strongest > 0.0 else math.inf, noise > least
 
 
-def _automatic_edges(values: Array, pitch: Vector, interest: Mask | None) -> _Smoothed:
-    """Edges after the least smoothing that raises them above the noise."""
+def automatic_edges(after: Callable[[float], Smoothed]) -> Smoothed:
+    """Edges after the least smoothing that raises them above the noise; `after` gives those after one."""
     usable: float | None = None
     for sigma, clear in zip(_SERIES, _CLEAR, strict=True):
-        found = _smooth_edges(values, pitch, sigma, interest)
+        found = after(sigma)
         if found.background <= clear * found.strongest:
             return found
         if usable is not None:
-            return _smooth_edges(values, pitch, usable, interest)
+            return after(usable)
         usable = sigma if found.background <= _USABLE * found.strongest else None
     return found
 
 
-def _smooth_edges(values: Array, pitch: Vector, sigma: float, interest: Mask | None) -> _Smoothed:
+def _smooth_edges(values: Array, pitch: Vector, interest: Mask | None, sigma: float) -> Smoothed:
     """A volume after a Gaussian of this sigma [units], and its edges; there are none outside `interest`."""
     smoothed = smoothed_volume(values, [sigma / side for side in pitch])
     slopes, strongest, some = Slopes.of(smoothed, pitch, interest), 0.0, []
-    for first in range(0, len(smoothed), _LEAST_LINES * _EVERY):
-        window = slice(first, first + _LEAST_LINES * _EVERY)
+    for first in range(0, len(smoothed), _LEAST_LINES * EVERY):
+        window = slice(first, first + _LEAST_LINES * EVERY)
         found = slopes.strengths(window.start, window.stop)
         strongest = max(strongest, float(found.max()))
-        some.append(found[::_EVERY, ::_EVERY, ::_EVERY].ravel() if interest is None else found[interest[window]])
-    background = _DEVIATIONS * float(np.percentile(np.concatenate(some), 25.0)) / _MAXWELL_QUARTILE
-    return _Smoothed(sigma, smoothed, strongest, background)
+        some.append(found[::EVERY, ::EVERY, ::EVERY].ravel() if interest is None else found[interest[window]])
+    return Smoothed(sigma, smoothed, strongest, background_of(np.concatenate(some)))
+
+
+def background_of(strengths: Array | Single) -> float:
+    """Edge strength that noise rarely exceeds, from strengths all over a volume."""
+    return _DEVIATIONS * float(np.percentile(strengths, 25.0)) / _MAXWELL_QUARTILE
 
 
 def smoothed_volume(values: Array, sigmas: list[float]) -> Single:

@@ -33,6 +33,7 @@ from cpm_core.formats.contours import (
 )
 from cpm_core.formats.masks import dicom_seg, itk_snap, labels, nifti, nrrd
 from cpm_core.formats.meshes import obj, ply, stl, swc, vtk
+from cpm_core.formats.meshes.coordinates import Mesh, mesh_of
 from cpm_core.image.geometry import Convention
 from cpm_core.medial_axis.centerlines import Centerlines
 from cpm_core.medial_axis.skeleton import Skeleton
@@ -81,7 +82,11 @@ _LABELS = "insides of closed contours as a label mask"
 _LINES = "branches as lines of a label mask"
 _SIZED = "of 16 or 32 bits, with the size of a pixel"
 _MASK = partial(Format, volume="the objects inside a surface as a label volume", options=("outlines",))
-_MESH = partial(Format, options=("space",))
+
+
+def _mesh(suffix: str, encode: Callable[[Mesh], bytes], volume: str) -> Format:
+    return Format(suffix, lambda result, space: encode(mesh_of(result, space)), volume=volume, options=("space",))
+
 
 FORMATS: tuple[Format, ...] = (
     Format(".svg", svg.encode, "contours as a vector drawing", "branches as a vector drawing, with their thickness"),
@@ -138,12 +143,12 @@ FORMATS: tuple[Format, ...] = (
         Format(f".figure{suffix}", partial(figure.encoded, suffix), text.format("contours"), text.format("branches"))
         for suffix, text in _FIGURES.items()
     ),
-    _MESH(".ply", ply.encode, volume="the surface of a volume with its normals"),
-    _MESH(".stl", stl.encode, volume="the triangles of the surface of a volume, for printing"),
-    _MESH(".obj", obj.encode, volume="the surface of a volume as text"),
-    _MESH(".vtk", vtk.encode, volume="the surface of a volume as poly data"),
+    _mesh(".ply", ply.encode, "the surface of a volume with its normals"),
+    _mesh(".stl", stl.encode, "the triangles of the surface of a volume, for printing"),
+    _mesh(".obj", obj.encode, "the surface of a volume as text"),
+    _mesh(".vtk", vtk.encode, "the surface of a volume as poly data"),
     Format(".points.csv", points_csv.encode, volume="the particles of a run in a volume, as a table"),
-    _MESH(".swc", swc.encode, lines="center lines in a volume as a tree of points with radii"),
+    Format(".swc", swc.encode, lines="center lines in a volume as a tree of points with radii", options=("space",)),
 )
 
 _SUFFIXES = tuple(one.suffix for one in FORMATS)

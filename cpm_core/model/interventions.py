@@ -114,11 +114,9 @@ def _mask(inside: ArrayLike, count: int, noun: str) -> Mask:
 
 def start_scale(state: State, scale: int, regions: AnyRegions | None) -> State:
     """Begin a scale with the particles of the coarser one and with all seeds."""
-    position = np.concatenate([to_scale(places, scale, state.shape) for places in (state.position, state.start)])
-    shape = shape_of_scale(state.shape, scale)
-    position = position[inside_image(position, shape)]
-    position = position[allowed_by(to_image(position, scale, state.shape), regions)]
-    first, space = state.next_identity, state.space
+    coarser_and_seeds = (state.position, state.start)
+    position = np.concatenate([allowed_places(places, scale, state.shape, regions) for places in coarser_and_seeds])
+    shape, first, space = shape_of_scale(state.shape, scale), state.next_identity, state.space
     if space is not None:
         position, space = position * space.pitch, replace(space, covered=no_surface())
     windowed = len(shape) == 2 and math.prod(state.shape) > _WINDOWED
@@ -141,6 +139,13 @@ def start_scale(state: State, scale: int, regions: AnyRegions | None) -> State:
         epsilon=float("nan"),
         space=space,
     )
+
+
+def allowed_places(position: Array, scale: int, shape: Extent, regions: AnyRegions | None) -> Array:
+    """Positions [px of the image of this shape] at a scale, without those where no particle may be."""
+    places = to_scale(position, scale, shape)
+    places = places[inside_image(places, shape_of_scale(shape, scale))]
+    return places[allowed_by(to_image(places, scale, shape), regions)]
 
 
 _NEAR_END, _ROOM = 16.0, 96

@@ -32,6 +32,7 @@ from cpm_core.parameters import OF_SKELETONS, PARAMETERS, Parameters
 from cpm_core.parameters.choices import CHOICES
 from cpm_core.parameters.provenance import Provenance, taken
 from cpm_core.parameters.quotation import counted, described, sized
+from cpm_core.segmentation.finer_scale import begun
 from cpm_core.segmentation.outcome import contours_of, surface_of
 from cpm_core.segmentation.reach.local_fields import LocalFields
 from cpm_core.segmentation.reach.reach_map import ReachMap
@@ -157,7 +158,9 @@ class Engine(ImageFields):
         state = interventions.widened(interventions.applied(state, self.regions, parameters, charges))
         field = self._field_with(self._field_of(state, parameters), state.scale, state.charges)
         after: State = self._laws.stepped(state, field, self.regions, parameters)
-        return after
+        if after.scale == state.scale:
+            return after
+        return begun(after, self._field_of(after, parameters))
 
     def forces(
         self,

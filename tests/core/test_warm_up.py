@@ -1,11 +1,15 @@
 """Warming up compiles the kernels and has no other effect."""
 
 import os
+import sys
 import threading
 
 import numpy as np
+from numba.core.dispatcher import Dispatcher
 
 from cpm_core import Engine, Parameters, circle
+from cpm_core.field import scale_field, scale_space
+from cpm_core.segmentation.reach import local_fields
 from cpm_core.warm_up import warm_up
 
 from .scenes import disk
@@ -45,3 +49,26 @@ def test_nothing_begins_once_it_is_canceled():
     called = []
     warm_up(lambda: True, called.append)
     assert called == []
+
+
+def compiled() -> dict[str, list[object]]:
+    """The types of arguments that each kernel is compiled for."""
+    modules = [module for name, module in [*sys.modules.items()] if name.startswith("cpm_core")]
+    kernels = [kernel for module in modules for kernel in vars(module).values() if isinstance(kernel, Dispatcher)]
+    return {kernel.__qualname__: list(kernel.signatures) for kernel in kernels}
+
+
+def test_no_kernel_is_left_to_compile_for_a_large_image(monkeypatch):
+    warm_up()
+    before = compiled()
+    for module in (scale_field, scale_space, local_fields):
+        monkeypatch.setattr(module, "LARGE", 1000)
+    monkeypatch.setattr(scale_field, "_TILE", 20)
+    parameters = Parameters(scales=1)
+    for seeds in (circle((32.0, 32.0), 7.0), np.argwhere(np.ones((16, 16))) * 4.0):
+        engine = Engine(disk((64, 64), (32.0, 32.0), 14.0).values, parameters)
+        state = engine.start(seeds)
+        for _ in range(40):
+            state = engine.step(state, parameters)
+        assert engine.result(state, parameters).contours
+    assert compiled() == before

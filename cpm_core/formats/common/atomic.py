@@ -7,12 +7,10 @@ import errno
 import hashlib
 import os
 import secrets
-import signal
 import stat
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from types import FrameType
 
 from cpm_core.formats.common.content import AnyPath, placed
 from cpm_core.parameters.quotation import shown
@@ -74,10 +72,9 @@ def drafts_of(*paths: Path) -> Iterator[list[Path]]:
                 if known is not None and hasattr(os, "fchmod"):
                     os.fchmod(stream.fileno(), stat.S_IMODE(known.st_mode))
                 os.fsync(stream.fileno())
-        with interrupts_put_off():
-            for moved, (draft, target) in enumerate(moves):
-                with _failures_told(target, f" {moved} of {len(moves)} files were written before." if moved else ""):
-                    draft.replace(target)
+        for moved, (draft, target) in enumerate(moves):
+            with _failures_told(target, f" {moved} of {len(moves)} files were written before." if moved else ""):
+                draft.replace(target)
     finally:
         for draft, _ in moves:
             with contextlib.suppress(OSError):
@@ -177,31 +174,3 @@ def _check_target(target: Path) -> os.stat_result | None:
     if not known.st_mode & (stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH) or not os.access(target, os.W_OK):
         raise ValueError(f"{placed(target)} is read-only and is not replaced: make it writable, or name another one.")
     return known
-
-
-@contextlib.contextmanager
-def interrupts_handled(handler: Callable[[int, FrameType | None], object] | signal.Handlers) -> Iterator[None]:
-    """Handle Ctrl+C in the block by `handler`; in any but the main thread, which alone is interrupted, as before."""
-    try:
-        before = signal.signal(signal.SIGINT, handler)
-    except ValueError:  # only the main thread may change it
-        yield
-        return
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
-
-
-@contextlib.contextmanager
-def interrupts_put_off() -> Iterator[None]:
-    """Let Ctrl+C wait until the end of the block, and then have the effect that it would have had."""
-    before = signal.getsignal(signal.SIGINT)
-    if not callable(before):  # ignored, or not of Python
-        yield
-        return
-    came: list[tuple[int, FrameType | None]] = []
-    with interrupts_handled(lambda *given: came.append(given)):
-        yield
-    if came:
-        before(*came[0])

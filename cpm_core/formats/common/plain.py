@@ -10,7 +10,6 @@ import contextlib
 import dataclasses
 import json
 import math
-import re
 from collections.abc import Callable, Mapping
 from types import UnionType
 from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
@@ -34,8 +33,6 @@ LARGEST = 1e6
 _REGIONS: dict[str, type[AnyRegions]] = {"regions": Regions, "volume_regions": VolumeRegions}
 NAMES = tuple(_REGIONS)
 """Entries that hold the limits of particles in an image, and in a volume."""
-
-_UNPAIRED = re.compile("[\ud800-\udfff]")
 
 
 @frozen
@@ -219,7 +216,6 @@ def array_from_plain(plain: object, dtype: DTypeLike, shape: tuple[int | None, .
     if not (
         isinstance(sides, list)
         and len(sides) == len(shape)
-        and all(type(side) is int and side >= 0 for side in sides)
         and all(wanted in (None, side) for side, wanted in zip(sides, shape, strict=True))
     ):
         wanted = " x ".join("any" if side is None else str(side) for side in shape)
@@ -250,10 +246,9 @@ def encoded_json(content: Plain) -> bytes:
             continue
         inner = ",\n".join(f"    {entry}" for entry in entries)
         lines.append(f"  {_line(key)}: {ends[0]}\n{inner}\n  {ends[1]}")
-    return ("{\n" + ",\n".join(lines) + "\n}\n").encode()
+    return ("{\n" + ",\n".join(lines) + "\n}\n").encode(errors="backslashreplace")
 
 
 def _line(value: object) -> str:
-    text = json.dumps(value, ensure_ascii=False, allow_nan=False, default=dict)
-    # Names of files may hold bytes that are not text, which only escapes preserve.
-    return text if text.isascii() or not _UNPAIRED.search(text) else json.dumps(value, allow_nan=False, default=dict)
+    # Names of files may hold bytes that are not text, which escapes preserve where all is encoded.
+    return json.dumps(value, ensure_ascii=False, allow_nan=False, default=dict)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -15,7 +14,6 @@ from cpm_core.contours.result import Result
 from cpm_core.formats.common.plain import encoded_json, from_plain, to_plain
 from cpm_core.formats.common.provenance import ENTRY, Outcome, facts_of, facts_on
 from cpm_core.formats.contours.contents import Contents, checked, rounded
-from cpm_core.formats.images.decoded import MAXIMUM_PIXELS
 from cpm_core.medial_axis.skeleton import Skeleton
 from cpm_core.numerics.types import Array, Entries, Plain
 from cpm_core.pages.page import Page, StackResult
@@ -24,12 +22,6 @@ from cpm_core.parameters.provenance import Provenance
 
 _OF_IMAGE, _OF_STACK = "cpm-contours", "cpm-pages"
 """Values of the entry ``format`` of such a file."""
-
-_MOST_PARTICLES = 10**7
-"""Most particles that a page is believed to have had."""
-
-_FARTHEST = 1e100
-"""Distance of a vertex from the first pixel up to which lengths and areas can be computed [px]."""
 
 
 def encode(result: Outcome) -> bytes:
@@ -148,18 +140,13 @@ def _result_from(plain: Plain) -> Result:
     image, run = plain["image"], plain["run"]
     rows, cols = _shape_of(plain)
     height, width = map(float, image["spacing"])
-    particles = int(run["particles"])
-    if not (0 <= particles <= _MOST_PARTICLES and min(rows, cols) > 0 and rows * cols <= MAXIMUM_PIXELS):
-        raise ValueError("a page is larger than any image")
-    if not (0.0 < height < math.inf and 0.0 < width < math.inf):
-        raise ValueError("a page has pixels of no size")
     contours = []
     for entry in plain["contours"]:
         contour, contrast = _contour_from(entry), entry["contrast"]
         contours.append(contour if contrast is None else replace(contour, sides=partial(float, float(contrast))))
     facts = plain[ENTRY]
     return Result(
-        np.zeros((particles, 2)),  # only their number is in the file
+        np.zeros((int(run["particles"]), 2)),  # only their number is in the file
         tuple(contours),
         None,
         int(run["steps"]),
@@ -196,7 +183,4 @@ def _contour_from(plain: Plain) -> Contour:
 
 
 def _points(plain: Plain) -> Array:
-    points = np.array(plain["points"], float)
-    if points.ndim != 2 or points.shape[1] != 2 or not (np.abs(points) <= _FARTHEST).all():
-        raise ValueError("vertices are not pairs of numbers that can be measured")
-    return points
+    return np.array(plain["points"], float).reshape(-1, 2)

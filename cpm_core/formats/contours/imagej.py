@@ -14,8 +14,7 @@ import roifile
 from roifile import ROI_OPTIONS, ROI_SUBTYPE, ROI_TYPE, ImagejRoi
 
 from cpm_core.contours.contour import Contour, numbers_of
-from cpm_core.formats.common.content import UnreadableError
-from cpm_core.formats.common.provenance import Outcome, ascii_entries_of, facts_of
+from cpm_core.formats.common.provenance import Outcome, entries_of, facts_of
 from cpm_core.formats.contours.contents import PIXEL, Contents, rgb
 from cpm_core.formats.contours.curves import bezier, ellipse, nested, rectangle
 from cpm_core.numerics.types import Array, Entries
@@ -30,8 +29,6 @@ _LARGEST = 32767
 _LONGEST = 60
 """Longest name of a file in the archive [characters]."""
 
-_LARGEST_SET = 2**28
-"""Most bytes of all selections of a set."""
 
 _AREAL = (ROI_TYPE.POLYGON, ROI_TYPE.FREEHAND, ROI_TYPE.TRACED, ROI_TYPE.RECT, ROI_TYPE.OVAL)
 _LINES = (ROI_TYPE.LINE, ROI_TYPE.FREELINE, ROI_TYPE.POLYLINE, ROI_TYPE.ANGLE)
@@ -128,7 +125,7 @@ def selection(contour: Contour, number: int, properties: str, **place: int) -> b
 
 def properties_of(result: Outcome) -> str:
     """How contours were found, as properties of a selection: a key and a value in each line, in ASCII."""
-    return "".join(f"cpm_{name}: {value}\n" for name, value in ascii_entries_of(facts_of(result)).items())
+    return "".join(f"cpm_{name}: {value}\n" for name, value in entries_of(facts_of(result)).items())
 
 
 def read(content: bytes) -> Contents:
@@ -153,11 +150,6 @@ def _selections(content: bytes, found: Contents) -> Iterator[tuple[str, bytes]]:
         yield "", content
         return
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
-        whole = sum(entry.file_size for entry in archive.infolist())
-        if whole > _LARGEST_SET:
-            raise UnreadableError(
-                f"The set has {whole >> 20} MB unpacked, more than the {_LARGEST_SET >> 20} MB allowed."
-            )
         for entry in archive.infolist():
             if entry.filename.lower().endswith(".roi"):
                 yield PurePosixPath(entry.filename).stem, archive.read(entry)

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import PIL.Image
 import scipy
 
 from cpm_core.contours.contour import Contour
@@ -18,7 +19,7 @@ from cpm_core.formats.common.plain import encoded_json
 from cpm_core.formats.common.provenance import ENTRY, Outcome, facts_of
 from cpm_core.formats.contours.contents import PIXEL, Contents, pairs
 from cpm_core.formats.contours.curves import ellipse, nested, rectangle
-from cpm_core.formats.contours.mask import opened, outlines
+from cpm_core.formats.contours.mask import outlines
 from cpm_core.numerics.polyline import inside
 from cpm_core.numerics.types import Array, Entries, Position
 
@@ -154,7 +155,7 @@ def read(content: Entries) -> Contents:
 
 def _mask(shape: Entries, corners: Array) -> list[tuple[Array, bool]]:
     """The outlines of a mask, which is a picture in text, from its box on."""
-    with opened(io.BytesIO(base64.b64decode(shape["mask"], validate=True))) as picture:
+    with PIL.Image.open(io.BytesIO(base64.b64decode(shape["mask"])), formats=("PNG",)) as picture:
         mask = np.asarray(picture.convert("L")) > 0
     row, col = np.rint(corners[0] + PIXEL).astype(int).tolist()
     return outlines(mask, row, col)

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import Any
 
 import numpy as np
 import scipy
@@ -14,23 +12,7 @@ import skimage
 from numpy.typing import NDArray
 from PIL import Image
 
-from cpm_core.formats.images.decoded import MAXIMUM_PIXELS
 from cpm_core.numerics.types import Array, Mask
-
-
-@contextmanager
-def opened(source: Path | BinaryIO) -> Iterator[Image.Image]:
-    """A mask that is a PNG; ValueError for one of more pixels than an image may have, before they are unpacked."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # which asks for what is checked here
-        try:
-            picture = Image.open(source, formats=("PNG",))
-        except Image.DecompressionBombError:
-            raise ValueError("a mask is too large") from None
-    with picture:
-        if picture.width * picture.height > MAXIMUM_PIXELS:
-            raise ValueError("a mask is too large")
-        yield picture
 
 
 def outlines(mask: NDArray[np.generic], row: int = 0, col: int = 0) -> list[tuple[Array, bool]]:
@@ -50,11 +32,11 @@ def outlines(mask: NDArray[np.generic], row: int = 0, col: int = 0) -> list[tupl
 def numbered_colors(file: Path) -> NDArray[np.integer] | None:
     """The numbers of the colors of a PNG that has a table of them; None for other files."""
     try:
-        with opened(file) as picture:
+        with Image.open(file, formats=("PNG",)) as picture:
             if picture.mode == "P":
                 return np.array(picture, np.int32)
-    except (OSError, SyntaxError, ValueError):  # no PNG, a damaged or large one, of which the reader of images reports
-        return None
+    except (OSError, SyntaxError, ValueError, Image.DecompressionBombError):
+        return None  # no PNG, or a damaged or large one, of which the reader of images reports
     return None
 
 
@@ -71,13 +53,6 @@ def mask_of_runs(plain: Any) -> Mask:
     height, width = (int(side) for side in plain["size"])
     counts = plain["counts"]
     lengths = _unpacked(counts) if isinstance(counts, str) else np.array(counts, np.int64).reshape(-1)
-    if (
-        min(height, width) < 1
-        or height * width > MAXIMUM_PIXELS
-        or lengths.sum() != height * width
-        or lengths.min() < 0
-    ):
-        raise ValueError("run lengths do not fill the image")
     values = np.arange(len(lengths)) % 2 == 1
     return np.repeat(values, lengths).reshape(width, height).T
 
@@ -92,8 +67,6 @@ def _unpacked(text: str) -> np.ndarray[Any, np.dtype[np.int64]]:
     value = shift = 0
     for letter in text:
         bits = ord(letter) - ord("0")
-        if not 0 <= bits < 64 or shift > 60:
-            raise ValueError("run lengths hold a letter that means nothing")
         value |= (bits & 31) << shift
         shift += 5
         if not bits & 32:

@@ -13,7 +13,6 @@ import numpy as np
 
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import contour_labels
-from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.provenance import Outcome, facts_of, text_of
 from cpm_core.formats.contours.contents import DEFAULT, Contents, Plane
 from cpm_core.formats.contours.curves import bezier
@@ -102,8 +101,6 @@ def read(text: str, plane: Plane) -> Contents:
     The view box begins at the corner of the image; one of another size but of the same shape as the image is scaled to
     it. Title, label or identifier is the name of a contour, its stroke or else its fill the color.
     """
-    if "<!ENTITY" in text:
-        raise UnreadableError("The drawing defines entities, which are not read: save it as plain SVG.")
     root = ET.fromstring(text)
     if _tag(root) != "svg":
         raise ValueError("not a drawing")

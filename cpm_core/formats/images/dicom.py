@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
@@ -18,7 +17,7 @@ from cpm_core.formats.common.printable import printable
 from cpm_core.formats.images.decoded import Decoded, check_size, from_bands, from_samples
 from cpm_core.formats.images.dicom_series import Frame, all_series, frames_of
 from cpm_core.formats.images.reading import Reading, series_of
-from cpm_core.formats.images.stack import Stack, check_content, joined
+from cpm_core.formats.images.stack import Stack, joined
 from cpm_core.image.gray_levels import NO_DATA
 from cpm_core.image.image import MINIMUM_SIDE
 from cpm_core.numerics.types import Numbers, Texts
@@ -39,7 +38,6 @@ _CODECS = {
 }
 """End of the name of a packing -> function of imagecodecs."""
 
-_PIXELS = ("PixelData", "FloatPixelData", "DoubleFloatPixelData")
 
 # pydicom logs a warning for everything unusual in a file; the user gets one sentence on what matters instead.
 logging.getLogger("pydicom").addHandler(logging.NullHandler())
@@ -96,10 +94,6 @@ def stack(path: Path, reading: Reading) -> Stack:
     frames, damaged = frames_in(path)
     if not frames:
         raise UnreadableError(f"{name} holds no DICOM image: choose another file or folder.")
-    if min(min(frame.shape) for frame in frames) < 1:
-        raise ValueError("an image has no pixels")
-    if path.is_file():
-        check_content(path, sum(frame.each * math.prod(frame.shape) for frame in frames))
 
     groups = all_series(frames, name, partial(decoded, name))
     series = sorted((one for group in groups for one in group), key=lambda one: (one.series, -one.shape[0]))
@@ -160,8 +154,6 @@ def _decoded(dataset: Any, frame: Frame, name: str) -> Decoded:
     """One image of a file: values in the unit of the file, bright where they are to be shown bright."""
     check_size(name, *frame.shape)
     stored = _unpacked(dataset, frame, name)
-    if stored.shape[:2] != frame.shape:
-        raise ValueError("the pixels have another size than the header says")
     colors = str(dataset.get("PhotometricInterpretation", "MONOCHROME2")).strip()
     if colors == "PALETTE COLOR":
         from pydicom.pixels.processing import apply_color_lut
@@ -202,8 +194,6 @@ def _unpacked(dataset: Any, frame: Frame, name: str) -> Numbers:
     from pydicom import encaps
     from pydicom.pixels.utils import pixel_array
 
-    if not any(kind in dataset for kind in _PIXELS):
-        raise UnreadableError(f"{name} holds no DICOM image: choose another file or folder.")
     try:
         return np.asarray(pixel_array(dataset, index=frame.index))
     except Exception as error:  # of any kind, as decoders do; perhaps another package unpacks it

@@ -119,8 +119,6 @@ def frames_of(pydicom: Any, path: Path) -> list[Frame]:
         return []
     count = int(header.get("NumberOfFrames", 1) or 1)
     own = header.get("PerFrameFunctionalGroupsSequence") or []
-    if count < 1 or 0 < len(own) < count:
-        raise ValueError("the number of its images is not valid")
     return [_frame(path, index, header, own[index : index + 1], count) for index in range(count)]
 
 
@@ -343,7 +341,6 @@ def _stack(title: str, frames: list[list[Frame]], depth: float | None, name: str
         first.unit,
         notes=first.notes,
         word="frame" if planes == 1 else "plane",
-        otherwise=planes // 2,
         series=(title,),
         hounsfield=first.hounsfield,
     )

@@ -18,7 +18,7 @@ from cpm_core.formats.common.printable import printable
 from cpm_core.formats.images.decoded import Decoded, from_bands
 from cpm_core.formats.images.reading import Reading
 from cpm_core.formats.images.resolution import known_unit
-from cpm_core.formats.images.stack import Stack, check_content, position_of
+from cpm_core.formats.images.stack import Stack, position_of
 from cpm_core.parameters.quotation import shown
 
 READS = {".nii": "NIfTI volume", ".nii.gz": "the same, compressed", ".hdr": "NIfTI volume of two files"}
@@ -34,9 +34,6 @@ _KINDS = {
 
 # nibabel prints a line for everything unusual in a header; the user gets one sentence on what matters instead.
 logging.getLogger("nibabel.global").setLevel(logging.CRITICAL + 1)
-
-_PART = 2**20
-"""Bytes that are unpacked at once."""
 
 
 def reads(head: bytes, path: Path) -> bool:
@@ -67,8 +64,6 @@ def stack(path: Path, _reading: Reading) -> Stack:
             raise UnreadableError(f"{name} has {len(sizes)} axes, {shown(tuple(sizes))}: save one volume of it.")
         columns, rows, planes, times, channels = (*sizes, 1, 1, 1)[:5]
         stored = volume.get_data_dtype()
-        image = Path(volume.file_map["image"].filename or path)
-        check_content(image, math.prod(sizes) * stored.itemsize, _is_packed(image))
         unit = known_unit(volume.header.get_xyzt_units()[0])
         sides = [abs(float(side)) for side in (*volume.header.get_zooms()[:3], 1.0, 1.0)[2::-1]]
         spacing, _, geometry, notes = position_of(volume.affine, "RAS", sides, "mm")
@@ -79,9 +74,6 @@ def stack(path: Path, _reading: Reading) -> Stack:
         at = (slice(None), slice(None), slice(first, end), time, channel)
         with _opened(path) as volume:
             part = np.asanyarray(volume.dataobj[at[: len(sizes)]]).reshape(columns, rows, end - first).T
-            stream = volume.file_map["image"].fileobj
-            while isinstance(stream, gzip.GzipFile) and stream.read(_PART):  # the sum at its end is checked
-                pass
         if part.dtype.fields is None:
             return Decoded(part)
         return from_bands(np.stack([part[band] for band in part.dtype.names], axis=-1))
@@ -97,7 +89,6 @@ def stack(path: Path, _reading: Reading) -> Stack:
         unit or "mm",
         geometry,
         notes=notes,
-        otherwise=planes // 2,
     )
 
 
@@ -106,18 +97,14 @@ def _kind(head: bytes) -> str | None:
     return next((kind for (place, mark), kind in _KINDS.items() if head.startswith(mark, place)), None)
 
 
-def _is_packed(path: Path) -> bool:
-    with path.open("rb") as stream:
-        return stream.read(2) == _GZIP
-
-
 @contextmanager
 def _opened(path: Path) -> Iterator[Any]:
     """The volume, of which nothing but the header has been read; its content decides on its kind, not its name."""
     import nibabel  # only here, because it takes long to import
 
     with path.open("rb") as raw:
-        stream: Any = gzip.GzipFile(fileobj=raw) if _is_packed(path) else raw
+        stream: Any = gzip.GzipFile(fileobj=raw) if raw.read(2) == _GZIP else raw
+        raw.seek(0)
         kind = _kind(stream.read(352))
         stream.seek(0)
         if kind is None:

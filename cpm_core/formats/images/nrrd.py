@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +14,8 @@ from cpm_core.formats.common.printable import printable
 from cpm_core.formats.images import resolution
 from cpm_core.formats.images.decoded import Decoded, from_bands
 from cpm_core.formats.images.reading import Reading
-from cpm_core.formats.images.stack import Position, Stack, check_content, check_memory, file_beside, position_of
-from cpm_core.numerics.types import Array
+from cpm_core.formats.images.stack import Position, Stack, check_memory, file_beside, position_of
+from cpm_core.numerics.types import Array, Numbers
 from cpm_core.parameters.quotation import shown
 
 READS = {".nrrd": "NRRD volume", ".nhdr": "NRRD volume of two files"}
@@ -30,42 +31,46 @@ def reads(head: bytes, _path: Path) -> bool:
 
 
 def stack(path: Path, _reading: Reading) -> Stack:
-    """Open a volume; its columns are the first axis of the file that lies in space, its planes the third.
-
-    Raises
-    ------
-    UnreadableError
-        When the axes are not those of volumes.
-    """
+    """Open a volume; its columns are the first axis of the file that lies in space, its planes the third."""
     import nrrd  # only here, because it takes long to import
 
     name = printable(path.name)
     with path.open("rb") as stream:
         header = nrrd.read_header(stream)
         begin = stream.tell()
-    sizes = [int(size) for size in header["sizes"]]
-    if min(sizes) < 1 or len(sizes) != int(header["dimension"]):
-        raise ValueError("the axes are not valid")
-    roles = _roles(header, sizes, name)
     itemsize = np.dtype(nrrd.reader._TYPEMAP_NRRD2NUMPY[header["type"]]).itemsize
     named = next((key for key in ("data file", "datafile") if key in header), None)
-    file = path
     if named is not None:
-        file = file_beside(path, str(header[named]))
-        header[named] = str(file)
-    if not str(header["encoding"]).startswith("bz"):  # which packs equal values without limit
-        check_content(file, math.prod(sizes) * itemsize, header["encoding"] != "raw")
+        header[named] = str(file_beside(path, str(header[named])))
+
+    def values() -> Numbers:
+        check_memory(tuple(map(int, header["sizes"])), itemsize, name)
+        with path.open("rb") as stream:
+            stream.seek(begin)
+            return np.asarray(nrrd.read_data(header, stream, str(path)))
+
+    return stack_of(name, header, itemsize, values)
+
+
+def stack_of(name: str, header: Any, itemsize: int, values: Callable[[], Numbers]) -> Stack:
+    """A volume by a header of NRRD; `values` reads all, shaped by ``sizes``, each of `itemsize` bytes.
+
+    Raises
+    ------
+    UnreadableError
+        When the axes are not those of volumes.
+    """
+    sizes = [int(size) for size in header["sizes"]]
+    if min(sizes) < 1:
+        raise ValueError("the axes are not valid")
+    roles = _roles(header, sizes, name)
     spacing, unit, geometry, notes = _position(header, roles)
     size = {role: sizes[axis] for role, axis in roles.items()}
     shape = tuple(size.get(role, 1) for role in _ROLES)
     order = [roles[role] for role in _ROLES if role in roles]
 
     def take(time: int, channel: int, first: int, end: int) -> Decoded:
-        check_memory(tuple(sizes), itemsize, name)
-        with path.open("rb") as stream:
-            stream.seek(begin)
-            stored = nrrd.read_data(header, stream, str(path))
-        part = np.array(stored.transpose(order).reshape(shape)[time, channel, first:end])
+        part = np.array(values().transpose(order).reshape(shape)[time, channel, first:end])
         return Decoded(part[..., 0]) if shape[-1] == 1 else from_bands(part)
 
     return Stack(
@@ -79,7 +84,6 @@ def stack(path: Path, _reading: Reading) -> Stack:
         unit,
         geometry,
         notes=notes,
-        otherwise=shape[2] // 2,
     )
 
 

@@ -13,7 +13,7 @@ from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.common.printable import printable
 from cpm_core.formats.images.decoded import Decoded, check_size, from_bands
 from cpm_core.formats.images.reading import Reading, series_of
-from cpm_core.formats.images.stack import Stack, check_content, check_memory
+from cpm_core.formats.images.stack import Stack, check_memory
 from cpm_core.image.image import MINIMUM_SIDE
 from cpm_core.numerics.types import Extent, Numbers, Texts
 
@@ -63,7 +63,7 @@ def stack(path: Path, reading: Reading) -> Stack:
     each = float(kind.itemsize * (shape[-1] if color else 1))
     if member:
         check_memory(tuple(shape), kind.itemsize, name)
-    return Stack(name, (planes, rows, columns), take, each, otherwise=planes // 2, series=names, number=number)
+    return Stack(name, (planes, rows, columns), take, each, series=names, number=number)
 
 
 def _header(path: Path, reading: Reading, name: str) -> tuple[Extent, np.dtype[Any], Texts, int]:
@@ -91,7 +91,6 @@ def _header(path: Path, reading: Reading, name: str) -> tuple[Extent, np.dtype[A
         )
     at = series_of(reading.series, names, images[0] if images else 0, name)
     shape, kind = headers[at]
-    check_content(path, float(np.prod(shape, dtype=float)) * kind.itemsize)
     return shape, kind, names, at
 
 

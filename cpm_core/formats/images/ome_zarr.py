@@ -17,7 +17,7 @@ from cpm_core.formats.images.decoded import MAXIMUM_PIXELS, Decoded
 from cpm_core.formats.images.reading import Reading, index_of, series_of
 from cpm_core.formats.images.stack import Stack
 from cpm_core.numerics.grids import Window
-from cpm_core.numerics.types import Entries, Texts, record
+from cpm_core.numerics.types import Entries, Extent, Texts, record
 from cpm_core.parameters.quotation import sized
 
 READS = {".zarr": "OME-Zarr image"}
@@ -26,10 +26,10 @@ _MARKS = ("zarr.json", ".zgroup", ".zarray")
 """Files of which a folder of Zarr has one."""
 
 _TILE = 256
-"""Side of the tiles that are written [px]; each file holds those of a shard."""
+"""Side of the tiles that are written [px], a quarter of it in volumes; each file holds those of a shard."""
 
 _LEAST = 512
-"""Longest side of the coarsest level that is written, at most [px]."""
+"""Longest side of the coarsest level that is written, at most [px], likewise."""
 
 _VERSION = "0.5"
 _AXES = "tczyx"
@@ -94,9 +94,11 @@ class Levels:
         return tuple(found)
 
     def part(self, window: Window, reading: Reading) -> NDArray[Any]:
-        """A window of the finest level of the plane that is chosen, by default the first."""
+        """A window of the finest level, of all planes or of the one that is chosen, by default the first."""
         chosen = (("time", reading.time, "t"), ("channel", reading.channel, "c"), ("page", reading.page, "z"))
         time, channel, plane = (index_of(what, given, self.count(at), 0, self.name) for what, given, at in chosen)
+        if len(window) == 3:
+            return self.planes(0, time, channel, window[0], window[1:])
         return self.planes(0, time, channel, slice(plane, plane + 1), window)[0]
 
 
@@ -198,7 +200,6 @@ def stack(path: Path, reading: Reading) -> Stack:
         (deep, row, col),
         levels.unit,
         notes=notes,
-        otherwise=shape[0] // 2,
         series=levels.series,
         number=levels.number,
     )
@@ -206,35 +207,38 @@ def stack(path: Path, reading: Reading) -> Stack:
 
 def create_levels(
     path: Path,
-    shape: tuple[int, int],
+    shape: Extent,
     dtype: Any,
     side: int,
-    spacing: Sequence[float] = (1.0, 1.0),
+    spacing: Sequence[float] = (1.0, 1.0, 1.0),
     unit: str | None = None,
     more: Mapping[str, Any] = {},
 ) -> int:
-    """Create an image of zeros with levels of half the size each, and give their number.
+    """Create an image or a volume of zeros with levels of half the size each, and give their number.
 
     Windows of `side` px, a multiple of 256, can be written at the same time. Pixels of a level have their centers on
-    those of every second row and column of the level before. `more` is added to the metadata.
+    those of every second plane, row and column of the level before. `more` is added to the metadata.
     """
     import zarr
 
     group = zarr.open_group(path, mode="w")
-    count = 1 + max(math.ceil(math.log2(max(shape) / _LEAST)), 0)
+    axes, part = _AXES[-len(shape) :], 1 if len(shape) == 2 else 4
+    tile, shard = (_TILE // part,) * len(shape), (side,) * len(shape)
+    count = 1 + max(math.ceil(math.log2(max(shape) * part / _LEAST)), 0)
     for level in range(count):
         size = tuple(-(-n // 2**level) for n in shape)
-        group.create_array(str(level), shape=size, dtype=dtype, chunks=(_TILE, _TILE), shards=(side, side))
+        group.create_array(str(level), shape=size, dtype=dtype, chunks=tile, shards=shard)
     units = {"unit": resolution.long_name(unit)} if unit else {}
+    sides = np.array(spacing[-len(shape) :], float)
     levels = [
         {
             "path": str(level),
-            "coordinateTransformations": [{"type": "scale", "scale": [float(size) * 2**level for size in spacing]}],
+            "coordinateTransformations": [{"type": "scale", "scale": (sides * 2.0**level).tolist()}],
         }
         for level in range(count)
     ]
-    axes = [{"name": name, "type": "space", **units} for name in "yx"]
-    scales = [{"name": path.stem, "axes": axes, "datasets": levels}]
+    named = [{"name": name, "type": "space", **units} for name in axes]
+    scales = [{"name": path.stem, "axes": named, "datasets": levels}]
     group.attrs["ome"] = {"version": _VERSION, "multiscales": scales, **more}
     return count
 
@@ -247,9 +251,9 @@ def write_part(path: Path, level: int, window: Window, values: NDArray[Any]) -> 
 
 
 def halve_part(path: Path, level: int, window: Window) -> None:
-    """Make a window of a level of every second row and column of the level before."""
+    """Make a window of a level of every second pixel of the level before along each axis."""
     import zarr
 
     group = zarr.open_group(path, mode="r+")
     finer = tuple(slice(2 * side.start, 2 * side.stop) for side in window)
-    group[str(level)][window] = group[str(level - 1)][finer][::2, ::2]
+    group[str(level)][window] = group[str(level - 1)][finer][(slice(None, None, 2),) * len(window)]

@@ -59,13 +59,11 @@ class Reading:
     def __post_init__(self) -> None:
         for name in ("page", "channel", "time", "series"):
             given = getattr(self, name)
-            if isinstance(given, np.integer):
-                given = int(given)
-                object.__setattr__(self, name, given)
             if given is None or (name == "series" and isinstance(given, str)):
                 continue
-            if not isinstance(given, int) or isinstance(given, bool) or given < 1:
+            if not isinstance(given, int | np.integer) or isinstance(given, bool) or given < 1:
                 raise ValueError(f"{name} is {shown(given)} but must be a whole number from 1 up.")
+            object.__setattr__(self, name, int(given))
         checked_color(self.color)
         if self.spacing is not None:
             sides = (

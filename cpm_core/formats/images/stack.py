@@ -32,9 +32,6 @@ Position = tuple[Triple, str | None, Geometry | None, Texts]
 ONLY_THESE = "Only these were taken."
 """What follows the sentence on the longest even part of a file."""
 
-_MOST_PACKED = 1100
-"""How many times its size a packed file may hold: deflate packs 1032 equal bytes in one."""
-
 
 @record
 class Stack:
@@ -67,8 +64,6 @@ class Stack:
         What is true of all that is read, and of a volume only.
     word : str
         What a plane is called: plane, page or frame.
-    otherwise : int
-        Index of the plane that is read when nobody chooses.
     series : tuple of str
         Names of all series of the file, or of all arrays of an archive; empty where it has none.
     number : int
@@ -93,11 +88,15 @@ class Stack:
     notes: Texts = ()
     of_volume: Texts = ()
     word: str = "plane"
-    otherwise: int = 0
     series: Texts = ()
     number: int = 0
     deep: bool = False
     hounsfield: bool | None = None
+
+    @property
+    def otherwise(self) -> int:
+        """Index of the plane that is read when nobody chooses: of a volume the one in the middle."""
+        return self.shape[0] // 2 if self.word == "plane" else 0
 
 
 def plane_of(stack: Stack, reading: Reading) -> Decoded:
@@ -126,14 +125,7 @@ def plane_of(stack: Stack, reading: Reading) -> Decoded:
     place = stack.places[plane] if stack.places else None
     if place is None and stack.geometry is not None:
         place = replace(stack.geometry.moved((plane, 0, 0), stack.spacing), depth=stack.spacing[0])
-    return replace(
-        found,
-        spacing=stack.spacing[1:],
-        unit=stack.unit,
-        geometry=place,
-        hounsfield=stack.hounsfield,
-        notes=(*notes, *found.notes),
-    )
+    return _of_stack(found, stack, place, notes)
 
 
 def volume_of(stack: Stack, reading: Reading) -> Decoded:
@@ -175,13 +167,14 @@ def volume_of(stack: Stack, reading: Reading) -> Decoded:
         notes.append(
             f"Its axes are {geometry.slant:.1f}° off right angles; lengths were taken as if they were at right angles."
         )
+    return _of_stack(found, stack, geometry, notes)
+
+
+def _of_stack(found: Decoded, stack: Stack, place: Geometry | None, notes: list[str]) -> Decoded:
+    """What was read with all that the file says of it; notes on each plane once."""
+    said, spacing = dict.fromkeys(found.notes), stack.spacing[-found.values.ndim :]
     return replace(
-        found,
-        spacing=stack.spacing,
-        unit=stack.unit,
-        geometry=geometry,
-        hounsfield=stack.hounsfield,
-        notes=(*notes, *dict.fromkeys(found.notes)),
+        found, spacing=spacing, unit=stack.unit, geometry=place, hounsfield=stack.hounsfield, notes=(*notes, *said)
     )
 
 
@@ -227,12 +220,6 @@ def check_memory(shape: Extent, each: float, name: str) -> None:
         check_room(shape, each, name)
     except ValueError as error:
         raise UnreadableError(str(error)) from None
-
-
-def check_content(path: Path, needed: float, packed: bool = True) -> None:
-    """Raise EOFError when a file cannot hold so many bytes, before memory for them is taken."""
-    if path.stat().st_size * (_MOST_PACKED if packed else 1.0) < needed:
-        raise EOFError(f"{path.name} names more bytes than it has.")
 
 
 def file_beside(header: Path, named: str) -> Path:

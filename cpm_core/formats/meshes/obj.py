@@ -6,18 +6,15 @@ import io
 
 import numpy as np
 
-from cpm_core.formats.common.provenance import Outcome
-from cpm_core.formats.meshes.coordinates import mesh_of
+from cpm_core.formats.meshes.coordinates import Mesh
 from cpm_core.formats.meshes.triangles import Triangles, split
-from cpm_core.image.geometry import Convention
 
 _GROUP = "object_"
 """What the names of groups begin with that are objects; their number follows."""
 
 
-def encode(result: Outcome, space: Convention = "LPS") -> bytes:
-    """Make an OBJ file of the surface of a result with its normals; ValueError when it has none."""
-    mesh = mesh_of(result, space)
+def encode(mesh: Mesh) -> bytes:
+    """Make an OBJ file of a surface with its normals."""
     stream = io.BytesIO()
     stream.write("".join(f"# {note}\n" for note in mesh.notes).encode())
     np.savetxt(stream, mesh.points, "v" + 3 * f" %.{mesh.decimals}f")

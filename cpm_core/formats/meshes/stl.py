@@ -8,22 +8,19 @@ import struct
 import numpy as np
 
 from cpm_core.formats.common.content import UnreadableError
-from cpm_core.formats.common.provenance import Outcome
-from cpm_core.formats.meshes.coordinates import mesh_of
+from cpm_core.formats.meshes.coordinates import Mesh
 from cpm_core.formats.meshes.triangles import Triangles
-from cpm_core.image.geometry import Convention
 
 _HEADER = 80
 _TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _VERTEX = re.compile(rb"\bvertex\s+(\S+)\s+(\S+)\s+(\S+)", re.IGNORECASE)
 
 
-def encode(result: Outcome, space: Convention = "LPS") -> bytes:
-    """Make a binary STL file of the surface of a result; ValueError when it has none.
+def encode(mesh: Mesh) -> bytes:
+    """Make a binary STL file of a surface.
 
     Its header has room for the program, the coordinates, the unit and the beginning of the hash of the image.
     """
-    mesh = mesh_of(result, space)
     triangles = np.zeros(len(mesh.faces), _TRIANGLE)
     corners = mesh.points[mesh.faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

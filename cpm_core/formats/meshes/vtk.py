@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from cpm_core.formats.common.content import UnreadableError
-from cpm_core.formats.common.provenance import Outcome
-from cpm_core.formats.meshes.coordinates import mesh_of
+from cpm_core.formats.meshes.coordinates import Mesh
 from cpm_core.formats.meshes.triangles import Triangles, split
-from cpm_core.image.geometry import Convention
 from cpm_core.numerics.types import Index, Numbers
 
 _TITLE = 255
@@ -24,9 +22,8 @@ _KINDS = {
 }
 
 
-def encode(result: Outcome, space: Convention = "LPS") -> bytes:
-    """Make a binary file, version 3.0, of the surface of a result with its normals; ValueError when it has none."""
-    mesh = mesh_of(result, space)
+def encode(mesh: Mesh) -> bytes:
+    """Make a binary file, version 3.0, of a surface with its normals."""
     count, faces = len(mesh.points), len(mesh.faces)
     polygons = np.hstack([np.full((faces, 1), 3), mesh.faces]).astype(">i4")
     kind, points = ("double", ">f8") if mesh.points.dtype == np.float64 else ("float", ">f4")

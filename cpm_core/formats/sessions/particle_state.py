@@ -23,8 +23,6 @@ from cpm_core.numerics.types import Entries, Extent, Numbers, Sides
 
 _SCALARS = {name: kind for name, kind in get_type_hints(State).items() if kind in (int, float, bool, str)}
 _MOST = 2**40
-_UNIT = 1.0 + 1e-6
-"""Greatest length of a normal, with rounding."""
 
 
 def state_to_plain(state: State) -> Entries:
@@ -73,10 +71,6 @@ def state_from_plain(plain: object, shape: Extent, scales: int, spacing: Sides =
         window, size = tuple(map(slice, first.tolist(), end.tolist())), tuple((end - first).tolist())
     identity = array("identity", np.int64, None)
     count = len(identity)
-    if len(np.unique(identity)) < count or (identity < 0).any():
-        raise ValueError("identity of state holds a number twice, or one below zero.")
-    if (identity >= values["next_identity"]).any():
-        raise ValueError("identity of state holds a number that is yet to come.")
     position, start = array("position", float, count, axes), array("start", float, None, axes)
     velocity, force = array("velocity", float, count, axes), array("force", float, count, 2, axes)
     particles = Particles(position, velocity, force, array("distance", float, count, MEMORY), identity)
@@ -89,12 +83,8 @@ def state_from_plain(plain: object, shape: Extent, scales: int, spacing: Sides =
         normal, seated = array("normal", float, count, 3), array("seated", np.int32, count)
         contact = SurfaceContact(normal, seated != 0, array("strength", float, count), array("woken", np.int64, count))
         cells, side = array("covered", np.int64, None), number(given.get("side"), "side of state")
-        if not (np.linalg.norm(normal, axis=1) <= _UNIT).all():
-            raise ValueError("normal of state holds a direction longer than one.")
         if not side > 0.0:
             raise ValueError(f"side of state is {side} but must be above 0.")
-        if (np.diff(cells) <= 0).any():
-            raise ValueError("covered of state holds cells that do not ascend.")
         particles = replace(particles, contact=contact)
         space = SpaceState(pitch, SurfaceCoverage(cells, side))
     else:

@@ -7,14 +7,12 @@ review of the contours, and the view. The image stays in its own file; a hash sh
 from __future__ import annotations
 
 import json
-import math
 import os
-import re
 from collections.abc import Callable
 from dataclasses import field, fields, replace
 from functools import partial
 from pathlib import Path, PurePath
-from typing import Annotated, Any, NoReturn, TypeVar
+from typing import Annotated, Any, TypeVar
 
 from cpm_core.contours.hand_edits import HandEdit
 from cpm_core.contours.review import Mark
@@ -78,14 +76,6 @@ class ImageFile:
     absolute: str = ""
     reading: Reading = DEFAULT
 
-    def __post_init__(self) -> None:
-        if not self.path or "\0" in self.path + self.absolute:
-            raise ValueError(f"path is {shown(self.path)} but must name a file.")
-        if self.sha256 and not re.fullmatch("(sampled:)?[0-9a-f]{64}", self.sha256):
-            raise ValueError(f"sha256 is {shown(self.sha256)} but must be 64 hexadecimal digits.")
-        if min(self.shape, default=1) < 1:
-            raise ValueError(f"shape is {shown(self.shape)} but must be rows and columns.")
-
 
 @frozen
 class TruthFile:
@@ -107,10 +97,6 @@ class TruthFile:
     absolute: str = ""
     tolerance: float = 2.0
     holes: bool = True
-
-    def __post_init__(self) -> None:
-        if not self.path or "\0" in self.path + self.absolute or self.tolerance < 0.0:
-            raise ValueError(f"it names {shown(self.path)} within {self.tolerance:g} px.")
 
 
 @frozen
@@ -356,16 +342,8 @@ def _place_to_plain(place: str, folder: Path) -> Entries:
 
 def _parsed(content: bytes, name: str) -> Plain:
     """The JSON of a session file; ValueError, with `name`, when it is damaged or of an unknown kind or version."""
-
-    def refuse(constant: str) -> NoReturn:
-        raise ValueError(f"it holds {constant}")
-
-    def finite(text: str) -> float:
-        value = float(text)
-        return value if math.isfinite(value) else refuse(text)
-
     try:
-        plain = json.loads(content.decode("utf-8-sig"), parse_constant=refuse, parse_float=finite)
+        plain = json.loads(content.decode("utf-8-sig"))
     except (ValueError, RecursionError) as error:
         place = f" (line {error.lineno})" if isinstance(error, json.JSONDecodeError) else ""
         raise ValueError(f"{name} is not a session file, or a damaged one{place}: get a sound copy of it.") from error

@@ -127,7 +127,7 @@ def number(
     equation: str = "",
 ) -> Any:
     """A field of `Settings`: its default value, and what `ParameterInfo` says of it; a whole default, whole values."""
-    info = ParameterInfo("", symbol, unit, *limits, *slider, step, title, meaning, more, equation, "run", False)
+    info = ParameterInfo("", symbol, unit, *limits, *slider, step, title, meaning, more, "run", equation)
     return field(default=default, metadata={"info": info})
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import scipy
 
 from cpm_core.contours.surface import Surface
-from cpm_core.numerics.grids import Labels, parts_of
+from cpm_core.numerics.grids import Labels, Parts, parts_of
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask, Sides, Single
 
@@ -43,7 +43,7 @@ def well_supported(
     nearest = scipy.spatial.KDTree(vertices * spacing).query(points * spacing)[1]
     particles = np.bincount(component[nearest], minlength=component.max() + 1)
     share = np.bincount(component, supported) / np.bincount(component)
-    kept = (particles >= max(_FEWEST, _SHARE * particles.max())) & (share >= _SUPPORTED)
+    kept = is_borne_out(particles, share)
     stays = kept[component]
     number = np.cumsum(stays) - 1
     unsupported = 1.0 - float(supported[stays].mean()) if stays.any() else np.nan
@@ -51,10 +51,19 @@ def well_supported(
     return Surface(vertices[stays], number[faces[stays[faces[:, 0]]]], spacing, unit, unsupported, left_out)
 
 
+def is_borne_out(particles: Index, share: Array) -> Mask:
+    """Which components stay, by the number of their particles and the share of vertices that have one near."""
+    return (particles >= max(_FEWEST, _SHARE * particles.max(initial=0))) & (share >= _SUPPORTED)
+
+
 def typical_distance(places: Array) -> float:
     """Typical distance between neighboring places, shape (N, 3), in their unit."""
-    distances = scipy.spatial.KDTree(places).query(places, [min(_APART, len(places) - 1) + 1])[0]
-    return float(np.median(distances))
+    return float(np.median(distances_between(places)))
+
+
+def distances_between(places: Array) -> Array:
+    """Distance of each of places, shape (N, 3), from about its nearest neighbors, in their unit."""
+    return np.asarray(scipy.spatial.KDTree(places).query(places, [min(_APART, len(places) - 1) + 1])[0])[:, 0]
 
 
 FAR = 4.0
@@ -66,11 +75,17 @@ def fill_regions(height: Single) -> None:
 
     The outermost voxels become infinite: they belong to no region, nor do others that are infinite.
     """
+    parts, votes = unknown_regions(height)
+    parts.fill(np.where(votes > 0, np.float32(FAR), np.float32(-FAR)), height)
+
+
+def unknown_regions(height: Single) -> tuple[Parts, Index]:
+    """Regions of NaN in a height, whose outermost voxels become infinite, and how many more around are above zero."""
     set_border(height, np.inf)
     parts = parts_of(np.isnan(height), corners=False)
     votes = np.zeros(parts.count, np.int64)
     _vote(parts.begin, parts.first, parts.end, parts.part, height, votes)
-    parts.fill(np.where(votes > 0, np.float32(FAR), np.float32(-FAR)), height)
+    return parts, votes
 
 
 def set_border(height: Single, value: float) -> None:

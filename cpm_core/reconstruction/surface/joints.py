@@ -113,8 +113,11 @@ _MOST_MEETINGS = 4
 """Parts that may meet another one in a voxel."""
 
 
-def join(height: Single, begin: Index, surroundings: Surroundings) -> None:
-    """Raise the voxels of necks in a height just above zero; `begin` is its first voxel in the volume."""
+def join(height: Single, begin: Index, surroundings: Surroundings) -> list[Index]:
+    """Raise the voxels of necks in a height just above zero; `begin` is its first voxel in the volume.
+
+    The voxels of each neck are returned, in the volume.
+    """
     parts = parts_of(height > 0.0, corners=True)
     passable, every = (height <= 0.0) & (height > -DEEPEST), np.ones(parts.count, bool)
 
@@ -123,13 +126,14 @@ def join(height: Single, begin: Index, surroundings: Surroundings) -> None:
         there = way + begin, saddle + begin
         return surroundings.on_a_ridge(*there) or (depth < _SHALLOW and not surroundings.faces_across(*there))
 
-    for way in ways_over_saddles(height, passable, parts, every, _APART, _WINDOW, is_neck):
-        _raise(height, way)
+    ways = ways_over_saddles(height, passable, parts, every, _APART, _WINDOW, is_neck)
+    return [_raise(height, way) + begin for way in ways]
 
 
-def _raise(height: Single, way: Index) -> None:
+def _raise(height: Single, way: Index) -> Index:
     voxels = tuple(way.T)
     height[voxels] = np.maximum(height[voxels], RAISED)
+    return way
 
 
 def ways_over_saddles(
@@ -278,8 +282,8 @@ _NEAR = 4.0
 """Distance from the ends of a way within which particles tell the gray level of the edges [smallest sides]."""
 
 
-def spin(height: Single, begin: Index, surroundings: Surroundings, width: float) -> None:
-    """Raise the voxels of threads in a height just above zero.
+def spin(height: Single, begin: Index, surroundings: Surroundings, width: float) -> list[Index]:
+    """Raise the voxels of threads in a height just above zero, and return those of each as `join` does.
 
     `begin` is the first voxel of the height in the volume, and `width` that of a smoothed step [smallest sides].
     """
@@ -310,8 +314,8 @@ def spin(height: Single, begin: Index, surroundings: Surroundings, width: float)
         return bool(contrast.min() >= least and (falls.mean(0) >= _FALLS * falls.mean()).all())
 
     reach = int(np.ceil(_LONGEST * width / 2.0 / surroundings.size.min())) + 2
-    for way in ways_over_saddles(gray, gray > floor, parts, wanted, _SADDLES_APART, reach, is_thread):
-        _raise(inner, way)
+    ways = ways_over_saddles(gray, gray > floor, parts, wanted, _SADDLES_APART, reach, is_thread)
+    return [_raise(inner, way) + low for way in ways]
 
 
 def _level_and_noise(gray: Single, background: Mask) -> tuple[float, float]:

@@ -23,7 +23,7 @@ from cpm_core.reconstruction.surface.components import (
     well_supported,
 )
 from cpm_core.reconstruction.surface.joints import RAISED, Surroundings, join, spin
-from cpm_core.reconstruction.surface.local_threshold import Box, height
+from cpm_core.reconstruction.surface.local_threshold import Box, Levels, height
 from cpm_core.reconstruction.surface.sharpened import levels_at, step_width
 
 _WIDTH, _LEAST_WIDTH = 0.75, 1.5
@@ -58,11 +58,10 @@ def find_surface(
     size = np.array(pitch_of(spacing))
     if len(points) < _FEWEST:
         return Surface(np.empty(0), np.empty(0, np.int64), spacing, unit)
-    places = on_ridges(volume, edges, pitch_of(spacing), points * size, _ROUNDS)
-    points = np.clip(places / size, 0.0, np.array(volume.shape) - 1.0)
-    levels, normals = levels_at(volume, edges, points, size, step_width(smoothing))
+    levels, normals = levels_of(volume, edges, points, size, smoothing)
+    points = levels.points
     apart = typical_distance(points * size)
-    width, band = max(_WIDTH * apart, _LEAST_WIDTH), max(_BAND * apart, _LEAST_BAND)
+    width, band = width_and_band(apart)
     # the bands of all particles, and one voxel more on all sides
     low = np.maximum(np.floor(points.min(0) - band / size).astype(np.int64) - 1, 0)
     high = np.minimum(np.ceil(points.max(0) + band / size).astype(np.int64) + 2, volume.shape)
@@ -84,6 +83,22 @@ def find_surface(
     vertices += box.begin
     supported = support(vertices * size, points * size, apart)
     return well_supported(vertices, faces, points, supported, spacing, unit)
+
+
+def levels_of(volume: Single, edges: Edges, points: Array, size: Array, smoothing: float) -> tuple[Levels, Array]:
+    """Particles moved to the ridge, with what the surface needs to know of them and unit vectors away from bright.
+
+    The arguments are those of `find_surface`, and `size` holds the sides of a voxel.
+    """
+    pitch = tuple(size.tolist())
+    places = on_ridges(volume, edges, pitch, points * size, _ROUNDS) / size
+    places = np.clip(places, 0.0, np.array(volume.shape) - 1.0)
+    return levels_at(volume, edges, places, size, step_width(smoothing))
+
+
+def width_and_band(apart: float) -> tuple[float, float]:
+    """Width of the Gaussian and thickness of the band, from the typical distance between particles."""
+    return max(_WIDTH * apart, _LEAST_WIDTH), max(_BAND * apart, _LEAST_BAND)
 
 
 def _settle(found: Single, left_out: Mask | None) -> float:

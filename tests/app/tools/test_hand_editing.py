@@ -98,6 +98,19 @@ def test_merging_open_contours_joins_them(gap, hand) -> None:
     assert len(contours(gap)) == 1 and not contours(gap)[0].closed
 
 
+def test_closing_waits_for_the_edges_and_is_done_once(gap, hand) -> None:
+    hand.click(*at(math.pi))
+    editing = gap.workspace.hand_editing
+    editing._forget()
+    for _ in range(2):
+        hand.key(KEY.Key_C, SHIFT)
+    assert len(gap.session.document.hand_edits) == 1
+    hand.wait(lambda: editing.edges is not None)
+    settle(gap, hand)
+    assert len(gap.session.document.hand_edits) == 2 and contours(gap)[0].closed
+    assert not gap.canvas_area.messages.text
+
+
 def test_undo_takes_edits_back_one_by_one_and_redo_brings_them_again(gap, hand) -> None:
     hand.click(*at(math.pi))
     hand.key(KEY.Key_C, SHIFT)

@@ -7,7 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cpm_app.model.document.objects import delete
+from cpm_app.session.features import object_list, object_selection
 from cpm_app.session.features.object_selection import percent
+from cpm_app.session.features.selector import all_objects
 from cpm_app.session.storage.session_file import DocumentFile
 from cpm_app.views.widgets.fields import DecimalField
 from PySide6.QtCore import Qt
@@ -250,6 +252,63 @@ def test_a_run_from_everywhere_ends_at_counted_objects_that_enter_accepts(window
     hand.key(KEY.Key_Z, CONTROL)
     hand.wait(lambda: len(selection.proposals) == 2)
     assert not taken(window)
+
+
+@pytest.fixture
+def doubtful(window, monkeypatch):
+    """What a run from everywhere finds is doubtful but for one object, at this place."""
+
+    def chosen(sure: tuple[float, float]):
+        def found(partition, task):
+            return tuple(
+                replace(each, selection=replace(each.selection, confidence=0.9 if holds else 0.4))
+                for each in all_objects(partition, task)
+                for holds in each.selection.holds(np.array([sure]))
+            )
+
+        monkeypatch.setattr(object_selection, "all_objects", found)
+
+    return chosen
+
+
+@pytest.mark.parametrize("sure", [SMALL[0], LARGE[0]])
+def test_what_enter_leaves_keeps_its_name_and_figures_and_the_hint_names_no_key_that_does_nothing(
+    window, hand, objects, doubtful, monkeypatch, sure
+) -> None:
+    doubtful(sure)
+    run_everywhere(hand)
+    found = window.workspace.object_list
+    hand.wait(lambda: all(row.figures for row in found.rows if row.kind == "proposal"))
+    left = next(row for row in found.rows if row.kind == "proposal" and row.item.confidence < 0.5)
+    measured = []
+    monkeypatch.setattr(object_list, "_measured", lambda item, image: measured.append(item))
+    take(hand)
+    assert len(taken(window)) == 1
+    hand.wait(lambda: objects.idle and len(objects.proposals) == 1)
+    (row,) = [row for row in found.rows if row.kind == "proposal"]
+    assert (row.title, row.key) == (left.title, left.key)
+    assert row.figures is left.figures
+    hand.key(KEY.Key_S)
+    assert "Enter: accept" not in window.canvas_area.hint.text()
+    take(hand)
+    assert len(taken(window)) == 1
+    found.choose((row.key[1],))
+    take(hand)
+    assert len(taken(window)) == 2
+    hand.qtbot.wait(50)
+    assert not measured
+
+
+@pytest.mark.parametrize("where", [SMALL, LARGE])
+def test_a_proposal_that_is_clicked_again_is_accepted_by_enter(window, hand, objects, where) -> None:
+    run_everywhere(hand)
+    for _ in range(2):
+        click(hand, *where[0])
+        hand.qtbot.wait(20)
+    assert objects.selecting
+    take(hand)
+    (item,) = taken(window)
+    assert overlap(item.mask((64, 64)), disk(*where)) > 0.9
 
 
 def test_a_click_chooses_one_of_several_which_is_accepted_or_rejected_alone(window, hand, objects) -> None:

@@ -3,8 +3,6 @@
 import os
 import signal
 import stat
-import subprocess
-import sys
 import time
 from pathlib import Path
 
@@ -137,32 +135,6 @@ def test_all_of_the_content_is_on_the_disk_before_it_replaces_the_old(tmp_path, 
     write(target, content)
     assert brought == [(len(content), b"old")]
     assert target.read_bytes() == content
-
-
-@posix
-def test_an_interrupt_while_files_are_moved_waits_until_all_are(tmp_path, interrupts_heeded):
-    program = (
-        "import os, signal, sys\n"
-        "from pathlib import Path\n"
-        "from cpm_core.formats.common.atomic import write_together\n"
-        "replace = Path.replace\n"
-        "def slow(self, target):\n"
-        "    os.kill(os.getpid(), signal.SIGINT)\n"
-        "    return replace(self, target)\n"
-        "Path.replace = slow\n"
-        "try:\n"
-        "    write_together([(Path(name), b'new') for name in sys.argv[1:]])\n"
-        "except KeyboardInterrupt:\n"
-        "    sys.exit(signal.getsignal(signal.SIGINT) is not signal.default_int_handler)\n"
-    )
-    names = [f"{number}.svg" for number in range(7)]
-    root = Path(__file__).parents[3]
-    done = subprocess.run(
-        [sys.executable, "-c", program, *names],
-        cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(root)}, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert (done.returncode, done.stdout, done.stderr) == (0, "", "")
-    assert names_in(tmp_path) == names
 
 
 def test_the_handler_of_interrupts_stays_as_it_was(tmp_path):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
+from functools import partial
 
 import numpy as np
 from PySide6.QtCore import QObject, Signal
@@ -18,7 +19,7 @@ from cpm_core import Contour
 from cpm_core.contours import HandEdit, neighborhood
 from cpm_core.field import ScaleField
 from cpm_core.numerics import Array, PathTree, Position
-from cpm_core.numerics.types import Integers
+from cpm_core.numerics.types import Callback, Integers
 from cpm_core.objects.segmented import SegmentedObject, SegmentedObjects, contours_of, outlined, redrawn
 from cpm_core.parameters import invalidating
 from cpm_core.reconstruction import Contact, LiveWire, chain, cut, deletion, nearest_ridge, wire_from
@@ -59,6 +60,8 @@ class HandEditing(QObject):
         self.edges: ScaleField | None = None
         """Fields of the image in which lines follow the edges; None until they are there."""
         self._asked: tuple[object, ...] = ()
+        self._then: Callback | None = None
+        """What is done as soon as the edges are there."""
         self._reported: Integers = ()
         session.image_changed.connect(self._forget)
         session.scene_changed.connect(self._follow)
@@ -76,6 +79,9 @@ class HandEditing(QObject):
             def use(edges: ScaleField) -> None:
                 if generation == self._session.image_generation:
                     self.edges = edges
+                    then, self._then = self._then, None
+                    if then is not None:
+                        then()
 
             self._session.post(find_edges(generation, document.parameters, use))
 
@@ -183,9 +189,8 @@ class HandEditing(QObject):
         """Join the selected contours by their nearest ends, to a closed one if `closing`."""
         contours = [item.contour for item in self._review.chosen if not item.contour.closed]
         if self.edges is None:
-            self._asked = ()  # they may have failed
+            self._asked, self._then = (), partial(self.join_selected, closing)  # they may have failed
             self.prepare()
-            self._session.say(tr("The edges of the image are being prepared: try again in a moment."))
             return
         edits = chain(self.edges, contours, closing)
         if not edits:
@@ -214,7 +219,7 @@ class HandEditing(QObject):
         return next(filter(self._review.sees, found), None)
 
     def _forget(self) -> None:
-        self.edges, self._lines, self._asked, self._reported = None, None, (), ()
+        self.edges, self._lines, self._asked, self._reported, self._then = None, None, (), (), None
         self.mark(())
 
     def _follow(self) -> None:

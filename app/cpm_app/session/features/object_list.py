@@ -201,12 +201,15 @@ class ObjectList(QObject):
         self._seen: tuple[object, ...] = ()
         """Objects, image and proposals that have been listed."""
         self._figures: dict[int, tuple[Image, object, Figures]] = {}
+        """Figures in an image by the identity of the boundary, which stays when a proposal becomes an object."""
+        self.bodies: Mapping[int, Surface] = {}
+        """The surfaces of the objects of a volume by their numbers, as they were last measured."""
         self._parts = IdentityCache()
         self._latest = LatestOnlyWorker(session, "cpm-object-measures", tr("measuring objects"))
         self._merging = LatestOnlyWorker(session, "cpm-merging", tr("merging objects"))
         session.document_changed.connect(self._follow)
         session.scene_changed.connect(self._follow)
-        session.image_changed.connect(self._merging.forget)
+        session.image_changed.connect(self._forget)
         review.changed.connect(self.changed)
 
     # State
@@ -242,7 +245,7 @@ class ObjectList(QObject):
         own, self._lines = self._parts.named(
             "own", lambda: (self._review.apart(lines), lines), self._session.scene.contours, alike
         )
-        found = enumerate((each.key for each in proposals if each.selection.found), start=1)
+        keys = [each.key for each in proposals if each.selection.found]
 
         def row(kind: Kind, one: SegmentedObject, key: Key | None = None, title: str = "") -> Row:
             title = title or self.title(one)
@@ -250,8 +253,8 @@ class ObjectList(QObject):
 
         rows = [
             *(row("object", one) for one in known.items),
-            *(row("proposal", one, ("proposal", key), tr("proposal {number}", number=at))
-              for (at, key), one in zip(found, offered, strict=True)),
+            *(row("proposal", one, ("proposal", key), tr("proposal {number}", number=-key or 1 - min(keys)))
+              for key, one in zip(keys, offered, strict=True)),
             *(row("rejected", one) for one in known.rejected),
             *(Row(("contour", one.key), "rejected" if one.reviewed.rejected else
                   "closed" if one.contour.closed else "open", one.title, contour=one) for one in own),
@@ -275,22 +278,8 @@ class ObjectList(QObject):
 
     def figures(self, item: SegmentedObject) -> Figures | None:
         """Figures of an object; None while they are not known for its boundary in the present image."""
-        image, boundary, figures = self._figures.get(item.number, (None, None, None))
-        return figures if image is self._session.image and boundary is _boundary(item) else None
-
-    @property
-    def bodies(self) -> Mapping[int, Surface]:
-        """The surfaces of the objects of a volume by their numbers, as they were last measured."""
-        image = self._session.image
-        return self._parts.named(
-            "bodies",
-            lambda: {
-                number: figures.body
-                for number, (of, _, figures) in self._figures.items()
-                if of is image and figures.body is not None
-            },
-            *(self._figures, image),
-        )
+        image, _, figures = self._figures.get(id(_boundary(item)), (None, None, None))
+        return figures if image is self._session.image else None
 
     def title(self, item: SegmentedObject) -> str:
         """Name of an object, or the name of its class and its number."""
@@ -396,15 +385,19 @@ class ObjectList(QObject):
         selected = [row for row in self.selected_rows if row.kind != "object"]
         return selected or [row for row in self.rows if row.kind == "proposal" and not self.selected]
 
-    def accept(self) -> None:
-        """Make objects of the selected proposals and closed contours, and keep open ones; without any, all proposals.
+    @property
+    def meant(self) -> list[Row]:
+        """What is accepted of `open_rows`: doubtful ones next to others have to be selected."""
+        rows, picked = self.open_rows, bool(self.selected)
+        sure = [row for row in rows if picked or (row.item is not None and row.item.confidence >= DOUBTFUL)]
+        return sure or rows
 
-        Doubtful ones next to others have to be selected. What has been rejected is there again.
+    def accept(self) -> None:
+        """Make objects of what is meant: proposals and closed contours; open ones are kept.
+
+        What has been rejected is there again.
         """
-        rows = offered = self.open_rows
-        if not self.selected:
-            sure = [row for row in offered if row.item is not None and row.item.confidence >= DOUBTFUL]
-            rows = sure or offered
+        offered, rows = self.open_rows, self.meant
         if not rows:
             self._session.say(tr("There is nothing to accept: click in an object first."))
             return
@@ -632,13 +625,22 @@ class ObjectList(QObject):
         if image is None or not missing or self.painting:
             return
 
-        def use(measured: dict[int, tuple[Image, object, Figures]]) -> None:
-            self._figures = {**self._figures, **measured}
+        there = {id(_boundary(item)) for item in (*known.items, *known.rejected, *offered)}
+
+        def use(measured: list[tuple[SegmentedObject, Figures]]) -> None:
+            self._figures = {key: kept for key, kept in self._figures.items() if key in there}
+            for item, figures in measured:
+                self._figures[id(_boundary(item))] = image, _boundary(item), figures
+            bodies = {item.number: figures.body for item, figures in measured if figures.body is not None}
+            self.bodies = {**self.bodies, **bodies}
             self.changed.emit()
 
-        self._latest.ask(
-            lambda: {item.number: (image, _boundary(item), _measured(item, image)) for item in missing}, use
-        )
+        self._latest.ask(lambda: [(item, _measured(item, image)) for item in missing], use)
+
+    def _forget(self) -> None:
+        """Another image has been opened."""
+        self._merging.forget()
+        self._figures, self.bodies = {}, {}
 
     def _use_merged(self, items: tuple[SegmentedObject, ...], whole: SegmentedObject) -> None:
         """Put one object in the place of several, unless they have changed meanwhile."""

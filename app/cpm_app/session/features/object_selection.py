@@ -17,7 +17,7 @@ from cpm_app.model.document.objects import AnySelection
 from cpm_app.model.text.keys import with_keys
 from cpm_app.model.text.language import tr, written
 from cpm_app.session.features.background import LatestOnlyWorker
-from cpm_app.session.features.object_list import DOUBTFUL, ObjectList
+from cpm_app.session.features.object_list import ObjectList
 from cpm_app.session.features.selector import (
     MOST_OFFERED,
     AnyPartition,
@@ -161,11 +161,10 @@ class ObjectSelection(QObject):
 
     @property
     def advice(self) -> str:
-        """What can be done with what is offered; empty where nothing is."""
-        offered, chosen = self.proposals, self._session.scene.objects.chosen
-        found = ((each, each.selection) for each in offered)
-        sure = [each for each, one in found if isinstance(one, Selection) and one.confidence >= DOUBTFUL]
-        meant = [each for each in offered if each.key in chosen] or sure or offered
+        """What can be done with what is offered; empty where nothing is, or where Enter means none of it."""
+        offered = self.proposals
+        keys = {row.key for row in self._list.meant} if offered else set()
+        meant = [each for each in offered if ("proposal", each.key) in keys]
         if self.selecting:
             said = tr(
                 "Click to add, Shift-click to remove, [ ] for smaller and larger. Enter accepts, {key:escape} cancels."
@@ -174,9 +173,9 @@ class ObjectSelection(QObject):
             said = tr("{count} objects found. Enter: accept all · click one: accept or correct · {key:reject}: reject")
         elif len(meant) > 1:
             said = tr("{count} objects found. Enter: accept all · {key:objects}: choose · {key:reject}: reject")
-        elif len(offered) > 1:
+        elif len(offered) > 1 and meant:
             said = tr("1 of {count} objects{likely}. Enter: accept · click again: correct · {key:reject}: reject")
-        elif offered:
+        elif meant:
             said = tr("1 object found{likely}. Enter: accept · {key:objects}, click: correct · {key:reject}: reject")
         else:
             return ""
@@ -464,7 +463,8 @@ class ObjectSelection(QObject):
     def _offer(self, proposals: tuple[Proposal, ...]) -> None:
         """Show other proposals, or nothing while there is no partition."""
         before, ready = self.proposals, self.ready
-        if [each.selection for each in before] == [each.selection for each in proposals] and ready == self._was_ready:
+        same = [(each.key, each.selection) for each in before] == [(each.key, each.selection) for each in proposals]
+        if same and ready == self._was_ready:
             return
         self._was_ready = ready
         self._show(proposals=proposals)

@@ -15,6 +15,7 @@ from functools import cache, partial
 from pathlib import Path
 from typing import Concatenate, ParamSpec
 
+from cpm_app.model.display import stamps
 from cpm_app.model.document.document import Document, ImageReference
 from cpm_app.model.export import ExportOrder, What, chosen, summary_text, thinned
 from cpm_app.model.text.language import tr
@@ -207,6 +208,7 @@ def warm_up(volumes: bool = False) -> Command:
                 context.report(Compiling(percent))
 
         (context.core.warm_up_volumes if volumes else context.core.warm_up)(context.closing, report)
+        stamps.load()
         _keep_loaded(volumes)
         context.report(WarmedUp())
 

@@ -100,6 +100,7 @@ class Markers(pg.ScatterPlotItem):  # type: ignore[misc]  # pyqtgraph has no typ
     def __init__(self, z: float, **look: Any) -> None:
         super().__init__(**look)
         self.setZValue(z)
+        self.setVisible(True)
 
     def show(self, positions: Collection[Place] | Array, **look: Any) -> None:
         """Show them at (row, col), with a look of their own."""

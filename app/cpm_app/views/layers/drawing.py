@@ -99,6 +99,7 @@ class Draft:
         self._corners = Markers(_DRAFT_Z + 0.5, size=6.0, symbol="s", pen=pg.mkPen(theme.HALO), brush=pg.mkBrush("w"))
         for item in (self.path, self._closing, self._ring):
             item.setZValue(_DRAFT_Z)
+            item.hide()
         for item in (self.path, self._closing, self._ring, self._corners):
             view.addItem(item, ignoreBounds=True)
 
@@ -109,6 +110,7 @@ class Draft:
         dashed.setStyle(Qt.PenStyle.DashLine)
         self._closing.setPen(dashed)
         self._closing.setData(*to_xy(path[[-1, 0]] if closed and len(path) > 2 else path[:0]))
+        self._closing.setVisible(closed)
         self._corners.show(corners)
 
     def show_ring(self, rim: Array, color: str) -> None:
@@ -121,6 +123,7 @@ def _draw(item: pg.PlotCurveItem, path: Array, color: str, width: float, halo: f
     item.setPen(line_pen(color, width, "shapes"))
     item.setShadowPen(line_pen(theme.HALO, halo, "shapes"))
     item.setData(*to_xy(path))
+    item.setVisible(len(path) > 0)
 
 
 class DrawingLayer(Layer):

@@ -13,7 +13,7 @@ from cpm_app.model.display.coloring import QUANTITIES, SHADES, colored
 from cpm_app.model.text.language import tr, written
 from cpm_app.session.exchange.messages import Snapshot
 from cpm_app.session.scene import Scene
-from cpm_app.views.items.discs import NO_POSITIONS, Discs
+from cpm_app.views.items.discs import NO_POSITIONS, MovingDiscs
 from cpm_app.views.items.item import Pinned
 from cpm_app.views.layers.layer import Choice, Layer, LegendEntry
 from cpm_app.views.theme import color_maps, theme
@@ -84,8 +84,8 @@ class ParticleLayer(Layer):
     def make(self) -> None:
         """Make its items."""
         # Contours lie above the particles at rest and below those that still move.
-        self._resting = Discs(theme.RESTING, 7.0, 3.0)
-        self._moving = Discs(theme.MOVING, 6.0, _ABOVE)
+        self._resting = MovingDiscs(theme.RESTING, 7.0, 3.0)
+        self._moving = MovingDiscs(theme.MOVING, 6.0, _ABOVE)
         self.legend = Pinned(self.view, (1.0, 1.0))
         self._discs = (self._resting, self._moving)
         self.add(*self._discs, self.legend)

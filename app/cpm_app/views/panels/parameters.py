@@ -234,7 +234,7 @@ class ParametersPanel(QWidget):
             row.released.connect(session.seal)
             row.slider.sliderPressed.connect(partial(self._hold, name, True))
             row.slider.sliderReleased.connect(partial(self._hold, name, False))
-        session.scene_changed.connect(self._follow)
+        session.status_changed.connect(self._follow)  # not with each step: all rows are laid out for other words
         session.document_changed.connect(self.show_document)
         self.show_document(session.document)
 

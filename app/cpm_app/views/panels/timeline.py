@@ -325,7 +325,7 @@ class TimelinePanel(QWidget):
 
     def show_parameters(self) -> None:
         """Offer the parameters of the step if they differ from the present ones."""
-        self.parameters.setVisible(self._navigation.other_parameters is not None and not self._running)
+        self.parameters.setVisible(not self._running and self._navigation.other_parameters is not None)
 
     def minimumSizeHint(self) -> QSize:
         """Room for the buttons and a short track."""

@@ -122,8 +122,8 @@ class Scrolled(QScrollArea):
 
     def __init__(self, content: QWidget, least: int) -> None:
         super().__init__()
-        self._content = content
-        self._least = least
+        self._content, self._least = content, least
+        self._wanted = (0, 0)
         content.setObjectName("scrolled")
         self.setWidget(content)
         content.setAutoFillBackground(False)
@@ -152,9 +152,14 @@ class Scrolled(QScrollArea):
             self.updateGeometry()
 
     def eventFilter(self, watched: QObject, event: QEvent) -> bool:
-        """Pass on that the content wants another size, which scroll areas keep to themselves."""
+        """Pass on that the content wants another size, which scroll areas keep to themselves.
+
+        With every other number in it, all that is around it would be laid out and painted again.
+        """
         if event.type() == QEvent.Type.LayoutRequest:
-            self.updateGeometry()
+            before, self._wanted = self._wanted, (self.minimumSizeHint().width(), self.sizeHint().height())
+            if self._wanted != before:
+                self.updateGeometry()
         return super().eventFilter(watched, event)
 
     def _bar(self) -> int:

@@ -85,12 +85,8 @@ def test_no_state_is_read_that_compiled_loops_cannot_bear(states) -> None:
     state = states[20]
     outside = state.particles.position.copy()
     outside[0] = (1e6, 0.0)
-    twice = state.particles.identity.copy()
-    twice[1] = twice[0]
     bad = {
         "outside the image": {"position": array_to_plain(outside)},
-        "twice": {"identity": array_to_plain(twice)},
-        "yet to come": {"next_identity": 1},
         "found": {"found": array_to_plain(np.zeros((1, 1), np.int32))},
         "scale of state": {"scale": 9},
         "reach of state": {"mesh": {"reach": 0.0}},
@@ -144,12 +140,10 @@ def test_no_state_of_a_volume_is_read_that_compiled_loops_cannot_bear(solid_stat
     bad = {
         "outside the image": {"position": array_to_plain(outside)},
         "position of state has the shape": {"position": array_to_plain(outside[:, :2])},
-        "normal of state holds a direction longer": {"normal": array_to_plain(2.0 * np.ones_like(outside))},
         "normal of state": {"normal": array_to_plain(np.full_like(outside, np.nan))},
         "seated of state": {"seated": array_to_plain(np.zeros(3, np.int32))},
         "strength of state": {"strength": array_to_plain(np.full(state.count, np.inf))},
         "woken of state": {"woken": 3},
-        "covered of state holds cells": {"covered": array_to_plain(np.array([3, 2]))},
         "side of state": {"side": 0.0},
     }
     for says, changes in bad.items():

@@ -270,11 +270,6 @@ def test_a_drawing_of_another_size_is_scaled_to_the_image_of_the_same_shape():
     assert contour.points.max(axis=0).tolist() == [159.5, 99.5]
 
 
-def test_entities_in_a_drawing_are_refused():
-    with pytest.raises(ValueError, match=r"a.svg: The drawing defines entities"):
-        read('<!DOCTYPE svg [<!ENTITY a "b">]>' + drawing('<path d="M0 0 1 1"/>'), "a.svg")
-
-
 # DXF
 
 

@@ -1,0 +1,105 @@
+"""How a finer scale of a large image begins: with what the coarser one has found, and the seeds that it needs besides.
+
+Every scale begins with all seeds, so that what is too small for the coarser one is found as well. Most of them follow
+the field to an edge with particles on it and are deleted there. In a large image with starts everywhere these are most
+of the particles that move.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from cpm_core.field.interpolation import between, component
+from cpm_core.field.scale_field import GATE, ScaleField
+from cpm_core.model.coverage import CELL, NEVER, REACH, Coverage, cell_of
+from cpm_core.model.interventions import allowed_places
+from cpm_core.model.state import State
+from cpm_core.numerics.grids import in_bands
+from cpm_core.numerics.jit import compiled
+from cpm_core.numerics.types import Array, Index, Single
+
+_FROM = 2**20
+"""Pixels of an image above which a finer scale begins like this."""
+
+_EXPLAINED, _NEAR = 1, 4
+"""Cells of the coverage to each side of a particle, whose place on the finer scale is not yet exact, in which it
+explains edges; and cells to each side of an edge in which seeds are kept: more than two seeds of a grid of 8 px."""
+
+Directions = NDArray[np.uint8]
+"""Directions in which an image rises across the edges in each cell, a bit for each eighth of a turn."""
+
+
+def begun(state: State, field: ScaleField) -> State:
+    """The first state of a scale, of a large image without the seeds that are not near an edge yet to be explained.
+
+    An edge is explained by a particle of the coarser scale near it where the image rises in about the same direction,
+    so that one side of a thin object does not explain the other. It counts as covered when the scale begins: repulsion
+    need not spread the particles along it once more. All seeds stay where they are so few that an edge which is not
+    explained has none near it: particles may come to it from afar.
+    """
+    if len(state.shape) != 2 or math.prod(state.shape) <= _FROM:
+        return state
+    first = state.count - len(allowed_places(state.start, state.scale, state.shape, state.regions))
+    edges, explained = (np.zeros(state.coverage.found.shape, np.uint8) for _ in range(2))
+    in_bands(lambda *rows: _mark_edges(field.packed, field.floor, edges, *rows), len(edges))
+    place = state.particles.position
+    _mark_explained(field.packed, place[:first], explained)
+    row, col = _cells(place[first:], edges.shape)
+    missing, seeds = (edges & ~explained) != 0, np.zeros(edges.shape, bool)
+    seeds[row, col] = True
+    if not _around(seeds, _NEAR)[missing].all():
+        return state
+    stay = np.concatenate([np.ones(first, bool), _around(missing, _NEAR)[row, col]])
+    known = (edges != 0) & ~missing
+    found, latest = (np.where(cells, 0, NEVER).astype(np.int32) for cells in (known, _around(known, REACH)))
+    coverage = Coverage(found, latest, int(np.count_nonzero(known)))
+    return replace(state, particles=state.particles.where(stay), coverage=coverage)
+
+
+def _cells(place: Array, shape: tuple[int, ...]) -> tuple[Index, ...]:
+    """Row and column of the cells of positions, shape (N, 2)."""
+    cells = np.minimum(np.maximum((place + 0.5) / CELL, 0.0), np.array(shape) - 1).astype(np.int64)
+    return tuple(cells.T)
+
+
+def _around(cells: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
+    """Some cells and those near them, to each side."""
+    return np.asarray(scipy.ndimage.maximum_filter(cells, 2 * reach + 1), bool)
+
+
+@compiled
+def _direction_at(packed: Single, y: float, x: float) -> int:
+    """The eighth of a turn in which an image rises at a position."""
+    place = between(packed, y, x)
+    down, right = component(packed, 2, place), component(packed, 3, place)
+    return int(4.0 * (np.arctan2(down, right) / np.pi + 1.0)) % 8
+
+
+@compiled
+def _mark_edges(packed: Single, floor: float, edges: Directions, first: int, end: int) -> None:
+    """Mark some rows of cells that contain pixels on edges."""
+    size, beyond = int(CELL), packed.shape[0]
+    for row in range(first * size, beyond if end == len(edges) else min(end * size, beyond)):
+        for col in range(packed.shape[1]):
+            if packed[row, col, 4] >= floor and packed[row, col, 0] ** 2 + packed[row, col, 1] ** 2 < GATE**2:
+                cell = cell_of(row, CELL, edges.shape[0]), cell_of(col, CELL, edges.shape[1])
+                edges[cell] |= np.uint8(1 << _direction_at(packed, row, col))
+
+
+@compiled
+def _mark_explained(packed: Single, place: Array, explained: Directions) -> None:
+    """Mark the directions of edges that particles explain, a right angle to each side, in the cells around them."""
+    rows, cols = explained.shape
+    for i in range(len(place)):
+        direction, bits = _direction_at(packed, place[i, 0], place[i, 1]), 0
+        for turn in range(-2, 3):
+            bits |= 1 << (direction + turn) % 8
+        row, col = cell_of(place[i, 0], CELL, rows), cell_of(place[i, 1], CELL, cols)
+        for r in range(max(row - _EXPLAINED, 0), min(row + _EXPLAINED + 1, rows)):
+            for c in range(max(col - _EXPLAINED, 0), min(col + _EXPLAINED + 1, cols)):
+                explained[r, c] |= np.uint8(bits)
