@@ -22,15 +22,6 @@ Reached = Literal["", "flight", "weak", "junction", "launched"]
 """How particles came to a contour: on their own flight from the start, beyond a weak edge, by creeping over a junction,
 or by being launched elsewhere; empty where it is not known."""
 
-MOST_LETTERS = 1000
-"""Letters that a name may have: a name appears in tables and on the image."""
-
-
-def check_name(what: str, name: str) -> None:
-    """Raise a `ValueError` for a name that is too long; `what` is what it names."""
-    if len(name) > MOST_LETTERS:
-        raise ValueError(f"The name of {what} has {len(name)} letters but may have {MOST_LETTERS} at most: shorten it.")
-
 
 def check_color(what: str, color: str) -> None:
     """Raise a `ValueError` for a color of another form than "#rrggbb"; `what` is what has it."""
@@ -50,7 +41,6 @@ class Label:
     color: str = ""
 
     def __post_init__(self) -> None:
-        check_name("a label", self.name)
         check_color("a label", self.color)
 
 
@@ -213,6 +203,11 @@ def numbers_of(contours: Contours) -> Integers:
     taken = {contour.number for contour in contours}
     free = (number for number in itertools.count(1) if number not in taken)
     return tuple(contour.number or next(free) for contour in contours)
+
+
+def vertices_of(contours: Contours) -> Array:
+    """The vertices of contours, shape (N, 2) [px]."""
+    return np.concatenate([np.empty((0, 2)), *(contour.points for contour in contours)])
 
 
 def sampled(contours: Contours) -> Array:

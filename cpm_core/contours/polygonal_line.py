@@ -74,7 +74,7 @@ class PolygonalLine:
     @cached_property
     def box(self) -> Array:
         """Lowest and highest row and column, shape (2, 2) [px]."""
-        return self.source.box if self.source else np.stack([self.points.min(axis=0), self.points.max(axis=0)])
+        return np.stack([self.points.min(axis=0), self.points.max(axis=0)])
 
     def passes(self, place: Position, reach: float) -> bool:
         """Whether the line passes within reach of a place [px]."""
