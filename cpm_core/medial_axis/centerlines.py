@@ -9,7 +9,7 @@ others are moved to the middle between voxels that are as deep, and smoothed alo
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import field
+from dataclasses import field, replace
 from functools import cached_property
 
 import numpy as np
@@ -127,6 +127,11 @@ class Centerlines:
         steps = [np.diff(branch.points * self.spacing, axis=0) for branch in self.branches]
         return np.array([np.linalg.norm(step, axis=1).sum() for step in steps])
 
+    def longest_first(self) -> Centerlines:
+        """The same lines with their branches by length."""
+        order = np.argsort(-self.lengths, kind="stable")
+        return replace(self, branches=tuple(self.branches[k] for k in order))
+
     def __repr__(self) -> str:
         branches = counted(len(self.branches), "branch", "branches")
         return described("Centerlines", self.source, branches, f"{self.lengths.sum():,.1f} {self.unit or 'voxels'}")
@@ -199,9 +204,7 @@ def centerlines(
     walls = scipy.spatial.KDTree(np.argwhere(~part & scipy.ndimage.binary_dilation(part)) * size)
     sides = depth / size.min()
     branches = [_branch(chain, sides, walls, size, (low - 1).astype(float)) for chain in chains]
-    found = Centerlines(tuple(branches), tuple(spacing), unit)
-    order = np.argsort(-found.lengths, kind="stable")
-    return Centerlines(tuple(branches[k] for k in order), tuple(spacing), unit)
+    return Centerlines(tuple(branches), tuple(spacing), unit).longest_first()
 
 
 def _branch(chain: Chain, depth: Array, walls: scipy.spatial.KDTree, size: Array, begin: Array) -> Branch:

@@ -6,7 +6,6 @@ import io
 import logging
 from collections import deque
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -135,9 +134,7 @@ def load_centerlines(
     for note in notes:
         warn(f"{file.name}: {note}")
     geometry = None if image is None else image.geometry
-    found = Centerlines(tuple(branches), place.spacing, place.unit, file.name, geometry)
-    order = np.argsort(-found.lengths, kind="stable")
-    return replace(found, branches=tuple(branches[k] for k in order))
+    return Centerlines(tuple(branches), place.spacing, place.unit, file.name, geometry).longest_first()
 
 
 def _branches(points: Array, radii: Array, links: list[tuple[int, int]]) -> list[Branch]:
