@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from functools import lru_cache
+from itertools import product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.formats.images.ome_zarr import Levels, open_levels
@@ -23,6 +27,9 @@ _OVERLAP = 128
 
 _DISTURBED, _IN_SIGMA = 16, 8.0
 """Distance from the border of what a chunk sees in which contours may differ: in px, and in addition in sigma."""
+
+UNSURE = 1.0
+"""Distance from the border of a core in which the middle of a box may be in another one for the neighbor [px]."""
 
 _STEP = 32
 """What the overlap is a multiple of, so that the pyramids of neighbors have the same pixels [px]."""
@@ -48,7 +55,11 @@ class Source:
 
     def gray(self, window: Window) -> Array:
         """Gray levels in a window, shape (H, W) or (P, H, W)."""
-        return self.levels.part(window, self.reading).astype(float)
+        return self.values(window).astype(float)
+
+    def values(self, window: Window) -> NDArray[Any]:
+        """The same as they are stored."""
+        return self.levels.part(window, self.reading)
 
 
 @lru_cache(2)
@@ -71,6 +82,17 @@ class Chunk:
     number: int
     core: Window
     padded: Window
+
+    def may_own(self, middle: Array) -> bool:
+        """Whether it is the chunk of a contour with this middle, or a neighbor takes it for that."""
+        low, high = np.array([[side.start - 0.5, side.stop - 0.5] for side in self.core]).T
+        return bool(((middle >= low - UNSURE) & (middle < high + UNSURE)).all())
+
+
+def touches(contour: Contour, window: Window) -> bool:
+    """Whether the box of a contour has pixels in a window."""
+    low, high = np.array([[side.start - 0.5, side.stop - 0.5] for side in window]).T
+    return bool((contour.box[1] >= low).all() and (contour.box[0] <= high).all())
 
 
 @frozen
@@ -108,6 +130,15 @@ class Grid:
         at = np.clip(np.floor((places + 0.5) / self.side).astype(int), 0, np.array(self.counts) - 1)
         return np.ravel_multi_index(tuple(at.T), self.counts)
 
+    def within(self, window: Window) -> Iterator[tuple[int, Window]]:
+        """Numbers of the chunks whose cores reach into a window, and these parts of it."""
+        for at in product(*(range(part.start // self.side, -(-part.stop // self.side)) for part in window)):
+            core = tuple(
+                slice(max(k * self.side, part.start), min((k + 1) * self.side, part.stop))
+                for k, part in zip(at, window, strict=True)
+            )
+            yield int(np.ravel_multi_index(at, self.counts)), core
+
     def sees(self, contour: Contour) -> bool:
         """Whether each chunk whose core a contour touches sees it as a whole, undisturbed."""
         return bool((contour.box[1] - contour.box[0]).max() <= self.whole)
@@ -117,6 +148,13 @@ class Grid:
         at = np.array(np.unravel_index(number, self.counts)).tolist()
         near = np.ix_(*(range(max(k - 1, 0), min(k + 2, n)) for k, n in zip(at, self.counts, strict=True)))
         found: list[int] = np.ravel_multi_index(near, self.counts).ravel().tolist()
+        return found
+
+    def near(self, window: Window) -> list[int]:
+        """Numbers of the chunks that contours with pixels in a window may belong to, if they see them as a whole."""
+        wide = around(window, math.ceil(0.5 * self.whole + UNSURE) + 1, self.shape)
+        at = np.ix_(*(range(side.start // self.side, -(-side.stop // self.side)) for side in wide))
+        found: list[int] = np.ravel_multi_index(at, self.counts).ravel().tolist()
         return found
 
 

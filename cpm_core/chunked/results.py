@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
@@ -11,9 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core.chunked.grid import Chunk
-from cpm_core.chunked.run import Compute, Found
+from cpm_core.chunked.grid import Chunk, Grid, Source
+from cpm_core.chunked.run import Compute, Found, Task
 from cpm_core.contours.contour import Contour
+from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.rasterize import paint
 from cpm_core.contours.region_table import region_table
 from cpm_core.contours.result import Result
@@ -23,7 +24,7 @@ from cpm_core.formats.common.provenance import ENTRY, facts_of, plain_shapes
 from cpm_core.formats.contours.geojson import features_of
 from cpm_core.formats.images.ome_zarr import create_levels, halve_part, write_part
 from cpm_core.formats.images.resolution import in_ascii
-from cpm_core.numerics.grids import Window, tiles
+from cpm_core.numerics.grids import Window, around, sides_of, tiles
 from cpm_core.numerics.types import Array
 from cpm_core.parameters.provenance import Provenance, taken
 from cpm_core.parameters.quotation import counted
@@ -39,12 +40,15 @@ WRITABLE = {
 """Suffixes of the files -> what they hold."""
 
 
-def write(found: Found, paths: Sequence[str], compute: Compute) -> list[str]:
-    """Write files by their suffixes, and give the name of each that was written, or of all tiles."""
+def write(found: Any, paths: Sequence[str], compute: Compute, writers: Mapping[str, Callable[..., str]]) -> list[str]:
+    """Write files by their suffixes, and give the name of each that was written, or of all tiles.
+
+    Writers take what was found, a path, where to write until all is written, and how jobs are done.
+    """
     written = []
     for path in map(Path, paths):
         with _draft(path) as draft:
-            written.append(_WRITERS[path.suffix.lower()](found, path, draft, compute))
+            written.append(writers[path.suffix.lower()](found, path, draft, compute))
     return written
 
 
@@ -60,34 +64,34 @@ def _draft(path: Path) -> Iterator[Path]:
         draft.replace(path)
 
 
-def _near(found: Found, number: int, window: Window) -> list[Contour]:
-    """Contours of a chunk and its neighbors, and longer ones, that reach into a window."""
-    low, high = np.array([[side.start - 0.5, side.stop - 0.5] for side in window]).T
-    known = [one for at in found.grid.around(number) for one in found.contours(at)]
-    known += found.long
-    unique = {one.number: one for one in known if (one.box[1] >= low).all() and (one.box[0] <= high).all()}
-    return [unique[at] for at in sorted(unique)]
-
-
 def write_labels(found: Found, path: Path, draft: Path, compute: Compute) -> str:
     """Write a label image in levels of resolution."""
-    grid, levels = found.grid, found.task.source.levels
-    more = {"image-label": {"version": "0.5"}}
-    count = create_levels(draft, grid.shape, np.uint32, grid.side, levels.spacing, levels.unit, more)
-    _done(compute(partial(_paint, found, draft), grid.chunks, "labels"))
-    for level in range(1, count):
-        shape = tuple(-(-n // 2**level) for n in grid.shape)
-        _done(compute(partial(halve_part, draft, level), tiles(shape, grid.side), "levels of labels"))
+    label_image(found.task.source, found.grid, draft, partial(_paint, found, draft), compute)
     return str(path)
 
 
+def label_image(source: Source, grid: Grid, path: Path, paint: Callable[[Chunk], None], compute: Compute) -> None:
+    """Make a label image in levels of resolution, the finest of which `paint` writes in the core of each chunk."""
+    more = {"image-label": {"version": "0.5"}}
+    count = create_levels(path, grid.shape, np.uint32, grid.side, source.levels.spacing, source.levels.unit, more)
+    _done(compute(paint, grid.chunks, "labels"))
+    for level in range(1, count):
+        shape = tuple(-(-n // 2**level) for n in grid.shape)
+        _done(compute(partial(halve_part, path, level), tiles(shape, grid.side), "levels of labels"))
+
+
 def _paint(found: Found, path: Path, chunk: Chunk) -> None:
-    """Write the labels in the core of a chunk, which are the numbers of the contours."""
-    contours = [one for one in _near(found, chunk.number, chunk.core) if one.closed]
+    """Write the labels in the core of a chunk, which are the numbers of the contours, or of objects."""
+    contours = [one for one in found.near(chunk.core) if one.closed]
     if contours:
-        labels = paint(_moved(contours, chunk.core), tuple(side.stop - side.start for side in chunk.core))
-        numbers = np.array([0, *(one.number for one in contours)], np.uint32)
-        write_part(path, 0, chunk.core, numbers[labels])
+        labels = paint(_moved(contours, chunk.core), sides_of(chunk.core))
+        write_part(path, 0, chunk.core, np.array([0, *_numbers(contours)], np.uint32)[labels])
+
+
+def _numbers(contours: Sequence[Contour]) -> list[int]:
+    """The number of each label that `paint` gives to contours."""
+    known = {label: one.group or one.number for one, label in zip(contours, contour_labels(contours), strict=True)}
+    return [known[label] for label in sorted(known) if label]
 
 
 def _moved(contours: Sequence[Contour], window: Window) -> list[Contour]:
@@ -108,29 +112,39 @@ def _tile(found: Found, path: Path, chunk: Chunk) -> bool:
     if not own:
         return False
     result = _result(found, _with_inner(found, chunk, own))
-    numbers, mine = [one.number for one in result.contours if not one.hole], {one.number for one in own}
-    features = [one for one, number in zip(features_of(result), numbers, strict=True) if number in mine]
+    features = features_of(result)[: sum(not one.hole for one in own)]
     name = path.with_stem(f"{path.stem}_{chunk.core[0].start}_{chunk.core[1].start}")
     write_together([(name, encoded_json({"type": "FeatureCollection", ENTRY: facts_of(result), "features": features}))])
     return True
 
 
 def _with_inner(found: Found, chunk: Chunk, own: Sequence[Contour]) -> list[Contour]:
-    """Contours of a chunk, and those of its neighbors that may lie in one of them."""
-    boxes = np.array([one.box for one in own])
-    low, high = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
-    others = [one for at in found.grid.around(chunk.number) if at != chunk.number for one in found.contours(at)]
-    return [*own, *(one for one in others if (one.box[0] >= low).all() and (one.box[1] <= high).all())]
+    """Contours of a chunk, and those of others that may lie in one of them."""
+    mine = {one.group or one.number for one in own}
+    return [*own, *(one for one in found.near(_window(found, chunk, own)) if (one.group or one.number) not in mine)]
+
+
+def _window(found: Found, chunk: Chunk, contours: Sequence[Contour]) -> Window:
+    """The pixels around contours of a chunk, as far as it has neighbors."""
+    boxes, limits = np.array([one.box for one in contours]), around(chunk.core, found.grid.side, found.grid.shape)
+    low, high = np.floor(boxes[:, 0].min(axis=0)).astype(int), np.ceil(boxes[:, 1].max(axis=0)).astype(int) + 1
+    ends = zip(low.tolist(), high.tolist(), limits, strict=True)
+    return tuple(slice(max(first, side.start), min(last, side.stop)) for first, last, side in ends)
 
 
 def _result(found: Found, contours: Sequence[Contour]) -> Result:
     """Some contours as a result, for writers."""
     task, levels = found.task, found.task.source.levels
-    made = Provenance("cpm", taken(task.parameters, Engine.parameters), None, plain_shapes([Everywhere(task.kind)]), 0)
+    made = provenance_of(task)
     return Result(
         np.empty((0, 2)), tuple(contours), None, 0, True, "run chunk by chunk", found.grid.shape, levels.spacing[1:],
         levels.unit, levels.name, provenance=made,
     )  # fmt: skip
+
+
+def provenance_of(task: Task) -> Provenance:
+    """How what a task finds is found."""
+    return Provenance("cpm", taken(task.parameters, Engine.parameters), None, plain_shapes([Everywhere(task.kind)]), 0)
 
 
 def write_table(found: Found, path: Path, draft: Path, compute: Compute) -> str:
@@ -158,16 +172,18 @@ def _rows(found: Found, chunk: Chunk) -> dict[str, Array]:
 
     Of contours that no single chunk sees, the area includes what lies inside, and gray levels are not measured.
     """
-    levels = found.task.source.levels
-    own = [one for one in found.contours(chunk.number) if one.closed]
-    short = [one for one in own if found.grid.sees(one)]
-    long = [one for one in own if not found.grid.sees(one)]
-    near = [one for one in _with_inner(found, chunk, short) if one.closed] if short else []
-    gray = found.task.source.gray(chunk.padded)
-    columns: dict[str, list[Array]] = {"label": [np.array([one.number for one in (*short, *long)], np.int64)]}
-    for contours, count in ((near, len(short)), (long, len(long))):
-        labels = paint(_moved(contours, chunk.padded), gray.shape)
-        table = region_table(contours, labels, None if contours is long else gray, levels.spacing[1:], levels.unit)
+    source, own = found.task.source, [one for one in found.contours(chunk.number) if one.closed]
+    levels = source.levels
+    short = [one for one in own if one.group or found.grid.sees(one)]
+    long = [one for one in own if not (one.group or found.grid.sees(one))]
+    columns: dict[str, list[Array]] = {"label": [np.array(_numbers([*short, *long]), np.int64)]}
+    for some in (short, long):
+        contours, labels, gray, count = some, np.zeros((1, 1), np.int64), None, len(_numbers(some))
+        if some and some is short:
+            window = _window(found, chunk, some)
+            contours = [one for one in _with_inner(found, chunk, some) if one.closed]
+            labels, gray = paint(_moved(contours, window), sides_of(window)), source.gray(window)
+        table = region_table(contours, labels, gray, levels.spacing[1:], levels.unit)
         for name in dict.fromkeys((*table, *_GRAY)):
             if name not in ("label", "name"):
                 values = table[name][:count] if name in table else np.full(count, np.nan)
@@ -185,9 +201,9 @@ def _done(results: Iterable[object]) -> None:
         pass
 
 
-_WRITERS: dict[str, Callable[[Found, Path, Path, Compute], str]] = {
+WRITERS: Mapping[str, Callable[..., str]] = {
     ".zarr": write_labels,
     ".geojson": write_tiles,
     **dict.fromkeys((".csv", ".parquet"), write_table),
 }
-"""Suffixes -> writers: they take what was found, a path, where to write until all is written, and how jobs are done."""
+"""Suffixes -> writers."""

@@ -1,4 +1,4 @@
-"""A run on an image larger than memory: look at the whole, run in each chunk, join what crosses seams."""
+"""A run on an image larger than memory: look at the whole, run in each chunk, join what crosses seams, find objects."""
 
 from __future__ import annotations
 
@@ -10,13 +10,16 @@ from typing import Any
 import numpy as np
 
 from cpm_core.chunked import survey
+from cpm_core.chunked.chunk_objects import LONGEST, objects_in
 from cpm_core.chunked.chunk_run import contours_in
-from cpm_core.chunked.grid import Chunk, Grid, Source, grid_for
+from cpm_core.chunked.grid import Chunk, Grid, Source, grid_for, touches
 from cpm_core.chunked.seams import joined, owned, twice
 from cpm_core.chunked.store import Piece, Store, packed, unpacked
 from cpm_core.contours.contour import Contour
 from cpm_core.formats.common.provenance import VERSION
+from cpm_core.numerics.grids import Window
 from cpm_core.numerics.types import Array, Entries, Integers, frozen
+from cpm_core.objects.partition import Frame
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction.curve.hysteresis import shortest
 from cpm_core.shapes.everywhere import Kind
@@ -24,7 +27,10 @@ from cpm_core.shapes.everywhere import Kind
 Compute = Callable[[Callable[[Any], Any], Sequence[Any], str], Iterable[tuple[int, Any]]]
 """Applies a function to each of some jobs, in any order and on any workers, under a title: gives index and result."""
 
-_WHOLE, _JOINED = "whole.npz", "joined.npz"
+_WHOLE = "whole.npz"
+
+CONTOURS, OBJECTS = "contours", "objects"
+"""What is found in chunks; also the names of the files that hold it."""
 
 
 @frozen
@@ -43,6 +49,8 @@ class Task:
         Where results are put.
     max_steps : int or None
         Greatest number of steps in each chunk.
+    objects : bool
+        Whether the objects between the contours are to be found in their place.
     """
 
     source: Source
@@ -50,12 +58,14 @@ class Task:
     kind: Kind
     store: Store
     max_steps: int | None = None
+    objects: bool = False
 
     @property
     def settings(self) -> Entries:
         """All that the result depends on, but the image."""
         return {"image": str(self.source.path.absolute()), "reading": asdict(self.source.reading), "start": self.kind,
-                "parameters": asdict(self.parameters), "steps": self.max_steps, "version": VERSION}  # fmt: skip
+                "parameters": asdict(self.parameters), "steps": self.max_steps, "objects": self.objects,
+                "version": VERSION}  # fmt: skip
 
 
 @frozen
@@ -71,93 +81,147 @@ class Found:
     whole : Whole
         What the fields were measured by.
     counts : tuple of int
-        Number of contours of each chunk.
+        Number of contours, or of objects, of each chunk.
+    kind : str
+        `CONTOURS` or `OBJECTS`; the contours of an object share its number as their `Contour.group`.
     """
 
     task: Task
     grid: Grid
     whole: survey.Whole
     counts: Integers
+    kind: str = CONTOURS
 
     def contours(self, chunk: int) -> list[Contour]:
         """The contours of a chunk, numbered through the image; last those that no chunk sees as a whole."""
-        own = unpacked(self.task.store.load(_chunk(chunk)), "whole_")
-        known = self.task.store.load(_JOINED)
-        again = set(known["twice_at"][known["twice_chunk"] == chunk].tolist())
-        contours = [piece.contour for at, piece in enumerate(own) if at not in again]
-        first = 1 + sum(self.counts[:chunk])
-        numbered = [replace(one, number=number) for number, one in enumerate(contours, start=first)]
-        return numbered + [one for one, at in zip(_long(known), known["chunk"].tolist(), strict=True) if at == chunk]
+        store, own = self.task.store, self.task.store.load(_chunk(self.kind, chunk))
+        known = store.load(f"{self.kind}.npz", "twice_chunk", "twice_at")
+        again = known["twice_at"][known["twice_chunk"] == chunk]
+        kept = np.setdiff1d(np.arange(len(own["boxes"])), again)
+        number = np.zeros(len(own["boxes"]), np.int64)
+        number[kept] = 1 + sum(self.counts[:chunk]) + np.arange(len(kept))
+        pieces = zip(unpacked(own, "whole_"), number[own["item"]].tolist(), strict=True)
+        found = [_numbered(piece.contour, number, self.kind) for piece, number in pieces if number]
+        return found + self._long(chunk)
 
     @property
-    def long(self) -> list[Contour]:
-        """The contours that no chunk sees as a whole."""
-        return _long(self.task.store.load(_JOINED))
+    def count(self) -> int:
+        """Number of contours, or of objects."""
+        return sum(self.counts)
+
+    def near(self, window: Window) -> list[Contour]:
+        """The contours that reach into a window."""
+        numbers = self.grid.near(window)
+        found = [one for at in numbers for one in self.contours(at)]
+        low, high = np.array([[side.start - 0.5, side.stop - 0.5] for side in window]).T
+        long = self.task.store.load(f"{self.kind}.npz", "long", "chunk")
+        there = ((long["long"][:, 1] >= low) & (long["long"][:, 0] <= high)).all(axis=1)
+        found += [one for at in np.setdiff1d(long["chunk"][there], numbers).tolist() for one in self._long(at)]
+        return [one for one in found if touches(one, window)]
+
+    def _long(self, chunk: int) -> list[Contour]:
+        """The contours of a chunk that none sees as a whole."""
+        name = _chunk("long", chunk)
+        if self.kind == OBJECTS or not self.task.store.has(name):
+            return []
+        known = self.task.store.load(name)
+        rows = zip(unpacked(known, "long_"), known["number"].tolist(), strict=True)
+        return [_numbered(piece.contour, number, self.kind) for piece, number in rows]
 
 
-def _long(known: Entries) -> list[Contour]:
-    rows = zip(unpacked(known, "long_"), known["number"].tolist(), strict=True)
-    return [replace(piece.contour, number=number) for piece, number in rows]
+def _numbered(contour: Contour, number: int, kind: str) -> Contour:
+    """A contour with its number, or with that of its object."""
+    if kind == OBJECTS:
+        return replace(contour, group=number, name=f"object {number}")
+    return replace(contour, number=number)
 
 
 def run(task: Task, compute: Compute, side: int) -> Found:
-    """Find all contours; what is in the store from an earlier run with the same settings is not found again."""
+    """Find all contours, or objects; what is in the store from an earlier run with the same settings stays."""
     task.store.begin({**task.settings, "side": side, "shape": task.source.shape})
     grid, whole = surveyed(task, compute, side)
-    todo = [chunk for chunk in grid.chunks if not task.store.has(_chunk(chunk.number))]
-    for _ in compute(partial(find, task, grid, whole), todo, "contours"):
-        pass
+    _each(compute, partial(find, task, grid, whole), task.store, grid, CONTOURS)
     least = max(shortest(whole.tone.smoothing, task.parameters), task.parameters.min_length)
-    return Found(task, grid, whole, _join(task.store, grid, least))
+    found = Found(task, grid, whole, _join(task.store, grid, least, CONTOURS))
+    if whole.frame is None:
+        return found
+    _each(compute, partial(find_objects, found, whole.frame), task.store, grid, OBJECTS)
+    wide = replace(grid, whole=LONGEST)
+    return Found(task, wide, whole, _join(task.store, wide, 0.0, OBJECTS), OBJECTS)
+
+
+def _each(compute: Compute, work: Callable[[Chunk], None], store: Store, grid: Grid, kind: str) -> None:
+    """Find what is of a kind in each chunk of which that is not known."""
+    for _ in compute(work, [chunk for chunk in grid.chunks if not store.has(_chunk(kind, chunk.number))], kind):
+        pass
 
 
 def surveyed(task: Task, compute: Compute, side: int) -> tuple[Grid, survey.Whole]:
     """The chunks of an image, and what depends on all of it."""
     source, parameters, shape = task.source, task.parameters, task.source.shape
     if task.store.has(_WHOLE):
-        whole = survey.Whole.of(task.store.load(_WHOLE))
+        whole = survey.Whole.of(task.store.load(_WHOLE), shape)
         return grid_for(shape, parameters, whole.tone.smoothing, side), whole
-    tone = survey.plain_tone(shape, parameters)
-    if tone is None:
+    tone, frame = survey.plain_tone(shape, parameters), None
+    if tone is None or task.objects:
         plain = Grid(shape, side, 0, 0.0)
-        gray = _in_order(compute(partial(survey.gray_levels, source), plain.chunks, "gray levels"))
-        tone = survey.tone_of(source, plain, gray, parameters)
+        gray = in_order(compute(partial(survey.gray_levels, source), plain.chunks, "gray levels"))
+        tone = tone or survey.tone_of(source, plain, gray, parameters)
+        frame = survey.frame_of(source, plain, gray) if task.objects else None
     grid = grid_for(shape, parameters, tone.smoothing, side)
     work = partial(survey.edges, source, tone=tone, parameters=parameters)
-    whole = survey.whole_of(tone, _in_order(compute(work, grid.chunks, "edges")), parameters)
+    whole = survey.whole_of(tone, in_order(compute(work, grid.chunks, "edges")), parameters, frame)
     task.store.save(_WHOLE, **whole.numbers)
     return grid, whole
 
 
-def _in_order(results: Iterable[tuple[int, Any]]) -> list[Any]:
+def in_order(results: Iterable[tuple[int, Any]]) -> list[Any]:
     """Results in the order of their jobs."""
     return [result for _, result in sorted(results, key=lambda one: one[0])]
 
 
 def find(task: Task, grid: Grid, whole: survey.Whole, chunk: Chunk) -> None:
     """Find the contours of a chunk and store what it keeps of them, unless a worker that died has done so."""
-    if task.store.has(_chunk(chunk.number)):
+    if task.store.has(_chunk(CONTOURS, chunk.number)):
         return
     found = contours_in(task.source, chunk, whole, task.parameters, task.kind, task.max_steps)
     own, pieces = owned(found, chunk, grid)
-    boxes = np.array([piece.contour.box for piece in own]).reshape(-1, 2, 2)
-    arrays = {f"{prefix}_{key}": values for prefix, some in (("whole", own), ("piece", pieces))
-              for key, values in packed(some).items()}  # fmt: skip
-    task.store.save(_chunk(chunk.number), boxes=boxes, **arrays)
+    boxes = [piece.contour.box for piece in own]
+    _save(task.store, CONTOURS, chunk, boxes, range(len(own)), whole=own, piece=pieces)
 
 
-def _chunk(number: int) -> str:
-    return f"chunk_{number}.npz"
+def find_objects(found: Found, frame: Frame, chunk: Chunk) -> None:
+    """Find the objects between contours in a chunk and store them, unless a worker that died has done so."""
+    store = found.task.store
+    if store.has(_chunk(OBJECTS, chunk.number)):
+        return
+    objects = list(objects_in(found.task.source, found.near, chunk, frame))
+    own = [Piece(contour) for _, contours in objects for contour in contours]
+    items = [at for at, (_, contours) in enumerate(objects) for _ in contours]
+    _save(store, OBJECTS, chunk, [box for box, _ in objects], items, whole=own, piece=[])
 
 
-def _join(store: Store, grid: Grid, least: float) -> Integers:
-    """Join what crosses seams to contours of some length, store it, and give the number of contours of each chunk."""
+def _save(
+    store: Store, kind: str, chunk: Chunk, boxes: Sequence[Array], items: Sequence[int], **pieces: Sequence[Piece]
+) -> None:
+    """Store boxes of what a chunk keeps, its contours with the numbers of their boxes, and pieces of others."""
+    arrays = {f"{prefix}_{key}": values for prefix, some in pieces.items() for key, values in packed(some).items()}
+    where = np.array(boxes, float).reshape(-1, 2, 2)
+    store.save(_chunk(kind, chunk.number), boxes=where, item=np.array(items, np.int64), **arrays)
+
+
+def _chunk(kind: str, number: int) -> str:
+    return f"{kind}_{number}.npz"
+
+
+def _join(store: Store, grid: Grid, least: float, kind: str) -> Integers:
+    """Join what crosses seams to contours of some length, store it, and give the number of what each chunk has."""
     boxes: list[Array] = []
     pieces: list[Piece] = []
     of_piece: list[int] = []
     count = len(grid.chunks)
     for number in range(count):
-        known = store.load(_chunk(number))
+        known = store.load(_chunk(kind, number))
         boxes.append(known["boxes"])
         some = unpacked(known, "piece_")
         pieces += some
@@ -166,18 +230,14 @@ def _join(store: Store, grid: Grid, least: float) -> Integers:
     chunks = np.repeat(np.arange(count), sizes)
     again = np.flatnonzero(twice(np.concatenate(boxes), chunks, grid))
     long = joined(pieces, of_piece, least) if pieces else []
-    at = grid.chunk_at(np.array([one.box.mean(axis=0) for one in long]).reshape(-1, 2))
-    order = np.argsort(at, kind="stable")
-    at, long = at[order], [long[n] for n in order]
+    extents = np.array([one.box for one in long]).reshape(-1, 2, 2)
+    at = grid.chunk_at(extents.mean(axis=1))
     first, alone = np.cumsum(sizes) - sizes, sizes - np.bincount(chunks[again], minlength=count)
     counts = alone + np.bincount(at, minlength=count)
-    rank = np.arange(len(at)) - np.searchsorted(at, at)
-    store.save(
-        _JOINED,
-        twice_chunk=chunks[again],
-        twice_at=again - first[chunks[again]],
-        chunk=at,
-        number=1 + (np.cumsum(counts) - counts + alone)[at] + rank,
-        **{f"long_{key}": values for key, values in packed([Piece(one) for one in long]).items()},
-    )
+    for chunk in np.unique(at).tolist():
+        own = [Piece(long[n]) for n in np.flatnonzero(at == chunk)]
+        number = 1 + counts[:chunk].sum() + alone[chunk] + np.arange(len(own))
+        arrays = {f"long_{key}": values for key, values in packed(own).items()}
+        store.save(_chunk("long", chunk), number=number, **arrays)
+    store.save(f"{kind}.npz", twice_chunk=chunks[again], twice_at=again - first[chunks[again]], long=extents, chunk=at)
     return tuple(counts.tolist())

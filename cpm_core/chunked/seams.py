@@ -15,16 +15,13 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from cpm_core.chunked.grid import Chunk, Grid
+from cpm_core.chunked.grid import UNSURE, Chunk, Grid
 from cpm_core.chunked.store import Piece
 from cpm_core.contours.contour import Contour
 from cpm_core.numerics.types import Array, Index, Mask
 
 _BEYOND = 6.0
 """Distance beyond its core up to which a chunk keeps long contours [px]."""
-
-_UNSURE = 1.0
-"""Distance from the border of a core in which the middle of a box may be in another one for the neighbor [px]."""
 
 _SAME = 0.5
 """Distance up to which two chunks see the same boundary [px]; they differ by some thousandths."""
@@ -37,10 +34,9 @@ def owned(contours: Sequence[Contour], chunk: Chunk, grid: Grid) -> tuple[list[P
     whole: list[Piece] = []
     pieces: list[Piece] = []
     for one in contours:
-        middle = one.box.mean(axis=0)
         if not one.closed or not grid.sees(one):
             pieces += _clipped(one, low - _BEYOND, high + _BEYOND)
-        elif ((middle >= low - _UNSURE) & (middle < high + _UNSURE)).all():
+        elif chunk.may_own(one.box.mean(axis=0)):
             whole.append(Piece(one))
     return whole, pieces
 
@@ -71,7 +67,7 @@ def twice(boxes: Array, chunks: Index, grid: Grid) -> Mask:
     """
     middle = boxes.mean(axis=1)
     edge = (middle + 0.5) % grid.side
-    near = np.flatnonzero((np.minimum(edge, grid.side - edge) <= _UNSURE + _SAME).any(axis=1))
+    near = np.flatnonzero((np.minimum(edge, grid.side - edge) <= UNSURE + _SAME).any(axis=1))
     found = np.zeros(len(boxes), bool)
     if len(near):
         pairs = scipy.spatial.KDTree(boxes[near].reshape(-1, 4)).query_pairs(_SAME, p=np.inf, output_type="ndarray")

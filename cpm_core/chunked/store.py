@@ -81,7 +81,6 @@ def packed(pieces: Sequence[Piece]) -> Entries:
         "closed": np.array([one.closed for one in contours], bool),
         "strength": np.array([one.strength for one in contours]),
         "junctions": np.array([one.junctions for one in contours], bool).reshape(-1, 2),
-        "group": np.array([one.group for one in contours], np.int64),
         "hole": np.array([one.hole for one in contours], bool),
         "cut": np.array([piece.cut for piece in pieces], bool).reshape(-1, 2),
     }
@@ -93,10 +92,10 @@ def unpacked(arrays: Entries, prefix: str = "") -> list[Piece]:
     points = np.split(known["points"], np.cumsum(known["counts"])[:-1]) if len(known["counts"]) else []
     rows = zip(
         points,
-        *(known[key].tolist() for key in ("closed", "strength", "junctions", "group", "hole", "cut")),
+        *(known[key].tolist() for key in ("closed", "strength", "junctions", "hole", "cut")),
         strict=True,
     )
     return [
-        Piece(Contour(path, closed, strength, tuple(junctions), group=group, hole=hole), tuple(cut))
-        for path, closed, strength, junctions, group, hole, cut in rows
+        Piece(Contour(path, closed, strength, tuple(junctions), hole=hole), tuple(cut))
+        for path, closed, strength, junctions, hole, cut in rows
     ]

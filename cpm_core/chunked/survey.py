@@ -12,12 +12,14 @@ import numpy as np
 
 from cpm_core.chunked.grid import Chunk, Grid, Source
 from cpm_core.field.edge_map import automatic_smoothing, gradient, magnitude
-from cpm_core.field.scale_field import ScaleField, packed_force, weakest_edge
+from cpm_core.field.scale_field import LARGE, ScaleField, packed_force, weakest_edge
 from cpm_core.image.border import inside_border, within
 from cpm_core.image.gray_levels import automatic_gamma, on_power_scale
 from cpm_core.image.pyramid import pyramid
-from cpm_core.numerics.grids import relative
+from cpm_core.numerics.grids import relative, whole_window
 from cpm_core.numerics.types import Array, Arrays, Extent, Integers, frozen
+from cpm_core.objects.partition import Frame
+from cpm_core.objects.prior.windows import gray_range, sample_step
 from cpm_core.parameters import Parameters
 from cpm_core.segmentation.large_images import strongest_part
 
@@ -32,11 +34,12 @@ _COARSEST = 2048
 
 
 class GrayLevels(NamedTuple):
-    """Gray levels of the core of a chunk: the least, the largest, some of them, and means of blocks."""
+    """Gray levels of the core of a chunk: the least, the largest, some of them, few of them, and means of blocks."""
 
     low: float
     high: float
     sample: Array
+    few: Array
     blocks: Array
 
 
@@ -88,25 +91,32 @@ class Whole:
         How its gray levels are taken.
     strongest, floor : tuple of float
         Largest edge strength, and least one for edge contact, at each scale [gray levels / px].
+    frame : Frame or None
+        How its objects are judged; None where none are sought.
     """
 
     tone: Tone
     strongest: tuple[float, ...]
     floor: tuple[float, ...]
+    frame: Frame | None = None
 
     @property
     def numbers(self) -> dict[str, tuple[float, ...]]:
         """The same as numbers to be stored."""
         tone = self.tone
         range_ = (tone.low, tone.high, tone.exponent, tone.smoothing)
-        return {"tone": range_, "inside": tone.inside, "strongest": self.strongest, "floor": self.floor}
+        judged = () if self.frame is None else (*self.frame.grays, self.frame.smoothing)
+        found = {"strongest": self.strongest, "floor": self.floor, "judged": judged}
+        return {"tone": range_, "inside": tone.inside, **found}
 
     @classmethod
-    def of(cls, numbers: Mapping[str, Array]) -> Whole:
-        """From the numbers that were stored."""
+    def of(cls, numbers: Mapping[str, Array], shape: Extent) -> Whole:
+        """From the numbers that were stored, and the shape of the image."""
         low, high, exponent, smoothing = numbers["tone"].tolist()
         inside, strongest, floor = (tuple(numbers[name].tolist()) for name in ("inside", "strongest", "floor"))
-        return cls(Tone(low, high, exponent, smoothing, inside), strongest, floor)
+        judged = numbers["judged"].tolist()
+        frame = Frame(shape, (0, 0), tuple(judged[:2]), judged[2]) if judged else None
+        return cls(Tone(low, high, exponent, smoothing, inside), strongest, floor, frame)
 
     def imposed(self, field: ScaleField, scale: int, corner: Extent, edge_floor: float) -> ScaleField:
         """The field of a chunk, whose first pixel is `corner` of the image, with what depends on the whole image."""
@@ -138,18 +148,23 @@ def block_of(shape: Extent) -> int:
     return 2 ** max(math.ceil(math.log2(max(shape) / _COARSEST)), 0)
 
 
-def _step(shape: Extent) -> int:
+def step_of(shape: Extent) -> int:
     """Distance of the pixels whose gray levels and strengths are sampled."""
-    return max(math.ceil(math.sqrt(math.prod(shape) / _SAMPLES)), 1)
+    return max(math.ceil((math.prod(shape) / _SAMPLES) ** (1.0 / len(shape))), 1)
 
 
 def gray_levels(source: Source, chunk: Chunk) -> GrayLevels:
     """What is to be known of the gray levels of a chunk."""
-    values, step, side = source.gray(chunk.core), _step(source.shape), block_of(source.shape)
+    shape = source.shape
+    values, step, few, side = source.gray(chunk.core), step_of(shape), sample_step(shape), block_of(shape)
+    first, left = (-side.start % few for side in chunk.core)
     rows, cols = (-(-n // side) for n in values.shape)
     even = np.pad(values, ((0, rows * side - values.shape[0]), (0, cols * side - values.shape[1])), mode="edge")
     blocks = even.reshape(rows, side, cols, side).mean(axis=(1, 3))
-    return GrayLevels(float(values.min()), float(values.max()), values[::step, ::step].ravel(), blocks)
+    return GrayLevels(
+        float(values.min()), float(values.max()), values[::step, ::step].ravel(), values[first::few, left::few].ravel(),
+        blocks,
+    )  # fmt: skip
 
 
 def plain_tone(shape: Extent, parameters: Parameters) -> Tone | None:
@@ -164,12 +179,9 @@ def tone_of(source: Source, grid: Grid, seen: Sequence[GrayLevels], parameters: 
     low, high = min(one.low for one in seen), max(one.high for one in seen)
     sample = np.concatenate([one.sample for one in seen])
     exponent = automatic_gamma(sample) if parameters.gamma == "auto" else float(parameters.gamma)
-    columns, side = grid.counts[1], block_of(grid.shape)
-    coarse = np.block([[one.blocks for one in seen[at : at + columns]] for at in range(0, len(seen), columns)])
-    smoothing = parameters.smoothing
+    side, coarse, smoothing = block_of(grid.shape), _coarse(grid, seen), parameters.smoothing
     if smoothing == "auto":
-        part = strongest_part(coarse, side, grid.shape)
-        smoothing = automatic_smoothing(Tone(low, high, exponent, 0.0, (0, 0, 0, 0)).apply(source.gray(part)))
+        smoothing = _automatic(source, coarse, Tone(low, high, exponent, 0.0, (0, 0, 0, 0)))
     sigma = max(float(smoothing) / side, 1.0 if side > 1 else 0.0)
     slopes = gradient(Tone(low, high, exponent, sigma, (0, 0, 0, 0)).apply(coarse), sigma)
     inside = inside_border(lambda part: slopes[(slice(None), *part)], magnitude(slopes), sigma, parameters.max_border)
@@ -182,9 +194,30 @@ def tone_of(source: Source, grid: Grid, seen: Sequence[GrayLevels], parameters: 
     return Tone(low, high, exponent, float(smoothing), (top, left, bottom, right))
 
 
+def frame_of(source: Source, grid: Grid, seen: Sequence[GrayLevels]) -> Frame:
+    """How objects in the whole image are judged, from the gray levels of the chunks in the order of the grid."""
+    grays = gray_range(np.concatenate([one.few for one in seen]))
+    plain = Tone(0.0, 0.0, 1.0, 0.0, (0, 0, 0, 0))
+    return Frame(grid.shape, (0, 0), grays, _automatic(source, _coarse(grid, seen), plain))
+
+
+def _coarse(grid: Grid, seen: Sequence[GrayLevels]) -> Array:
+    """Means of the blocks of the whole image."""
+    columns = grid.counts[1]
+    return np.block([[one.blocks for one in seen[at : at + columns]] for at in range(0, len(seen), columns)])
+
+
+def _automatic(source: Source, coarse: Array, tone: Tone) -> float:
+    """The smoothing that suits an image: of a large one, what is around its strongest edge."""
+    shape = source.shape
+    large = math.prod(shape) > LARGE
+    part = strongest_part(coarse, block_of(shape), shape) if large else whole_window(shape)
+    return automatic_smoothing(tone.apply(source.gray(part)))
+
+
 def edges(source: Source, chunk: Chunk, tone: Tone, parameters: Parameters) -> Edges:
     """What is to be known of the edges of a chunk."""
-    step = _step(source.shape)
+    step = step_of(source.shape)
     top, left, bottom, right = tone.inside
     core = tuple(
         slice(min(max(side.start, low), high), max(min(side.stop, high), low))
@@ -200,11 +233,11 @@ def edges(source: Source, chunk: Chunk, tone: Tone, parameters: Parameters) -> E
     return Edges(tuple(strongest), tuple(samples))
 
 
-def whole_of(tone: Tone, seen: Sequence[Edges], parameters: Parameters) -> Whole:
+def whole_of(tone: Tone, seen: Sequence[Edges], parameters: Parameters, frame: Frame | None = None) -> Whole:
     """What the fields of the whole image are measured by, from the edges of the chunks."""
     strongest = tuple(max(scale) for scale in zip(*(one.strongest for one in seen), strict=True))
     if not strongest[0]:
         raise ValueError("The image is the same everywhere and has no edges: open an image with objects.")
     samples = (np.concatenate(scale) for scale in zip(*(one.samples for one in seen), strict=True))
     floor = (weakest_edge(sample, most, parameters.edge_floor) for sample, most in zip(samples, strongest, strict=True))
-    return Whole(tone, strongest, tuple(floor))
+    return Whole(tone, strongest, tuple(floor), frame)

@@ -10,8 +10,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from cpm_core.cli.arguments import (
     EXPORTED,
     PART,
@@ -35,7 +33,7 @@ from cpm_core.cli.inputs import (
     starts_from_file,
     truth_for,
 )
-from cpm_core.cli.large import is_large, run_large
+from cpm_core.cli.large import is_large, is_large_volume, run_large
 from cpm_core.cli.output import (
     Files,
     StatusLine,
@@ -75,13 +73,16 @@ from cpm_core.image.volume_regions import AnyRegions, VolumeRegions
 from cpm_core.model.state import State
 from cpm_core.numerics.polyline import as_line
 from cpm_core.numerics.types import Entries, Plain
-from cpm_core.objects import Selection, objects_result, partition
+from cpm_core.objects import Selection, objects_result, partition, select_all
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.parameters.quotation import counted, sized
 from cpm_core.shapes import KINDS, Barrier, Circle, Everywhere, Points, Region, Shape, Sphere, Stroke
 from cpm_core.shapes.document_shapes import charges_of, regions_of, seeds_on, starts_of
 
 _CLOSE = "Name an object by --object ROW,COL, whose boundary is closed."
+
+_SHOWN = 10
+"""Number of objects of which each is printed."""
 
 Drawn = Mapping[str, Sequence[tuple[float, ...]]]
 """Numbers of what is drawn on the command line, by option."""
@@ -121,6 +122,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         (named, "--not", "ROW,COL", "a place outside the object, in px"),
     ):  # fmt: skip
         group.add_argument(flag, metavar=form, action="append", default=[], help=meaning)
+    named.add_argument(
+        "--objects",
+        action="store_true",
+        help="all objects: those that closed contours enclose, and what lies between contours and is likely one; they "
+        "are written instead of the contours (without a start, particles start everywhere)",
+    )
     start.add_argument("--volume", action="store_true", help="IMAGE is a volume; places are then PLANE,ROW,COL")
     start.add_argument("--auto", choices=KINDS, help="everywhere, on the strongest edges, or midway between edges")
     parameters = parser.add_argument_group("parameters")
@@ -148,6 +155,7 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.sphere
         or arguments.volume
         or in_volume(session)
+        or is_large_volume(arguments)
         or any(Path(path).suffix.lower() in of_volumes for path in arguments.start)
     )
     _check_options(arguments, session, volume)
@@ -163,12 +171,14 @@ def run(arguments: argparse.Namespace) -> int:
     }
     if drawn["not"] and not drawn["object"]:
         raise ValueError("--not is given without --object: name a position inside the object as well.")
+    if arguments.objects:
+        refuse(arguments, ("object", "pages"), "one object, or a stack, but --objects finds all of an image")
     preset = arguments.preset or ("volume" if volume and not arguments.session else None)
     part = part_of(arguments, volume=volume)
     parameters = parameters_of(arguments, PRESETS[preset] if preset else session.parameters)
     path, reading = image_of(arguments.image, session, arguments.session)
     if is_large(arguments, path):
-        return run_large(arguments, path, reading | part, parameters)
+        return run_large(arguments, path, reading | part, parameters, volume=volume)
     refuse(arguments, ("scheduler", "workers"), "images in folders of Zarr that are run everywhere, by --auto")
     if arguments.pages is None:
         check_exports(arguments.export, arguments, path)
@@ -229,16 +239,17 @@ def _run_image(
             image, starting, parameters, session, max_steps=arguments.max_steps, progress=follow, regions=regions
         )
     made = with_shapes(found, (*session.shapes, *shapes), _files_drawn(arguments))
-    chosen: Selection | None = None
+    chosen: Sequence[Selection] = ()
     if volume:
         result = shown = _surface(made, drawn)
     else:
         result = shown = reviewed(made, image, parameters, session, kept=arguments.image is None)
-        if drawn["object"]:
-            chosen = partition(result).select(np.array(drawn["object"]), np.array(drawn["not"]))
-            if not chosen.mask.any():
+        if drawn["object"] or arguments.objects:
+            parted = partition(result)
+            chosen = select_all(parted) if arguments.objects else [parted.select(drawn["object"], drawn["not"])]
+            if drawn["object"] and not chosen[0].mask.any():
                 raise ValueError("There is no object at this position: name another one inside it.")
-            boundary = objects_result([chosen], image, channel=result.channel)
+            boundary = objects_result(chosen, image, channel=result.channel)
             drew = (*result.provenance.shapes, *boundary.provenance.shapes)
             shown = replace(boundary, provenance=replace(result.provenance, method="objects", shapes=drew))
     seconds = time.perf_counter() - started
@@ -279,11 +290,12 @@ def _run_image(
 def _check_options(arguments: argparse.Namespace, session: SessionFile, volume: bool) -> None:
     """Raise ValueError for options that have no meaning for this run."""
     if volume:
-        refuse(arguments, ("circle", "pages", "save_session"), "images, but a volume is run")
+        refuse(arguments, ("circle", "objects", "pages", "save_session"), "images, but a volume is run")
     else:
         refuse(arguments, ("space",), "volumes, but an image is run")
     given = [*arguments.circle, *arguments.sphere, *arguments.stroke, *arguments.points, *arguments.start]
-    if not (given or arguments.auto or starts_of(session.shapes) or (arguments.object and not volume)):
+    named = arguments.objects or (arguments.object and not volume)
+    if not (given or arguments.auto or starts_of(session.shapes) or named):
         if session.mode == "skeleton":
             raise ValueError("The session is for a skeleton and has no start: use cpm skeleton IMAGE --export PATH.")
         raise ValueError(
@@ -291,7 +303,7 @@ def _check_options(arguments: argparse.Namespace, session: SessionFile, volume: 
             "--stroke ROW,COL,ROW,COL,..., --points FILE.csv, --start FILE or --auto grid, or name a position inside "
             "an object, --object ROW,COL."
         )
-    for path in arguments.export if volume else ():
+    for path in arguments.export if volume and not is_large(arguments, Path(arguments.image or "")) else ():
         if suffix_of(path) not in FOR_VOLUMES:
             raise ValueError(f"{path} is for contours, but a volume has a surface: end its name in .ply or .stl.")
     if arguments.save_session is not None:
@@ -351,7 +363,7 @@ def _surface(found: Result, drawn: Drawn) -> Result:
     return replace(found, surface=chosen.surface)
 
 
-def _on_contours(result: Result, chosen: Selection | None, seconds: float) -> tuple[Entries, list[str]]:
+def _on_contours(result: Result, chosen: Sequence[Selection], seconds: float) -> tuple[Entries, list[str]]:
     """The report on contours, as values by name and as sentences."""
     facts: Entries = {**facts_of_run(result, seconds), "bridges": len(result.bridges), ENTRY: facts_of(result)}
     lines = [f"{result.source}: {contours_of(result)}"]
@@ -363,19 +375,22 @@ def _on_contours(result: Result, chosen: Selection | None, seconds: float) -> tu
             for contour in result.contours
         ]
     )
-    if chosen is not None:
+    for number, one in enumerate(chosen, start=1):
         on_object = {
-            "area": sum(-contour.area if contour.hole else contour.area for contour in chosen.contours),
-            "perimeter": sum(contour.length for contour in chosen.contours),
-            "bridged": sum(contour.bridged for contour in chosen.contours),
-            "confidence": chosen.confidence,
+            "area": sum(-contour.area if contour.hole else contour.area for contour in one.contours),
+            "perimeter": sum(contour.length for contour in one.contours),
+            "bridged": sum(contour.bridged for contour in one.contours),
+            "confidence": one.confidence,
         }
-        counts = {"holes": sum(contour.hole for contour in chosen.contours), "gaps": len(chosen.gaps)}
-        facts["objects"] = [{name: round(value, 4) for name, value in on_object.items()} | counts]
-        lines.append(
-            "Object: area {area:.1f} px², perimeter {perimeter:.1f} px, {bridged:.1f} px of it across gaps, "
-            "confidence {share:.0f} %".format(share=100.0 * chosen.confidence, **on_object)
-        )
+        counts = {"holes": sum(contour.hole for contour in one.contours), "gaps": len(one.gaps)}
+        facts.setdefault("objects", []).append({name: round(value, 4) for name, value in on_object.items()} | counts)
+        if number <= _SHOWN:
+            lines.append(
+                "Object: area {area:.1f} px², perimeter {perimeter:.1f} px, {bridged:.1f} px of it across gaps, "
+                "confidence {share:.0f} %".format(share=100.0 * one.confidence, **on_object)
+            )
+    if len(chosen) > _SHOWN:
+        lines.append(f"... and {len(chosen) - _SHOWN} more objects")
     if result.bridges:
         farthest = max(bridge.length for bridge in result.bridges)
         lines.append(f"Bridged {counted(len(result.bridges), 'gap')}, longest {farthest:.1f} px")

@@ -22,7 +22,7 @@ from cpm_core.cli.inputs import notes_on, reviewed, segmented, with_room
 from cpm_core.cli.output import facts_of_run
 from cpm_core.contours.result import Result
 from cpm_core.formats import encoded, load_image, omission
-from cpm_core.formats.common.content import fingerprint_if_read
+from cpm_core.formats.common.content import fingerprint_if_read, missing
 from cpm_core.formats.common.provenance import VERSION, with_shapes
 from cpm_core.formats.images.reading import DEFAULT
 from cpm_core.formats.sessions.session_file import SessionFile, part_for
@@ -234,10 +234,7 @@ def cluster(address: str | None, workers: int | None = None) -> Iterator[Any]:
     try:
         from distributed import Client, LocalCluster
     except ImportError:
-        raise ValueError(
-            "This needs the package distributed, which is not installed: install it "
-            '(pip install "cpm-particles[scale]").'
-        ) from None
+        raise ValueError(missing("A run by workers", "distributed", "cpm-particles[scale]")) from None
     with ExitStack() as stack:
         try:
             local = address or stack.enter_context(

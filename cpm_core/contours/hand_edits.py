@@ -59,11 +59,6 @@ class HandEdit:
     before, after : tuple of (row, col)
         For each end of the piece that continues a contour one place on that contour, some pixels back from its end;
         empty for a loose end.
-
-    Raises
-    ------
-    ValueError
-        When it changes nothing, or a piece has too few vertices.
     """
 
     removed: Line = ()
@@ -71,14 +66,6 @@ class HandEdit:
     closed: bool = False
     before: Line = ()
     after: Line = ()
-
-    def __post_init__(self) -> None:
-        if not self.removed and not self.added:
-            raise ValueError("The edit by hand removes nothing and adds nothing: give it a stretch or a piece.")
-        if self.added and len(self.added) < (least := 3 if self.closed else 2):
-            raise ValueError(f"The piece drawn by hand has {len(self.added)} vertices but needs at least {least}.")
-        if max(len(self.before), len(self.after)) > 1:
-            raise ValueError("An end of a piece drawn by hand continues more than one contour: give one place for it.")
 
     @property
     def kind(self) -> Kind:

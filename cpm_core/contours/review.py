@@ -7,18 +7,16 @@ anchor keeps the mark. A mark without a contour at its anchor is kept for later.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Literal, get_args
+from typing import Literal
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour, Contours, check_color, check_name, neighborhood
+from cpm_core.contours.contour import Contour, Contours, neighborhood
 from cpm_core.contours.result import Result, remaining
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Line, Position, frozen, record
-from cpm_core.parameters.quotation import shown
 
 Verdict = Literal["", "kept", "rejected"]
 """Verdict on a contour: none yet, kept, or rejected."""
@@ -64,11 +62,6 @@ class Mark:
         Color, ``"#rrggbb"``; empty for the default color.
     outline : Outline
         Where a kept contour ran.
-
-    Raises
-    ------
-    ValueError
-        When a value is invalid.
     """
 
     anchor: Position
@@ -76,16 +69,6 @@ class Mark:
     name: str = ""
     color: str = ""
     outline: Outline = Outline()
-
-    def __post_init__(self) -> None:
-        if len(self.anchor) != 2 or not all(math.isfinite(place) for place in self.anchor):
-            raise ValueError(
-                f"The anchor of a mark is {shown(self.anchor)} but must be two finite numbers, row and column."
-            )
-        if self.verdict not in get_args(Verdict):
-            raise ValueError(f'The verdict of a mark is {shown(self.verdict)} but must be "kept", "rejected" or empty.')
-        check_name("a contour", self.name)
-        check_color("a mark", self.color)
 
 
 @record

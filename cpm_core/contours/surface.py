@@ -20,9 +20,6 @@ from cpm_core.numerics.real_numbers import real_numbers, voxel_sides
 from cpm_core.numerics.types import Array, Extent, Index, Mask, Sides, record
 from cpm_core.parameters.quotation import counted, described
 
-_FARTHEST = 1e9
-"""Largest coordinate of a vertex, beyond any volume that can be processed [voxels]."""
-
 
 @record
 class Surface:
@@ -80,9 +77,6 @@ class Surface:
             np.shape(self.numbers) != (len(faces),) or np.min(self.numbers, initial=1) < 1
         ):
             raise ValueError("The numbers of a surface must be one of at least 1 for each triangle.")
-        farthest = np.abs(vertices).max(initial=0.0)
-        if farthest > _FARTHEST:
-            raise ValueError(f"A vertex lies at {farthest:g} voxels, but must lie within {_FARTHEST:g}: correct it.")
         object.__setattr__(self, "spacing", tuple(voxel_sides("The spacing of a surface", self.spacing).tolist()))
         for name, values in (("vertices", vertices), ("faces", faces)):
             values.flags.writeable = False

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
-from typing import NamedTuple
+from functools import cached_property
 
 import numpy as np
 import scipy
 import skimage
 
-from cpm_core.numerics.grids import box_of, running_maximum
-from cpm_core.numerics.types import Array, Callback, Index, Mask
+from cpm_core.numerics.grids import Window, box_of, running_maximum
+from cpm_core.numerics.types import Array, Callback, Extent, Index, Mask, record
 from cpm_core.objects.boundaries.alike import alike
 from cpm_core.objects.boundaries.crossings import crossings
 from cpm_core.objects.boundaries.necks import bodies
 from cpm_core.objects.confidence import Signs, probability
-from cpm_core.objects.partition import Partition
+from cpm_core.objects.partition import Found, Partition
 from cpm_core.objects.prior.prior import Likely
 from cpm_core.objects.selection import Selection
 
@@ -29,9 +30,15 @@ _GAP, _DEEP, _LEAST, _MOST = 0.75, 1.5, 30, 0.4
 """How much deeper than the gap between them parts are, and least depth [px]; least area [px²], and largest share of the
 image."""
 
-_BOUNDED, _OWN, _LIKELY = 0.6, 0.5, 0.1
-"""Least share of the boundary of a part at contours, and that it owns: its neighbor there is less likely an object; and
-least probability that it is right."""
+_BOUNDED, _IN_VIEW, _OWN, _LIKELY = 0.6, 0.3, 0.5, 0.1
+"""Least share of the boundary of a part at contours, where not all of it is seen, and that it owns: its neighbor there
+is less likely an object; and least probability that it is right."""
+
+_SMOOTHED = 4.0
+"""Distance from a pixel over which its smoothed distance from the contours depends on those of others [px]."""
+
+_SEEN, _BESIDE = 0.75, 16
+"""Distance from its middle up to which the prior sees an object, in lengths of it; and in addition [px]."""
 
 _OVER, _WITHIN, _MOST_WITHIN, _AT_RIM = 0.3, 0.95, 0.6, 0.3
 """Share of an object from which it is another one again, unless it is an object in it, or around it: least share of the
@@ -70,59 +77,46 @@ def everywhere(partition: Partition, check: Callback = lambda: None) -> Iterator
     is more likely an object owns it; one that owns little of its boundary is what lies behind the others. `check` is
     called between the parts, and may raise to end it.
     """
-    known: list[Mask] = []
-    taken = np.zeros(partition.shape, bool)
-    for mask in partition.certain():
-        known.append(mask)
-        box = box_of(mask)
-        taken[box] |= scipy.ndimage.binary_fill_holes(mask[box])
-        yield _proposed(partition, mask, certain=True)
-    if not partition.prior or not partition.contours:
-        return
-    parts = _Parts.of(partition)
-    judged = parts.judged(partition, taken, check)
-    owned = parts.owned(judged)
-    for number, likely in sorted(judged.items(), key=lambda item: -item[1].overlap):
-        mask = likely.mask & partition.interest
-        pixels = np.count_nonzero(mask)
-        signs = Signs(*likely[2:], places=0)
-        if probability(signs) < _LIKELY or owned[number] < _OWN or pixels < _LEAST:
-            continue
-        over = np.count_nonzero(mask & taken) / pixels
-        if over <= _OVER:
-            mask = _largest(mask & ~taken)
-        elif not all(_apart(mask, other) for other in known):
-            continue
-        known.append(mask)
-        taken |= mask
-        yield _proposed(partition, mask, signs)
+    for mask, signs, certain in found_among(Parts.of(partition), check):
+        yield _proposed(partition, mask, signs, certain=certain)
 
 
-class _Parts(NamedTuple):
+@record
+class Parts:
     """Parts of an image between contours.
 
     Attributes
     ----------
+    partition : Partition
+        The image with the contours.
     labels : ndarray of int64, shape (H, W)
-        Numbers of the parts, from 1.
+        Numbers of the parts, from 1; one part where the prior is not asked.
     pixels : ndarray of int64, shape (N + 1,)
         Area of each [px²].
     bounded : ndarray, shape (N + 1,)
         Share of its boundary that runs along contours.
     one, other : ndarray of int64, shape (L,)
         Parts on both sides of each link between pixels of two, in both directions.
+    cut : ndarray of bool, shape (N + 1,)
+        Which of them may look otherwise in a larger image, beyond this one; see `Frame`.
     """
 
+    partition: Partition
     labels: Index
     pixels: Index
     bounded: Array
     one: Index
     other: Index
+    cut: Mask
 
     @classmethod
-    def of(cls, partition: Partition) -> _Parts:
+    def of(cls, partition: Partition) -> Parts:
         """The parts of an image."""
-        lines = crossings([contour.path for contour in partition.contours], partition.shape).pixels
+        shape, none = partition.shape, np.zeros(0, np.int64)
+        if not partition.prior or not partition.contours:
+            labels, count = np.ones(shape, np.int64), np.array([0, math.prod(shape)])
+            return cls(partition, labels, count, np.zeros(2), none, none, np.zeros(2, bool))
+        lines = crossings([contour.path for contour in partition.contours], shape).pixels
         depth = scipy.ndimage.gaussian_filter(scipy.ndimage.distance_transform_edt(~lines), 1.0)
         tops = skimage.morphology.h_maxima(depth, _GAP)  # type: ignore[no-untyped-call]
         markers, _ = scipy.ndimage.label((tops > 0) & (depth > _DEEP), np.ones((3, 3)))
@@ -135,28 +129,57 @@ class _Parts(NamedTuple):
         one, other = np.concatenate(sides, axis=1)
         one, other, on = np.concatenate([one, other]), np.concatenate([other, one]), np.tile(np.concatenate(along), 2)
         pixels = np.bincount(labels.ravel())
-        rim = np.concatenate([labels[0], labels[-1], labels[:, 0], labels[:, -1]])
-        around = np.bincount(np.concatenate([one, rim]), minlength=len(pixels))
+        ends = np.array(_ends_within(partition))
+        rim = [np.moveaxis(labels, axis, 0)[end] for axis, end in ((0, 0), (0, -1), (1, 0), (1, -1))]
+        borders = [line for line, inner in zip(rim, ends.T.ravel(), strict=True) if not inner]
+        around = np.bincount(np.concatenate([one, *borders]), minlength=len(pixels))
         bounded = np.bincount(one[on], minlength=len(pixels)) / np.maximum(around, 1)
-        return cls(labels, pixels, bounded, one, other)
+        cut = np.zeros(len(pixels), bool)
+        cut[labels[depth + _SMOOTHED > _to_ends(shape, ends)]] = True
+        return cls(partition, labels, pixels, bounded, one, other, cut)
 
-    def judged(self, partition: Partition, taken: Mask, check: Callback) -> dict[int, Likely]:
+    @cached_property
+    def _wanted(self) -> Mask:
+        """Which of them may be objects."""
+        frame = self.partition.frame
+        most = _MOST * math.prod(self.partition.shape if frame is None else frame.shape)
+        bounded = self.bounded >= np.where(self.cut, _IN_VIEW, _BOUNDED)
+        wanted = (self.pixels >= _LEAST) & (self.pixels <= most) & bounded
+        wanted[0] = False
+        return np.asarray(wanted)
+
+    @cached_property
+    def _boxes(self) -> list[Window]:
+        return scipy.ndimage.find_objects(self.labels)
+
+    def settled(self, core: Window) -> bool:
+        """Whether the objects that touch some pixels would be the same in a larger image."""
+        touching = np.unique(self.labels[core])
+        near = np.union1d(touching, self.other[np.isin(self.one, touching)])
+        near = near[self._wanted[near]]
+        inner, shape = np.array(_ends_within(self.partition)), np.array(self.partition.shape)
+        for box in (self._boxes[number - 1] for number in near.tolist()):
+            low, high = np.array([[side.start, side.stop] for side in box]).T
+            reach = _SEEN * (high - low).max() + _BESIDE
+            seen = 0.5 * (low + high) + np.array([[-reach], [reach]])
+            if (inner & [seen[0] < 0, seen[1] > shape]).any():
+                return False
+        return not self.cut[near].any()
+
+    def judged(self, taken: Mask, check: Callback) -> dict[int, Likely]:
         """What the prior makes of those that may be objects, by their numbers."""
-        boxes = scipy.ndimage.find_objects(self.labels)
 
         def judge(number: int) -> Likely | None:
             check()
-            box = boxes[number - 1]
+            box = self._boxes[number - 1]
             within = self.labels[box] == number
             if np.count_nonzero(within & taken[box]) > _OVER * self.pixels[number]:
                 return None
             mask = np.zeros(self.labels.shape, bool)
             mask[box] = within
-            return partition.judged(mask)
+            return self.partition.judged(mask)
 
-        wanted = (self.pixels >= _LEAST) & (self.pixels <= _MOST * self.labels.size) & (self.bounded >= _BOUNDED)
-        numbers = (np.flatnonzero(wanted[1:]) + 1).tolist()
-        answers = ((number, judge(number)) for number in numbers)
+        answers = ((number, judge(number)) for number in np.flatnonzero(self._wanted & ~self.cut).tolist())
         return {number: one for number, one in answers if one is not None}
 
     def owned(self, judged: Mapping[int, Likely]) -> Array:
@@ -168,12 +191,63 @@ class _Parts(NamedTuple):
         return won / np.maximum(around, 1)
 
 
-def _apart(mask: Mask, other: Mask) -> bool:
-    """Whether an object shares nothing with another one, or one lies in the other, away from its boundary."""
-    both = np.count_nonzero(mask & other)
+def _ends_within(partition: Partition) -> list[tuple[bool, ...]]:
+    """Whether the first rows and columns of an image lie within a larger one, and the last ones, shape (2, 2)."""
+    frame = partition.frame
+    if frame is None:
+        return [(False, False), (False, False)]
+    sides = list(zip(frame.corner, partition.shape, frame.shape, strict=True))
+    return [tuple(first > 0 for first, _, _ in sides), tuple(first + n < whole for first, n, whole in sides)]
+
+
+def _to_ends(shape: Extent, inner: Mask) -> Array:
+    """Distance of each pixel from the ends that lie within a larger image, shape (H, W) [px]."""
+    lines = []
+    for axis, n in enumerate(shape):
+        away = np.full(n, np.inf)
+        for at, each in zip((np.arange(n), np.arange(n)[::-1]), inner[:, axis].tolist(), strict=True):
+            away = np.minimum(away, at) if each else away
+        lines.append(away)
+    return np.minimum.outer(*lines)
+
+
+def found_among(parts: Parts, check: Callback = lambda: None) -> Iterator[Found]:
+    """The pixels of the objects of `everywhere`."""
+    partition = parts.partition
+    known: list[tuple[Window, Mask]] = []
+    taken = np.zeros(partition.shape, bool)
+    for mask in partition.certain():
+        box = box_of(mask)
+        known.append((box, mask[box]))
+        taken[box] |= scipy.ndimage.binary_fill_holes(mask[box])
+        yield Found(mask, certain=True)
+    judged = parts.judged(taken, check)
+    owned = parts.owned(judged)
+    for number, likely in sorted(judged.items(), key=lambda item: -item[1].overlap):
+        mask = likely.mask & partition.interest
+        pixels = np.count_nonzero(mask)
+        signs = Signs(*likely[2:], places=0)
+        if probability(signs) < _LIKELY or owned[number] < _OWN or pixels < _LEAST:
+            continue
+        over = np.count_nonzero(mask & taken) / pixels
+        if over <= _OVER:
+            mask = _largest(mask & ~taken)
+        elif not all(_apart(mask, *other) for other in known):
+            continue
+        box = box_of(mask)
+        known.append((box, mask[box]))
+        taken |= mask
+        yield Found(mask, signs)
+
+
+def _apart(mask: Mask, box: Window, there: Mask) -> bool:
+    """Whether an object, shape (H, W), shares nothing with another one in a box, or one lies deep in the other."""
+    both = np.count_nonzero(mask[box] & there)
     if not both:
         return True
-    small, large = (mask, other) if np.count_nonzero(mask) < np.count_nonzero(other) else (other, mask)
+    other = np.zeros_like(mask)
+    other[box] = there
+    small, large = (mask, other) if np.count_nonzero(mask) < np.count_nonzero(there) else (other, mask)
     if both < _WITHIN * np.count_nonzero(small) or both > _MOST_WITHIN * np.count_nonzero(large):
         return False
     rim = small & ~scipy.ndimage.binary_erosion(small)

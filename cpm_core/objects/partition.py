@@ -28,7 +28,7 @@ from cpm_core.model.starts import uniform_grid
 from cpm_core.numerics import polyline
 from cpm_core.numerics.grids import ends
 from cpm_core.numerics.real_numbers import as_places
-from cpm_core.numerics.types import Array, Extent, Index, Mask, record
+from cpm_core.numerics.types import Array, Extent, Index, Mask, frozen, record
 from cpm_core.objects.boundaries.alike import alike
 from cpm_core.objects.boundaries.closed_regions import ClosedRegions
 from cpm_core.objects.boundaries.crossings import crossings
@@ -36,7 +36,7 @@ from cpm_core.objects.boundaries.ground import Ground, ground
 from cpm_core.objects.boundaries.necks import bodies
 from cpm_core.objects.boundaries.snapping import snapped
 from cpm_core.objects.confidence import Signs, probability
-from cpm_core.objects.outline import SMOOTHING, outlines
+from cpm_core.objects.outline import SMOOTHING, Outline, outlines
 from cpm_core.objects.prior.prior import Likely, Prior, Prompt
 from cpm_core.objects.selection import Selection, overlap
 from cpm_core.objects.vessels import vessel_tree
@@ -70,12 +70,34 @@ _HELD = 0.1
 _NOTHING = "No object was found around these places: only their own pixels are chosen."
 
 
-class _Found(NamedTuple):
+class Found(NamedTuple):
     """Pixels of an object, shape (H, W), what the prior says of it, where that is known, and whether it is certain."""
 
     mask: Mask
     signs: Signs | None = None
     certain: bool = False
+
+
+@frozen
+class Frame:
+    """An image too large for a partition of its own, of which one is a part.
+
+    Attributes
+    ----------
+    shape : tuple of int
+        Its shape.
+    corner : tuple of int
+        Its pixel that is the first one of the part.
+    grays : tuple of float
+        Its gray levels that the prior takes for 0 and 255.
+    smoothing : float
+        Sigma of the edge map by which its closed contours are certain or not [px].
+    """
+
+    shape: Extent
+    corner: Extent
+    grays: tuple[float, ...]
+    smoothing: float
 
 
 def partition(values: ArrayLike | Image | Result, params: Parameters | None = None) -> Any:
@@ -139,6 +161,8 @@ class Partition(drawing.Pictured):
         Channel of a color image whose edges count; the prior sees colors where it is the luminance.
     prior : bool
         Whether a prior learned from outlined images answers where no contour is certain.
+    frame : Frame or None
+        The larger image that this is a part of.
 
     Examples
     --------
@@ -163,6 +187,7 @@ class Partition(drawing.Pictured):
     regions: Regions | None = None
     channel: str = "luminance"
     prior: bool = True
+    frame: Frame | None = None
 
     @property
     def shape(self) -> Extent:
@@ -310,14 +335,14 @@ class Partition(drawing.Pictured):
             within, beyond = within[newer | ~same.any(axis=1)], beyond[~(same & newer[:, None]).any(axis=0)]
         return Prompt(*(pixels[interest[tuple(pixels.T)]] for pixels in (within, beyond))), remark
 
-    def _object(self, prompt: Prompt, answers: Iterator[_Found], areas: Sequence[float]) -> _Found:
+    def _object(self, prompt: Prompt, answers: Iterator[Found], areas: Sequence[float]) -> Found:
         """The object that a prompt means; the answers are those of the prior when there is no former object."""
         mask, certain = prompt.former, False
         while mask is not None:  # what is certain about places that contradict the object so far
             wrong = [(place, True) for place in prompt.inside if not mask[tuple(place)]]
             wrong += [(place, False) for place in prompt.outside if mask[tuple(place)]]
             if not wrong:
-                return _Found(self._tied(mask, prompt), certain=certain)
+                return Found(self._tied(mask, prompt), certain=certain)
             kept = prompt.outside, prompt.inside
             changed = (self._closed.changed(mask, place, adds, kept[not adds]) for place, adds in wrong)
             better = next((found for found in changed if found is not None), None)
@@ -325,20 +350,20 @@ class Partition(drawing.Pictured):
                 answers = self._answers(replace(prompt, former=mask), areas)
                 break
             mask, certain = better, True
-        found = next(answers, None) or _Found(np.zeros(self.shape, bool) if mask is None else mask.copy())
+        found = next(answers, None) or Found(np.zeros(self.shape, bool) if mask is None else mask.copy())
         if mask is not None:  # places inside only add, and those outside only take away
             adds, takes = not mask[tuple(prompt.inside.T)].all(), mask[tuple(prompt.outside.T)].any()
             if adds != takes:
                 found = found._replace(mask=found.mask | mask if adds else found.mask & mask)
         return found._replace(mask=self._tied(found.mask, prompt))
 
-    def _answers(self, prompt: Prompt, areas: Sequence[float]) -> Iterator[_Found]:
+    def _answers(self, prompt: Prompt, areas: Sequence[float]) -> Iterator[Found]:
         """What the prior makes of a prompt, the most likely object first; a tree of vessels before all others."""
         if not self.prior:
             return
         tree = vessel_tree(self.values, prompt.inside) if prompt.places_alone else None
         if tree is not None:
-            yield _Found(tree)
+            yield Found(tree)
         for likely in self._prior.objects_of(prompt, np.asarray(areas, float)):
             mask = likely.mask
             if likely.coarseness > 1.0 and self.contours:  # what particles found is more exact
@@ -346,13 +371,13 @@ class Partition(drawing.Pictured):
                 paths = self._paths(box, corner)
                 if paths:
                     mask[box] = snapped(mask[box], crossings(paths, mask[box].shape), likely.coarseness)
-            yield _Found(mask, Signs(*likely[2:], places=len(prompt.inside) + len(prompt.outside)))
+            yield Found(mask, Signs(*likely[2:], places=len(prompt.inside) + len(prompt.outside)))
 
-    def _otherwise(self, mask: Mask, prompt: Prompt) -> Iterator[_Found]:
+    def _otherwise(self, mask: Mask, prompt: Prompt) -> Iterator[Found]:
         """What else may be meant than an object: what is closed around it, a body of it alone, or more than it."""
         pixels = prompt.inside if prompt.drawn is None else np.argwhere(prompt.drawn)
         for other in itertools.islice(self._closed.nested(pixels), _MOST_CLOSED) if len(pixels) else ():
-            yield _Found(other)
+            yield Found(other)
         box, corner = _box_of(mask)
         if len(pixels):
             parts = bodies(mask[box])
@@ -361,7 +386,7 @@ class Partition(drawing.Pictured):
             held[0] = False
             body = np.zeros_like(mask)
             body[box] = held[parts]
-            yield _Found(body)
+            yield Found(body)
         wide = tuple(
             slice(max(side.start - length, 0), side.stop + length)
             for side in box
@@ -370,7 +395,7 @@ class Partition(drawing.Pictured):
         more = np.zeros_like(mask)
         more[wide] = _linked(alike(self.values[wide], mask[wide], self.interest[wide]), np.argwhere(mask[wide]))
         if _LARGER < np.count_nonzero(more) / np.count_nonzero(mask) < _LARGEST:
-            yield _Found(more)
+            yield Found(more)
 
     def _tied(self, mask: Mask, prompt: Prompt) -> Mask:
         """What of a mask is linked with what a prompt holds inside; with all places inside, and none outside."""
@@ -411,16 +436,20 @@ class Partition(drawing.Pictured):
         """
         if not mask.any():
             return Selection(mask, (), (), 0.0, inside, outside, remark)
-        box, corner = _box_of(mask)
-        found = outlines(mask[box], self._ground(box, corner))
+        found = self.outlines(mask)
         if signs is None:
             places = len(inside) + len(outside)
             signs = Signs(*self.judged(mask, inside)[2:], places=places) if self.prior else Signs(places=places)
         signs = signs._replace(certain=certain)
-        found = tuple(replace(one, contour=replace(one.contour, points=one.contour.points + corner)) for one in found)
         contours = tuple(outline.contour for outline in found)
         gaps = tuple(gap for outline in found for gap in outline.gaps)
         return Selection(mask, contours, gaps, probability(signs), inside, outside, remark, signs)
+
+    def outlines(self, mask: Mask) -> tuple[Outline, ...]:
+        """Boundaries of a set of pixels, shape (H, W), that follow the contours next to them."""
+        box, corner = _box_of(mask)
+        found = outlines(mask[box], self._ground(box, corner))
+        return tuple(replace(one, contour=replace(one.contour, points=one.contour.points + corner)) for one in found)
 
     def judged(self, mask: Mask, inside: Array = NOWHERE) -> Likely:
         """What the prior makes of an object, shape (H, W), that was found otherwise, and of places in it."""
@@ -466,12 +495,14 @@ class Partition(drawing.Pictured):
     @cached_property
     def _closed(self) -> ClosedRegions:
         free = self.regions is None or not (self.regions.interest or self.regions.barriers)
-        return ClosedRegions(self.contours if free else (), self.values)
+        smoothing = "auto" if self.frame is None else self.frame.smoothing
+        return ClosedRegions(self.contours if free else (), self.values, smoothing)
 
     @cached_property
     def _prior(self) -> Prior:
         colors = self.image.colors if self.channel == "luminance" else None
-        return Prior(self.values if colors is None else colors.samples)
+        grays = () if self.frame is None else self.frame.grays
+        return Prior(self.values if colors is None else colors.samples, grays=grays)
 
     def __repr__(self) -> str:
         return described("Partition", self.image.source, sized(self.shape), counted(len(self.contours), "contour"))

@@ -23,7 +23,6 @@ from .report import Budget, Part, Report, asked_to_stop, stoppable
 from .reproducible import compared
 from .window.closing import try_closing
 from .window.monkey import try_gestures
-from .window.opening import try_opening
 from .window.orders import try_orders
 from .workers.workers import broken
 
@@ -31,13 +30,12 @@ PARTS: dict[str, tuple[str, Part]] = {
     **FUZZING,
     "gestures": ("random gestures on the window", try_gestures),
     "orders": ("orders to a session in every sequence, under delays", try_orders),
-    "opening": ("damaged sessions, opened in the window, run and saved", try_opening),
     "closing": ("closing the window during all that goes on", try_closing),
     "reproducible": ("the same runs on one core and on all", compared),
     "kills": ("kill -9 at random moments over runs, batches, saves and compilations", killed),
     "interruptions": ("errors that a signal raises at random moments of a call, as Ctrl+C does", interrupted),
     "disk": ("disks that are full, read-only or faulty, at each operation in turn", failed),
-    "workers": ("errors in threads, workers that die, memory that is not enough", broken),
+    "workers": ("workers that die, memory that is not enough", broken),
 }
 """Name of each part: what it tries in a few words, and the function that runs it."""
 

@@ -38,7 +38,6 @@ _CODECS = {
 }
 """End of the name of a packing -> function of imagecodecs."""
 
-_PIXELS = ("PixelData", "FloatPixelData", "DoubleFloatPixelData")
 
 # pydicom logs a warning for everything unusual in a file; the user gets one sentence on what matters instead.
 logging.getLogger("pydicom").addHandler(logging.NullHandler())
@@ -195,8 +194,6 @@ def _unpacked(dataset: Any, frame: Frame, name: str) -> Numbers:
     from pydicom import encaps
     from pydicom.pixels.utils import pixel_array
 
-    if not any(kind in dataset for kind in _PIXELS):
-        raise UnreadableError(f"{name} holds no DICOM image: choose another file or folder.")
     try:
         return np.asarray(pixel_array(dataset, index=frame.index))
     except Exception as error:  # of any kind, as decoders do; perhaps another package unpacks it

@@ -151,8 +151,6 @@ def _raw(page: tifffile.TiffPage, name: str) -> Numbers:
 
 def _decoded(page: tifffile.TiffPage, raw: Numbers, name: str) -> Decoded:
     """Gray levels of the samples of a page, upright."""
-    if raw.ndim < 2 or raw.size != page.imagelength * page.imagewidth * page.samplesperpixel:
-        raise ValueError("pixels are missing")
     if page.axes == "SYX":
         raw = np.moveaxis(raw, 0, -1)
     stored = samples = raw if raw.ndim == 3 else raw[..., np.newaxis]

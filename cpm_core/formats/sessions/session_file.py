@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import os
-import re
 from collections.abc import Callable
 from dataclasses import field, fields, replace
 from functools import partial
@@ -77,14 +76,6 @@ class ImageFile:
     absolute: str = ""
     reading: Reading = DEFAULT
 
-    def __post_init__(self) -> None:
-        if not self.path or "\0" in self.path + self.absolute:
-            raise ValueError(f"path is {shown(self.path)} but must name a file.")
-        if self.sha256 and not re.fullmatch("(sampled:)?[0-9a-f]{64}", self.sha256):
-            raise ValueError(f"sha256 is {shown(self.sha256)} but must be 64 hexadecimal digits.")
-        if min(self.shape, default=1) < 1:
-            raise ValueError(f"shape is {shown(self.shape)} but must be rows and columns.")
-
 
 @frozen
 class TruthFile:
@@ -106,10 +97,6 @@ class TruthFile:
     absolute: str = ""
     tolerance: float = 2.0
     holes: bool = True
-
-    def __post_init__(self) -> None:
-        if not self.path or "\0" in self.path + self.absolute or self.tolerance < 0.0:
-            raise ValueError(f"it names {shown(self.path)} within {self.tolerance:g} px.")
 
 
 @frozen

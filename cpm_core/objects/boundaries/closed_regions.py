@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 import scipy
@@ -56,6 +57,11 @@ class ClosedRegion:
     mask: Mask
     rises: bool
 
+    def meets(self, other: ClosedRegion) -> bool:
+        """Whether its box has pixels in common with that of another one."""
+        sides = zip(self.box, other.box, strict=True)
+        return all(one.start < two.stop and two.start < one.stop for one, two in sides)
+
     def share(self, pixels: Index, *, filled: bool = False) -> float:
         """Share of some pixels, shape (N, 2), that lie in it, or in it with its holes."""
         place = pixels - (self.box[0].start, self.box[1].start)
@@ -86,12 +92,14 @@ class ClosedRegions:
         Contours; open ones enclose nothing.
     values : ndarray, shape (H, W)
         Image.
+    smoothing : float or "auto"
+        Sigma of its edge map [px].
     """
 
-    def __init__(self, contours: Sequence[Contour], values: Array) -> None:
+    def __init__(self, contours: Sequence[Contour], values: Array, smoothing: float | Literal["auto"] = "auto") -> None:
         closed = [contour for contour in contours if contour.closed and len(contour.points) > 2]
         self._contours = sorted(closed, key=lambda contour: contour.area)
-        self._values = values
+        self._values, self._smoothing = values, smoothing
         self._known: dict[int, ClosedRegion | None] = {}
 
     def around(self, places: Array) -> Mask | None:
@@ -136,8 +144,9 @@ class ClosedRegions:
             if region is None:
                 continue
             pixels = np.argwhere(region.filled) + [side.start for side in region.box]
-            shares = [other.share(pixels, filled=True) for other in found]
-            around = [other for other, share in zip(found, shares, strict=True) if share > _MOST]
+            near = [other for other in found if other.meets(region)]
+            shares = [other.share(pixels, filled=True) for other in near]
+            around = [other for other, share in zip(near, shares, strict=True) if share > _MOST]
             if any(0.0 < share <= _MOST for share in shares) or (
                 around and len(pixels) > _AGAIN * np.count_nonzero(around[-1].filled)
             ):
@@ -215,7 +224,7 @@ class ClosedRegions:
     @cached_property
     def _strength(self) -> Array:
         """Edge map, smooth enough that noise is no evidence against a contour."""
-        return edge_map(self._values, "auto")
+        return edge_map(self._values, self._smoothing)
 
     @cached_property
     def _boxes(self) -> Array:

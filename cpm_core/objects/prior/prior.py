@@ -167,10 +167,13 @@ class Prior:
         Gray levels, or colors.
     network : Network
         The network.
+    grays : tuple of float, optional
+        As of `Views`.
     """
 
     values: Numbers
     network: Network = field(default_factory=trained)
+    grays: tuple[float, ...] = ()
 
     def objects_of(self, prompt: Prompt, areas: Array = _NO_AREAS) -> Iterator[Likely]:
         """The objects that a prompt may mean, of each what is more likely in it than not; the most likely one first.
@@ -260,7 +263,7 @@ class Prior:
 
     @cached_property
     def _views(self) -> Views:
-        return Views(self.values)
+        return Views(self.values, self.grays)
 
 
 def maps_of(

@@ -34,6 +34,16 @@ _SAMPLES = 100_000
 """About so many pixels by which the gray levels of an image are measured."""
 
 
+def sample_step(shape: Extent) -> int:
+    """Distance along each axis of the pixels by which the gray levels of an image are measured."""
+    return max(int(np.sqrt(shape[0] * shape[1] / _SAMPLES)), 1)
+
+
+def gray_range(sample: NDArray[Any]) -> tuple[float, ...]:
+    """Gray levels that become 0 and 255, from those of some pixels."""
+    return tuple(np.percentile(sample, [_DARKEST, _BRIGHTEST]).tolist())
+
+
 @record
 class Patch:
     """A square of an image, or a cube in a volume, brought to `SIDE` steps along each axis.
@@ -104,9 +114,12 @@ class Views:
     ----------
     values : ndarray, shape (H, W) or (H, W, 3)
         Gray levels, or colors.
+    grays : tuple of float, optional
+        Gray levels that become 0 and 255, where they are those of a larger image.
     """
 
     values: NDArray[Any]
+    grays: tuple[float, ...] = ()
 
     def through(self, window: Window) -> Single:
         """Brightness and two differences of colors in a window, shape (3, SIDE, SIDE), of about unit variance."""
@@ -147,11 +160,10 @@ class Views:
         return np.asarray((values - low) * (255.0 / max(high - low, 1e-300)), np.float32)
 
     @cached_property
-    def _range(self) -> tuple[float, float]:
+    def _range(self) -> tuple[float, ...]:
         """Gray levels that become 0 and 255."""
-        step = max(int(np.sqrt(self.values.shape[0] * self.values.shape[1] / _SAMPLES)), 1)
-        low, high = np.percentile(self.values[::step, ::step], [_DARKEST, _BRIGHTEST]).tolist()
-        return low, high
+        step = sample_step(self.values.shape[:2])
+        return self.grays or gray_range(self.values[::step, ::step])
 
     @cached_property
     def _known(self) -> dict[int, Single]:
@@ -242,7 +254,7 @@ class Grays:
     @cached_property
     def _range(self) -> tuple[float, ...]:
         step = max(int(np.cbrt(self.values.size / _SAMPLES)), 1)
-        return tuple(np.percentile(self.values[::step, ::step, ::step], [_DARKEST, _BRIGHTEST]).tolist())
+        return gray_range(self.values[::step, ::step, ::step])
 
 
 def resampled(values: Array | Single | Mask, lines: list[Array], widths: tuple[float, ...]) -> Single:

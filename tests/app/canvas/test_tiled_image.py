@@ -10,7 +10,8 @@ from cpm_app.views.items.tiled_image import TiledImage, part_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from PySide6.QtCore import QRectF
-from PySide6.QtGui import QColor
+from PySide6.QtGui import QColor, QImage, QPainter
+from PySide6.QtWidgets import QStyleOptionGraphicsItem
 
 from cpm_core import Image
 
@@ -74,6 +75,30 @@ def test_finer_levels_of_a_file_are_read_where_the_screen_has_room_for_them():
     shades = display.levels[level - display.finest][top:bottom, left:end]
     assert (shades == values[top:bottom, left:end]).all()
     assert len(read) == 1
+
+
+def test_of_an_image_that_is_exposed_as_a_whole_only_what_is_on_the_screen_is_read():
+    read = []
+
+    class Level:
+        shape = (6000, 6000)
+
+        def __getitem__(self, part):
+            read.append([side.stop - side.start for side in part])
+            return np.zeros(read[-1], np.uint8)
+
+    item = TiledImage(0.0)
+    image = Image(np.zeros((3000, 3000), np.uint8), finer=(Level(),))
+    item.show_image(DisplayImage.within(image, IntensityWindow(0.0, 255.0)))
+    screen, option = QImage(300, 200, QImage.Format.Format_RGB32), QStyleOptionGraphicsItem()
+    painter = QPainter(screen)
+    painter.scale(4.0, 4.0)
+    painter.translate(-1000.0, -1500.0)
+    option.exposedRect = item.boundingRect()
+    item.paint(painter, option)
+    painter.end()
+    assert len(read) == 1
+    assert max(read[0]) <= 300 + MOST_BESIDE
 
 
 @settings(deadline=None, max_examples=30)

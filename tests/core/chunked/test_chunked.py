@@ -7,8 +7,8 @@ import pytest
 import scipy
 
 import cpm_core as cpm
+from cpm_core.chunked import chunk_objects, results
 from cpm_core.chunked import grid as grids
-from cpm_core.chunked import results
 from cpm_core.chunked.run import Found, Task, run, surveyed
 from cpm_core.chunked.seams import joined
 from cpm_core.chunked.store import Piece, Store
@@ -57,8 +57,8 @@ def serial(function, jobs, _title):
     return ((at, function(job)) for at, job in enumerate(jobs))
 
 
-def found_in(source, tmp_path, kind="grid", compute=serial, max_steps=None) -> Found:
-    return run(Task(source, PARAMETERS, kind, Store(tmp_path / "chunks"), max_steps), compute, SIDE)
+def found_in(source, tmp_path, kind="grid", compute=serial, max_steps=None, objects=False) -> Found:
+    return run(Task(source, PARAMETERS, kind, Store(tmp_path / "chunks"), max_steps, objects), compute, SIDE)
 
 
 @pytest.fixture(scope="module")
@@ -85,6 +85,35 @@ def test_contours_are_those_of_a_run_in_one_piece(source, tmp_path, found, kind)
     for some, others in ((one, several), (several, one)):
         assert distance_to(np.concatenate([c.points for c in some]), others).max() < 0.05
     assert [c.number for c in several] == list(range(1, 12))
+
+
+def test_objects_are_those_of_the_image_in_one_piece(source, tmp_path, monkeypatch):
+    monkeypatch.setattr(chunk_objects, "MARGINS", (64, 256))  # the ring needs the second
+    found = found_in(source, tmp_path, objects=True)
+    image = cpm.load_image(source.path)
+    one = cpm.select_all(cpm.partition(cpm.segment(image, cpm.uniform_grid(image.shape), PARAMETERS)))
+    several = contours_of(found)
+    assert sum(found.counts) == len(one) == 9
+    assert sorted({contour.group for contour in several}) == list(range(1, 10))
+    boundaries = [contour for each in one for contour in each.contours]
+    for some, others in ((boundaries, several), (several, boundaries)):
+        assert distance_to(np.concatenate([c.points for c in some]), others).max() < 0.05
+    names = [str(tmp_path / name) for name in ("labels.zarr", "cells.geojson", "cells.csv")]
+    results.write(found, names, serial, results.WRITERS)
+    labels = np.asarray(ome_zarr.open_levels(tmp_path / "labels.zarr").arrays[0])
+    for each in one:
+        number = np.bincount(labels[each.mask]).argmax()
+        assert number
+        assert np.count_nonzero((labels == number) ^ each.mask) <= 0.02 * np.count_nonzero(each.mask)
+    tiles = [json.loads(name.read_text())["features"] for name in tmp_path.glob("cells_*.geojson")]
+    assert sorted(int(each["properties"]["name"].split()[1]) for tile in tiles for each in tile) == list(range(1, 10))
+    from pyarrow import csv  # noqa: PLC0415
+
+    table = csv.read_csv(tmp_path / "cells.csv")
+    assert sorted(table["label"].to_pylist()) == list(range(1, 10))
+    pixels = np.bincount(labels.ravel())[table["label"].to_numpy()]
+    assert table["area [µm²]"].to_numpy() / 0.25 == pytest.approx(pixels, rel=0.03)
+    assert np.isfinite(table["intensity_mean"].to_numpy()).all()
 
 
 def test_what_depends_on_the_whole_image_is_that_of_a_run_in_one_piece(source, tmp_path):
@@ -123,7 +152,7 @@ def test_a_run_that_was_ended_is_continued_with_the_other_chunks(source, tmp_pat
 
 def test_files_hold_what_was_found(found, tmp_path):
     names = [str(tmp_path / name) for name in ("labels.zarr", "cells.geojson", "cells.csv", "cells.parquet")]
-    written = results.write(found, names, serial)
+    written = results.write(found, names, serial, results.WRITERS)
     contours = contours_of(found)
     labels = ome_zarr.open_levels(tmp_path / "labels.zarr")
     finest = np.asarray(labels.arrays[0])
@@ -188,3 +217,20 @@ def test_an_image_is_opened_in_the_level_that_has_room(source, tmp_path, monkeyp
     (finer,) = small.finer
     assert finer.shape == (1200, 800)
     assert (finer[700:710, 20:30] == values[700:710, 20:30]).all()
+
+
+def test_an_image_of_10_000_000_000_pixels_is_opened_in_little_memory(tmp_path):
+    path, side, place = tmp_path / "slide.zarr", 100_000, np.s_[51200:51328, 98304:98432]
+    values = np.random.default_rng(2).integers(1, 256, (128, 128), np.uint8)
+    count = ome_zarr.create_levels(path, (side, side), np.uint8, 1024)
+    ome_zarr.write_part(path, 0, place, values)
+    for level in range(1, count):
+        ome_zarr.halve_part(path, level, tuple(slice(s.start >> level, -(-s.stop >> level)) for s in place))
+    assert sum(file.stat().st_size for file in path.rglob("*")) < 2**20  # what is missing is black
+    image = cpm.load_image(path)
+    assert image.shape == (6250, 6250)
+    assert (image.stored[3200:3208, 6144:6152] == values[::16, ::16]).all()
+    assert np.count_nonzero(image.stored) == 64
+    assert [level.shape[0] for level in image.finer] == [100_000, 50_000, 25_000, 12_500]
+    assert (image.finer[0][place] == values).all()
+    assert (image.finer[2][np.s_[12800:12832, 24576:24608]] == values[::4, ::4]).all()

@@ -61,10 +61,12 @@ class TiledImage(OverImage):
         self._renew()
 
     def paint(self, painter: QPainter, option: QStyleOptionGraphicsItem, *_: Any) -> None:
-        """Draw the part that has to be drawn."""
+        """Draw the part that is seen; all that is exposed may be the whole image."""
         if self.display is None:
             return
-        seen = QRectF(option.exposedRect).intersected(self.boundingRect())
+        device = painter.device()
+        screen = painter.combinedTransform().inverted()[0].mapRect(QRectF(0.0, 0.0, device.width(), device.height()))
+        seen = QRectF(option.exposedRect).intersected(self.boundingRect()).intersected(screen)
         zoom = math.sqrt(abs(painter.deviceTransform().determinant()))
         if seen.isEmpty() or zoom <= 0.0:
             return

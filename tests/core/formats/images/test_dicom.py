@@ -291,12 +291,6 @@ def test_a_file_without_an_image_is_called_that(tmp_path):
         load_image(tmp_path / "a.dcm")
 
 
-def test_a_file_whose_pixels_were_taken_out_is_called_that(tmp_path):
-    write_slice(tmp_path / "a.dcm", VALUES[0], PixelData=None)
-    with pytest.raises(ValueError, match=r"a\.dcm holds no DICOM image: choose another file"):
-        load_image(tmp_path / "a.dcm")
-
-
 @pytest.mark.parametrize("along", [ACROSS, OBLIQUE], ids=["across", "oblique"])
 def test_the_planes_of_a_grid_of_doses_lie_at_their_offsets(tmp_path, along):
     """It is one file, which tells the place of the first plane and the distances of the others from it."""

@@ -152,14 +152,6 @@ def test_what_is_written_is_read_again_exactly(session: SessionFile) -> None:
     assert decode(encode(session, Path("/folder")), "a.cpm") == session
 
 
-def test_an_edit_by_hand_that_means_nothing_is_told_with_its_number() -> None:
-    written = encode(SessionFile(hand_edits=(HandEdit(removed=((1.0, 2.0),)), HandEdit(removed=((3.0, 4.0),)))), Path())
-    broken = written.replace(b"[3.0, 4.0]", b"").replace(b"[[3.0,4.0]]", b"[]").replace(b"[3.0,4.0]", b"")
-    assert broken != written
-    with pytest.raises(ValueError, match="edit by hand 2 cannot be used: The edit by hand removes nothing"):
-        decode(broken, "a.cpm")
-
-
 def test_every_shape_and_every_parameter_is_kept() -> None:
     assert {field.name for field in fields(Parameters)} == {*PARAMETERS, *CHOICES}
     text = encode(SessionFile(), Path("/folder")).decode()
@@ -271,7 +263,6 @@ def test_nothing_is_lost_of_a_file_that_cannot_be_written(tmp_path: Path, monkey
         (b'{"cpm-session": 1, "shapes": [{"shape": "points", "positions": []}]}', "shape 1 (points)"),
         (b'{"cpm-session": 1, "parameters": {"beta": -Infinity}}', "beta"),
         (b'{"cpm-session": 1, "parameters": {"beta": "auto"}}', 'beta is "auto"'),
-        (b'{"cpm-session": 1, "image": {"path": "a", "shape": [0, 3]}}', "rows and columns"),
         (b'{"cpm-session": 1, "marks": [{"anchor": [1, 2], "color": "red"}]}', "#rrggbb"),
         (100_000 * b"[", "not a session file"),
     ],

@@ -1,4 +1,4 @@
-"""Seeds that a finer scale needs: with those left out that are near no unexplained edge, the same is found."""
+"""How a finer scale of a large image begins: the same is found with few of its seeds."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from cpm_core.contours.agreement import distance_to
 from cpm_core.model.starts import circle, uniform_grid
 from cpm_core.model.state import Particles
 from cpm_core.parameters import PRESETS
-from cpm_core.segmentation import needed_seeds
+from cpm_core.segmentation import finer_scale
 from cpm_core.segmentation.engine import Engine
-from cpm_core.segmentation.needed_seeds import without_needless_seeds
+from cpm_core.segmentation.finer_scale import begun
 
 from ..scenes import disk
 
@@ -35,7 +35,7 @@ def scene():
 
 @pytest.fixture
 def small_counts_as_large(monkeypatch):
-    monkeypatch.setattr(needed_seeds, "_FROM", 0)
+    monkeypatch.setattr(finer_scale, "_FROM", 0)
 
 
 def ended(engine, seeds, parameters):
@@ -67,7 +67,7 @@ def began(coarse, seeds):
     while state.scale:
         state = engine.step(state, parameters)
     first = Particles.at_rest(np.concatenate([coarse, state.at_scale(seeds, 0)]))
-    return without_needless_seeds(replace(state, particles=first), engine.scale_field(parameters))
+    return begun(replace(state, particles=first), engine.scale_field(parameters))
 
 
 def test_one_side_of_a_thin_object_does_not_explain_the_other(small_counts_as_large):

@@ -1,0 +1,60 @@
+"""The objects everywhere in one chunk, judged as those of the whole image."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from cpm_core.chunked.grid import Chunk, Source, touches
+from cpm_core.contours.contour import Contour
+from cpm_core.image.image import Image
+from cpm_core.numerics.grids import Window, around, ends, relative
+from cpm_core.numerics.types import Array
+from cpm_core.objects.everywhere import Parts, found_among
+from cpm_core.objects.partition import Frame, Partition
+
+MARGINS = 128, 384, 1024
+"""How far a chunk looks beyond its core, until it sees all of what touches the core [px]: multiples of 32, so that the
+pyramids of neighbors have the same pixels."""
+
+LONGEST = 800.0
+"""Longest side of the box of an object that each chunk sees as a whole, with what the prior sees around it [px]."""
+
+_CLEAR = 16
+"""Distance from the ends of what a chunk sees within which a closed contour is not seen as a whole [px]."""
+
+
+def objects_in(
+    source: Source, near: Callable[[Window], Sequence[Contour]], chunk: Chunk, frame: Frame
+) -> Iterator[tuple[Array, list[Contour]]]:
+    """The boxes and the boundaries of the objects whose middle is in the core of a chunk, in px of the image.
+
+    `near` gives the contours of the image that reach into a window, of all chunks, so that neighbors see the same.
+    """
+    for margin in MARGINS:
+        window = around(chunk.core, margin, frame.shape)
+        low, high = np.array([[side.start, side.stop] for side in window]).T
+        first, end = np.where(low > 0, low + _CLEAR, -1), np.where(high < frame.shape, high - _CLEAR, high + 1)
+        contours = near(window)
+        whole = [one.closed and bool((one.box[0] >= first).all() and (one.box[1] < end).all()) for one in contours]
+        cut = (one for one, seen in zip(contours, whole, strict=True) if one.closed and not seen)
+        if not contours:
+            return
+        if margin < MARGINS[-1] and any(touches(one, chunk.core) for one in cut):
+            continue
+        lines = (Contour(one.path - low, False) for one in contours)
+        seen = tuple(
+            Contour(one.points - low, True) if all_of_it else line
+            for one, line, all_of_it in zip(contours, lines, whole, strict=True)
+        )
+        here = replace(frame, corner=tuple(low.tolist()))
+        parts = Parts.of(Partition(Image(source.gray(window)), seen, frame=here))
+        if parts.settled(relative(chunk.core, window)):
+            break
+    for mask, _, _ in found_among(parts):
+        box = low + ends(mask)
+        if chunk.may_own(box.mean(axis=0)):
+            found = (one.contour for one in parts.partition.outlines(mask))
+            yield box, [Contour(one.points + low, True, one.strength, hole=one.hole) for one in found]
