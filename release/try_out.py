@@ -37,7 +37,7 @@ def main(argv: Sequence[str] | None = None) -> int:
             sys.exit(f"The application is larger than {arguments.limit:.0f} MB.")
     with tempfile.TemporaryDirectory() as folder:
         subprocess.run([command, "--version"], check=True, cwd=folder)
-        began, file = time.monotonic(), Path(folder) / "u.svg"
+        began, file = time.monotonic(), Path(folder) / "u.geojson"
         run = [command, "run", str(SAMPLE), "--circle", "100,73,38", "--export", str(file), "--json"]
         found = json.loads(subprocess.run(run, check=True, cwd=folder, stdout=subprocess.PIPE).stdout)
         sys.stdout.write(f"the first run took {time.monotonic() - began:.1f} s\n")

@@ -37,6 +37,7 @@ LATE_LIBRARIES = {
     "cpm_core.cli.workers": {"distributed"},
     "cpm_core.chunked.seams": {"shapely"},
     "cpm_core.chunked.results": {"pyarrow"},
+    "cpm_core.chunked.volume_results": {"pyarrow"},
     "cpm_core.formats.images.ome_zarr": {"zarr"},
     "cpm_core.formats.contours.dxf": {"ezdxf"},
     "cpm_core.formats.contours.geojson": {"shapely"},

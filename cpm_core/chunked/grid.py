@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from functools import lru_cache
+from itertools import product
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cpm_core.contours.contour import Contour
 from cpm_core.formats.images.ome_zarr import Levels, open_levels
@@ -51,7 +55,11 @@ class Source:
 
     def gray(self, window: Window) -> Array:
         """Gray levels in a window, shape (H, W) or (P, H, W)."""
-        return self.levels.part(window, self.reading).astype(float)
+        return self.values(window).astype(float)
+
+    def values(self, window: Window) -> NDArray[Any]:
+        """The same as they are stored."""
+        return self.levels.part(window, self.reading)
 
 
 @lru_cache(2)
@@ -121,6 +129,15 @@ class Grid:
         """Number of the chunk in whose core each of places lies, shape (N,); beyond the border the nearest one."""
         at = np.clip(np.floor((places + 0.5) / self.side).astype(int), 0, np.array(self.counts) - 1)
         return np.ravel_multi_index(tuple(at.T), self.counts)
+
+    def within(self, window: Window) -> Iterator[tuple[int, Window]]:
+        """Numbers of the chunks whose cores reach into a window, and these parts of it."""
+        for at in product(*(range(part.start // self.side, -(-part.stop // self.side)) for part in window)):
+            core = tuple(
+                slice(max(k * self.side, part.start), min((k + 1) * self.side, part.stop))
+                for k, part in zip(at, window, strict=True)
+            )
+            yield int(np.ravel_multi_index(at, self.counts)), core
 
     def sees(self, contour: Contour) -> bool:
         """Whether each chunk whose core a contour touches sees it as a whole, undisturbed."""

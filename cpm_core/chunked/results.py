@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core.chunked.grid import Chunk
-from cpm_core.chunked.run import Compute, Found
+from cpm_core.chunked.grid import Chunk, Grid, Source
+from cpm_core.chunked.run import Compute, Found, Task
 from cpm_core.contours.contour import Contour
 from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.rasterize import paint
@@ -40,12 +40,15 @@ WRITABLE = {
 """Suffixes of the files -> what they hold."""
 
 
-def write(found: Found, paths: Sequence[str], compute: Compute) -> list[str]:
-    """Write files by their suffixes, and give the name of each that was written, or of all tiles."""
+def write(found: Any, paths: Sequence[str], compute: Compute, writers: Mapping[str, Callable[..., str]]) -> list[str]:
+    """Write files by their suffixes, and give the name of each that was written, or of all tiles.
+
+    Writers take what was found, a path, where to write until all is written, and how jobs are done.
+    """
     written = []
     for path in map(Path, paths):
         with _draft(path) as draft:
-            written.append(_WRITERS[path.suffix.lower()](found, path, draft, compute))
+            written.append(writers[path.suffix.lower()](found, path, draft, compute))
     return written
 
 
@@ -63,14 +66,18 @@ def _draft(path: Path) -> Iterator[Path]:
 
 def write_labels(found: Found, path: Path, draft: Path, compute: Compute) -> str:
     """Write a label image in levels of resolution."""
-    grid, levels = found.grid, found.task.source.levels
+    label_image(found.task.source, found.grid, draft, partial(_paint, found, draft), compute)
+    return str(path)
+
+
+def label_image(source: Source, grid: Grid, path: Path, paint: Callable[[Chunk], None], compute: Compute) -> None:
+    """Make a label image in levels of resolution, the finest of which `paint` writes in the core of each chunk."""
     more = {"image-label": {"version": "0.5"}}
-    count = create_levels(draft, grid.shape, np.uint32, grid.side, levels.spacing, levels.unit, more)
-    _done(compute(partial(_paint, found, draft), grid.chunks, "labels"))
+    count = create_levels(path, grid.shape, np.uint32, grid.side, source.levels.spacing, source.levels.unit, more)
+    _done(compute(paint, grid.chunks, "labels"))
     for level in range(1, count):
         shape = tuple(-(-n // 2**level) for n in grid.shape)
-        _done(compute(partial(halve_part, draft, level), tiles(shape, grid.side), "levels of labels"))
-    return str(path)
+        _done(compute(partial(halve_part, path, level), tiles(shape, grid.side), "levels of labels"))
 
 
 def _paint(found: Found, path: Path, chunk: Chunk) -> None:
@@ -128,11 +135,16 @@ def _window(found: Found, chunk: Chunk, contours: Sequence[Contour]) -> Window:
 def _result(found: Found, contours: Sequence[Contour]) -> Result:
     """Some contours as a result, for writers."""
     task, levels = found.task, found.task.source.levels
-    made = Provenance("cpm", taken(task.parameters, Engine.parameters), None, plain_shapes([Everywhere(task.kind)]), 0)
+    made = provenance_of(task)
     return Result(
         np.empty((0, 2)), tuple(contours), None, 0, True, "run chunk by chunk", found.grid.shape, levels.spacing[1:],
         levels.unit, levels.name, provenance=made,
     )  # fmt: skip
+
+
+def provenance_of(task: Task) -> Provenance:
+    """How what a task finds is found."""
+    return Provenance("cpm", taken(task.parameters, Engine.parameters), None, plain_shapes([Everywhere(task.kind)]), 0)
 
 
 def write_table(found: Found, path: Path, draft: Path, compute: Compute) -> str:
@@ -189,9 +201,9 @@ def _done(results: Iterable[object]) -> None:
         pass
 
 
-_WRITERS: dict[str, Callable[[Found, Path, Path, Compute], str]] = {
+WRITERS: Mapping[str, Callable[..., str]] = {
     ".zarr": write_labels,
     ".geojson": write_tiles,
     **dict.fromkeys((".csv", ".parquet"), write_table),
 }
-"""Suffixes -> writers: they take what was found, a path, where to write until all is written, and how jobs are done."""
+"""Suffixes -> writers."""

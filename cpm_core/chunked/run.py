@@ -104,6 +104,11 @@ class Found:
         found = [_numbered(piece.contour, number, self.kind) for piece, number in pieces if number]
         return found + self._long(chunk)
 
+    @property
+    def count(self) -> int:
+        """Number of contours, or of objects."""
+        return sum(self.counts)
+
     def near(self, window: Window) -> list[Contour]:
         """The contours that reach into a window."""
         numbers = self.grid.near(window)
@@ -160,17 +165,17 @@ def surveyed(task: Task, compute: Compute, side: int) -> tuple[Grid, survey.Whol
     tone, frame = survey.plain_tone(shape, parameters), None
     if tone is None or task.objects:
         plain = Grid(shape, side, 0, 0.0)
-        gray = _in_order(compute(partial(survey.gray_levels, source), plain.chunks, "gray levels"))
+        gray = in_order(compute(partial(survey.gray_levels, source), plain.chunks, "gray levels"))
         tone = tone or survey.tone_of(source, plain, gray, parameters)
         frame = survey.frame_of(source, plain, gray) if task.objects else None
     grid = grid_for(shape, parameters, tone.smoothing, side)
     work = partial(survey.edges, source, tone=tone, parameters=parameters)
-    whole = survey.whole_of(tone, _in_order(compute(work, grid.chunks, "edges")), parameters, frame)
+    whole = survey.whole_of(tone, in_order(compute(work, grid.chunks, "edges")), parameters, frame)
     task.store.save(_WHOLE, **whole.numbers)
     return grid, whole
 
 
-def _in_order(results: Iterable[tuple[int, Any]]) -> list[Any]:
+def in_order(results: Iterable[tuple[int, Any]]) -> list[Any]:
     """Results in the order of their jobs."""
     return [result for _, result in sorted(results, key=lambda one: one[0])]
 

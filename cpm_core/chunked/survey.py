@@ -148,15 +148,15 @@ def block_of(shape: Extent) -> int:
     return 2 ** max(math.ceil(math.log2(max(shape) / _COARSEST)), 0)
 
 
-def _step(shape: Extent) -> int:
+def step_of(shape: Extent) -> int:
     """Distance of the pixels whose gray levels and strengths are sampled."""
-    return max(math.ceil(math.sqrt(math.prod(shape) / _SAMPLES)), 1)
+    return max(math.ceil((math.prod(shape) / _SAMPLES) ** (1.0 / len(shape))), 1)
 
 
 def gray_levels(source: Source, chunk: Chunk) -> GrayLevels:
     """What is to be known of the gray levels of a chunk."""
     shape = source.shape
-    values, step, few, side = source.gray(chunk.core), _step(shape), sample_step(shape), block_of(shape)
+    values, step, few, side = source.gray(chunk.core), step_of(shape), sample_step(shape), block_of(shape)
     first, left = (-side.start % few for side in chunk.core)
     rows, cols = (-(-n // side) for n in values.shape)
     even = np.pad(values, ((0, rows * side - values.shape[0]), (0, cols * side - values.shape[1])), mode="edge")
@@ -217,7 +217,7 @@ def _automatic(source: Source, coarse: Array, tone: Tone) -> float:
 
 def edges(source: Source, chunk: Chunk, tone: Tone, parameters: Parameters) -> Edges:
     """What is to be known of the edges of a chunk."""
-    step = _step(source.shape)
+    step = step_of(source.shape)
     top, left, bottom, right = tone.inside
     core = tuple(
         slice(min(max(side.start, low), high), max(min(side.stop, high), low))

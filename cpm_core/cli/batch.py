@@ -184,19 +184,16 @@ class Batch:
     def _done_before(self, plain: Row) -> dict[int, Row]:
         """Rows of images that an earlier batch has done in the same way, and whose files are still there."""
         way = attrgetter("session_sha256", "settings", "version", "trouble")
-        alike: dict[str, list[Row]] = {}
+        alike: dict[tuple[str, str], list[Row]] = {}
         for row in self._earlier:
-            if way(row) == way(plain):
-                alike.setdefault(Path(row.image).name, []).append(row)
+            if way(row) == way(plain) and all((self._folder / file).is_file() for file in row.files):
+                alike.setdefault((Path(row.image).name, row.image_sha256), []).append(row)
+        names = {name for name, _ in alike}
         done: dict[int, Row] = {}
         for number, image in enumerate(self._images):
-            rows = alike.get(printable(Path(image).name), [])
-            sha256 = fingerprint_if_read(Path(image)) if rows else ""
-            for row in rows:
-                if row.image_sha256 == sha256 and all((self._folder / file).is_file() for file in row.files):
-                    done[number] = row
-                    rows.remove(row)
-                    break
+            name = printable(Path(image).name)
+            if name in names and (rows := alike.get((name, fingerprint_if_read(Path(image))))):
+                done[number] = rows.pop(0)
         known = set(map(id, done.values()))
         self._earlier = [row for row in self._earlier if id(row) not in known]
         return done
@@ -208,17 +205,16 @@ class Batch:
         taken = {name.lower() for row in (*others, *self.rows.values()) for name in row.files}
         images = {Path(image).resolve() for image in self._images}
         stems: dict[int, str] = {}
-        tried: dict[str, int] = {}
         for job in self.jobs:
             first = f"{printable(Path(job.row.image).stem).encode()[:_LONGEST].decode(errors='ignore')}_contours"
-            for count in itertools.count(tried.get(first, 1)):
+            for count in itertools.count(1):
                 stem = first if count == 1 else f"{first}_{count}"
                 names = {f"{stem}{suffix}".lower() for suffix in self._suffixes}
                 if taken.isdisjoint(names) and images.isdisjoint(
                     (self._folder / f"{stem}{suffix}").resolve() for suffix in self._suffixes
                 ):
                     break
-            stems[job.number], tried[first] = stem, count
+            stems[job.number] = stem
             taken |= names
         return stems
 

@@ -4,20 +4,22 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from cpm_core.chunked import grid, results
+from cpm_core.chunked import grid, results, volume_results
 from cpm_core.chunked.chunk_run import KINDS
 from cpm_core.chunked.run import Task, run
 from cpm_core.chunked.store import Store
-from cpm_core.cli.arguments import check_targets, refuse
+from cpm_core.chunked.volume_surface import run_volume
+from cpm_core.cli.arguments import as_number, check_targets, refuse
 from cpm_core.cli.output import Files, StatusLine, announce_compilation, report, say_notes
 from cpm_core.cli.workers import cluster, finished, on_one_core
+from cpm_core.field.volume_field import check_parameters
 from cpm_core.formats.common.atomic import suffix_among
-from cpm_core.formats.images.ome_zarr import is_zarr
+from cpm_core.formats.images.ome_zarr import is_zarr, open_levels
 from cpm_core.formats.images.reading import Reading
 from cpm_core.image.colors import LUMINANCE
 from cpm_core.numerics.types import Plain
@@ -31,15 +33,29 @@ _FOLDER = ".cpm-chunks"
 
 def is_large(arguments: argparse.Namespace, path: Path) -> bool:
     """Whether a run works chunk by chunk: everywhere in an image of a format of which parts can be read."""
-    return bool(arguments.auto) and not arguments.volume and is_zarr(path)
+    return bool(arguments.auto) and is_zarr(path)
 
 
-def run_large(arguments: argparse.Namespace, path: Path, part: Plain, parameters: Parameters) -> int:
-    """Find the contours of an image chunk by chunk; a run that was ended is continued by the same command."""
+def is_large_volume(arguments: argparse.Namespace) -> bool:
+    """Whether such an image has several planes, none of which is named."""
+    path = Path(arguments.image or "")
+    series: Any = arguments.series and as_number(arguments.series)
+    if arguments.page or arguments.pages or not is_large(arguments, path):
+        return False
+    return open_levels(path, Reading(series=series)).count("z") > 1
+
+
+def run_large(
+    arguments: argparse.Namespace, path: Path, part: Plain, parameters: Parameters, *, volume: bool = False
+) -> int:
+    """Find contours, or in a volume bodies, chunk by chunk; a run that was ended is continued by the same command."""
     drawn = ("session", "circle", "stroke", "points", "start", "region", "barrier", "object", "not", "pages", "truth")
-    refuse(arguments, (*drawn, "save_session"), _WHOLE)
-    _check(arguments, path, parameters)
-    source = grid.Source(path, Reading(**part))
+    refuse(arguments, (*drawn, "sphere", "space", "save_session"), _WHOLE)
+    files_of: Any = volume_results if volume else results
+    _check(arguments, path, parameters, files_of.WRITABLE)
+    if volume:
+        check_parameters(parameters)
+    source = grid.Source(path, Reading(**part), "zyx" if volume else "yx")
     first = Path(arguments.export[0])
     store = Store(first.with_name(f"{first.name}{_FOLDER}"))
     task = Task(source, parameters, arguments.auto, store, arguments.max_steps, arguments.objects)
@@ -56,22 +72,22 @@ def run_large(arguments: argparse.Namespace, path: Path, part: Plain, parameters
                 line.count(done, len(jobs))
                 yield at, result
 
-        found = run(task, compute, grid.SIDE)
+        found: Any = run_volume(task, compute) if volume else run(task, compute, grid.SIDE)
         files = Files()
-        files.written += results.write(found, arguments.export, compute)
+        files.written += results.write(found, arguments.export, compute, files_of.WRITERS)
     store.remove()
-    seconds, chunks = time.perf_counter() - began, len(found.counts)
-    count, smoothing = sum(found.counts), found.whole.tone.smoothing
-    facts = {found.kind: count, "chunks": chunks, "seconds": round(seconds, 3), "smoothing": smoothing}
-    size = sized(found.grid.shape)
+    seconds, chunks = time.perf_counter() - began, len(found.grid.chunks)
+    smoothing, unit = found.whole.tone.smoothing, "voxels" if volume else "px"
+    facts = {found.kind: found.count, "chunks": chunks, "seconds": round(seconds, 3), "smoothing": smoothing}
+    noun = {"bodies": "body"}.get(found.kind, found.kind[:-1])
     lines = [
-        f"{source.levels.name}: {counted(count, found.kind[:-1])} in {size}",
-        f"{counted(chunks, 'chunk')} in {seconds:.1f} s, smoothing {smoothing:g} px",
+        f"{source.levels.name}: {counted(found.count, noun, found.kind)} in {sized(found.grid.shape, unit)}",
+        f"{counted(chunks, 'chunk')} in {seconds:.1f} s, smoothing {smoothing:g} {unit}",
     ]
     return report(arguments, facts, lines, files)
 
 
-def _check(arguments: argparse.Namespace, path: Path, parameters: Parameters) -> None:
+def _check(arguments: argparse.Namespace, path: Path, parameters: Parameters, writable: Mapping[str, str]) -> None:
     """Raise ValueError for what does not work chunk by chunk."""
     if arguments.auto not in KINDS:
         raise ValueError(f"--auto is {arguments.auto}, which looks at the whole image: use one of {', '.join(KINDS)}.")
@@ -82,10 +98,10 @@ def _check(arguments: argparse.Namespace, path: Path, parameters: Parameters) ->
     if is_limited(parameters):
         raise ValueError("--reach and --weakest-edge are for a start that is drawn: leave them out.")
     if not arguments.export:
-        raise ValueError(f"--export is missing: name files that end in {', '.join(results.WRITABLE)}.")
+        raise ValueError(f"--export is missing: name files that end in {', '.join(writable)}.")
     for target in arguments.export:
-        if not suffix_among(target, results.WRITABLE):
-            raise ValueError(f"{target} cannot be written chunk by chunk: choose one of {', '.join(results.WRITABLE)}.")
+        if not suffix_among(target, writable):
+            raise ValueError(f"{target} cannot be written chunk by chunk: choose one of {', '.join(writable)}.")
         if Path(target).is_dir() and not is_zarr(Path(target)):
             raise ValueError(f"{target} is a folder, which would be replaced: choose another name.")
         if not Path(target).absolute().parent.is_dir():

@@ -33,7 +33,7 @@ from cpm_core.cli.inputs import (
     starts_from_file,
     truth_for,
 )
-from cpm_core.cli.large import is_large, run_large
+from cpm_core.cli.large import is_large, is_large_volume, run_large
 from cpm_core.cli.output import (
     Files,
     StatusLine,
@@ -155,6 +155,7 @@ def run(arguments: argparse.Namespace) -> int:
         arguments.sphere
         or arguments.volume
         or in_volume(session)
+        or is_large_volume(arguments)
         or any(Path(path).suffix.lower() in of_volumes for path in arguments.start)
     )
     _check_options(arguments, session, volume)
@@ -177,7 +178,7 @@ def run(arguments: argparse.Namespace) -> int:
     parameters = parameters_of(arguments, PRESETS[preset] if preset else session.parameters)
     path, reading = image_of(arguments.image, session, arguments.session)
     if is_large(arguments, path):
-        return run_large(arguments, path, reading | part, parameters)
+        return run_large(arguments, path, reading | part, parameters, volume=volume)
     refuse(arguments, ("scheduler", "workers"), "images in folders of Zarr that are run everywhere, by --auto")
     if arguments.pages is None:
         check_exports(arguments.export, arguments, path)
@@ -302,7 +303,7 @@ def _check_options(arguments: argparse.Namespace, session: SessionFile, volume: 
             "--stroke ROW,COL,ROW,COL,..., --points FILE.csv, --start FILE or --auto grid, or name a position inside "
             "an object, --object ROW,COL."
         )
-    for path in arguments.export if volume else ():
+    for path in arguments.export if volume and not is_large(arguments, Path(arguments.image or "")) else ():
         if suffix_of(path) not in FOR_VOLUMES:
             raise ValueError(f"{path} is for contours, but a volume has a surface: end its name in .ply or .stl.")
     if arguments.save_session is not None:

@@ -22,7 +22,7 @@ from cpm_core.cli.inputs import notes_on, reviewed, segmented, with_room
 from cpm_core.cli.output import facts_of_run
 from cpm_core.contours.result import Result
 from cpm_core.formats import encoded, load_image, omission
-from cpm_core.formats.common.content import fingerprint_if_read
+from cpm_core.formats.common.content import fingerprint_if_read, missing
 from cpm_core.formats.common.provenance import VERSION, with_shapes
 from cpm_core.formats.images.reading import DEFAULT
 from cpm_core.formats.sessions.session_file import SessionFile, part_for
@@ -235,10 +235,7 @@ def cluster(address: str | None, workers: int | None = None) -> Iterator[Any]:
         import dask
         from distributed import Client, LocalCluster
     except ImportError:
-        raise ValueError(
-            "This needs the package distributed, which is not installed: install it "
-            '(pip install "cpm-particles[scale]").'
-        ) from None
+        raise ValueError(missing("A run by workers", "distributed", "cpm-particles[scale]")) from None
     with ExitStack() as stack:
         # what looks every 10 ms where a worker is takes a tenth of its time, and of a core that the other one needs
         stack.enter_context(dask.config.set({"distributed.worker.profile.enabled": False}))

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.contours.contour import Contours, sampled
+from cpm_core.contours.contour import Contours, sampled, vertices_of
 from cpm_core.contours.ground_truth import Truth
 from cpm_core.contours.rasterize import inside, paint
 from cpm_core.numerics.real_numbers import checked_number
@@ -200,7 +200,7 @@ def compare(contours: Contours, truth: Truth, tolerance: float = TOLERANCE, *, h
         **_boundaries(a, b, tolerance),
         dice=dice,
         jaccard=jaccard,
-        distances=tuple(np.split(b.tree.distances(_vertices(contours)), starts)) if contours else (),
+        distances=tuple(np.split(b.tree.distances(vertices_of(contours)), starts)) if contours else (),
         missing=b.samples[a.tree.distances(b.samples) > tolerance],
         objects=object_counts(pixels_in_common(truth.objects, paint(contours, truth.shape))),
     )
@@ -217,17 +217,13 @@ class _Boundary:
     def __init__(self, contours: Contours, truth: Truth | None = None, tolerance: float = 0.0) -> None:
         none = np.empty((0, 2))
         paths = [contour.path for contour in contours]
-        self.samples, self.vertices = sampled(contours), _vertices(contours)
+        self.samples, self.vertices = sampled(contours), vertices_of(contours)
         if truth is not None:
             self.samples, self.vertices = (
                 kept[~_cut(kept, truth, tolerance)] for kept in (self.samples, self.vertices)
             )
         begin = np.concatenate([none, *(path[:-1] for path in paths)])
         self.tree = SegmentTree(begin, np.concatenate([none, *(path[1:] for path in paths)]))
-
-
-def _vertices(contours: Contours) -> Array:
-    return np.concatenate([np.empty((0, 2)), *(contour.points for contour in contours)])
 
 
 def _cut(points: Array, truth: Truth, tolerance: float) -> Mask:

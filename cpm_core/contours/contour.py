@@ -22,15 +22,6 @@ Reached = Literal["", "flight", "weak", "junction", "launched"]
 """How particles came to a contour: on their own flight from the start, beyond a weak edge, by creeping over a junction,
 or by being launched elsewhere; empty where it is not known."""
 
-MOST_LETTERS = 1000
-"""Letters that a name may have: a name appears in tables and on the image."""
-
-
-def check_name(what: str, name: str) -> None:
-    """Raise a `ValueError` for a name that is too long; `what` is what it names."""
-    if len(name) > MOST_LETTERS:
-        raise ValueError(f"The name of {what} has {len(name)} letters but may have {MOST_LETTERS} at most: shorten it.")
-
 
 def check_color(what: str, color: str) -> None:
     """Raise a `ValueError` for a color of another form than "#rrggbb"; `what` is what has it."""
@@ -50,12 +41,29 @@ class Label:
     color: str = ""
 
     def __post_init__(self) -> None:
-        check_name("a label", self.name)
         check_color("a label", self.color)
 
 
 @record
-class Contour:
+class Curve:
+    """Vertices `points` in px, joined in their order; of a closed curve also the last to the first."""
+
+    points: Array
+    closed: bool
+
+    @cached_property
+    def path(self) -> Array:
+        """Vertices with the first repeated at the end when it is closed."""
+        return np.concatenate([self.points, self.points[:1]]) if self.closed else self.points
+
+    @cached_property
+    def box(self) -> Array:
+        """Lowest and highest row and column, shape (2, 2) [px]."""
+        return np.stack([self.points.min(axis=0), self.points.max(axis=0)])
+
+
+@record
+class Contour(Curve):
     """A polygonal curve through particles.
 
     Attributes
@@ -109,8 +117,6 @@ class Contour:
     (0.92, 0, 'flight')
     """
 
-    points: Array
-    closed: bool
     strength: float = 0.0
     junctions: tuple[bool, bool] = (False, False)
     sides: Callable[[], float] | None = None
@@ -142,11 +148,6 @@ class Contour:
         return self.way() if self.way else ""
 
     @cached_property
-    def path(self) -> Array:
-        """Vertices with the first repeated at the end when the contour is closed."""
-        return np.concatenate([self.points, self.points[:1]]) if self.closed else self.points
-
-    @cached_property
     def length(self) -> float:
         """Length along the curve [px]."""
         return polyline.length(self.path)
@@ -155,11 +156,6 @@ class Contour:
     def length_by_hand(self) -> float:
         """Length of what was drawn by hand [px]."""
         return sum(polyline.length(stretch) for stretch in self.by_hand)
-
-    @cached_property
-    def box(self) -> Array:
-        """Lowest and highest row and column, shape (2, 2) [px]."""
-        return np.stack([self.points.min(axis=0), self.points.max(axis=0)])
 
     @property
     def area(self) -> float:
@@ -213,6 +209,11 @@ def numbers_of(contours: Contours) -> Integers:
     taken = {contour.number for contour in contours}
     free = (number for number in itertools.count(1) if number not in taken)
     return tuple(contour.number or next(free) for contour in contours)
+
+
+def vertices_of(contours: Contours) -> Array:
+    """The vertices of contours, shape (N, 2) [px]."""
+    return np.concatenate([np.empty((0, 2)), *(contour.points for contour in contours)])
 
 
 def sampled(contours: Contours) -> Array:

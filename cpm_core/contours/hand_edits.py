@@ -59,11 +59,6 @@ class HandEdit:
     before, after : tuple of (row, col)
         For each end of the piece that continues a contour one place on that contour, some pixels back from its end;
         empty for a loose end.
-
-    Raises
-    ------
-    ValueError
-        When it changes nothing, or a piece has too few vertices.
     """
 
     removed: Line = ()

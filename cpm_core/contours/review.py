@@ -13,7 +13,7 @@ from typing import Literal
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour, Contours, check_color, check_name, neighborhood
+from cpm_core.contours.contour import Contour, Contours, neighborhood
 from cpm_core.contours.result import Result, remaining
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Line, Position, frozen, record
@@ -62,11 +62,6 @@ class Mark:
         Color, ``"#rrggbb"``; empty for the default color.
     outline : Outline
         Where a kept contour ran.
-
-    Raises
-    ------
-    ValueError
-        When a value is invalid.
     """
 
     anchor: Position
@@ -74,10 +69,6 @@ class Mark:
     name: str = ""
     color: str = ""
     outline: Outline = Outline()
-
-    def __post_init__(self) -> None:
-        check_name("a contour", self.name)
-        check_color("a mark", self.color)
 
 
 @record

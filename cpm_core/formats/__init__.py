@@ -26,9 +26,10 @@ from cpm_core.formats.common.provenance import facts_on as facts_on
 from cpm_core.formats.common.provenance import plain_shapes as plain_shapes
 from cpm_core.formats.common.provenance import text_of as text_of
 from cpm_core.formats.comparison import TABLE as TABLE
-from cpm_core.formats.contour_file import CONTOURS_READABLE, load_contours
+from cpm_core.formats.contour_file import CONTOURS_READABLE as CONTOURS_READABLE
 from cpm_core.formats.contour_file import ContourFile as ContourFile
 from cpm_core.formats.contour_file import decode_contours as decode_contours
+from cpm_core.formats.contour_file import load_contours as load_contours
 from cpm_core.formats.contour_file import plane_of as plane_of
 from cpm_core.formats.contour_file import read_contours as read_contours
 from cpm_core.formats.contours.contents import Plane as Plane
@@ -37,15 +38,20 @@ from cpm_core.formats.contours.contour_json import page_from_plain as page_from_
 from cpm_core.formats.contours.contour_json import page_to_plain as page_to_plain
 from cpm_core.formats.contours.curves import ellipse as ellipse
 from cpm_core.formats.contours.labelme import located as located
-from cpm_core.formats.contours.points_csv import load_points
+from cpm_core.formats.contours.points_csv import load_points as load_points
 from cpm_core.formats.images.dicom import dicom_files_beside as dicom_files_beside
-from cpm_core.formats.images.readers import READABLE, holds_volume, load_image, load_pages, load_volume, open_stack
+from cpm_core.formats.images.readers import READABLE as READABLE
+from cpm_core.formats.images.readers import holds_volume as holds_volume
+from cpm_core.formats.images.readers import load_image as load_image
+from cpm_core.formats.images.readers import load_pages as load_pages
+from cpm_core.formats.images.readers import load_volume as load_volume
+from cpm_core.formats.images.readers import open_stack as open_stack
 from cpm_core.formats.images.reading import Reading as Reading
 from cpm_core.formats.images.stack import ONLY_THESE as ONLY_THESE
 from cpm_core.formats.images.stack import Pages as Pages
 from cpm_core.formats.images.stack import Stack as Stack
 from cpm_core.formats.masks.labels import palette as palette
-from cpm_core.formats.meshes.swc import load_centerlines
+from cpm_core.formats.meshes.swc import load_centerlines as load_centerlines
 from cpm_core.formats.sessions.particle_state import state_from_plain as state_from_plain
 from cpm_core.formats.sessions.particle_state import state_to_plain as state_to_plain
 from cpm_core.formats.sessions.session_file import SUFFIX as SUFFIX
@@ -60,47 +66,20 @@ from cpm_core.formats.sessions.session_file import save_session as save_session
 from cpm_core.formats.stack_files import FOR_STACKS as FOR_STACKS
 from cpm_core.formats.stack_files import export_stack as export_stack
 from cpm_core.formats.stack_files import stack_suffix_of as stack_suffix_of
-from cpm_core.formats.surface_file import SURFACES_READABLE, load_surface
+from cpm_core.formats.surface_file import SURFACES_READABLE as SURFACES_READABLE
+from cpm_core.formats.surface_file import load_surface as load_surface
 from cpm_core.formats.surface_file import read_surface as read_surface
 from cpm_core.formats.writers import DRAWN as DRAWN
-from cpm_core.formats.writers import (
-    FOR_CENTERLINES,
-    FOR_SKELETONS,
-    FOR_VOLUMES,
-    OUTLINABLE,
-    WRITABLE,
-    check_export,
-    encoded,
-    export,
-    left_out,
-    omission,
-    suffix_of,
-)
+from cpm_core.formats.writers import FOR_CENTERLINES as FOR_CENTERLINES
+from cpm_core.formats.writers import FOR_SKELETONS as FOR_SKELETONS
+from cpm_core.formats.writers import FOR_VOLUMES as FOR_VOLUMES
 from cpm_core.formats.writers import IN_SPACE as IN_SPACE
+from cpm_core.formats.writers import OUTLINABLE as OUTLINABLE
+from cpm_core.formats.writers import WRITABLE as WRITABLE
+from cpm_core.formats.writers import check_export as check_export
 from cpm_core.formats.writers import descriptions as descriptions
-
-__all__ = [
-    "CONTOURS_READABLE",
-    "FOR_CENTERLINES",
-    "FOR_SKELETONS",
-    "FOR_VOLUMES",
-    "OUTLINABLE",
-    "READABLE",
-    "SURFACES_READABLE",
-    "WRITABLE",
-    "check_export",
-    "encoded",
-    "export",
-    "holds_volume",
-    "left_out",
-    "load_centerlines",
-    "load_contours",
-    "load_image",
-    "load_pages",
-    "load_points",
-    "load_surface",
-    "load_volume",
-    "omission",
-    "open_stack",
-    "suffix_of",
-]
+from cpm_core.formats.writers import encoded as encoded
+from cpm_core.formats.writers import export as export
+from cpm_core.formats.writers import left_out as left_out
+from cpm_core.formats.writers import omission as omission
+from cpm_core.formats.writers import suffix_of as suffix_of

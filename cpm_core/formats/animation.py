@@ -14,7 +14,7 @@ import PIL.Image
 from PIL.PngImagePlugin import PngInfo
 
 from cpm_core.formats.common.atomic import check_target, drafts_of, write_together
-from cpm_core.formats.common.content import AnyPath
+from cpm_core.formats.common.content import AnyPath, missing
 from cpm_core.numerics.memory import free
 from cpm_core.numerics.types import Extent, Pixels
 
@@ -116,10 +116,7 @@ def check_animation(path: AnyPath) -> None:
 def check_encoder(suffix: str) -> None:
     """Raise ValueError, saying what to install, when there is no encoder for a format."""
     if suffix == ".mp4" and importlib.util.find_spec("imageio_ffmpeg") is None:
-        raise ValueError(
-            'An .mp4 file needs the encoder imageio-ffmpeg, which is not installed: run "pip install imageio-ffmpeg", '
-            "or save as .gif or APNG (.png)."
-        )
+        raise ValueError(missing("An .mp4 file, unlike .gif and APNG (.png),", "imageio-ffmpeg", "imageio-ffmpeg"))
 
 
 def write_picture(pixels: Pixels, path: Path, comment: str = "") -> None:

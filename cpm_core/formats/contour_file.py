@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import logging
 from collections.abc import Callable
-from dataclasses import field, replace
+from dataclasses import field
 from pathlib import Path
 
 import numpy as np
@@ -15,10 +15,9 @@ from cpm_core.contours.ground_truth import labels_of
 from cpm_core.formats.common.content import AnyPath, content_of, decoding
 from cpm_core.formats.contours import coco, contour_csv, contour_json, dxf, geojson, imagej, labelme, mask, svg
 from cpm_core.formats.contours.contents import Contents, Plane
-from cpm_core.formats.images.readers import READABLE, load_image
+from cpm_core.formats.images.readers import load_image
 from cpm_core.image.image import Image
 from cpm_core.numerics.types import Array, Texts, record
-from cpm_core.parameters.quotation import shown
 
 _LOG = logging.getLogger(__name__)
 
@@ -183,14 +182,10 @@ def _without_contours(name: str) -> ValueError:
 
 def _of_mask(file: Path) -> ContourFile:
     """The outlines of the objects of a label mask."""
-    if file.suffix.lower() not in READABLE and not file.exists():
-        raise ValueError(f"{shown(str(file))} does not exist: check its name and folder.")
     labels = mask.numbered_colors(file)
     if labels is None:
         labels = labels_of(load_image(file).values, file.name)
-    found = Contents()
+    found = Contents(shape=(labels.shape[0], labels.shape[1]))
     for _, curves in mask.objects(labels):
         found.add_object(curves)
-    if not found.contours:
-        raise _without_contours(file.name)
-    return replace(_checked(found, file.name, None), shape=(labels.shape[0], labels.shape[1]))
+    return _checked(found, file.name, None)

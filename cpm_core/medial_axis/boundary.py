@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import scipy
 
-from cpm_core.contours.contour import Contour, Contours
+from cpm_core.contours.contour import Contour, Contours, vertices_of
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Extent, Index, Mask, record
@@ -71,7 +71,7 @@ def find_boundary(scale_field: ScaleField, parameters: Parameters) -> Boundary:
     shortest = max(parameters.min_length, _SHORTEST)
     dense = replace(parameters, d_min=_SPACING, d_max=_SPACING, min_length=shortest)
     found, shape, contours = find_contours(pixels, scale_field, dense)[0], scale_field.shape, []
-    tree = scipy.spatial.cKDTree(np.concatenate([np.empty((0, 2)), *(contour.points for contour in found)]))
+    tree = scipy.spatial.cKDTree(vertices_of(found))
     owner = polyline.owners([len(contour.points) for contour in found])
     for number, contour in enumerate(found):
         # a loose piece with more room on all sides than it is long closes nothing off, as where the shade in an object

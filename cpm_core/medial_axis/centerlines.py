@@ -9,7 +9,7 @@ others are moved to the middle between voxels that are as deep, and smoothed alo
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import field
+from dataclasses import field, replace
 from functools import cached_property
 
 import numpy as np
@@ -132,6 +132,12 @@ class Centerlines:
         return described("Centerlines", self.source, branches, f"{self.lengths.sum():,.1f} {self.unit or 'voxels'}")
 
 
+def longest_first(lines: Centerlines) -> Centerlines:
+    """The same lines with their branches by length."""
+    order = np.argsort(-lines.lengths, kind="stable")
+    return replace(lines, branches=tuple(lines.branches[k] for k in order))
+
+
 def centerlines(
     inside: ArrayLike, spacing: Sides = (1.0, 1.0, 1.0), unit: str | None = None, pruning: float = 1.0
 ) -> Centerlines:
@@ -199,9 +205,7 @@ def centerlines(
     walls = scipy.spatial.KDTree(np.argwhere(~part & scipy.ndimage.binary_dilation(part)) * size)
     sides = depth / size.min()
     branches = [_branch(chain, sides, walls, size, (low - 1).astype(float)) for chain in chains]
-    found = Centerlines(tuple(branches), tuple(spacing), unit)
-    order = np.argsort(-found.lengths, kind="stable")
-    return Centerlines(tuple(branches[k] for k in order), tuple(spacing), unit)
+    return longest_first(Centerlines(tuple(branches), tuple(spacing), unit))
 
 
 def _branch(chain: Chain, depth: Array, walls: scipy.spatial.KDTree, size: Array, begin: Array) -> Branch:

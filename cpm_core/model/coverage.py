@@ -97,8 +97,10 @@ def _marked(found: Steps, latest: Steps, position: Array, on_edge: Mask, step: i
     """Cells, with those of particles on edges, and those near, marked as covered if they are new; and their number."""
     new = 0
     for i in range(len(position)):
+        if not on_edge[i]:
+            continue
         row, col = _cell_at(found, position, i)
-        if on_edge[i] and found[row, col] == NEVER:
+        if found[row, col] == NEVER:
             if not new:
                 found, latest = found.copy(), latest.copy()
             found[row, col] = step

@@ -9,11 +9,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import scipy
 
 from cpm_core.model.state import MEMORY, Particles
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Mask
+from cpm_core.numerics.types import Array, Index
 from cpm_core.parameters import Parameters
 
 _SOFTNESS = 0.5
@@ -120,10 +119,9 @@ _UNDER_WAY, _LEAST_BETA = 0.3, 0.1
 which that speed is estimated."""
 
 
-def is_fast(velocity: Array, parameters: Parameters) -> Mask:
-    """Which particles of these velocities, shape (N, D), move so fast that the field alone must drive them."""
-    driven = parameters.w2 / max(parameters.beta, _LEAST_BETA)
-    return np.einsum("ni,ni->n", velocity, velocity) > (_UNDER_WAY * driven) ** 2
+def fast_speed(parameters: Parameters) -> float:
+    """Speed above which the field alone must drive a particle [px / unit of time]."""
+    return _UNDER_WAY * (parameters.w2 / max(parameters.beta, _LEAST_BETA))
 
 
 @compiled
@@ -194,19 +192,6 @@ NEAR = 0.5
 """Least distance of two particles, in d_min."""
 
 
-def first_of(position: Array, distance: float) -> Mask:
-    """Which of some places, shape (M, D), stay, so that none has an earlier one that stays nearer than a distance."""
-    kept = [True] * len(position)
-    if len(position):
-        pairs = scipy.spatial.cKDTree(position).query_pairs(distance, output_type="ndarray")
-        pairs = pairs[np.lexsort(pairs.T)]
-        one, other = pairs.T
-        near = np.sqrt(((position[one] - position[other]) ** 2).sum(axis=1)) < distance
-        for first, second in pairs[near].tolist():  # in the order of the second ones
-            kept[second] = kept[second] and not kept[first]
-    return np.array(kept, bool)
-
-
 STRIDE, STRIDE_ROOM = 0.9, 0.8
 """Distance, in d_min, of a position ahead of a particle, and its distance from all others."""
 
@@ -229,9 +214,9 @@ class Moved(NamedTuple):
         )
         return cls(after, np.empty(len(particles)))
 
-    def where(self, kept: Mask) -> Moved:
-        """The particles for which `kept`, shape (N,), is true."""
-        return Moved(self.particles.where(kept), self.motion[kept])
+    def of(self, index: Index) -> Moved:
+        """Those of the particles with the given indices, in this order."""
+        return Moved(self.particles.renewed(index), self.motion[index])
 
     @classmethod
     def held_at(cls, particles: Particles, start: Array) -> Moved:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from cpm_core.image.pyramid import to_image, to_scale
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.coverage import Coverage, SurfaceCoverage
 from cpm_core.numerics.grids import Window
+from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Entries, Extent, Index, Integers, Mask, Numbers, Single, record
 from cpm_core.numerics.vectors import Vector
 from cpm_core.parameters.quotation import counted, described
@@ -100,6 +101,9 @@ MEMORY = 4
 _ARRAYS = ("position", "velocity", "force", "distance", "identity")
 """Arrays of particles."""
 
+_NOWHERE, _NOBODY = np.empty((0, 2)), np.empty((0, 2), np.int64)
+"""Positions and parents of no new particles."""
+
 
 @record
 class Particles:
@@ -129,7 +133,7 @@ class Particles:
     (<Particles 2, 2 coordinates each>, [[9.0, 9.0]])
     >>> particles.with_more(np.array([(1.0, 1.0)]), 3).identity.tolist()
     [0, 1, 2, 3]
-    >>> particles.renewed(np.array([2]), np.array([(4.0, 6.5)]), np.array([0]), np.array([1]), 3).position.tolist()
+    >>> particles.renewed(np.array([2]), np.array([(4.0, 6.5)]), np.array([(0, 1)]), 3).position.tolist()
     [[9.0, 9.0], [4.0, 6.5]]
     >>> ball, start = cpm.example("ball"), cpm.sphere((15, 15, 15), 4, 60)
     >>> cpm.Engine(ball).start(start).particles.on_surface.normal.shape
@@ -195,22 +199,45 @@ class Particles:
         met = contact or more.contact
         return Particles(**arrays, contact=self.contact and met and self.contact.joined(met))
 
-    def renewed(self, stay: Index, position: Array, parent: Index, other: Index, first: int) -> Particles:
-        """The particles with the indices `stay` in this order, and behind them new ones at positions of shape (M, D).
+    def renewed(self, stay: Index, position: Array = _NOWHERE, parents: Index = _NOBODY, first: int = 0) -> Particles:
+        """The particles with the indices `stay` in this order, and behind them new ones at positions of shape (M, 2).
 
-        These have the mean velocity and force history of their two parents; `parent` and `other`, shape (M,), are the
-        indices of the parents, the same twice for a single one; `first` is the identity of the first new particle.
+        These have the mean velocity and force history of their two parents; `parents`, shape (M, 2), are the indices of
+        the parents, the same twice for a single one; `first` is the identity of the first new particle.
         """
-        more = Particles.at_rest(position, first)
-        more.velocity[:] = 0.5 * (self.velocity[parent] + self.velocity[other])
-        more.force[:] = 0.5 * (self.force[parent] + self.force[other])
-        arrays: Entries = {
-            name: np.concatenate([getattr(self, name).take(stay, axis=0), getattr(more, name)]) for name in _ARRAYS
-        }
-        return Particles(**arrays)
+        before = self.position, self.velocity, self.force, self.distance, self.identity
+        count = len(stay) + len(position)
+        after: Any = [np.empty((count, *array.shape[1:]), array.dtype) for array in before]
+        _renew(before, stay, position, parents, first, tuple(after))
+        return Particles(*after)
 
     def __repr__(self) -> str:
         return described("Particles", f"{len(self):,}", f"{self.position.shape[1]} coordinates each")
+
+
+@compiled
+def _renew(
+    before: tuple[Array, Array, Array, Array, Index],
+    stay: Index,
+    position: Array,
+    parents: Index,
+    first: int,
+    after: tuple[Array, Array, Array, Array, Index],
+) -> None:
+    """Write the arrays of `Particles.renewed`."""
+    place, velocity, force, distance, identity = before
+    to_place, to_velocity, to_force, to_distance, to_identity = after
+    for n in range(len(to_place)):
+        born = n - len(stay)
+        i, j = (stay[n], stay[n]) if born < 0 else (parents[born, 0], parents[born, 1])
+        for axis in range(2):
+            to_place[n, axis] = place[i, axis] if born < 0 else position[born, axis]
+            to_velocity[n, axis] = 0.5 * (velocity[i, axis] + velocity[j, axis])
+            for t in range(2):
+                to_force[n, t, axis] = 0.5 * (force[i, t, axis] + force[j, t, axis])
+        for t in range(MEMORY):
+            to_distance[n, t] = distance[i, t] if born < 0 else np.nan
+        to_identity[n] = identity[i] if born < 0 else first + born
 
 
 @record

@@ -11,7 +11,7 @@ from __future__ import annotations
 import os
 from collections import deque
 from collections.abc import Callable, Iterator
-from concurrent.futures import ThreadPoolExecutor, wait
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from functools import lru_cache
 from itertools import pairwise
@@ -65,10 +65,9 @@ def share(work: Callable[[int, int], object], count: int, least: int) -> None:
         _work_off(todo, work)
     finally:  # after an error or an interruption nobody begins another part
         todo.clear()
-        begun = [task for task in helping if not task.cancel()]
-        wait(begun)
-    for task in begun:
-        task.result()
+        errors = [task.exception() for task in helping if not task.cancel()]
+    for error in filter(None, errors):
+        raise error
 
 
 def _work_off(todo: deque[tuple[int, int]], work: Callable[[int, int], object]) -> None:

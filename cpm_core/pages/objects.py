@@ -24,7 +24,7 @@ from cpm_core.numerics.types import Array, Callback, Index, Mask, record
 from cpm_core.objects import Partition, Selection, objects_result, overlap, partition
 from cpm_core.pages.follow import trouble_of
 from cpm_core.pages.page import Page, without_image
-from cpm_core.pages.tracks import LEAST_OVERLAP, PART, Tracker, TrackEvent
+from cpm_core.pages.tracks import LEAST_OVERLAP, PART, Tracker, TrackEvent, origins_of
 
 _AROUND, _FAR = 0.25, 0.1
 """Margin around an object that is compared as well, in lengths of it; and how much less a place that is a length away
@@ -105,7 +105,7 @@ class ObjectFollower:
         taken = np.logical_or.reduce([one.mask for one in found])
         before, now = [one.bound(taken) for one in sought], [_outer(one) for one in found]
         contours, events = Tracker(before, self._tracks).follow(number, now, page.shape)
-        origins = {other: event.track for event in events if event.kind == "splits" for other in event.others}
+        origins = origins_of(events)
         begun = {event.track for event in events if event.kind == "begins"}
         kept = [
             FollowedObject(contour.number, origins.get(contour.number, contour.number), one)

@@ -13,7 +13,7 @@ from cpm_core.contours.measurements import contour_labels
 from cpm_core.contours.rasterize import paint
 from cpm_core.contours.result import Result
 from cpm_core.numerics.types import Integers, Plain, frozen, record
-from cpm_core.pages.tracks import TrackEvent
+from cpm_core.pages.tracks import TrackEvent, origins_of
 from cpm_core.parameters.quotation import counted, described
 
 _DECIMALS, _OF_MEASURES = 4, 6
@@ -98,7 +98,7 @@ class StackResult:
             for contour in page.contours:
                 on.setdefault(contour.number, {})[page.number] = None
         events = [event for page in self.pages for event in page.events]
-        origins = {other: event.track for event in events if event.kind == "splits" for other in event.others}
+        origins = origins_of(events)
         ends = {event.track: event for event in events if event.kind in ("merges", "ends", "leaves")}
         return tuple(Track(track, tuple(on[track]), origins.get(track, 0), ends.get(track)) for track in sorted(on))
 

@@ -88,6 +88,11 @@ class TrackEvent:
         return described("TrackEvent", self.sentence)
 
 
+def origins_of(events: Iterable[TrackEvent]) -> dict[int, int]:
+    """The track that each of those has split off which have split off one."""
+    return {other: event.track for event in events if event.kind == "splits" for other in event.others}
+
+
 class Overlaps(NamedTuple):
     """How much each contour of one page overlaps with each of another, shape (N, M).
 

@@ -7,7 +7,8 @@ it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from typing import Literal, cast
 
 import numpy as np
@@ -147,7 +148,7 @@ class Parameters:
                 "otherwise repulsion tears the particles off the edges."
             )
 
-    @property
+    @cached_property
     def steering(self) -> tuple[object, ...]:
         """Values that the motion of the particles depends on: all but those for the start and the contours."""
         return tuple(getattr(self, name) for name in invalidating("nothing", "field"))
@@ -180,24 +181,19 @@ def _check(info: ParameterInfo, value: object) -> None:
 DEFAULTS: dict[str, float | str] = {name: getattr(Parameters(), name) for name in (*PARAMETERS, *CHOICES)}
 """The default value of every parameter: the paper's."""
 
+_AUTOMATIC = Parameters(
+    w1=0.6, w2=0.7, beta=0.4, smoothing=2.5, gamma="auto", edge_floor=0.2, max_border=0.08, sure_edge=0.3
+)
 PRESETS = {
     "shape": Parameters(reach=2.0, weakest_edge=0.5),
-    "automatic": Parameters(
-        w1=0.6, w2=0.7, beta=0.4, smoothing=2.5, gamma="auto", edge_floor=0.2, max_border=0.08, sure_edge=0.3
-    ),
+    "automatic": _AUTOMATIC,
     "vessels": Parameters(
         w1=0.6, w2=0.7, beta=0.4, smoothing=1.5, edge_floor=0.05, max_border=0.08, min_length=30.0, edges="vessels"
     ),
     "noisy": Parameters(smoothing="auto"),
-    "fluorescence": Parameters(
-        w1=0.6, w2=0.7, beta=0.4, smoothing=4.0, gamma="auto", edge_floor=0.2, max_border=0.08, sure_edge=0.3
-    ),
-    "angiogram": Parameters(
-        w1=0.6, w2=0.7, beta=0.4, smoothing=2.5, edge_floor=0.2, max_border=0.08, sure_edge=0.4, edges="vessels"
-    ),
-    "ultrasound": Parameters(
-        w1=0.6, w2=0.7, beta=0.4, smoothing=6.0, gamma="auto", edge_floor=0.2, max_border=0.08, sure_edge=0.7
-    ),
+    "fluorescence": replace(_AUTOMATIC, smoothing=4.0),
+    "angiogram": replace(_AUTOMATIC, gamma=1.0, sure_edge=0.4, edges="vessels"),
+    "ultrasound": replace(_AUTOMATIC, smoothing=6.0, sure_edge=0.7),
     "volume": Parameters(w1=0.6, w2=0.7, beta=0.4, smoothing="auto", edge_floor=0.16, scales=1),
 }
 """Named settings: shape recovery (section 4.1), automatic segmentation (section 5.2), vessels and noisy images,

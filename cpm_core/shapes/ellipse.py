@@ -21,15 +21,20 @@ SMALLEST_RADIUS = 1.0
 _CORNERS = 180
 
 
-class Round:
-    """What is as far from its center all around. Subclasses are frozen dataclasses."""
+class Centered:
+    """What has a center. Subclasses are frozen dataclasses."""
 
     center: Place
-    radius: float
 
     def moved(self, by: Place) -> Self:
         """The same shape displaced by so much along each axis."""
         return replace(self, center=tuple(map(operator.add, self.center, by)))  # type: ignore[type-var]
+
+
+class Round(Centered):
+    """What is as far from its center all around. Subclasses are frozen dataclasses."""
+
+    radius: float
 
     def resized(self, by: float) -> Self:
         """The shape with its radius changed by so much."""
@@ -96,7 +101,7 @@ _ARM, _OUT = 1.25, 4.0
 
 
 @frozen
-class Ellipse:
+class Ellipse(Centered):
     """Particles on an ellipse.
 
     Attributes
@@ -129,10 +134,6 @@ class Ellipse:
         turn = np.linspace(0.0, 2.0 * np.pi, _CORNERS)
         (along, across), (first, second) = self._axes, self.radii
         return np.array(self.center) + first * np.cos(turn)[:, None] * along + second * np.sin(turn)[:, None] * across
-
-    def moved(self, by: Position) -> Ellipse:
-        """The same ellipse displaced by (rows, cols)."""
-        return replace(self, center=tuple(map(operator.add, self.center, by)))
 
     def resized(self, by: float) -> Ellipse:
         """The ellipse with both radii changed by so many px."""

@@ -31,7 +31,7 @@ from cpm_app.views.window.window import MainWindow
 
 from cpm_core.shapes import Circle, Sphere
 
-REST, PATIENCE = 0.2, 20.0
+REST, PATIENCE = 0.2, 60.0
 """Time for which nothing happens after what has been done, and the longest that is waited for that [s]."""
 
 MANY = 150

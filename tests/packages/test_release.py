@@ -100,3 +100,10 @@ def test_readers_in_the_application_without_python_are_named_by_their_distributi
     modules = metadata.packages_distributions()
     for name, module in importlib.import_module("freeze").MEDICAL.items():
         assert modules[module] == [name]
+
+
+def test_the_application_without_python_leaves_out_nothing_that_the_program_names(monkeypatch) -> None:
+    monkeypatch.syspath_prepend(str(ROOT / "release"))
+    freeze = importlib.import_module("freeze")
+    assert {"scipy.ndimage", "scipy.sparse.csgraph", "skimage.segmentation"} <= set(freeze.lazy())
+    assert not set(freeze.lazy()) & set(freeze.LEFT_OUT)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from PySide6.QtCore import QTimer
+
 from cpm_app.model.document.samples import samples
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.session.storage.preferences import Preferences
@@ -32,9 +34,13 @@ def open_window(path: str | None = None) -> MainWindow:
     """Open a window with an image, by default with the first sample."""
     workspace = Workspace()
     window, session = make_window(workspace), workspace.session
-    session.open(path or samples()[0].path)
-    session.warm_up()
+
+    def begin() -> None:
+        session.open(path or samples()[0].path)
+        session.warm_up()
+
     window.show()
+    QTimer.singleShot(0, window, begin)  # other threads would keep the window from being drawn
     if path is None:
         window.feature(StartFeature).welcome()
     window.feature(RecoveryFeature).offer()

@@ -35,6 +35,11 @@ _LONGEST_FOLDER = 40
 _LOG = logging.getLogger(__name__)
 
 
+def missing(what: str, package: str, install: str) -> str:
+    """One sentence on what cannot be done without a package, and what pip installs it by."""
+    return f'{what} needs the package {package}, which is not installed: run pip install "{install}".'
+
+
 class UnreadableError(ValueError):
     """A file cannot be used; the message is a sentence for users.
 

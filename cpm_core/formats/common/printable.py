@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from cpm_core.contours.contour import MOST_LETTERS, Label
+from cpm_core.contours.contour import Label
 
 _UNPRINTABLE = re.compile("[\x00-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
 """Control characters, bytes of a name that are no UTF-8, and what XML does not allow."""
@@ -30,7 +30,7 @@ def printable(text: str) -> str:
 
 def label_of(number: int, name: str, color: bytes) -> Label:
     """A label as a file has it: its name without what cannot be shown, and red, green and blue, or nothing."""
-    return Label(number, printable(name)[:MOST_LETTERS], f"#{color.hex()}" if color else "")
+    return Label(number, printable(name), f"#{color.hex()}" if color else "")
 
 
 def cell(text: str) -> str:

@@ -108,14 +108,6 @@ def _flat(value: Any) -> Iterator[str]:
         yield str(value).replace(",", ";")
 
 
-def ascii_entries_of(facts: Plain) -> dict[str, str]:
-    """The same with escapes, as in JSON, for all that is not ASCII."""
-    return {
-        name: "".join(letter if letter.isascii() else json.dumps(letter)[1:-1] for letter in text)
-        for name, text in entries_of(facts).items()
-    }
-
-
 def plain_shapes(shapes: Iterable[Shape]) -> tuple[Entries, ...]:
     """Shapes for `Provenance.shapes`, with the kinds and fields that session files have."""
     kinds = {kind: name for name, kind in SHAPES.items()}

@@ -13,7 +13,7 @@ from typing import Any, get_args
 import numpy as np
 from PIL import ImageColor
 
-from cpm_core.contours.contour import MOST_LETTERS, Contour, Reached
+from cpm_core.contours.contour import Contour, Reached
 from cpm_core.numerics.types import Array, Entries, frozen
 
 DEFAULT = "#d6006c"
@@ -123,8 +123,8 @@ def checked(properties: Entries) -> Entries:
     reached = properties.pop("reached", "")
     return {
         **properties,
-        "name": str(properties.get("name") or "")[:MOST_LETTERS],
-        "category": str(properties.get("category") or "")[:MOST_LETTERS],
+        "name": str(properties.get("name") or ""),
+        "category": str(properties.get("category") or ""),
         "color": color_of(properties.get("color")),
         "strength": _finite(properties.get("strength")),
         "bridged": _finite(properties.get("bridged")),

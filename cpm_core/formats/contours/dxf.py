@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from cpm_core.formats.common.provenance import Outcome, ascii_entries_of, facts_of
+from cpm_core.formats.common.provenance import Outcome, entries_of, facts_of
 from cpm_core.formats.contours.contents import Contents, Plane
 from cpm_core.numerics.types import Array
 
@@ -72,7 +72,7 @@ def encode(result: Outcome) -> bytes:
         else:
             polyline = model.add_lwpolyline((), close=contour.closed, dxfattribs=look)
             polyline.lwpoints = _Vertices(places.tolist())  # type: ignore[assignment]
-    comments = ascii_entries_of(facts_of(result))
+    comments = entries_of(facts_of(result))
     comments |= {
         _SHAPE: " ".join(map(str, result.shape)),
         _SPACING: " ".join(f"{size:.17g}" for size in result.spacing),

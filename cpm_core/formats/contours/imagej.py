@@ -14,7 +14,7 @@ import roifile
 from roifile import ROI_OPTIONS, ROI_SUBTYPE, ROI_TYPE, ImagejRoi
 
 from cpm_core.contours.contour import Contour, numbers_of
-from cpm_core.formats.common.provenance import Outcome, ascii_entries_of, facts_of
+from cpm_core.formats.common.provenance import Outcome, entries_of, facts_of
 from cpm_core.formats.contours.contents import PIXEL, Contents, rgb
 from cpm_core.formats.contours.curves import bezier, ellipse, nested, rectangle
 from cpm_core.numerics.types import Array, Entries
@@ -125,7 +125,7 @@ def selection(contour: Contour, number: int, properties: str, **place: int) -> b
 
 def properties_of(result: Outcome) -> str:
     """How contours were found, as properties of a selection: a key and a value in each line, in ASCII."""
-    return "".join(f"cpm_{name}: {value}\n" for name, value in ascii_entries_of(facts_of(result)).items())
+    return "".join(f"cpm_{name}: {value}\n" for name, value in entries_of(facts_of(result)).items())
 
 
 def read(content: bytes) -> Contents:

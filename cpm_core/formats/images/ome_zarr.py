@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from cpm_core.formats.common.content import UnreadableError
+from cpm_core.formats.common.content import UnreadableError, missing
 from cpm_core.formats.common.printable import printable
 from cpm_core.formats.images import resolution
 from cpm_core.formats.images.decoded import MAXIMUM_PIXELS, Decoded
@@ -128,10 +128,7 @@ def open_levels(path: Path, reading: Reading = Reading()) -> Levels:  # noqa: B0
     try:
         import zarr
     except ImportError:
-        raise UnreadableError(
-            f"{path.name} needs the package zarr, which is not installed: install it "
-            '(pip install "cpm-particles[scale]").'
-        ) from None
+        raise UnreadableError(missing(path.name, "zarr", "cpm-particles[scale]")) from None
     name = printable(path.name)
     found = zarr.open(path, mode="r")
     if isinstance(found, zarr.Array):

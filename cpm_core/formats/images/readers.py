@@ -28,7 +28,7 @@ from cpm_core.image.colors import LUMINANCE, LUMINANCE_NOTE, in_color
 from cpm_core.image.gray_levels import NO_DATA, no_data_note
 from cpm_core.image.image import MINIMUM_SIDE, Image
 from cpm_core.numerics.real_numbers import real_numbers
-from cpm_core.numerics.types import Entries
+from cpm_core.numerics.types import Callback, Entries
 
 # dicom comes first, because a DICOM file may begin as a TIFF does; the last one takes what no other reads
 _READERS: tuple[Any, ...] = (dicom, tiff, numpy_array, nifti, nrrd, metaimage, raster)
@@ -59,7 +59,7 @@ READABLE: dict[str, str] = {suffix: text for reader in (*_READERS, ome_zarr) for
 
 def load_image(
     path: AnyPath,
-    go_on: Callable[[], object] | None = None,
+    go_on: Callback | None = None,
     *,
     page: int | None = None,
     channel: int | None = None,
@@ -115,7 +115,7 @@ def load_image(
 
 def load_volume(
     path: AnyPath,
-    go_on: Callable[[], object] | None = None,
+    go_on: Callback | None = None,
     *,
     channel: int | None = None,
     time: int | None = None,
@@ -158,7 +158,7 @@ def load_volume(
 
 def load_pages(
     path: AnyPath,
-    go_on: Callable[[], object] | None = None,
+    go_on: Callback | None = None,
     *,
     channel: int | None = None,
     time: int | None = None,
@@ -253,9 +253,7 @@ def _sides(spacing: ArrayLike | None) -> tuple[float, ...] | None:
     return None if spacing is None else tuple(np.ravel(real_numbers(spacing)).tolist())
 
 
-def _image(
-    file: Path, reading: Reading, part: Callable[[Stack, Reading], Decoded], go_on: Callable[[], object] | None
-) -> Image:
+def _image(file: Path, reading: Reading, part: Callable[[Stack, Reading], Decoded], go_on: Callback | None) -> Image:
     """A part of a file as an image."""
     with ThreadPoolExecutor(1) as other, _decoding(file):
         stack = _opened(file, reading)
@@ -283,7 +281,7 @@ def _finished(decoded: Decoded, file: Path, reading: Reading, sha256: str) -> Im
     return Image(values, spacing, unit, name, notes, colors, sha256, geometry, hounsfield=known, finer=decoded.finer)
 
 
-def _hash(file: Path, go_on: Callable[[], object] | None) -> str:
+def _hash(file: Path, go_on: Callback | None) -> str:
     """Hash of a file; none of a folder."""
     return "" if os.path.isdir(file) else fingerprint(file, go_on)  # noqa: PTH112 - raises nothing
 

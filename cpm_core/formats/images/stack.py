@@ -125,14 +125,7 @@ def plane_of(stack: Stack, reading: Reading) -> Decoded:
     place = stack.places[plane] if stack.places else None
     if place is None and stack.geometry is not None:
         place = replace(stack.geometry.moved((plane, 0, 0), stack.spacing), depth=stack.spacing[0])
-    return replace(
-        found,
-        spacing=stack.spacing[1:],
-        unit=stack.unit,
-        geometry=place,
-        hounsfield=stack.hounsfield,
-        notes=(*notes, *found.notes),
-    )
+    return _of_stack(found, stack, place, notes)
 
 
 def volume_of(stack: Stack, reading: Reading) -> Decoded:
@@ -174,13 +167,14 @@ def volume_of(stack: Stack, reading: Reading) -> Decoded:
         notes.append(
             f"Its axes are {geometry.slant:.1f}° off right angles; lengths were taken as if they were at right angles."
         )
+    return _of_stack(found, stack, geometry, notes)
+
+
+def _of_stack(found: Decoded, stack: Stack, place: Geometry | None, notes: list[str]) -> Decoded:
+    """What was read with all that the file says of it; notes on each plane once."""
+    said, spacing = dict.fromkeys(found.notes), stack.spacing[-found.values.ndim :]
     return replace(
-        found,
-        spacing=stack.spacing,
-        unit=stack.unit,
-        geometry=geometry,
-        hounsfield=stack.hounsfield,
-        notes=(*notes, *dict.fromkeys(found.notes)),
+        found, spacing=spacing, unit=stack.unit, geometry=place, hounsfield=stack.hounsfield, notes=(*notes, *said)
     )
 
 

@@ -12,6 +12,7 @@ import skimage
 
 from cpm_core.contours.contour import Label
 from cpm_core.contours.result import Result
+from cpm_core.formats.common.content import missing
 from cpm_core.formats.common.printable import label_of
 from cpm_core.formats.common.provenance import VERSION
 from cpm_core.formats.images.decoded import Decoded
@@ -46,7 +47,7 @@ def encode(result: Result, image: Path | None = None) -> bytes:
     try:
         import highdicom
     except ImportError as error:
-        raise ValueError('DICOM SEG needs highdicom: run "pip install highdicom".') from error
+        raise ValueError(missing("DICOM SEG", "highdicom", "highdicom")) from error
     import pydicom
     from pydicom.sr.coding import Code
 

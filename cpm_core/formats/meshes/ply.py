@@ -5,42 +5,51 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cpm_core.formats.meshes.coordinates import Mesh
-from cpm_core.formats.meshes.triangles import Triangles, split
-from cpm_core.numerics.types import Entries
+from cpm_core.formats.meshes.triangles import KINDS, Triangles, split
+from cpm_core.numerics.types import Entries, Texts
 
 _OBJECT = "object"
 """Property of a triangle: the number of its object."""
 
-_KINDS = {
-    **{"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4"},
-    **{"int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4"},
-    **{"float": "f4", "double": "f8", "float32": "f4", "float64": "f8"},
-}
 _ORDERS = {"ascii": "<", "binary_little_endian": "<", "binary_big_endian": ">"}
 
 
 def encode(mesh: Mesh) -> bytes:
     """Make a binary PLY file of a surface with its normals."""
     precise = mesh.points.dtype == np.float64
-    properties = "".join(f"property {'double' if precise else 'float'} {name}\n" for name in ("x", "y", "z"))
-    properties += "".join(f"property float {name}\n" for name in ("nx", "ny", "nz"))
-    numbered = "" if mesh.numbers is None else f"property int {_OBJECT}\n"
-    header = (
-        "ply\nformat binary_little_endian 1.0\n"
-        + "".join(f"comment {note}\n" for note in mesh.notes)
-        + f"element vertex {len(mesh.points)}\n{properties}"
-        + f"element face {len(mesh.faces)}\nproperty list uchar int vertex_indices\n{numbered}end_header\n"
-    )
+    head = header(mesh.notes, len(mesh.points), len(mesh.faces), "nx ny nz", precise, mesh.numbers is not None)
     vertices = np.empty(len(mesh.points), [("place", "<f8" if precise else "<f4", 3), ("normal", "<f4", 3)])
     vertices["place"], vertices["normal"] = mesh.points, mesh.normals
+    return head + vertices.tobytes() + triangles(mesh.faces, mesh.numbers)
+
+
+def header(
+    notes: Texts, vertices: int, faces: int, normals: str = "", precise: bool = False, numbered: bool = False
+) -> bytes:
+    """The beginning of a file with so many vertices, which have these normals, and triangles."""
+    properties = "".join(f"property {'double' if precise else 'float'} {name}\n" for name in ("x", "y", "z"))
+    properties += "".join(f"property float {name}\n" for name in normals.split())
+    return (
+        "ply\nformat binary_little_endian 1.0\n"
+        + "".join(f"comment {note}\n" for note in notes)
+        + f"element vertex {vertices}\n{properties}"
+        + f"element face {faces}\nproperty list uchar int vertex_indices\n"
+        + (f"property int {_OBJECT}\n" if numbered else "")
+        + "end_header\n"
+    ).encode()
+
+
+def triangles(corners: NDArray[Any], numbers: NDArray[Any] | None) -> bytes:
+    """Triangles by the numbers of their vertices, with those of their objects where they have some."""
     fields: list[Any] = [("count", "u1"), ("corners", "<i4", 3)]
-    faces = np.empty(len(mesh.faces), fields if mesh.numbers is None else [*fields, (_OBJECT, "<i4")])
-    faces["count"], faces["corners"] = 3, mesh.faces
-    if mesh.numbers is not None:
-        faces[_OBJECT] = mesh.numbers
-    return header.encode() + vertices.tobytes() + faces.tobytes()
+    rows = np.empty(len(corners), fields if numbers is None else [*fields, (_OBJECT, "<i4")])
+    rows["count"], rows["corners"] = 3, corners
+    if numbers is not None:
+        rows[_OBJECT] = numbers
+    return rows.tobytes()
 
 
 class _Property(NamedTuple):
@@ -65,9 +74,9 @@ def read(content: bytes) -> Triangles:
             case ["element", element, count]:
                 rows[element], properties[element] = int(count), []
             case ["property", "list", counts, kind, name]:
-                properties[element].append(_Property(name, order + _KINDS[kind], order + _KINDS[counts]))
+                properties[element].append(_Property(name, order + KINDS[kind], order + KINDS[counts]))
             case ["property", kind, name]:
-                properties[element].append(_Property(name, order + _KINDS[kind]))
+                properties[element].append(_Property(name, order + KINDS[kind]))
     if form == "ascii":  # which is read as a binary file of double precision
         body = np.array(body.split(), float).astype("<f8").tobytes()
         for element, known in properties.items():

@@ -22,7 +22,7 @@ from cpm_core.field.interpolation import between, component
 from cpm_core.field.scale_field import FAINTEST, ScaleField
 from cpm_core.image.regions import BarrierMap, crosses
 from cpm_core.model.coverage import cell_of
-from cpm_core.model.equations import NEAR, STRIDE, STRIDE_ROOM, first_of
+from cpm_core.model.equations import NEAR, STRIDE, STRIDE_ROOM
 from cpm_core.model.plane.motion import AHEAD, edge_at, read_ahead
 from cpm_core.model.plane.repulsion import Cells, cells_around, row_of_cells
 from cpm_core.numerics.jit import compiled
@@ -53,7 +53,7 @@ class EdgeContact:
     cells: Cells
 
 
-_WORTH_A_THREAD = 4000
+_WORTH_A_THREAD = 1500
 """Particles from which a second thread examines them faster."""
 
 
@@ -109,7 +109,36 @@ def deletion(position: Array, strength: Array, d_min: float, close: Mask | None 
     kept = np.ones(len(position), np.bool_)
     if len(near):
         order = near[np.argsort(-strength[near], kind="stable")]
-        kept[order] = first_of(position[order], NEAR * d_min)
+        places = position[order]
+        kept[order] = _first_of(places, np.argsort(places @ _SLANT), NEAR * d_min)
+    return kept
+
+
+_SLANT = np.array([0.6, 0.8])
+"""Direction along which places are sorted: few of them lie in a line across it."""
+
+
+@compiled
+def _first_of(place: Array, along: Index, distance: float) -> Mask:
+    """Which of some places stay, so that none has an earlier one that stays nearer than a distance.
+
+    `along` is their order in some direction.
+    """
+    count = len(along)
+    rank, kept = np.empty(count, np.int64), np.ones(count, np.bool_)
+    for k in range(count):
+        rank[along[k]] = k
+    for i in range(count):
+        y, x = place[i, 0], place[i, 1]
+        for way in (-1, 1):
+            k = rank[i] + way
+            while kept[i] and 0 <= k < count:
+                j = along[k]
+                d_y, d_x = place[j, 0] - y, place[j, 1] - x
+                if abs(_SLANT[0] * d_y + _SLANT[1] * d_x) > distance:
+                    break
+                kept[i] = j > i or not kept[j] or np.sqrt(d_y**2 + d_x**2) >= distance
+                k += way
     return kept
 
 
@@ -120,11 +149,10 @@ edge."""
 
 @record
 class Births:
-    """New particles, shape (M, D), and the two parents of each (the same twice for a position ahead of one)."""
+    """New particles, shape (M, 2), and the two parents of each (the same twice for a position ahead of one)."""
 
     position: Array
-    parent: Index
-    other: Index
+    parents: Index
 
 
 class Search(NamedTuple):
@@ -198,8 +226,8 @@ _FULL = 1_000_000
 _ROOM = 64
 """Rows of offers that there is room for at first."""
 
-_SEARCHES_A_THREAD = 600
-"""Particles from which a second thread makes the search faster."""
+_SEARCHES_A_THREAD = 300
+"""Particles that search, from which a second thread makes it faster."""
 
 
 _Offers = Array
@@ -226,12 +254,13 @@ def insertion(
     def search_some(first: int, last: int) -> None:
         found[first] = _find_places(*seen, rule, _TURNS, turn, first, last)
 
-    share(search_some, count, _SEARCHES_A_THREAD)
+    searching = int(np.count_nonzero(search.looking & eligible))
+    share(search_some, count, _SEARCHES_A_THREAD * count // (searching + 1) + 1)
     offers = np.concatenate([found[first] for first in sorted(found)])
     offers = offers[np.argsort(offers[:, 0], kind="stable")]
     position, parents = np.empty((len(offers), 2)), np.empty((len(offers), 2), np.int64)
     born = _occupy(contact.cells, offers, d_min, position, parents) if len(offers) else 0
-    return Births(position[:born], parents[:born, 0], parents[:born, 1])
+    return Births(position[:born], parents[:born])
 
 
 @compiled

@@ -123,8 +123,8 @@ Four = tuple[float, float, float, float]
 _PAIRS_A_NODE = 28
 """Pairs that are summed in the time of one node of the padded mesh, divided by the steps for which the mesh is used."""
 
-_WORTH_A_THREAD = 800
-"""Particles from which a second thread makes the step faster."""
+_WORTH_A_THREAD, _LATE = 800, 4000
+"""Particles from which a second thread makes the step faster, while some are repelled and later."""
 
 
 def mesh_force_of(state: State, idle: Index, scale_field: ScaleField, parameters: Parameters) -> MeshForce:
@@ -157,7 +157,7 @@ def move(particles: Particles, idle: Index, mesh: MeshForce, scale_field: ScaleF
     before, after = (particles.velocity, particles.force, particles.distance), moved.particles
     motion = (after.position, after.velocity, after.force, after.distance, moved.motion)
     work = partial(_move, cells, scale_field.packed, idle, mesh, damped, law, before, motion)
-    share(work, len(particles), _WORTH_A_THREAD)
+    share(work, len(particles), _WORTH_A_THREAD if (idle < FADED).any() else _LATE)
     return moved
 
 

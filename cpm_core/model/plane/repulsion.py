@@ -245,12 +245,17 @@ def softening(reach: float) -> Single:
     return np.array([35 / 8 / reach**3, -21 / 4 / reach**5, 15 / 8 / reach**7], np.float32)
 
 
+_WORTH_THREADS = 200_000
+"""Values of the transforms above which a second thread makes them faster."""
+
+
 def convolved(charge: Single, reach: float) -> Single:
     r"""Smooth part of the force of charges on the nodes of a mesh, shape (\*nodes), shape (\*nodes, D)."""
     padded, kernels = _spectra(charge.shape, reach)
     axes = tuple(range(1, charge.ndim + 1))
-    spectrum = scipy.fft.rfftn(charge, padded, workers=cores()) * np.complex64(1j)
-    smooth = scipy.fft.irfftn(spectrum * kernels, padded, axes, workers=cores())
+    threads = cores() if kernels.size > _WORTH_THREADS else 1
+    spectrum = scipy.fft.rfftn(charge, padded, workers=threads) * np.complex64(1j)
+    smooth = scipy.fft.irfftn(spectrum * kernels, padded, axes, workers=threads)
     return np.ascontiguousarray(np.moveaxis(smooth[(slice(None), *map(slice, charge.shape))], 0, -1))
 
 

@@ -22,7 +22,7 @@ from cpm_core.model.equations import (
     Moved,
     damping,
     epsilon,
-    is_fast,
+    fast_speed,
     is_idle,
     is_quiet,
 )
@@ -32,10 +32,10 @@ from cpm_core.model.plane.births import Search, deletion, examined, insertion, s
 from cpm_core.model.plane.enclosed_regions import RESEEDINGS, reseeding_places
 from cpm_core.model.plane.motion import contact_at, held_back, is_at_rest, mesh_force_of, move
 from cpm_core.model.plane.repulsion import build_cells, pair_energy
-from cpm_core.model.starts import inside_image
 from cpm_core.model.state import MEMORY, State
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask
+from cpm_core.numerics.vectors import lengths
 from cpm_core.parameters import Parameters
 
 _PATIENCE = 2
@@ -62,14 +62,20 @@ def idle_steps_of(state: State, scale_field: ScaleField, parameters: Parameters)
     `state` is the one before the step, and `scale_field` includes the placed charges.
     """
     particles = state.particles
+    under_way = state.idle // _PATIENCE if state.coverage.size else 0  # before the first coverage there is no limit
     idle = idle_at(state.coverage, particles.position, state.step_of_scale, _OUTSIDE)
-    away = idle == _OUTSIDE
-    if away.any():
-        under_way = state.idle // _PATIENCE if state.coverage.size else 0  # before the first coverage there is no limit
-        idle[away] = np.where(is_fast(state.particles.velocity[away], parameters), under_way, state.idle)
+    _be_patient(idle, particles.velocity, fast_speed(parameters), under_way, state.idle)
     if state.charges:
         _let_gather(state, scale_field, idle)
     return idle
+
+
+@compiled
+def _be_patient(idle: Index, velocity: Array, fast: float, under_way: int, others: int) -> None:
+    """Write the idle steps of the particles outside the coverage map."""
+    for i in range(len(idle)):
+        if idle[i] == _OUTSIDE:
+            idle[i] = under_way if velocity[i, 0] ** 2 + velocity[i, 1] ** 2 > fast**2 else others
 
 
 def is_travelling(state: State, parameters: Parameters) -> bool:
@@ -79,8 +85,8 @@ def is_travelling(state: State, parameters: Parameters) -> bool:
     to go.
     """
     idle = idle_at(state.coverage, state.particles.position, state.step_of_scale, _OUTSIDE)
-    flying = int(np.count_nonzero(is_fast(state.particles.velocity[idle == _OUTSIDE], parameters)))
-    return flying > _TRAVELLING * state.count
+    speed = lengths(state.particles.velocity[idle == _OUTSIDE])
+    return bool(np.count_nonzero(speed > fast_speed(parameters)) > _TRAVELLING * state.count)
 
 
 def _let_gather(state: State, scale_field: ScaleField, idle: Index) -> None:
@@ -174,11 +180,10 @@ def displaced(state: State, idle: Index, scale_field: ScaleField, parameters: Pa
     held = held_back(scale_field.barrier_map, particles, moved.particles)
     if held is not moved.particles:
         moved = Moved.held_at(held, particles.position)
-    inside = inside_image(held.position, scale_field.shape)
-    left = len(held) - int(np.count_nonzero(inside))
+    inside, displacement, moving = _inside(held.position, moved.motion, *scale_field.shape)
+    left = len(held) - len(inside)
     if left:
-        moved = moved.where(inside)
-    motion = moved.motion
+        moved = moved.of(inside)
     state = replace(
         state,
         particles=moved.particles,
@@ -187,11 +192,25 @@ def displaced(state: State, idle: Index, scale_field: ScaleField, parameters: Pa
         step_of_scale=step + 1,
         born=0,
         deleted=left,
-        displacement=float(motion.mean()) if len(motion) else float("nan"),
-        moving=int(np.count_nonzero(motion > STILL)),
+        displacement=displacement,
+        moving=moving,
         epsilon=epsilon(moved.particles.distance),
     )
     return state, moved
+
+
+@compiled
+def _inside(position: Array, motion: Array, rows: int, cols: int) -> tuple[Index, float, int]:
+    """Which particles are inside the image, how far they moved in the mean, and how many of them moved."""
+    inside, count, total, moving = np.empty(len(position), np.int64), 0, 0.0, 0
+    for i in range(len(position)):
+        y, x = position[i, 0], position[i, 1]
+        if y >= -0.5 and y <= rows - 0.5 and x >= -0.5 and x <= cols - 0.5:
+            inside[count] = i
+            count += 1
+            total += motion[i]
+            moving += motion[i] > STILL
+    return inside[:count], total / count, moving
 
 
 def populated(
@@ -207,15 +226,14 @@ def populated(
     contact, close = examined(cells, has_moved, scale_field, parameters.d_min)
     kept = deletion(particles.position, contact.strength, parameters.d_min, close)
     coverage, new = cover(state.coverage, particles.position, contact.on_edge & kept, step)
-    round_ = state.step // every
-    front = idle_at(coverage, particles.position, step, state.idle) < _FRONT
-    search = Search(kept, *_in_turn(particles.identity, particles.distance, has_moved, front, round_, repulsion_gone))
+    round_, idle = state.step // every, idle_at(coverage, particles.position, step, state.idle)
+    search = Search(kept, *_in_turn(particles.identity, particles.distance, has_moved, idle, round_, repulsion_gone))
     d_max = state.annealed * parameters.d_max
     births = insertion(contact, search, scale_field, d_max, parameters, round_)
     born, deleted = len(births.position), len(kept) - int(np.count_nonzero(kept))
     if deleted or born:  # in the order of their cells: what is near in space is then near in memory
         stay = cells.order[kept[cells.order]] if deleted else np.arange(len(kept))
-        particles = particles.renewed(stay, births.position, births.parent, births.other, state.next_identity)
+        particles = particles.renewed(stay, births.position, births.parents, state.next_identity)
     return replace(
         state,
         particles=particles,
@@ -230,16 +248,16 @@ def populated(
 
 @compiled
 def _in_turn(
-    identity: Index, distance: Array, has_moved: Mask, front: Mask, turn: int, everywhere: bool
+    identity: Index, distance: Array, has_moved: Mask, idle: Index, turn: int, everywhere: bool
 ) -> tuple[Mask, Mask, Mask]:
     """Which particles search in a turn, which of them thoroughly, and which ahead; see `Search`."""
     count = len(identity)
     looking, thorough, ahead = np.empty(count, np.bool_), np.empty(count, np.bool_), np.empty(count, np.bool_)
     for i in range(count):
-        number = identity[i] + turn
+        number, front = identity[i] + turn, idle[i] < _FRONT
         thorough[i] = number % _SEARCH_EVERY == 0 or np.isnan(distance[i, MEMORY - 1]) or everywhere
-        looking[i] = (thorough[i] or front[i]) and has_moved[i]
-        ahead[i] = number % _AHEAD_EVERY == 0 or front[i]
+        looking[i] = (thorough[i] or front) and has_moved[i]
+        ahead[i] = number % _AHEAD_EVERY == 0 or front
     return looking, thorough, ahead
 
 

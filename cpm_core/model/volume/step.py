@@ -16,7 +16,7 @@ from cpm_core.field.placed_charges import Placed, placed_potential, radius_at
 from cpm_core.field.volume_field import VolumeField
 from cpm_core.image.volume_regions import AnyRegions
 from cpm_core.model.coverage import SurfaceCoverage, cover_surfaces, no_surface
-from cpm_core.model.equations import STILL, damping, epsilon, is_fast
+from cpm_core.model.equations import STILL, damping, epsilon, fast_speed
 from cpm_core.model.interventions import start_scale
 from cpm_core.model.measures import PAIR, Energies, Forces, kinetic_energy
 from cpm_core.model.state import Particles, SpaceState, State, SurfaceContact
@@ -36,7 +36,7 @@ from cpm_core.model.volume.motion import (
 )
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask
-from cpm_core.numerics.vectors import Vector, difference, dot, row_of
+from cpm_core.numerics.vectors import Vector, difference, dot, lengths, row_of
 from cpm_core.parameters import Parameters
 
 _AWAKE, _PATIENCE = 12, 60
@@ -68,9 +68,8 @@ def moved_on(state: State, field: VolumeField, parameters: Parameters) -> State:
     stays = _inside(after.position, extent, space) & (before.on_surface.seated | (idle < _PATIENCE))
     if field.walls is not None:
         after = held_back(field.walls, before, after)
-    flying = (
-        ~after.on_surface.seated & is_fast(after.velocity, parameters) & (step < 2.0 * max(extent) + state.reactivated)
-    )
+    fast = lengths(after.velocity) > fast_speed(parameters)
+    flying = ~after.on_surface.seated & fast & (step < 2.0 * max(extent) + state.reactivated)
     arrived = after.on_surface.seated & ~before.on_surface.seated
     after = replace(after, contact=after.on_surface.woken_at(step + 1, flying))
     particles, stay, cells = _thinned(after, stays, awake, cells, extent, d_min)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 import scipy
 
-from cpm_core.contours.contour import Contour, check_color, check_name
+from cpm_core.contours.contour import Contour, check_color
 from cpm_core.contours.packed_surface import PackedBody
 from cpm_core.contours.surface import Surface
 from cpm_core.image.volume_regions import Voxels
@@ -60,7 +62,6 @@ class ObjectClass:
     color: str
 
     def __post_init__(self) -> None:
-        check_name("a class", self.name)
         if not self.color:
             raise ValueError("A class has no color: give it one.")
         check_color("a class", self.color)
@@ -127,7 +128,6 @@ class SegmentedObject:
             raise ValueError(f"The class of an object is {self.category} but must be from 1 to {MOST_CLASSES}.")
         if not 0.0 <= self.confidence <= 1.0:
             raise ValueError(f"The confidence of an object is {self.confidence} but must be from 0 to 1.")
-        check_name("an object", self.name)
         check_color("an object", self.color)
 
     @property
@@ -189,7 +189,7 @@ class SegmentedObject:
         """Length of the stretches of the boundary that follow no contour, in the unit of the size of a pixel."""
         return sum(polyline.length(np.array(gap) * spacing) for gap in self.gaps)
 
-    @property
+    @cached_property
     def box(self) -> tuple[Array, Array]:
         """The least, and the largest, row and column of the boundary [px]."""
         corners = np.concatenate(self.boundary)

@@ -99,7 +99,7 @@ def test_objects_are_those_of_the_image_in_one_piece(source, tmp_path, monkeypat
     for some, others in ((boundaries, several), (several, boundaries)):
         assert distance_to(np.concatenate([c.points for c in some]), others).max() < 0.05
     names = [str(tmp_path / name) for name in ("labels.zarr", "cells.geojson", "cells.csv")]
-    results.write(found, names, serial)
+    results.write(found, names, serial, results.WRITERS)
     labels = np.asarray(ome_zarr.open_levels(tmp_path / "labels.zarr").arrays[0])
     for each in one:
         number = np.bincount(labels[each.mask]).argmax()
@@ -152,7 +152,7 @@ def test_a_run_that_was_ended_is_continued_with_the_other_chunks(source, tmp_pat
 
 def test_files_hold_what_was_found(found, tmp_path):
     names = [str(tmp_path / name) for name in ("labels.zarr", "cells.geojson", "cells.csv", "cells.parquet")]
-    written = results.write(found, names, serial)
+    written = results.write(found, names, serial, results.WRITERS)
     contours = contours_of(found)
     labels = ome_zarr.open_levels(tmp_path / "labels.zarr")
     finest = np.asarray(labels.arrays[0])

@@ -1,6 +1,7 @@
 """Objects followed from page to page: laws on made stacks, whose disks are known on every page."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -25,15 +26,21 @@ def page(*disks):
     return as_image(values + np.random.default_rng(len(disks)).normal(0.0, 4.0, SHAPE))
 
 
+@cache
+def partition_of(disks):
+    """The partition of a page, which several tests have in common."""
+    return cpm.partition(page(*disks))
+
+
 def followed(pages, follower=None):
     """Follow the disks of the first page, and give what is found on each by number, with the events."""
     follower = follower or ObjectFollower()
-    partition = cpm.partition(page(*pages[0]))
+    partition = partition_of(tuple(pages[0]))
     objects = {number: partition.selection_of(inside(*disk)) for number, disk in enumerate(pages[0], 1)}
     found, events = [objects], []
     for number, disks in enumerate(pages[1:], 2):
         follower.take(partition.values, objects)
-        partition = cpm.partition(page(*disks))
+        partition = partition_of(tuple(disks))
         here, happened = follower.follow(number, partition)
         objects = {one.number: one.selection for one in here}
         found.append(objects)
@@ -109,6 +116,6 @@ def test_accepted_objects_have_the_events_of_their_numbers_and_the_gray_values_o
 
 def test_a_page_of_another_size_holds_none_of_the_objects():
     follower = ObjectFollower()
-    partition = cpm.partition(page((30, 30, 8)))
+    partition = partition_of(((30, 30, 8),))
     follower.take(partition.values, {1: partition.selection_of(inside(30, 30, 8))})
     assert follower.follow(2, cpm.partition(MOVING[0][:50])) == ((), ())

@@ -144,7 +144,7 @@ def births_between(scale_field, points, d_max=3.0, on_edge=True, d_min=2.0):
 def test_a_pair_within_range_on_an_edge_gets_its_midpoint(edge, distance):
     births = births_between(edge, [(15.0, EDGE), (15.0 + distance, EDGE)])
     np.testing.assert_allclose(births.position, [(15.0 + 0.5 * distance, EDGE)], atol=1e-12)
-    assert sorted([*births.parent, *births.other]) == [0, 1]
+    assert sorted(births.parents[0]) == [0, 1]
 
 
 @settings(max_examples=16, deadline=None)
@@ -163,7 +163,7 @@ def test_gaps_within_range_are_filled_and_no_others(edge, gaps, d_max):
 def test_new_particles_are_midway_between_parents_within_range_and_apart_from_all(edge, rows, d_max):
     points = np.stack([np.array(rows), np.full(len(rows), EDGE)], axis=1)
     births = births_between(edge, points, d_max=d_max)
-    one, other = points[births.parent], points[births.other]
+    one, other = points[births.parents.T]
     np.testing.assert_allclose(births.position, 0.5 * (one + other), atol=1e-12)
     gaps = np.linalg.norm(one - other, axis=1)
     assert np.all((gaps > 2.0) & (gaps <= 2.0 + d_max))
@@ -239,7 +239,7 @@ def test_new_particles_keep_their_distance_from_all_and_from_each_other(curved, 
     points = on_the_ring(seed, count)
     births = births_of(curved, points, d_max=d_max)
     there = points
-    for place, one, other in zip(births.position, births.parent, births.other, strict=True):
+    for place, (one, other) in zip(births.position, births.parents, strict=True):
         room = 1.6 if one == other else 0.5 * np.linalg.norm(points[one] - points[other]) - 2e-9
         distance = np.linalg.norm(there - place, axis=1)
         assert distance.min() >= room
@@ -253,10 +253,10 @@ def test_new_particles_keep_their_distance_from_all_and_from_each_other(curved, 
 def test_places_ahead_are_at_rest_on_the_edge_one_stride_off(curved, seed):
     points = on_the_ring(seed, 12)
     births = births_of(curved, points, d_max=0.0)
-    assert np.all(births.parent == births.other)
+    assert np.all(births.parents[:, 0] == births.parents[:, 1])
     force = np.hypot(*interpolate(curved.lorentz, births.position).T)
     assert np.all(force < 0.2 + 1e-6)
-    stride = np.linalg.norm(births.position - points[births.parent], axis=1)
+    stride = np.linalg.norm(births.position - points[births.parents[:, 0]], axis=1)
     assert np.all((stride >= 1.6) & (stride < 2.8))
 
 
@@ -270,13 +270,13 @@ def parents(count=6, first=10):
 
 def test_new_particles_inherit_the_mean_motion_of_their_parents():
     old = parents()
-    one, other = np.array([0, 2, 5]), np.array([1, 2, 3])
+    pairs = np.array([(0, 1), (2, 2), (5, 3)])
     place = np.array([(1.0, 2.0), (3.0, 4.0), (5.0, 6.0)])
     stay = np.array([4, 0, 1, 5, 2])
-    after = old.renewed(stay, place, one, other, 40)
+    after = old.renewed(stay, place, pairs, 40)
     assert len(after) == 8
     np.testing.assert_array_equal(after.position[5:], place)
-    for n, (i, j) in enumerate(zip(one, other, strict=True)):
+    for n, (i, j) in enumerate(pairs):
         np.testing.assert_allclose(after.velocity[5 + n], (old.velocity[i] + old.velocity[j]) / 2.0)
         np.testing.assert_allclose(after.force[5 + n], (old.force[i] + old.force[j]) / 2.0)
     assert np.isnan(after.distance[5:]).all()

@@ -252,5 +252,5 @@ def test_particles_behind_a_barrier_and_some_of_those_that_moved_keep_their_way(
     held = Moved.held_at(Particles.at_rest(points), points)
     assert not held.motion.any()
     some = points[:, 0] > 20.0
-    np.testing.assert_array_equal(held.where(some).motion, held.motion[some])
-    np.testing.assert_array_equal(held.where(some).particles.position, points[some])
+    np.testing.assert_array_equal(held.of(np.flatnonzero(some)).motion, held.motion[some])
+    np.testing.assert_array_equal(held.of(np.flatnonzero(some)).particles.position, points[some])

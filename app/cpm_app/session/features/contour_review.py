@@ -9,17 +9,22 @@ import numpy as np
 from PySide6.QtCore import QObject, Signal
 
 from cpm_app.model.document.contours import Target
+from cpm_app.session.features.background import is_same
 from cpm_app.session.scene import NO_CONTOURS, Item, ReviewedContours
 from cpm_app.session.session import Session
 from cpm_core import Result
 from cpm_core.contours import anchors, neighborhood
-from cpm_core.numerics import Array, PathTree, Position, polyline
+from cpm_core.numerics import Array, Index, PathTree, Position, polyline
+from cpm_core.numerics.types import Line
 
 _PLACES = 24
 """Number of places along a contour that are compared with an outline."""
 
 _ON, _MOST, _PIECE = 1.0, 0.9, 32
 """Distance up to which a contour runs along a boundary [px], the share of it that has to, and corners of a piece."""
+
+_LINES = 4096
+"""Closed lines of which is remembered what runs along them."""
 
 
 class ContourReview(QObject):
@@ -40,6 +45,8 @@ class ContourReview(QObject):
         self._contours: ReviewedContours = NO_CONTOURS
         self._around: PathTree | None = None
         self._places: Array | None = None
+        self._along: dict[int, tuple[Line, Index]] = {}
+        """Closed lines by their identity, with the indices of the places of contours along them."""
         session.scene_changed.connect(self._follow)
         session.image_changed.connect(self.choose)
 
@@ -82,16 +89,29 @@ class ContourReview(QObject):
         lie = zip(self.items, inside.tolist(), strict=True)
         return frozenset(item.key for item, part in lie if part >= 0.5 and self.sees(item))
 
-    def apart(self, boundaries: Iterable[Sequence[Position]]) -> tuple[Item, ...]:
+    def apart(self, boundaries: Sequence[Line]) -> tuple[Item, ...]:
         """The contours of which less than most runs along one of some closed lines of places (row, col) [px]."""
-        paths = [np.array((*line, line[0])) for line in boundaries]
-        if not paths or not self.items:
+        if not boundaries or not self.items:
             return self.items
-        pieces = [path[first : first + _PIECE + 1] for path in paths for first in range(0, len(path) - 1, _PIECE)]
+        self._compare([line for line in boundaries if id(line) not in self._along])
         along = np.zeros(len(self._sampled), bool)
-        along[PathTree(pieces).pairs(self._sampled, _ON)[0]] = True
+        along[np.concatenate([self._along[id(line)][1] for line in boundaries])] = True
+        for line in [*self._along][: len(self._along) - _LINES]:
+            del self._along[line]
         share = along.reshape(-1, _PLACES).mean(axis=1).tolist()
         return tuple(item for item, part in zip(self.items, share, strict=True) if part < _MOST)
+
+    def _compare(self, lines: Sequence[Line]) -> None:
+        """Find what runs along closed lines."""
+        if not lines:
+            return
+        paths = [np.array((*line, line[0])) for line in lines]
+        pieces = [path[first : first + _PIECE + 1] for path in paths for first in range(0, len(path) - 1, _PIECE)]
+        of = np.repeat(np.arange(len(paths)), [-(-(len(path) - 1) // _PIECE) for path in paths])
+        place, piece, _ = PathTree(pieces).pairs(self._sampled, _ON)
+        order = np.argsort(of[piece], kind="stable")
+        found = np.split(place[order], np.searchsorted(of[piece][order], np.arange(1, len(paths))))
+        self._along.update((id(line), (line, places)) for line, places in zip(lines, found, strict=True))
 
     def targets(self, items: Iterable[Item]) -> list[Target]:
         """Contours as edits of the document name them."""
@@ -132,8 +152,11 @@ class ContourReview(QObject):
         scene = self._session.scene
         if scene.contours is self._contours:
             return
-        self._contours = scene.contours
-        self._around = self._places = None
+        before, self._contours = self._contours.items, scene.contours
+        lines = (tuple(item.contour.points for item in items) for items in (before, scene.contours.items))
+        if not is_same(*lines):  # not only other marks
+            self._around = self._places = None
+            self._along = {}
         keys = {item.key for item in scene.contours.items}
         self.changed.emit()
         scene = self._session.scene

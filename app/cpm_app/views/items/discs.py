@@ -157,7 +157,11 @@ class MovingDiscs(Discs):
         device, transform = painter.device(), painter.worldTransform()
         ratio, count = device.devicePixelRatioF(), len(self.position)
         seen = transform.mapRect(self.boundingRect()).toAlignedRect() & QRect(0, 0, device.width(), device.height())
-        stamps = self._cut_stamps(self._stamp_for(ratio, abs(transform.m11())))
+        known, stamps = self._cut
+        if (colors := self._stamp_for(ratio, abs(transform.m11()))) is not known:
+            apart = np.frombuffer(colors.constBits(), np.uint32).reshape(side := colors.height(), -1, side)
+            stamps = np.pad(apart.swapaxes(0, 1), ((0, 0), (0, 0), (0, -side % LANES)))
+            self._cut = colors, stamps
         # those that are cut off by the border lie in a margin as a whole
         top, left = (math.floor(ratio * low) - stamps.shape[2] for low in (seen.top(), seen.left()))
         shape = tuple(math.ceil(ratio * length) + 2 * stamps.shape[2] for length in (seen.height(), seen.width()))
@@ -175,11 +179,3 @@ class MovingDiscs(Discs):
         painter.setOpacity(1.0)
         painter.drawImage(QPointF(left / ratio, top / ratio), drawn)
         painter.restore()
-
-    def _cut_stamps(self, picture: QImage) -> Colors:
-        """The discs of a picture of all colors, one by one."""
-        if self._cut[0] is not picture:
-            side = picture.height()
-            apart = np.frombuffer(picture.constBits(), np.uint32).reshape(side, -1, side).swapaxes(0, 1)
-            self._cut = picture, np.pad(apart, ((0, 0), (0, 0), (0, -side % LANES)))
-        return self._cut[1]

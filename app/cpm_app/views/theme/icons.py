@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import cache
 
 from PySide6.QtCore import QByteArray, QRectF, QSize, Qt
-from PySide6.QtGui import QColor, QCursor, QIcon, QPainter, QPixmap
+from PySide6.QtGui import QColor, QCursor, QGuiApplication, QIcon, QPainter, QPixmap
 from PySide6.QtSvg import QSvgRenderer
 from PySide6.QtWidgets import QColorDialog, QMenu, QWidget
 
@@ -14,7 +15,8 @@ from cpm_app.model.text.assets import asset
 from cpm_app.model.text.language import tr
 from cpm_app.views.theme.theme import look
 
-_SIZES = (16, 20, 24, 32, 40, 48)
+_SIZES = (16, 20, 24)
+"""Sizes of icons in menus, on buttons, and of pointers, in points of the screen."""
 
 RIM = "#858b93"
 """Color around a swatch, which separates any color from a light and from a dark background."""
@@ -34,12 +36,13 @@ def icon(name: str, color: str, faded: str | None = None) -> QIcon:
         The same for the disabled icon.
     """
     source = asset(f"icons/{name}.svg").read_text(encoding="utf-8")
+    ratio = max(screen.devicePixelRatio() for screen in QGuiApplication.screens())
     made = QIcon()
     for mode, tint in ((QIcon.Mode.Normal, color), (QIcon.Mode.Disabled, faded)):
         if tint is not None:
             renderer = QSvgRenderer(QByteArray(source.replace("currentColor", tint).encode()))
             for size in _SIZES:
-                made.addPixmap(_pixmap(renderer, size), mode)
+                made.addPixmap(_pixmap(renderer, math.ceil(ratio * size)), mode)
     return made
 
 
@@ -63,7 +66,7 @@ def program_icon() -> QIcon:
     """Icon of the program itself."""
     renderer = QSvgRenderer(str(asset("icons/cpm.svg")))
     made = QIcon()
-    for size in (*_SIZES, 64, 128, 256):
+    for size in (*_SIZES, 32, 48, 64, 128, 256):
         made.addPixmap(_pixmap(renderer, size))
     return made
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cached_property
 
 import numpy as np
 import scipy
@@ -101,9 +102,12 @@ class SprayTool(RingTool):
     def set_up(self) -> None:
         """Set what it keeps between events."""
         super().set_up()
-        self._random = np.random.default_rng(0)
         self._taken: Array = np.empty((0, 2))
         """The points so far, in sides of the smallest voxel."""
+
+    @cached_property
+    def _random(self) -> np.random.Generator:
+        return np.random.default_rng(0)  # when it is needed, as it takes long to load
 
     def work(self, path: tuple[Place, ...]) -> None:
         """Scatter points along the path of the ring, none too near to another."""

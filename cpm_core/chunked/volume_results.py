@@ -1,0 +1,92 @@
+"""Files of the bodies of a volume that was run chunk by chunk: a label volume, one surface, and a table."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from cpm_core.chunked.grid import Chunk
+from cpm_core.chunked.results import label_image, provenance_of
+from cpm_core.chunked.run import Compute
+from cpm_core.chunked.volume_surface import Bodies
+from cpm_core.formats.common.provenance import PROGRAM, facts_on, text_of
+from cpm_core.formats.images.ome_zarr import write_part
+from cpm_core.formats.images.resolution import in_ascii
+from cpm_core.formats.meshes import ply
+from cpm_core.formats.meshes.coordinates import positions
+
+WRITABLE = {
+    ".zarr": "bodies as a label volume in levels of resolution (OME-Zarr)",
+    ".ply": "the surfaces of all bodies, with the number of its body for each triangle",
+    ".csv": "a table of bodies: volume, area, center",
+    ".parquet": "the same table for programs",
+}
+"""Suffixes of the files -> what they hold."""
+
+
+def write_labels(bodies: Bodies, path: Path, draft: Path, compute: Compute) -> str:
+    """Write a label volume in levels of resolution."""
+    label_image(bodies.volume.task.source, bodies.grid, draft, partial(_paint, bodies, draft), compute)
+    return str(path)
+
+
+def _paint(bodies: Bodies, path: Path, chunk: Chunk) -> None:
+    """Write the numbers of the bodies in the core of a chunk."""
+    of_part = bodies.of_part[bodies.first[chunk.number] : bodies.first[chunk.number + 1]].astype(np.uint32)
+    if of_part.any():
+        write_part(path, 0, chunk.core, of_part[bodies.regions.read(chunk.core)])
+
+
+def write_surface(bodies: Bodies, path: Path, draft: Path, _: Compute) -> str:
+    """Write the surfaces of all bodies, chunk by chunk; triangles of neighboring chunks have the same corners."""
+    task, grid = bodies.volume.task, bodies.grid
+    levels = task.source.levels
+    facts = facts_on(levels.name, provenance_of(task))
+    notes = (PROGRAM, "SPACE=LPS", f"UNIT={in_ascii(levels.unit, 'voxel')}", text_of(facts))
+    names, faces = [], 0
+    with draft.with_suffix(".vertices").open("w+b") as vertices, draft.open("wb") as file:
+        for chunk in grid.chunks:
+            own, places, corners, _bodies = bodies.triangles(chunk.number)
+            vertices.write(positions(places.astype(float), levels.spacing, None).astype("<f4").tobytes())
+            names.append(own)
+            faces += len(corners)
+        firsts = np.cumsum([0, *map(len, names)])
+        file.write(ply.header(notes, int(firsts[-1]), faces, numbered=True))
+        vertices.seek(0)
+        while some := vertices.read(2**24):
+            file.write(some)
+        for chunk in grid.chunks:
+            near = [at for at in grid.around(chunk.number) if at >= chunk.number]
+            known = np.concatenate([names[at] for at in near])
+            index = np.concatenate([firsts[at] + np.arange(len(names[at])) for at in near])
+            order = np.argsort(known)
+            _own, _places, corners, numbers = bodies.triangles(chunk.number)
+            found = index[order][np.searchsorted(known, corners, sorter=order)]
+            file.write(ply.triangles(found[:, ::-1], numbers))  # (plane, row, col) turns the other way than (x, y, z)
+    draft.with_suffix(".vertices").unlink()
+    return str(path)
+
+
+def write_table(bodies: Bodies, path: Path, draft: Path, _: Compute) -> str:
+    """Write a table, with a row for each body, lengths in the unit of the volume where it has one."""
+    import pyarrow
+    from pyarrow import csv, parquet
+
+    levels = bodies.volume.task.source.levels
+    unit = f" [{in_ascii(levels.unit, '')}" if levels.unit else ""
+    columns = {
+        "label": bodies.table["label"],
+        f"volume{unit and unit + '3]'}": bodies.table["volume"],
+        f"area{unit and unit + '2]'}": bodies.table["area"],
+    }
+    for name, place, side in zip(("plane", "row", "col"), bodies.table["center"].T, levels.spacing, strict=True):
+        columns[f"center_{name}{unit and unit + ']'}"] = place * side
+    table = pyarrow.table(columns)
+    (parquet.write_table if path.suffix.lower() == ".parquet" else csv.write_csv)(table, str(draft))
+    return str(path)
+
+
+WRITERS = {".zarr": write_labels, ".ply": write_surface, **dict.fromkeys((".csv", ".parquet"), write_table)}
+"""Suffixes -> writers, as those of images."""

@@ -1,0 +1,429 @@
+"""One surface from the particles of all chunks of a volume.
+
+Each chunk finds the height over the edges in its core, and numbers the regions away from particles; which of them are
+inside is decided by all chunks together. Then each raises necks and threads, and follows the zero of the height that
+all have made: triangles of neighbors share their corners, which lie on sides of voxels and are named by them. Parts of
+the inside and of the outside are numbered in each chunk as well; two of different chunks that meet in a voxel are one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import scipy
+from numpy.typing import NDArray
+
+from cpm_core.chunked.grid import Chunk, Grid, Source
+from cpm_core.chunked.run import Compute, Task
+from cpm_core.chunked.survey import Whole
+from cpm_core.chunked.volume_run import SIDE, Volume, run_particles
+from cpm_core.formats.images.ome_zarr import create_levels, write_part
+from cpm_core.formats.images.reading import Reading
+from cpm_core.numerics.grids import Window, join_corners, parts_joined, parts_of, relative, sides_of, zero_surface
+from cpm_core.numerics.types import Array, Entries, Index, Mask, Single, frozen, record
+from cpm_core.reconstruction.surface.components import FAR, is_borne_out, support, unknown_regions
+from cpm_core.reconstruction.surface.joints import RAISED, Surroundings, join, spin
+from cpm_core.reconstruction.surface.local_threshold import Box, Levels, height
+from cpm_core.reconstruction.surface.pipeline import width_and_band
+from cpm_core.reconstruction.surface.sharpened import step_width
+
+_NUMBERED = np.float32(2**20)
+"""Regions of a chunk away from particles are stored in place of the height, as this number plus theirs, from 1; 0 is
+that of all that has not been written."""
+
+_TAILS = 3.0
+"""Widths of the Gaussian within which a particle counts."""
+
+_ROOM = 4
+"""Voxels more, for the thickness of the band along longer sides of voxels, and the layers around a core."""
+
+
+@frozen
+class _Regions:
+    """Files of regions that each chunk has numbered by itself."""
+
+    volume: Volume
+    name: str
+
+    @property
+    def path(self) -> Path:
+        """The array of all numbers."""
+        return self.volume.task.store.folder / f"{self.name}.zarr"
+
+    def of_chunk(self, number: int) -> str:
+        """Name of the file of a chunk."""
+        return f"{self.name}_{number}.npz"
+
+    def read(self, window: Window) -> NDArray[Any]:
+        """What has been written in a window."""
+        return Source(self.path, Reading(), "zyx").values(window)
+
+    def save(self, chunk: Chunk, values: NDArray[Any], **arrays: Any) -> None:
+        """Write values in the core of a chunk, and store those one voxel beyond with other arrays."""
+        write_part(self.path, 0, chunk.core, values[tuple(slice(n) for n in sides_of(chunk.core))])
+        layers = {f"layer_{axis}": values.take(-1, axis) for axis, _ in _layers(self.volume, chunk)}
+        self.volume.task.store.save(self.of_chunk(chunk.number), **layers, **arrays)
+
+    def run(self, dtype: Any, work: Callable[[Chunk], None], compute: Compute, title: str) -> None:
+        """Do some work on each chunk that has no file yet."""
+        grid, store = self.volume.grid, self.volume.task.store
+        if not self.path.exists():
+            create_levels(self.path, grid.shape, dtype, grid.side)
+        todo = [chunk for chunk in grid.chunks if not store.has(self.of_chunk(chunk.number))]
+        for _ in compute(work, todo, title):
+            pass
+
+    def joined(self, counts: Index, number_of: Callable[[NDArray[Any]], Index]) -> Index:
+        """The group, from 0, of each region of all chunks; `number_of` gives numbers in a chunk, -1 for no region."""
+        store, first = self.volume.task.store, np.cumsum([0, *counts])
+        pairs = [np.empty(0, np.int64)]
+        for chunk in self.volume.grid.chunks:
+            name = self.of_chunk(chunk.number)
+            for axis, window in _layers(self.volume, chunk):
+                mine = number_of(store.load(name, f"layer_{axis}")[f"layer_{axis}"])
+                theirs = number_of(self.read(window)).reshape(mine.shape)
+                both = (mine >= 0) & (theirs >= 0)
+                for number, part in self.volume.grid.within(window):
+                    inner = tuple(side for k, side in enumerate(relative(part, window)) if k != axis)
+                    theirs[inner] += first[number]
+                pairs.append(np.unique((mine[both] + first[chunk.number]) * first[-1] + theirs[both]))
+        return parts_joined(np.stack(np.divmod(np.concatenate(pairs), first[-1])), int(first[-1]))
+
+
+def _beyond(volume: Volume, chunk: Chunk) -> Window:
+    """The core of a chunk with one voxel more at the end of each axis, within the volume."""
+    return tuple(
+        slice(side.start, min(side.stop + 1, n)) for side, n in zip(chunk.core, volume.grid.shape, strict=True)
+    )
+
+
+def _layers(volume: Volume, chunk: Chunk) -> Iterator[tuple[int, Window]]:
+    """The layers of voxels of neighbors that a core is continued by, each with the axis across it."""
+    beyond = _beyond(volume, chunk)
+    for axis, (core, side) in enumerate(zip(chunk.core, beyond, strict=True)):
+        if side.stop > core.stop:
+            yield axis, (*beyond[:axis], slice(core.stop, side.stop), *beyond[axis + 1 :])
+
+
+@record
+class Heights:
+    """The height over the edges of a volume.
+
+    `volume` with its particles, which are `apart` from each other [smallest sides]; the first region of each chunk; the
+    height of each region, and 1, or -1 where the inside is darker.
+    """
+
+    volume: Volume
+    apart: float
+    first: Index
+    of_region: Single
+    sign: float
+
+    def read(self, window: Window) -> Single:
+        """The height in a window, positive inside; outside the volume it is -1."""
+        grid = self.volume.grid
+        inner = tuple(slice(max(side.start, 0), min(side.stop, n)) for side, n in zip(window, grid.shape, strict=True))
+        found: Single = self.regions.read(inner)
+        for number, part in grid.within(inner):
+            values = found[relative(part, inner)]
+            region = _region_of(values)
+            unknown = region >= 0
+            values[unknown] = self.of_region[self.first[number] + region[unknown]]
+        found *= np.float32(self.sign)
+        outer = [(a.start - b.start, b.stop - a.stop) for a, b in zip(inner, window, strict=True)]
+        return np.pad(found, outer, constant_values=-1.0)
+
+    @property
+    def regions(self) -> _Regions:
+        """Their files."""
+        return _Regions(self.volume, "height")
+
+
+def _region_of(values: NDArray[Any]) -> Index:
+    """Numbers of the regions in stored heights; -1 for heights."""
+    return np.where(values == 0.0, 0, np.where(values >= _NUMBERED, values - _NUMBERED, -1.0)).astype(np.int64)
+
+
+def find_heights(volume: Volume, apart: float, compute: Compute) -> Heights:
+    """The height over the edges of a volume, whose particles are typically so far apart."""
+    regions = _Regions(volume, "height")
+    regions.run(np.float32, partial(_height_in, regions, apart), compute, "surface near particles")
+    names = ("votes", "at_border", "bright", "known")
+    known = [volume.task.store.load(regions.of_chunk(chunk.number), *names) for chunk in volume.grid.chunks]
+    counts = np.array([len(one["votes"]) for one in known])
+    group = regions.joined(counts, _region_of)
+    votes = np.bincount(group, np.concatenate([one["votes"] for one in known]))
+    heights = np.where(votes > 0, np.float32(FAR), np.float32(-FAR))[group]
+    # an object may be darker than what is around it: the inside is not on the side that most of the border lies on
+    at_border = np.concatenate([one["at_border"] for one in known])
+    bright = at_border[heights > 0.0].sum() + sum(int(one["bright"]) for one in known)
+    total = at_border.sum() + sum(int(one["known"]) for one in known)
+    return Heights(volume, apart, np.cumsum([0, *counts]), heights, -1.0 if 2 * bright > total else 1.0)
+
+
+def _particles_near(volume: Volume, chunk: Chunk, window: Window, margin: float) -> tuple[Levels, Array]:
+    """Particles around a window, in voxels of what a chunk sees."""
+    low, high = np.array([[side.start - margin, side.stop - 1 + margin] for side in window]).T
+    levels, normals = volume.particles(chunk, low, high)
+    corner = [side.start for side in chunk.padded]
+    return Levels(levels.points - corner, levels.thresholds, levels.slopes), normals
+
+
+def _height_in(regions: _Regions, apart: float, chunk: Chunk) -> None:
+    """Find the height in a chunk and a voxel beyond, and store it with what is known of the regions."""
+    volume = regions.volume
+    beyond = _beyond(volume, chunk)
+    width, band = width_and_band(apart)
+    levels, _ = _particles_near(volume, chunk, beyond, max(_TAILS * width, band) + _ROOM)
+    if len(levels.points):
+        begin = np.array([side.start - 1 for side in relative(beyond, chunk.padded)])
+        box = Box(begin, tuple(n + 2 for n in sides_of(beyond)))  # type: ignore[arg-type]
+        found = height(volume.smoothed(chunk), box, levels, volume.size, width, band)
+        found[found == 0.0] = -np.finfo(np.float32).tiny
+        parts, votes = unknown_regions(found)
+        parts.fill(_NUMBERED + 1 + np.arange(parts.count, dtype=np.float32), found)
+        inner, votes = found[1:-1, 1:-1, 1:-1], np.append(0, votes)
+    else:
+        inner, votes = np.zeros(sides_of(beyond), np.float32), np.zeros(1, np.int64)
+    own = inner[tuple(slice(n) for n in sides_of(chunk.core))]
+    sides = [
+        own.take(at, axis).ravel()
+        for axis, (side, n) in enumerate(zip(chunk.core, volume.grid.shape, strict=True))
+        for at, outer in ((0, side.start == 0), (-1, side.stop == n))
+        if outer
+    ]
+    border = np.concatenate([np.empty(0, np.float32), *sides])
+    region = _region_of(border)
+    at_border = np.bincount(region[region >= 0], minlength=len(votes))
+    bright = np.count_nonzero(border[region < 0] > 0.0)
+    regions.save(chunk, inner, votes=votes, at_border=at_border, bright=bright, known=np.count_nonzero(region < 0))
+
+
+def find_necks(heights: Heights, compute: Compute) -> None:
+    """Find the necks and threads of each chunk, and store the voxels that they raise."""
+    volume = heights.volume
+    todo = [chunk for chunk in volume.grid.chunks if not volume.task.store.has(_necks(chunk.number))]
+    for _ in compute(partial(_necks_in, heights), todo, "necks"):
+        pass
+
+
+def _necks(number: int) -> str:
+    return f"necks_{number}.npz"
+
+
+def _necks_in(heights: Heights, chunk: Chunk) -> None:
+    volume, raised = heights.volume, [np.empty((0, 3), np.int64)]
+    levels, normals = _particles_near(volume, chunk, chunk.padded, 0.0)
+    if len(levels.points):
+        found = heights.read(tuple(slice(side.start - 1, side.stop + 1) for side in chunk.padded))
+        smoothed, begin = volume.smoothed(chunk), np.array([-1, -1, -1])
+        around = Surroundings(smoothed, heights.sign, levels.points, heights.sign * normals, levels.slopes, volume.size)
+        ways = join(found, begin, around)
+        ways += spin(found, begin, around, step_width(volume.whole.tone.smoothing))
+        ways = [way + [side.start for side in chunk.padded] for way in ways]
+        raised += [way for way in ways if volume.grid.chunk_at(way[len(way) // 2][None]) == chunk.number]
+    volume.task.store.save(_necks(chunk.number), raised=np.concatenate(raised))
+
+
+@record
+class Bodies:
+    """The bodies of a volume, the largest first: what each encloses and how its surface is stored.
+
+    Attributes
+    ----------
+    volume : Volume
+        The chunks.
+    table : dict of ndarray
+        Columns: number, volume and area in units of length, center (plane, row, col) [voxels].
+    first : ndarray of int64
+        First part of each chunk.
+    of_part : ndarray of int64
+        Number of the body of each part; 0 outside.
+    """
+
+    volume: Volume
+    table: Entries
+    first: Index
+    of_part: Index
+    kind = "bodies"
+
+    @property
+    def count(self) -> int:
+        """Number of bodies."""
+        return len(self.table["label"])
+
+    @property
+    def grid(self) -> Grid:
+        """The chunks."""
+        return self.volume.grid
+
+    @property
+    def whole(self) -> Whole:
+        """What the fields were measured by."""
+        return self.volume.whole
+
+    @property
+    def regions(self) -> _Regions:
+        """Files of the parts."""
+        return _Regions(self.volume, "parts")
+
+    def triangles(self, number: int) -> tuple[Index, Array, Index, Index]:
+        """Of a chunk the names of vertices that lie on bodies, and these; corners by their names, and the bodies."""
+        known = self.volume.task.store.load(self.regions.of_chunk(number))
+        body = self._bodies(number, known["pairs"])
+        on, faces = body[known["pair_of_vertex"]] > 0, body[known["pair_of_face"]]
+        return known["names"][on], known["vertices"][on], known["faces"][faces > 0], faces[faces > 0]
+
+    def _bodies(self, number: int, pairs: Index) -> Index:
+        """The body that each of the pairs of parts of a chunk bounds; 0 where the surface between them is left out."""
+        inside, outside = self.of_part[self.first[number] + pairs].T
+        return np.where(inside != outside, inside, 0)
+
+
+def run_volume(task: Task, compute: Compute, side: int = SIDE) -> Bodies:
+    """Find all bodies; what is in the store from an earlier run with the same settings is not found again."""
+    task.store.begin({**task.settings, "side": side, "shape": task.source.shape})
+    heights = find_heights(*run_particles(task, compute, side), compute)
+    find_necks(heights, compute)
+    return find_bodies(heights, compute)
+
+
+_SUMS = ("area", "volume", "moments", "corners", "supported", "particles")
+"""What is added up for each pair of parts."""
+
+
+def find_bodies(heights: Heights, compute: Compute) -> Bodies:
+    """The bodies of a volume, from the height over its edges."""
+    volume, store = heights.volume, heights.volume.task.store
+    parts = _Regions(volume, "parts")
+    parts.run(np.uint32, partial(_parts_in, parts, heights), compute, "bodies")
+    chunks = range(len(volume.grid.chunks))
+    known = [store.load(parts.of_chunk(n), "inside", "rim", "pairs", *_SUMS) for n in chunks]
+    counts = np.array([len(one["inside"]) for one in known])
+    first = np.cumsum([0, *counts])
+    group = parts.joined(counts, lambda values: values.astype(np.int64))
+    rim = np.concatenate([one["rim"] + start for one, start in zip(known, first, strict=False)])
+    outer, group = group.max(initial=-1) + 1, group.copy()
+    group[np.isin(group, group[rim])] = outer  # around the volume all is one
+    inside = np.zeros(outer + 1, bool)
+    inside[group] = np.concatenate([one["inside"] for one in known])
+    local = np.concatenate([group[one["pairs"] + start] for one, start in zip(known, first, strict=False)])
+    pairs, pair = np.unique(local.reshape(-1, 2), axis=0, return_inverse=True)
+    pair = pair.ravel()
+    sums: Entries = {name: np.zeros((len(pairs), 3) if name == "moments" else len(pairs)) for name in _SUMS}
+    for name, total in sums.items():
+        np.add.at(total, pair, np.concatenate([one[name] for one in known]))
+    kept = is_borne_out(sums["particles"], sums["supported"] / np.maximum(sums["corners"], 1))
+    body = _bodies_of(pairs, kept, inside, outer)
+    bounds = kept & (body[pairs[:, 0]] > 0)
+    of = body[pairs[bounds, 0]]
+    total = np.bincount(of, sums["volume"][bounds], outer + 1)
+    order = np.argsort(-total, kind="stable")[: len(np.unique(of))]
+    number = np.zeros(outer + 1, np.int64)
+    number[order] = np.arange(1, len(order) + 1)
+    center = [np.bincount(of, moment[bounds], outer + 1)[order] / total[order] for moment in sums["moments"].T]
+    table = {
+        "label": number[order],
+        "volume": total[order],
+        "area": np.bincount(of, sums["area"][bounds], outer + 1)[order],
+        "center": np.stack(center, axis=1),
+    }
+    return Bodies(volume, table, first, number[body[group]])
+
+
+def _bodies_of(pairs: Index, kept: Mask, inside: Mask, outer: int) -> Index:
+    """The body of each part, named by one of its parts, 0 outside, where some surfaces between parts are left out.
+
+    From the outside on, each part is entered through one surface; where that is left out, it is of the same body as
+    the part before. The names are the parts plus one.
+    """
+    count = len(inside)
+    left_out = {tuple(sorted(pair)) for pair in pairs[~kept].tolist()}
+    graph = scipy.sparse.csr_array((np.ones(len(pairs)), tuple(pairs.astype(np.int32).T)), shape=(count, count))
+    order, before = scipy.sparse.csgraph.breadth_first_order(graph, outer, directed=False)
+    body = np.zeros(count, np.int64)
+    for part, parent in ((part, before[part]) for part in order[1:].tolist()):
+        same = tuple(sorted((part, int(parent)))) in left_out
+        body[part] = body[parent] if same else part + 1 if inside[part] else 0
+    return body
+
+
+def _parts_in(files: _Regions, heights: Heights, chunk: Chunk) -> None:
+    """Number the parts of a chunk, follow the surface between them, and store both."""
+    volume, grid, store = heights.volume, heights.volume.grid, heights.volume.task.store
+    # from the first voxel, or the one before it outside the volume, to the one behind the last
+    window = tuple(slice(side.start - (side.start == 0), side.stop + 1) for side in chunk.core)
+    outer = tuple(slice(side.start - 1, side.stop + 1) for side in window)
+    found = heights.read(outer)
+    corner = np.array([side.start for side in outer])
+    for at in grid.around(chunk.number):
+        voxels = store.load(_necks(at))["raised"] - corner
+        raised = tuple(voxels[((voxels >= 0) & (voxels < found.shape)).all(axis=1)].T)
+        found[raised] = np.maximum(found[raised], RAISED)
+    join_corners(found, RAISED)
+    found = np.ascontiguousarray(found[1:-1, 1:-1, 1:-1])
+    inner, outside = parts_of(found > 0.0, corners=True), parts_of(found <= 0.0, corners=False)
+    labels = inner.labels - 1
+    outside.fill(np.arange(inner.count, inner.count + outside.count, dtype=np.int32), labels)
+    beyond = relative(_beyond(volume, chunk), window)
+    rim = [
+        labels.take(at, axis).ravel()
+        for axis, (side, n) in enumerate(zip(chunk.core, grid.shape, strict=True))
+        for at, is_outer in ((0, side.start == 0), (-1, side.stop == n))
+        if is_outer
+    ]
+    surface = _surface_in(heights, chunk, found, labels, window)
+    files.save(
+        chunk,
+        labels[beyond].astype(np.uint32),
+        inside=np.arange(inner.count + outside.count) < inner.count,
+        rim=np.unique(np.concatenate([np.empty(0, np.int32), *rim])),
+        **surface,
+    )
+
+
+def _surface_in(heights: Heights, chunk: Chunk, found: Single, labels: NDArray[np.int32], window: Window) -> Entries:
+    """Triangles of a chunk, the vertices that it owns, and sums for each pair of parts, inside and outside."""
+    volume = heights.volume
+    corner, sides = np.array([side.start for side in window]), np.array(volume.task.source.levels.spacing)
+    vertices, faces = zero_surface(found)
+    low = np.floor(vertices).astype(np.int64)
+    axis = (vertices - low).argmax(axis=1)
+    high = low + np.eye(3, dtype=np.int64)[axis]
+    above = (found[tuple(low.T)] > 0.0)[:, None]
+    ends = (labels[tuple(np.where(above, one, other).T)].astype(np.int64) for one, other in ((low, high), (high, low)))
+    pairs, pair = np.unique(np.stack(list(ends), axis=1), axis=0, return_inverse=True)
+    pair, vertices = pair.ravel(), vertices + corner
+    extent = tuple(n + 2 for n in volume.grid.shape)
+    names = np.ravel_multi_index(tuple((low + corner + 1).T), extent) * 3 + axis
+    stops = [side.stop for side in chunk.core]
+    own = np.flatnonzero((low + corner < stops).all(axis=1))
+    own = own[np.argsort(names[own])]
+    levels, _ = _particles_near(volume, chunk, _beyond(volume, chunk), heights.apart / volume.size.min())
+    points = (levels.points + [side.start for side in chunk.padded]) * volume.size
+    mine = points[volume.grid.chunk_at(points / volume.size) == chunk.number]
+    particles, supported = np.empty(0, np.int64), np.zeros(len(vertices), bool)
+    if len(vertices) and len(points):
+        particles = pair[scipy.spatial.KDTree(vertices * volume.size).query(mine)[1]]
+        supported = support(vertices * volume.size, points, heights.apart)
+    of_face, (a, b, c) = pair[faces[:, 0]], (vertices * sides)[faces.T]
+    cross, enclosed = np.cross(b - a, c - a), np.einsum("ij,ij->i", a, np.cross(b, c)) / 6.0
+    moments = enclosed[:, None] * (a + b + c) / 4.0 / sides
+    return {
+        "names": names[own],
+        "vertices": vertices[own].astype(np.float32),
+        "pair_of_vertex": pair[own],
+        "faces": names[faces],
+        "pair_of_face": of_face,
+        "pairs": pairs,
+        "area": np.bincount(of_face, np.linalg.norm(cross, axis=1) / 2.0, len(pairs)),
+        "volume": np.bincount(of_face, enclosed, len(pairs)),
+        "moments": np.stack([np.bincount(of_face, one, len(pairs)) for one in moments.T], axis=1),
+        "corners": np.bincount(pair[own], minlength=len(pairs)),
+        "supported": np.bincount(pair[own], supported[own], len(pairs)),
+        "particles": np.bincount(particles, minlength=len(pairs)),
+    }

@@ -1,0 +1,149 @@
+"""A volume of 1024^3 voxels with bodies of known surface: made by parts, and what was found is judged.
+
+python tests/benchmarks/large_volume.py make bodies.zarr 1024
+python tests/benchmarks/large_volume.py run bodies.zarr labels.zarr bodies.ply bodies.csv
+python tests/benchmarks/large_volume.py judge 1024 bodies.ply bodies.csv
+
+The second is cpm run bodies.zarr --auto grid --workers 2 --export ..., with the memory of all its processes sampled.
+Bodies are balls, ellipsoids and tori around the points of a lattice, a third of them across seams of 256 voxels.
+"""
+
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import psutil
+import scipy
+
+from cpm_core.formats.images.ome_zarr import create_levels, halve_part, write_part
+from cpm_core.numerics.grids import tiles, zero_surface
+
+PITCH, REACH, TILE = 97.0, 40, 256
+NOISE, TOLERANCE = 4.0, 2.0
+
+
+def count_along(side):
+    return int(side / PITCH)
+
+
+def body(place):
+    """Center of the body in a place of the lattice, its level, and its distance inside at positions from there."""
+    rng = np.random.default_rng(list(place))
+    center = (np.array(place) + 0.5) * PITCH + rng.uniform(-6.0, 6.0, 3)
+    level, kind = rng.uniform(90.0, 190.0), rng.integers(3)
+    axes = rng.permutation(3)
+    long, middle, short = rng.uniform(20.0, 32.0), rng.uniform(14.0, 20.0), rng.uniform(9.0, 14.0)
+
+    def inside(positions):
+        a, b, c = (positions[axis] for axis in axes)
+        if kind == 0:
+            return middle - np.sqrt(a * a + b * b + c * c)
+        if kind == 1:
+            return short / 2.0 - np.sqrt((np.sqrt(a * a + b * b) - middle) ** 2 + c * c)
+        scaled = np.sqrt((a / long) ** 2 + (b / middle) ** 2 + (c / short) ** 2)
+        steep = np.sqrt((a / long**2) ** 2 + (b / middle**2) ** 2 + (c / short**2) ** 2)
+        return scaled * (1.0 - scaled) / np.maximum(steep, 1e-9)  # the distance to first order
+
+    return center, level, inside
+
+
+def part(window, side):
+    """Gray levels in a window."""
+    rng = np.random.default_rng([7, *(at.start for at in window)])
+    values = rng.standard_normal([at.stop - at.start for at in window], np.float32) * NOISE + 30.0
+    corner = np.array([at.start for at in window])
+    last = count_along(side) - 1
+    lattice = [
+        range(max(int((at.start - REACH) / PITCH) - 1, 0), min(int((at.stop + REACH) / PITCH), last) + 1)
+        for at in window
+    ]
+    for place in np.array(np.meshgrid(*lattice, indexing="ij")).reshape(3, -1).T.tolist():
+        center, level, inside = body(place)
+        low = np.maximum(np.floor(center - corner - REACH), 0).astype(int)
+        high = np.minimum(np.ceil(center - corner + REACH), values.shape).astype(int)
+        if (low < high).all():
+            ranges = (np.arange(a, b) + at - mid for a, b, at, mid in zip(low, high, corner, center, strict=True))
+            positions = np.meshgrid(*ranges, indexing="ij", sparse=True)
+            values[tuple(map(slice, low, high))] += level * np.clip(inside(positions) + 0.5, 0.0, 1.0)
+    return np.clip(np.rint(values), 0, 255).astype(np.uint8)
+
+
+def make(path, side):
+    began = time.perf_counter()
+    levels = create_levels(path, (side,) * 3, np.uint8, TILE, (0.5, 0.5, 0.5), "µm")
+    for window in tiles((side,) * 3, TILE):
+        write_part(path, 0, window, part(window, side))
+    for level in range(1, levels):
+        for window in tiles((-(-side // 2**level),) * 3, TILE):
+            halve_part(path, level, window)
+    print(f"{count_along(side) ** 3} bodies in {time.perf_counter() - began:.0f} s")
+
+
+def run(path, files):
+    """The run, and the largest sum of the memory of its processes."""
+    command = [sys.executable, "-m", "cpm_app", "run", path, "--auto", "grid", "--workers", "2", "--export", *files]
+    began, most, largest = time.perf_counter(), 0, 0
+    with subprocess.Popen(command) as process:
+        while process.poll() is None:
+            sizes = [0]
+            for one in [psutil.Process(process.pid), *psutil.Process(process.pid).children(recursive=True)]:
+                try:
+                    sizes.append(one.memory_info().rss)
+                except psutil.Error:
+                    continue
+            most, largest = max(most, sum(sizes)), max(largest, *sizes)
+            time.sleep(0.5)
+    print(
+        f"{time.perf_counter() - began:.0f} s, {most / 2**30:.2f} GiB in all, {largest / 2**30:.2f} GiB in one process"
+    )
+
+
+def judge(side, surface, table):
+    """Each true body: how many were found around its center, and how far the surfaces are apart."""
+    head, _, rest = Path(surface).read_bytes().partition(b"end_header\n")
+    counts = [int(line.split()[2]) for line in head.decode().splitlines() if line.startswith("element")]
+    vertices = np.frombuffer(rest, "<f4", 3 * counts[0]).reshape(-1, 3)[:, ::-1] / 0.5
+    last = count_along(side) - 1
+    lattice = np.array(list(np.ndindex((last + 1,) * 3)))
+    centers = np.loadtxt(table, delimiter=",", skiprows=1)[:, 3:] / 0.5
+    where = (last + 1,) * 3
+    number = np.bincount(_place(centers, last, where), minlength=len(lattice))
+    of_vertex = _place(vertices, last, where)
+    order = np.argsort(of_vertex, kind="stable")
+    firsts = np.searchsorted(of_vertex[order], np.arange(len(lattice) + 1))
+    rows = []
+    for at, place in enumerate(lattice.tolist()):
+        center, _, inside = body(place)
+        own = vertices[order[firsts[at] : firsts[at + 1]]] - center
+        grid = np.mgrid[-REACH : REACH + 1, -REACH : REACH + 1, -REACH : REACH + 1].astype(float)
+        true = zero_surface(inside(grid).astype(np.float32))[0] - REACH
+        back = scipy.spatial.KDTree(own).query(true)[0] if len(own) else np.full(len(true), np.inf)
+        box = np.array([true.min(0), true.max(0)]) + center
+        seam = bool((box[0] // TILE != box[1] // TILE).any())
+        rows.append((number[at], seam, np.abs(inside(own.T)), back))
+    for name, some in (
+        ("all", rows), ("across seams", [r for r in rows if r[1]]), ("others", [r for r in rows if not r[1]])
+    ):  # fmt: skip
+        found, away, back = np.array([r[0] for r in some]), *(np.concatenate([r[k] for r in some]) for k in (2, 3))
+        precision, recall = (away <= TOLERANCE).mean(), (back <= TOLERANCE).mean()
+        print(f"{name}: {len(some)} bodies, {(found == 1).sum()} found once, {(found == 0).sum()} missed, "
+              f"{(found > 1).sum()} more than once; F {2 * precision * recall / (precision + recall):.5f} within "
+              f"{TOLERANCE:g} voxels, {away.mean():.3f} voxels apart on average, "
+              f"{np.percentile(away, 99):.3f} for 99 %")  # fmt: skip
+
+
+def _place(positions, last, where):
+    """Number of the place of the lattice that each position is nearest to."""
+    at = np.clip(positions // PITCH, 0, last).astype(int)
+    return np.ravel_multi_index(tuple(at.T), where)
+
+
+if __name__ == "__main__":
+    if sys.argv[1] == "make":
+        make(Path(sys.argv[2]), int(sys.argv[3]))
+    elif sys.argv[1] == "run":
+        run(sys.argv[2], sys.argv[3:])
+    else:
+        judge(int(sys.argv[2]), *sys.argv[3:])
