@@ -46,14 +46,14 @@ class _Packed:
 
 def to_plain(value: object) -> Any:
     """A dataclass, or the value of one of its fields, as plain JSON."""
+    if isinstance(value, tuple | list):  # first, and without a call for each coordinate: most are positions
+        return [item if type(item) is float else to_plain(item) for item in value]
     if isinstance(value, PackedVoxels):
         return to_plain(value.voxels)
     if isinstance(value, Voxels):
         return {"first": to_plain(value.first), "shape": value.mask.shape, "voxels": packed(np.packbits(value.mask))}
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return {field.name: to_plain(getattr(value, field.name)) for field in dataclasses.fields(value)}
-    if isinstance(value, tuple | list):
-        return [to_plain(item) for item in value]
     if isinstance(value, bool | str | int) or value is None:
         return value
     return float(value)  # type: ignore[arg-type]  # numbers of NumPy as well
