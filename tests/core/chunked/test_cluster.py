@@ -43,7 +43,7 @@ def test_a_killed_run_is_continued_by_the_same_command(tmp_path, shape, pitch, c
     write_part(tmp_path / "cells.zarr", 0, tuple(slice(n) for n in shape), image)
     command = [sys.executable, "-m", "cpm_app", "run", "cells.zarr", "--auto", "gradient", "--workers", "2"]
     command += ["--scales", "1", "--smoothing", "1.5", "--export", "labels.zarr", "cells.csv"]
-    chunks, name = tmp_path / "labels.zarr.cpm-chunks", "chunk_*" if len(shape) == 2 else "particles_*"
+    chunks, name = tmp_path / "labels.zarr.cpm-chunks", "contours_*" if len(shape) == 2 else "particles_*"
     with subprocess.Popen(command, cwd=tmp_path, start_new_session=True) as begun:
         while not list(chunks.glob(name)):
             assert begun.poll() is None
