@@ -88,9 +88,9 @@ def extras_once() -> None:
 
 def large_once() -> None:
     """Run the kernels of a large image: its fields are in single precision, and made for windows of it."""
-    slopes = partial(gradient_within, _IMAGE, _PARAMETERS.smoothing)
+    slopes = partial(gradient_within, _IMAGE, 1.0)
     gradient(_TALL, 1.0, np.float32)
-    part = build_scale_field(_IMAGE, _PARAMETERS.smoothing, 0.0, slopes=slopes).part((slice(0, 32), slice(0, 31)))
+    part = build_scale_field(_IMAGE, 1.0, 0.0, slopes=slopes).part((slice(0, 32), slice(0, 31)))
     _ = part.packed
     find_contours(circle((15.5, 15.5), 9.0), limited_to(part, part.edge_map > part.floor), _PARAMETERS)
 
