@@ -4,7 +4,7 @@ python tests/benchmarks/large_volume.py make bodies.zarr 1024
 python tests/benchmarks/large_volume.py run bodies.zarr labels.zarr bodies.ply bodies.csv
 python tests/benchmarks/large_volume.py judge 1024 bodies.ply bodies.csv
 
-The second is cpm run bodies.zarr --auto gradient --workers 2 --export ..., with the memory of all its processes sampled.
+The second is cpm run bodies.zarr --auto gradient --workers 2 --export ..., with the memory of its processes sampled.
 Bodies are balls, ellipsoids and tori around the points of a lattice, a third of them across seams of 256 voxels.
 """
 
@@ -42,7 +42,7 @@ def body(place):
             return middle - np.sqrt(a * a + b * b + c * c)
         if kind == 1:
             return short / 2.0 - np.sqrt((np.sqrt(a * a + b * b) - middle) ** 2 + c * c)
-        scaled = np.maximum(np.sqrt((a / long) ** 2 + (b / middle) ** 2 + (c / short) ** 2), 1e-6)  # not 0 in the middle
+        scaled = np.maximum(np.sqrt((a / long) ** 2 + (b / middle) ** 2 + (c / short) ** 2), 1e-6)
         steep = np.sqrt((a / long**2) ** 2 + (b / middle**2) ** 2 + (c / short**2) ** 2)
         return scaled * (1.0 - scaled) / np.maximum(steep, 1e-9)  # the distance to first order
 
