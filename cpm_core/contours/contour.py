@@ -45,7 +45,25 @@ class Label:
 
 
 @record
-class Contour:
+class Curve:
+    """Vertices `points` in px, joined in their order; of a closed curve also the last to the first."""
+
+    points: Array
+    closed: bool
+
+    @cached_property
+    def path(self) -> Array:
+        """Vertices with the first repeated at the end when it is closed."""
+        return np.concatenate([self.points, self.points[:1]]) if self.closed else self.points
+
+    @cached_property
+    def box(self) -> Array:
+        """Lowest and highest row and column, shape (2, 2) [px]."""
+        return np.stack([self.points.min(axis=0), self.points.max(axis=0)])
+
+
+@record
+class Contour(Curve):
     """A polygonal curve through particles.
 
     Attributes
@@ -99,8 +117,6 @@ class Contour:
     (0.92, 0, 'flight')
     """
 
-    points: Array
-    closed: bool
     strength: float = 0.0
     junctions: tuple[bool, bool] = (False, False)
     sides: Callable[[], float] | None = None
@@ -132,11 +148,6 @@ class Contour:
         return self.way() if self.way else ""
 
     @cached_property
-    def path(self) -> Array:
-        """Vertices with the first repeated at the end when the contour is closed."""
-        return np.concatenate([self.points, self.points[:1]]) if self.closed else self.points
-
-    @cached_property
     def length(self) -> float:
         """Length along the curve [px]."""
         return polyline.length(self.path)
@@ -145,11 +156,6 @@ class Contour:
     def length_by_hand(self) -> float:
         """Length of what was drawn by hand [px]."""
         return sum(polyline.length(stretch) for stretch in self.by_hand)
-
-    @cached_property
-    def box(self) -> Array:
-        """Lowest and highest row and column, shape (2, 2) [px]."""
-        return np.stack([self.points.min(axis=0), self.points.max(axis=0)])
 
     @property
     def area(self) -> float:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour
+from cpm_core.contours.contour import Contour, Curve
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Mask, Position, record
 
@@ -22,7 +22,7 @@ _FINE = 0.5
 
 
 @record
-class PolygonalLine:
+class PolygonalLine(Curve):
     """A line through vertices; lengths along it begin at its first vertex.
 
     Attributes
@@ -39,8 +39,6 @@ class PolygonalLine:
         The contour that it is, unchanged; None for any other.
     """
 
-    points: Array
-    closed: bool
     drawn: Mask
     junctions: tuple[bool, bool] = (False, False)
     source: Contour | None = field(default=None, repr=False)
@@ -57,11 +55,6 @@ class PolygonalLine:
         return cls(points, closed, np.ones(len(points) - (not closed), bool))
 
     @cached_property
-    def path(self) -> Array:
-        """Vertices, the first repeated at the end when the line is closed."""
-        return np.concatenate([self.points, self.points[:1]]) if self.closed else self.points
-
-    @cached_property
     def lengths(self) -> Array:
         """Length along the line up to each vertex of `path` [px]."""
         return polyline.lengths_along(self.path)
@@ -70,11 +63,6 @@ class PolygonalLine:
     def length(self) -> float:
         """Length of the line [px]."""
         return float(self.lengths[-1])
-
-    @cached_property
-    def box(self) -> Array:
-        """Lowest and highest row and column, shape (2, 2) [px]."""
-        return np.stack([self.points.min(axis=0), self.points.max(axis=0)])
 
     def passes(self, place: Position, reach: float) -> bool:
         """Whether the line passes within reach of a place [px]."""

@@ -127,14 +127,15 @@ class Centerlines:
         steps = [np.diff(branch.points * self.spacing, axis=0) for branch in self.branches]
         return np.array([np.linalg.norm(step, axis=1).sum() for step in steps])
 
-    def longest_first(self) -> Centerlines:
-        """The same lines with their branches by length."""
-        order = np.argsort(-self.lengths, kind="stable")
-        return replace(self, branches=tuple(self.branches[k] for k in order))
-
     def __repr__(self) -> str:
         branches = counted(len(self.branches), "branch", "branches")
         return described("Centerlines", self.source, branches, f"{self.lengths.sum():,.1f} {self.unit or 'voxels'}")
+
+
+def longest_first(lines: Centerlines) -> Centerlines:
+    """The same lines with their branches by length."""
+    order = np.argsort(-lines.lengths, kind="stable")
+    return replace(lines, branches=tuple(lines.branches[k] for k in order))
 
 
 def centerlines(
@@ -204,7 +205,7 @@ def centerlines(
     walls = scipy.spatial.KDTree(np.argwhere(~part & scipy.ndimage.binary_dilation(part)) * size)
     sides = depth / size.min()
     branches = [_branch(chain, sides, walls, size, (low - 1).astype(float)) for chain in chains]
-    return Centerlines(tuple(branches), tuple(spacing), unit).longest_first()
+    return longest_first(Centerlines(tuple(branches), tuple(spacing), unit))
 
 
 def _branch(chain: Chain, depth: Array, walls: scipy.spatial.KDTree, size: Array, begin: Array) -> Branch:

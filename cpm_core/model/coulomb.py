@@ -91,13 +91,14 @@ def coulomb_force(positions: ArrayLike, method: str = "auto") -> Array:
     count, axes = points.shape
     if not count:
         return np.zeros((0, axes))
+    sites = np.array(points.T, order="C")
     with np.errstate(over="ignore", invalid="ignore"):
-        sides = np.ptp(points, axis=0)
+        sides = np.ptp(sites, axis=1)
     if not np.isfinite(sides.sum()):
         raise ValueError("positions must be finite numbers; there are others among them, or they lie too far apart.")
     # the extent of the particles is about one in this unit, exactly
     scale = float(2.0 ** np.floor(np.log2(sides.max()))) if sides.max() > 0.0 else 1.0
-    sites = np.array(points.T, order="C") / scale
+    sites /= scale
     force = np.empty((count, axes))
     if method == "tree" or (method == "auto" and count > _WORTH_A_TREE):
         _sum_by_tree(sites, force)

@@ -32,7 +32,7 @@ from cpm_core.parameters import OF_SKELETONS, PARAMETERS, Parameters
 from cpm_core.parameters.choices import CHOICES
 from cpm_core.parameters.provenance import Provenance, taken
 from cpm_core.parameters.quotation import counted, described, sized
-from cpm_core.segmentation.finer_scale import begun
+from cpm_core.segmentation.finer_scale import begun, thinned
 from cpm_core.segmentation.outcome import contours_of, surface_of
 from cpm_core.segmentation.reach.local_fields import LocalFields
 from cpm_core.segmentation.reach.reach_map import ReachMap
@@ -131,7 +131,7 @@ class Engine(ImageFields):
         space = SpaceState(self._pitch, no_surface()) if self.image.ndim == 3 else None
         none, nowhere = Particles.at_rest(points[:0]), no_coverage(())
         first = State(none, points, self.image.shape, self.scales, nowhere, regions=self.regions, space=space)
-        return interventions.start_scale(first, self.scales - 1, self.regions)
+        return thinned(interventions.start_scale(first, self.scales - 1, self.regions))
 
     def step(self, state: State, parameters: Parameters, charges: Sequence[PlacedCharge] = ()) -> State:
         """One time step.

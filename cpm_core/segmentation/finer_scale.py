@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import scipy
@@ -17,11 +18,12 @@ from numpy.typing import NDArray
 from cpm_core.field.interpolation import between, component
 from cpm_core.field.scale_field import GATE, ScaleField
 from cpm_core.model.coverage import CELL, NEVER, REACH, Coverage, cell_of
+from cpm_core.model.equations import IDLE_STEPS
 from cpm_core.model.interventions import allowed_places
 from cpm_core.model.state import State
 from cpm_core.numerics.grids import in_bands
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Index, Single
+from cpm_core.numerics.types import Array, Index, Mask, Single
 
 _FROM = 2**20
 """Pixels of an image above which a finer scale begins like this."""
@@ -34,40 +36,58 @@ Directions = NDArray[np.uint8]
 """Directions in which an image rises across the edges in each cell, a bit for each eighth of a turn."""
 
 
+def thinned(state: State) -> State:
+    """The first state of a run, of a large image with one seed a cell where seeds are more than cells.
+
+    A finer scale begins with the others.
+    """
+    cells = state.coverage.found.shape
+    if len(state.shape) != 2 or math.prod(state.shape) <= _FROM or state.count <= math.prod(cells):
+        return state
+    place = np.ravel_multi_index(tuple(_cells(state.particles.position, cells)), cells)
+    return replace(state, particles=state.particles.taken(np.sort(np.unique(place, return_index=True)[1])))
+
+
 def begun(state: State, field: ScaleField) -> State:
     """The first state of a scale, of a large image without the seeds that are not near an edge yet to be explained.
 
     An edge is explained by a particle of the coarser scale near it where the image rises in about the same direction,
-    so that one side of a thin object does not explain the other. It counts as covered when the scale begins: repulsion
-    need not spread the particles along it once more. All seeds stay where they are so few that an edge which is not
-    explained has none near it: particles may come to it from afar.
+    so that one side of a thin object does not explain the other. It counts as covered for as long as the coarser scale
+    had to be idle to end: repulsion need not spread the particles along it once more. All seeds stay where they are so
+    few that an edge which is not explained has none near it: particles may come to it from afar.
     """
     if len(state.shape) != 2 or math.prod(state.shape) <= _FROM:
         return state
     first = state.count - len(allowed_places(state.start, state.scale, state.shape, state.regions))
-    edges, explained = (np.zeros(state.coverage.found.shape, np.uint8) for _ in range(2))
-    in_bands(lambda *rows: _mark_edges(field.packed, field.floor, edges, *rows), len(edges))
     place = state.particles.position
-    _mark_explained(field.packed, place[:first], explained)
+    edges, missing = marked_edges(field, place[:first], state.coverage.found.shape)
     row, col = _cells(place[first:], edges.shape)
-    missing, seeds = (edges & ~explained) != 0, np.zeros(edges.shape, bool)
+    seeds = np.zeros(edges.shape, bool)
     seeds[row, col] = True
     if not _around(seeds, _NEAR)[missing].all():
         return state
     stay = np.concatenate([np.ones(first, bool), _around(missing, _NEAR)[row, col]])
-    known = (edges != 0) & ~missing
-    found, latest = (np.where(cells, 0, NEVER).astype(np.int32) for cells in (known, _around(known, REACH)))
+    known = edges & ~missing
+    found, latest = (np.where(cells, -IDLE_STEPS, NEVER).astype(np.int32) for cells in (known, _around(known, REACH)))
     coverage = Coverage(found, latest, int(np.count_nonzero(known)))
     return replace(state, particles=state.particles.where(stay), coverage=coverage)
 
 
-def _cells(place: Array, shape: tuple[int, ...]) -> tuple[Index, ...]:
-    """Row and column of the cells of positions, shape (N, 2)."""
-    cells = np.minimum(np.maximum((place + 0.5) / CELL, 0.0), np.array(shape) - 1).astype(np.int64)
-    return tuple(cells.T)
+def marked_edges(field: ScaleField, place: Array, shape: tuple[int, ...]) -> tuple[Mask, Mask]:
+    """Cells of a grid of this shape with edges, and those with edges that particles, shape (N, 2), do not explain."""
+    edges, explained = np.zeros((2, *shape), np.uint8)
+    packed = field.packed  # made here: threads that find it missing would each make it
+    in_bands(partial(_mark_edges, packed, field.floor, edges), len(edges))
+    _mark_explained(packed, place, explained)
+    return edges != 0, (edges & ~explained) != 0
 
 
-def _around(cells: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
+def _cells(place: Array, shape: tuple[int, ...]) -> Index:
+    """Row and column of the cells of positions, shape (2, N)."""
+    return np.clip((place + 0.5) / CELL, 0, np.array(shape) - 1).astype(np.int64).T
+
+
+def _around(cells: Mask, reach: int) -> Mask:
     """Some cells and those near them, to each side."""
     return np.asarray(scipy.ndimage.maximum_filter(cells, 2 * reach + 1), bool)
 

@@ -46,14 +46,14 @@ class _Packed:
 
 def to_plain(value: object) -> Any:
     """A dataclass, or the value of one of its fields, as plain JSON."""
+    if isinstance(value, tuple | list):  # first, and without a call for each coordinate: most are positions
+        return [item if type(item) is float else to_plain(item) for item in value]
     if isinstance(value, PackedVoxels):
         return to_plain(value.voxels)
     if isinstance(value, Voxels):
         return {"first": to_plain(value.first), "shape": value.mask.shape, "voxels": packed(np.packbits(value.mask))}
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return {field.name: to_plain(getattr(value, field.name)) for field in dataclasses.fields(value)}
-    if isinstance(value, tuple | list):
-        return [to_plain(item) for item in value]
     if isinstance(value, bool | str | int) or value is None:
         return value
     return float(value)  # type: ignore[arg-type]  # numbers of NumPy as well
@@ -216,6 +216,7 @@ def array_from_plain(plain: object, dtype: DTypeLike, shape: tuple[int | None, .
     if not (
         isinstance(sides, list)
         and len(sides) == len(shape)
+        and all(type(side) is int and side >= 0 for side in sides)
         and all(wanted in (None, side) for side, wanted in zip(sides, shape, strict=True))
     ):
         wanted = " x ".join("any" if side is None else str(side) for side in shape)

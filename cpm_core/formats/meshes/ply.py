@@ -8,17 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cpm_core.formats.meshes.coordinates import Mesh
-from cpm_core.formats.meshes.triangles import Triangles, split
+from cpm_core.formats.meshes.triangles import KINDS, Triangles, split
 from cpm_core.numerics.types import Entries, Texts
 
 _OBJECT = "object"
 """Property of a triangle: the number of its object."""
 
-_KINDS = {
-    **{"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4"},
-    **{"int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4"},
-    **{"float": "f4", "double": "f8", "float32": "f4", "float64": "f8"},
-}
 _ORDERS = {"ascii": "<", "binary_little_endian": "<", "binary_big_endian": ">"}
 
 
@@ -79,9 +74,9 @@ def read(content: bytes) -> Triangles:
             case ["element", element, count]:
                 rows[element], properties[element] = int(count), []
             case ["property", "list", counts, kind, name]:
-                properties[element].append(_Property(name, order + _KINDS[kind], order + _KINDS[counts]))
+                properties[element].append(_Property(name, order + KINDS[kind], order + KINDS[counts]))
             case ["property", kind, name]:
-                properties[element].append(_Property(name, order + _KINDS[kind]))
+                properties[element].append(_Property(name, order + KINDS[kind]))
     if form == "ascii":  # which is read as a binary file of double precision
         body = np.array(body.split(), float).astype("<f8").tobytes()
         for element, known in properties.items():

@@ -17,7 +17,7 @@ from cpm_core.formats.images.resolution import in_ascii
 from cpm_core.formats.meshes.coordinates import decimals_for, place_of, positions
 from cpm_core.image.geometry import Convention
 from cpm_core.image.image import Image
-from cpm_core.medial_axis.centerlines import Branch, Centerlines
+from cpm_core.medial_axis.centerlines import Branch, Centerlines, longest_first
 from cpm_core.numerics.types import Array
 
 _LOG = logging.getLogger(__name__)
@@ -134,7 +134,7 @@ def load_centerlines(
     for note in notes:
         warn(f"{file.name}: {note}")
     geometry = None if image is None else image.geometry
-    return Centerlines(tuple(branches), place.spacing, place.unit, file.name, geometry).longest_first()
+    return longest_first(Centerlines(tuple(branches), place.spacing, place.unit, file.name, geometry))
 
 
 def _branches(points: Array, radii: Array, links: list[tuple[int, int]]) -> list[Branch]:

@@ -11,6 +11,15 @@ from cpm_core.formats.common.content import UnreadableError
 from cpm_core.numerics.polyline import owners
 from cpm_core.numerics.types import Array, Index
 
+KINDS = {
+    **{"char": "i1", "short": "i2", "int": "i4", "long": "i8", "vtktypeint64": "i8", "vtkidtype": "i8"},
+    **{"uchar": "u1", "ushort": "u2", "uint": "u4", "float": "f4", "double": "f8"},
+    **{"unsigned_char": "u1", "unsigned_short": "u2", "unsigned_int": "u4", "unsigned_long": "u8"},
+    **{"int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4"},
+    **{"float32": "f4", "float64": "f8"},
+}
+"""Kinds of numbers by the names that PLY and VTK have for them."""
+
 
 class Triangles(NamedTuple):
     """Triangles in the coordinates of a file.

@@ -6,7 +6,7 @@ import numpy as np
 
 from cpm_core.formats.common.content import UnreadableError
 from cpm_core.formats.meshes.coordinates import Mesh
-from cpm_core.formats.meshes.triangles import Triangles, split
+from cpm_core.formats.meshes.triangles import KINDS, Triangles, split
 from cpm_core.numerics.types import Index, Numbers
 
 _TITLE = 255
@@ -14,12 +14,6 @@ _TITLE = 255
 
 _OBJECT = "object"
 """Name of the numbers of the objects that triangles bound."""
-
-_KINDS = {
-    **{"char": "i1", "short": "i2", "int": "i4", "long": "i8", "vtktypeint64": "i8", "vtkidtype": "i8"},
-    **{"unsigned_char": "u1", "unsigned_short": "u2", "unsigned_int": "u4", "unsigned_long": "u8"},
-    **{"float": "f4", "double": "f8"},
-}
 
 
 def encode(mesh: Mesh) -> bytes:
@@ -63,7 +57,7 @@ class _Stream:
     def numbers(self, count: int, kind: str) -> Numbers:
         """The next numbers of a kind."""
         if self._binary:
-            numbers = np.frombuffer(self._rest, ">" + _KINDS[kind.lower()], count)
+            numbers = np.frombuffer(self._rest, ">" + KINDS[kind.lower()], count)
             self._rest = self._rest[numbers.nbytes :]
             return numbers
         words = self._rest.split(None, count)

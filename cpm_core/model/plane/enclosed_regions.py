@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 from cpm_core.field.interpolation import interpolate
 from cpm_core.field.scale_field import ScaleField
 from cpm_core.model.plane.births import deletion
+from cpm_core.numerics.grids import in_bands
+from cpm_core.numerics.parallel import cores
 from cpm_core.numerics.types import Array, Extent, Index
 
 Labels = NDArray[np.int32]
@@ -80,10 +82,12 @@ def _has_near(scale_field: ScaleField, place: NDArray[np.int64], positions: Arra
 
     Of two edges close to each other one rises where the other falls.
     """
-    uphill = scale_field.gradient[(slice(None), *place.T)].T
-    known = interpolate(scale_field.gradient, positions)
+    gradient = np.moveaxis(scale_field.packed, -1, 0)[2:4]
+    uphill, known = gradient[(slice(None), *place.T)].T, interpolate(gradient, positions)
     nearest = np.arange(1, min(_NEIGHBORS, len(positions)) + 1)
-    distance, index = scipy.spatial.cKDTree(positions).query(place, k=nearest, distance_upper_bound=reach)
+    distance, index = scipy.spatial.cKDTree(positions).query(
+        place, k=nearest, distance_upper_bound=reach, workers=cores()
+    )
     found = np.isfinite(distance)
     along = np.einsum("ni,nki->nk", uphill, known[np.where(found, index, 0)])
     return (found & (along > 0.0)).any(axis=1)
@@ -121,7 +125,14 @@ def _rims(regions: Labels) -> tuple[Labels, Index]:
         Region of each rim; entry 0 is unused.
     """
     eight = np.ones((3, 3), bool)
-    beside = scipy.ndimage.maximum_filter(regions, size=3, mode="nearest")
+    beside = np.empty_like(regions)
+
+    def widen(first: int, end: int) -> None:  # without one more image of labels
+        low = max(first - 1, 0)
+        nearby = scipy.ndimage.maximum_filter(regions[low : end + 1], 3, mode="nearest")
+        beside[first:end] = nearby[first - low : end - low]
+
+    in_bands(widen, len(regions))
     beside[regions > 0] = 0
     rims = regions  # whose memory takes the rims
     rims[...] = 0

@@ -5,17 +5,20 @@ Items of the canvas read the look when they paint, so that layers need not know 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import asdict, field
+import re
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import field
+from functools import partial
 from string import Template
 from typing import Literal
 
 from PySide6.QtCore import Qt
 from PySide6.QtGui import QColor, QGuiApplication, QPalette
 from PySide6.QtWidgets import QApplication, QWidget
+from shiboken6 import isValid
 
 from cpm_app.model.preferences.table import INKS
-from cpm_core.numerics.types import frozen
+from cpm_core.numerics.types import Callback, frozen
 
 Kind = Literal["contours", "shapes", "fixed"]
 """What a line belongs to; the width of fixed ones cannot be chosen."""
@@ -147,40 +150,68 @@ def system_theme() -> Theme:
     return DARK if dark else LIGHT
 
 
-def apply_theme(theme: Theme, window: QWidget) -> None:
-    """Set the theme of the application, unless it is set already, because that takes long.
+_AT_ONCE = 150
+"""Hidden widgets that get another theme in one turn."""
+
+
+def apply_theme(theme: Theme, window: QWidget, later: Callable[[Callback], object]) -> None:
+    """Set the theme of the application; `later` does in turns of their own what is for widgets that are not seen.
 
     The style sheet is that of the window and of its dialogs: one of the application is applied to each widget again
-    for each of those around it.
+    for each of those around it. It names roles of the palette, not colors, and so stays the same: another one would be
+    applied to all widgets at once.
     """
-    sheet = _STYLE.substitute(asdict(theme))
-    if window.styleSheet() != sheet:
-        QApplication.setPalette(_palette(theme))
-        window.setStyleSheet(sheet)
+    palette = _palette(theme)
+    if not window.styleSheet():
+        QApplication.setPalette(palette)
+        names = {color: re.sub(r"\B([A-Z])", r"-\1", role.name).lower() for color, role in _ROLES.items()}
+        window.setStyleSheet(_STYLE.substitute({color: f"palette({name})" for color, name in names.items()}))
+    elif QApplication.palette() != palette:
+        QApplication.setPalette(palette)
+        widgets = [window, *window.findChildren(QWidget)]
+        _polish([widget for widget in widgets if widget.isVisible()])
+        hidden = [widget for widget in widgets if not widget.isVisible()]
+        for first in range(0, len(hidden), _AT_ONCE):
+            later(partial(_polish, hidden[first : first + _AT_ONCE]))
+
+
+def _polish(widgets: Iterable[QWidget]) -> None:
+    """Let the style sheet read the colors of the palette again, for those that are still there."""
+    for widget in filter(isValid, widgets):
+        style = widget.style()
+        style.unpolish(widget)
+        style.polish(widget)
+
+
+_ROLES = {
+    "window": QPalette.ColorRole.Window,
+    "panel": QPalette.ColorRole.AlternateBase,
+    "base": QPalette.ColorRole.Base,
+    "button": QPalette.ColorRole.Button,
+    "text": QPalette.ColorRole.Text,
+    "dim": QPalette.ColorRole.PlaceholderText,
+    "line": QPalette.ColorRole.Mid,
+    "accent": QPalette.ColorRole.Highlight,
+    "accent_text": QPalette.ColorRole.HighlightedText,
+    "accent_hover": QPalette.ColorRole.Link,
+    "chosen": QPalette.ColorRole.Light,
+    "faded": QPalette.ColorRole.Dark,
+    "error": QPalette.ColorRole.Midlight,
+    "error_text": QPalette.ColorRole.BrightText,
+    "message": QPalette.ColorRole.Shadow,
+    "message_text": QPalette.ColorRole.LinkVisited,
+}
+"""The role of the palette by which the style sheet names each color."""
 
 
 def _palette(theme: Theme) -> QPalette:
     palette = QPalette()
+    for name, key in _ROLES.items():
+        palette.setColor(key, QColor(getattr(theme, name)))
     role = QPalette.ColorRole
-    colors = {
-        role.Window: theme.window,
-        role.WindowText: theme.text,
-        role.Base: theme.base,
-        role.AlternateBase: theme.panel,
-        role.Text: theme.text,
-        role.Button: theme.button,
-        role.ButtonText: theme.text,
-        role.BrightText: theme.error_text,
-        role.ToolTipBase: theme.base,
-        role.ToolTipText: theme.text,
-        role.PlaceholderText: theme.dim,
-        role.Highlight: theme.accent,
-        role.HighlightedText: theme.accent_text,
-        role.Link: theme.accent_hover,
-        role.Mid: theme.line,
-    }
-    for key, color in colors.items():
-        palette.setColor(key, QColor(color))
+    for key in (role.WindowText, role.ButtonText, role.ToolTipText):
+        palette.setColor(key, QColor(theme.text))
+    palette.setColor(role.ToolTipBase, QColor(theme.base))
     disabled = QPalette.ColorGroup.Disabled
     for key in (role.WindowText, role.Text, role.ButtonText):
         palette.setColor(disabled, key, QColor(theme.faded))

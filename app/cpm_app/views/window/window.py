@@ -175,7 +175,7 @@ class MainWindow(QMainWindow):
 
     def use_theme(self, used: theme.Theme) -> None:
         """Apply a theme."""
-        theme.apply_theme(used, self)
+        theme.apply_theme(used, self, self.turns.ask)
         self.actions_by_name.use_theme(used, self.turns)
         for widget in self.findChildren(QWidget):
             if hasattr(widget, "use_theme"):  # with colors that the palette does not set
