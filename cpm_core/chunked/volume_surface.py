@@ -189,18 +189,20 @@ def _height_in(regions: _Regions, apart: float, chunk: Chunk) -> None:
         inner, votes = found[1:-1, 1:-1, 1:-1], np.append(0, votes)
     else:
         inner, votes = np.zeros(sides_of(beyond), np.float32), np.zeros(1, np.int64)
-    own = inner[tuple(slice(n) for n in sides_of(chunk.core))]
-    sides = [
-        own.take(at, axis).ravel()
-        for axis, (side, n) in enumerate(zip(chunk.core, volume.grid.shape, strict=True))
-        for at, outer in ((0, side.start == 0), (-1, side.stop == n))
-        if outer
-    ]
-    border = np.concatenate([np.empty(0, np.float32), *sides])
+    border = _at_border(volume, chunk, inner[tuple(slice(n) for n in sides_of(chunk.core))])
     region = _region_of(border)
     at_border = np.bincount(region[region >= 0], minlength=len(votes))
     bright = np.count_nonzero(border[region < 0] > 0.0)
     regions.save(chunk, inner, votes=votes, at_border=at_border, bright=bright, known=np.count_nonzero(region < 0))
+
+
+def _at_border(volume: Volume, chunk: Chunk, values: NDArray[Any]) -> NDArray[Any]:
+    """Values of the outermost voxels of a chunk along the border of the volume."""
+    found = [values[:0].ravel()]
+    for axis, (side, n) in enumerate(zip(chunk.core, volume.grid.shape, strict=True)):
+        found += [values.take(0, axis).ravel()] if side.start == 0 else []
+        found += [values.take(-1, axis).ravel()] if side.stop == n else []
+    return np.concatenate(found)
 
 
 def find_necks(heights: Heights, compute: Compute) -> None:
@@ -370,18 +372,12 @@ def _parts_in(files: _Regions, heights: Heights, chunk: Chunk) -> None:
     labels = inner.labels - 1
     outside.fill(np.arange(inner.count, inner.count + outside.count, dtype=np.int32), labels)
     beyond = relative(_beyond(volume, chunk), window)
-    rim = [
-        labels.take(at, axis).ravel()
-        for axis, (side, n) in enumerate(zip(chunk.core, grid.shape, strict=True))
-        for at, is_outer in ((0, side.start == 0), (-1, side.stop == n))
-        if is_outer
-    ]
     surface = _surface_in(heights, chunk, found, labels, window)
     files.save(
         chunk,
         labels[beyond].astype(np.uint32),
         inside=np.arange(inner.count + outside.count) < inner.count,
-        rim=np.unique(np.concatenate([np.empty(0, np.int32), *rim])),
+        rim=np.unique(_at_border(volume, chunk, labels)),
         **surface,
     )
 
