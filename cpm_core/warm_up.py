@@ -30,6 +30,7 @@ from cpm_core.objects.partition import partition
 from cpm_core.parameters import PRESETS, Parameters
 from cpm_core.reconstruction import find_contours
 from cpm_core.segmentation.engine import Engine
+from cpm_core.segmentation.finer_scale import marked_edges
 
 _ROW, _COL = np.indices((32, 32))
 _IMAGE = 255.0 * (np.hypot(_ROW - 15.5, _COL - 15.5) < 9.0)
@@ -88,10 +89,10 @@ def extras_once() -> None:
 
 def large_once() -> None:
     """Run the kernels of a large image: its fields are in single precision, and made for windows of it."""
-    slopes = partial(gradient_within, _IMAGE, _PARAMETERS.smoothing)
+    slopes = partial(gradient_within, _IMAGE, 1.0)
     gradient(_TALL, 1.0, np.float32)
-    part = build_scale_field(_IMAGE, _PARAMETERS.smoothing, 0.0, slopes=slopes).part((slice(0, 32), slice(0, 31)))
-    _ = part.packed
+    part = build_scale_field(_IMAGE, 1.0, 0.0, slopes=slopes).part((slice(0, 32), slice(0, 31)))
+    marked_edges(part, circle((15.5, 15.5), 9.0), no_coverage(part.shape).found.shape)
     find_contours(circle((15.5, 15.5), 9.0), limited_to(part, part.edge_map > part.floor), _PARAMETERS)
 
 

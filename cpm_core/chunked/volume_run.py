@@ -5,32 +5,30 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from cpm_core.chunked.grid import Chunk, Grid, Source
+from cpm_core.chunked.grid import Chunk, Grid
 from cpm_core.chunked.run import Compute, Task, in_order
-from cpm_core.chunked.survey import Tone, Whole, step_of
+from cpm_core.chunked.survey import Edges, Tone, Whole, step_of
 from cpm_core.field.scale_field import WEAKEST_EDGE
 from cpm_core.field.volume_edges import Slopes
 from cpm_core.field.volume_field import (
     EVERY,
     Smoothed,
-    VolumeField,
     automatic_edges,
     background_of,
     pitch_of,
     smoothed_volume,
     weakest_edge_of,
 )
-from cpm_core.image.gray_levels import automatic_gamma
 from cpm_core.image.image import Image
 from cpm_core.image.pyramid import pyramid
 from cpm_core.model.starts import STRONG, above
 from cpm_core.model.volume.starts import everywhere
-from cpm_core.numerics.grids import around, gaussian_reach, relative
-from cpm_core.numerics.types import Array, Arrays, Index, Single, frozen
+from cpm_core.numerics.grids import relative
+from cpm_core.numerics.types import Array, Index, Single, frozen
 from cpm_core.parameters import Parameters
 from cpm_core.reconstruction.surface.components import distances_between
 from cpm_core.reconstruction.surface.local_threshold import Levels
@@ -51,13 +49,6 @@ _SAMPLED = 8
 """Of so many particles one tells how far apart they are."""
 
 _WHOLE = "whole.npz"
-
-
-class _Edges(NamedTuple):
-    """Edges in the core of a chunk: the largest strength, and some."""
-
-    strongest: float
-    sample: Single
 
 
 @frozen
@@ -85,7 +76,7 @@ class Volume:
 
     def smoothed(self, chunk: Chunk) -> Single:
         """What a chunk sees of the smoothed volume."""
-        return _smoothed(self.task.source, self.whole.tone, chunk)
+        return smoothed_volume(self.task.source.values(chunk.padded), (self.whole.tone.smoothing / self.size).tolist())
 
     def particles(self, chunk: Chunk, low: Index, high: Index) -> tuple[Levels, Array]:
         """The particles of a chunk and its neighbors within limits [voxels], and unit vectors away from bright."""
@@ -120,77 +111,51 @@ def run_particles(task: Task, compute: Compute, side: int) -> tuple[Volume, floa
 
 def _surveyed(task: Task, compute: Compute, side: int) -> tuple[Volume, Array]:
     """The volume in chunks, and the largest edge strength in the core of each."""
-    source, parameters, shape = task.source, task.parameters, task.source.shape
+    source, parameters = task.source, task.parameters
     if task.store.has(_WHOLE):
         known = task.store.load(_WHOLE)
-        whole = Whole.of(known, shape)
-        return Volume(task, _grid_for(shape, whole.tone.smoothing, side), whole), known["in_core"]
-    plain = Grid(shape, side, 0, 0.0)
-    tone = Tone(0.0, 0.0, 1.0, 0.0, ())
-    if parameters.gamma != 1.0:
-        seen = in_order(compute(partial(_gray_levels, source), plain.chunks, "gray levels"))
-        low, high = min(one[0] for one in seen), max(one[1] for one in seen)
-        sample = np.concatenate([one[2] for one in seen])
-        exponent = automatic_gamma(sample) if parameters.gamma == "auto" else float(parameters.gamma)
-        tone = Tone(low, high, exponent, 0.0, ())
-    looked: dict[float, list[list[_Edges]]] = {}
+        whole = Whole.of(known, source.shape)
+        return Volume(task, _grid_for(task, whole.tone.smoothing, side), whole), known["in_core"]
+    looked: dict[float, list[Edges]] = {}
 
-    def after(sigma: float) -> Smoothed:
+    def measured(sigma: float, scale: int = 0) -> Smoothed:
         if sigma not in looked:
-            work = partial(_edges, source, replace(tone, smoothing=sigma), parameters.scales)
-            looked[sigma] = in_order(compute(work, _grid_for(shape, sigma, side).chunks, "edges"))
-        return _measured(sigma, [scales[0] for scales in looked[sigma]])
+            work = partial(_edges, task, sigma)
+            looked[sigma] = in_order(compute(work, _grid_for(task, sigma, side).chunks, "edges"))
+        background = background_of(np.concatenate([one.samples[scale] for one in looked[sigma]]))
+        strongest = max(one.strongest[scale] for one in looked[sigma])
+        return Smoothed(sigma, np.empty((0, 0, 0), np.float32), strongest, background)
 
-    found = automatic_edges(after) if parameters.smoothing == "auto" else after(float(parameters.smoothing))
-    seen_at = [_measured(found.sigma, list(scale)) for scale in zip(*looked[found.sigma], strict=True)]
-    if not found.strongest:
+    smoothing = parameters.smoothing
+    sigma = automatic_edges(measured).sigma if smoothing == "auto" else float(smoothing)
+    scales = [measured(sigma, scale) for scale in range(parameters.scales)]
+    if not scales[0].strongest:
         raise ValueError("The volume is the same everywhere and has no edges: open a volume with objects.")
-    floors = [weakest_edge_of(one.strongest, one.background, parameters.edge_floor)[0] for one in seen_at]
-    strongest = tuple(one.strongest for one in seen_at)
-    whole = Whole(replace(tone, smoothing=found.sigma), strongest, tuple(floors))
-    in_core = np.array([scales[0].strongest for scales in looked[found.sigma]])
+    floors = [weakest_edge_of(one.strongest, one.background, parameters.edge_floor)[0] for one in scales]
+    whole = Whole(Tone(0.0, 0.0, 1.0, sigma, ()), tuple(one.strongest for one in scales), tuple(floors))
+    in_core = np.array([one.strongest[0] for one in looked[sigma]])
     task.store.save(_WHOLE, in_core=in_core, **whole.numbers)
-    return Volume(task, _grid_for(shape, found.sigma, side), whole), in_core
+    return Volume(task, _grid_for(task, sigma, side), whole), in_core
 
 
-def _measured(sigma: float, edges: list[_Edges]) -> Smoothed:
-    """Largest edge strength and background at a scale, from the edges of all chunks."""
-    background = background_of(np.concatenate([one.sample for one in edges]))
-    return Smoothed(sigma, np.empty((0, 0, 0), np.float32), max(one.strongest for one in edges), background)
-
-
-def _grid_for(shape: tuple[int, ...], smoothing: float, side: int) -> Grid:
+def _grid_for(task: Task, smoothing: float, side: int) -> Grid:
     overlap = -(-math.ceil(_DISTURBED + _IN_SIGMA * smoothing) // _EVEN) * _EVEN
-    return Grid(shape, side, overlap, 0.0)
+    return Grid(task.source.shape, side, overlap, 0.0)
 
 
-def _gray_levels(source: Source, chunk: Chunk) -> tuple[float, float, Array]:
-    """Least and largest gray level of a chunk, and some."""
-    values = source.gray(chunk.core)
-    some = values[(slice(None, None, step_of(source.shape)),) * 3]
-    return float(values.min()), float(values.max()), some.ravel()
-
-
-def _smoothed(source: Source, tone: Tone, chunk: Chunk) -> Single:
-    pitch = pitch_of(source.levels.spacing)
-    return smoothed_volume(tone.apply(source.values(chunk.padded)), [tone.smoothing / side for side in pitch])
-
-
-def _edges(source: Source, tone: Tone, scales: int, chunk: Chunk) -> list[_Edges]:
-    """The edges of a chunk at each scale."""
-    pitch = pitch_of(source.levels.spacing)
-    window = around(chunk.core, gaussian_reach(tone.smoothing) + 2**scales, source.shape)
-    window = tuple(slice(side.start - side.start % _EVEN, side.stop) for side in window)
-    step, found = EVERY * -(-step_of(source.shape) // EVERY), []
-    images: Arrays = pyramid(tone.apply(source.values(window)), scales)
-    for scale, values in enumerate(images):
-        strength = Slopes.of(smoothed_volume(values, [tone.smoothing / side for side in pitch]), pitch).strengths()
+def _edges(task: Task, sigma: float, chunk: Chunk) -> Edges:
+    """The edges in the core of a chunk at each scale, after a Gaussian."""
+    pitch, shape, strongest, samples = pitch_of(task.source.levels.spacing), task.source.shape, [], []
+    step = EVERY * -(-step_of(shape) // EVERY)
+    for scale, values in enumerate(pyramid(task.source.values(chunk.padded), task.parameters.scales)):
+        strength = Slopes.of(smoothed_volume(values, [sigma / side for side in pitch]), pitch).strengths()
         size = 2**scale
-        core = tuple(slice(-(-s.start // size), -(-s.stop // size)) for s in relative(chunk.core, window))
-        part = strength[core]
-        grid = tuple(slice(-(at.start // size) % step, None, step) for at in chunk.core)
-        found.append(_Edges(float(part.max(initial=0.0)), part[grid].ravel()))
-    return found
+        own = relative(chunk.core, chunk.padded)
+        core = strength[tuple(slice(-(-at.start // size), -(-at.stop // size)) for at in own)]
+        strongest.append(float(core.max(initial=0.0)))
+        some = core[tuple(slice(-(at.start // size) % step, None, step) for at in chunk.core)]
+        samples.append(some.ravel().astype(float))
+    return Edges(tuple(strongest), tuple(samples))
 
 
 def _find(volume: Volume, chunk: Chunk) -> None:
@@ -215,12 +180,17 @@ def _particles_in(volume: Volume, chunk: Chunk) -> tuple[Levels, Array, Array]:
     """Particles at rest on edges in what a chunk sees, unit vectors away from bright, and distances from others."""
     task, whole = volume.task, volume.whole
     source, own = task.source, whole.tone.parameters(task.parameters)
-    values = whole.tone.apply(source.values(chunk.padded))
+    values = source.values(chunk.padded)
     nothing = Levels(np.empty((0, 3)), np.empty(0), np.empty(0)), np.empty((0, 3)), np.empty(0)
     if values.min() == values.max():
         return nothing
     image = Image(values, source.levels.spacing, source.levels.unit, source.path.name)
-    measured: Any = partial(_imposed, whole)
+
+    def measured(field: Any, scale: int, given: Parameters) -> Any:
+        strongest, floor = whole.strongest[scale], whole.floor[scale]
+        noisy = floor > max(WEAKEST_EDGE, given.edge_floor) * strongest
+        return replace(field, strongest=strongest, floor=floor, noisy=noisy)
+
     engine = Engine(image, own, measured=measured)
     field: Any = engine.scale_field(own)
     seeds = everywhere(image) if task.kind == "grid" else above(field.edge_map, STRONG, whole.strongest[0])
@@ -235,10 +205,3 @@ def _particles_in(volume: Volume, chunk: Chunk) -> tuple[Levels, Array, Array]:
         return nothing
     levels, normals = levels_of(field.smoothed, field.edges, points, volume.size, field.smoothing)
     return levels, normals, distances_between(levels.points * volume.size)
-
-
-def _imposed(whole: Whole, field: VolumeField, scale: int, parameters: Parameters) -> VolumeField:
-    """The field of a chunk with what depends on the whole volume."""
-    strongest, floor = whole.strongest[scale], whole.floor[scale]
-    noisy = floor > max(WEAKEST_EDGE, parameters.edge_floor) * strongest
-    return replace(field, strongest=strongest, floor=floor, noisy=noisy)

@@ -35,6 +35,9 @@ _NUMBERED = np.float32(2**20)
 """Regions of a chunk away from particles are stored in place of the height, as this number plus theirs, from 1; 0 is
 that of all that has not been written."""
 
+_STEEPEST = np.float32(2**18)
+"""Largest height, where an edge has no slope: far from the surface, and below all numbers of regions."""
+
 _TAILS = 3.0
 """Widths of the Gaussian within which a particle counts."""
 
@@ -183,24 +186,27 @@ def _height_in(regions: _Regions, apart: float, chunk: Chunk) -> None:
         begin = np.array([side.start - 1 for side in relative(beyond, chunk.padded)])
         box = Box(begin, tuple(n + 2 for n in sides_of(beyond)))  # type: ignore[arg-type]
         found = height(volume.smoothed(chunk), box, levels, volume.size, width, band)
+        np.clip(found, -_STEEPEST, _STEEPEST, out=found)
         found[found == 0.0] = -np.finfo(np.float32).tiny
         parts, votes = unknown_regions(found)
         parts.fill(_NUMBERED + 1 + np.arange(parts.count, dtype=np.float32), found)
         inner, votes = found[1:-1, 1:-1, 1:-1], np.append(0, votes)
     else:
         inner, votes = np.zeros(sides_of(beyond), np.float32), np.zeros(1, np.int64)
-    own = inner[tuple(slice(n) for n in sides_of(chunk.core))]
-    sides = [
-        own.take(at, axis).ravel()
-        for axis, (side, n) in enumerate(zip(chunk.core, volume.grid.shape, strict=True))
-        for at, outer in ((0, side.start == 0), (-1, side.stop == n))
-        if outer
-    ]
-    border = np.concatenate([np.empty(0, np.float32), *sides])
+    border = _at_border(volume, chunk, inner[tuple(slice(n) for n in sides_of(chunk.core))])
     region = _region_of(border)
     at_border = np.bincount(region[region >= 0], minlength=len(votes))
     bright = np.count_nonzero(border[region < 0] > 0.0)
     regions.save(chunk, inner, votes=votes, at_border=at_border, bright=bright, known=np.count_nonzero(region < 0))
+
+
+def _at_border(volume: Volume, chunk: Chunk, values: NDArray[Any]) -> NDArray[Any]:
+    """Values of the outermost voxels of a chunk along the border of the volume."""
+    found = [values[:0].ravel()]
+    for axis, (side, n) in enumerate(zip(chunk.core, volume.grid.shape, strict=True)):
+        found += [values.take(0, axis).ravel()] if side.start == 0 else []
+        found += [values.take(-1, axis).ravel()] if side.stop == n else []
+    return np.concatenate(found)
 
 
 def find_necks(heights: Heights, compute: Compute) -> None:
@@ -370,18 +376,12 @@ def _parts_in(files: _Regions, heights: Heights, chunk: Chunk) -> None:
     labels = inner.labels - 1
     outside.fill(np.arange(inner.count, inner.count + outside.count, dtype=np.int32), labels)
     beyond = relative(_beyond(volume, chunk), window)
-    rim = [
-        labels.take(at, axis).ravel()
-        for axis, (side, n) in enumerate(zip(chunk.core, grid.shape, strict=True))
-        for at, is_outer in ((0, side.start == 0), (-1, side.stop == n))
-        if is_outer
-    ]
     surface = _surface_in(heights, chunk, found, labels, window)
     files.save(
         chunk,
         labels[beyond].astype(np.uint32),
         inside=np.arange(inner.count + outside.count) < inner.count,
-        rim=np.unique(np.concatenate([np.empty(0, np.int32), *rim])),
+        rim=np.unique(_at_border(volume, chunk, labels)),
         **surface,
     )
 

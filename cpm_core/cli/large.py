@@ -55,6 +55,8 @@ def run_large(
     _check(arguments, path, parameters, files_of.WRITABLE)
     if volume:
         check_parameters(parameters)
+        if parameters.gamma != 1.0:
+            raise ValueError("--gamma looks at the whole volume at once: leave it at 1, or run a smaller volume.")
     source = grid.Source(path, Reading(**part), "zyx" if volume else "yx")
     first = Path(arguments.export[0])
     store = Store(first.with_name(f"{first.name}{_FOLDER}"))

@@ -13,7 +13,7 @@ from typing import Literal
 
 import numpy as np
 
-from cpm_core.contours.contour import Contour, Contours, neighborhood
+from cpm_core.contours.contour import Contour, Contours, check_color, neighborhood
 from cpm_core.contours.result import Result, remaining
 from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Line, Position, frozen, record
@@ -69,6 +69,9 @@ class Mark:
     name: str = ""
     color: str = ""
     outline: Outline = Outline()
+
+    def __post_init__(self) -> None:
+        check_color("a mark", self.color)
 
 
 @record

@@ -52,19 +52,21 @@ def convolved_field(
     kernels = [kernel_of(k, half, power, made_in, f.dtype, pitch or (1.0,) * f.ndim) for k in range(f.ndim)]
     spectrum = scipy.fft.rfft(f, 2 * half[-1], workers=cores())
     fields = [*(np.empty_like(spectrum) for _ in half[1:]), spectrum]
-    at_once = max(_AT_ONCE // math.prod(half[:-1]), _LEAST_AT_ONCE)
-    for first in range(0, spectrum.shape[-1], at_once):
-        some = (..., slice(first, first + at_once))
+
+    def convolve(first: int, end: int) -> None:
+        some = (..., slice(first, end))
         charges: NDArray[Any] = spectrum[some] * spectrum.dtype.type(1j)  # the kernels' spectra are imaginary
         for axis in reversed(range(f.ndim - 1)):  # axis by axis: rows of zeros are not transformed
-            charges = scipy.fft.fft(charges, 2 * half[axis], axis, overwrite_x=True, workers=cores())
+            charges = scipy.fft.fft(charges, 2 * half[axis], axis, overwrite_x=True)
         for component, kernel in enumerate(kernels):
             back = _times(charges, kernel[some], component)
             for axis, n in enumerate(f.shape[:-1]):
-                back = scipy.fft.ifft(back, axis=axis, overwrite_x=True, workers=cores())
+                back = scipy.fft.ifft(back, axis=axis, overwrite_x=True)
                 back = back[(slice(None),) * axis + (slice(n),)]
             fields[component][some] = back
-    del kernels
+
+    in_bands(convolve, spectrum.shape[-1], max(_AT_ONCE // math.prod(half[:-1]), _LEAST_AT_ONCE))
+    kernels.clear()  # the rest needs their memory
     out = np.empty((f.ndim, *f.shape), f.dtype)
     for component in range(f.ndim):
         in_bands(partial(_inverse, fields.pop(0), out[component]), len(f))

@@ -179,8 +179,13 @@ class ScaleField:
     @cached_property
     def spline(self) -> Array:
         """Cubic spline coefficients of the edge map, continued by `SPLINE_MARGIN` pixels beyond the border."""
-        spline = scipy.ndimage.spline_filter(self.edge_map, order=3, output=self.edge_map.dtype, mode="nearest")
-        return np.pad(spline, SPLINE_MARGIN, mode="edge")
+        spline = np.empty([n + 2 * SPLINE_MARGIN for n in self.shape], self.edge_map.dtype)
+        inner = (slice(SPLINE_MARGIN, -SPLINE_MARGIN),) * spline.ndim
+        scipy.ndimage.spline_filter(self.edge_map, order=3, output=spline[inner], mode="nearest")
+        for axis in range(spline.ndim):
+            line = np.moveaxis(spline, axis, 0)
+            line[:SPLINE_MARGIN], line[-SPLINE_MARGIN:] = line[SPLINE_MARGIN], line[-SPLINE_MARGIN - 1]
+        return spline
 
     @cached_property
     def potential(self) -> Array:

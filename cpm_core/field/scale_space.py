@@ -75,14 +75,10 @@ class SourceImages:
         lock = RLock()
         large = math.prod(image.shape) > LARGE  # it stays in the few bytes of its file
 
-        @lru_cache(1)
-        def original() -> tuple[Array, ...]:  # not before the image is seen
-            return pyramid(image.stored if large else image.values, scales)
-
         @lru_cache(_KEPT_SETTINGS)
-        def images_of(channel: str, edges: str, gamma: _Gamma) -> tuple[Array, ...]:
+        def images_of(channel: str, edges: str, gamma: _Gamma) -> tuple[Array, ...]:  # not before the image is seen
             own = image.colors is None or channel == LUMINANCE
-            given = original()[0] if own else image.gray(channel)
+            given = image.gray(channel) if not own else image.stored if large else image.values
             if not own and given.min() == given.max():
                 raise ValueError(
                     f"The channel {channel} is the same everywhere and has no edges: choose another channel."
@@ -90,7 +86,7 @@ class SourceImages:
             values = toned(given, gamma)
             if edges == "vessels":
                 values = vesselness(values.astype(np.float64, copy=False))
-            return original() if own and values is given else pyramid(values, scales)
+            return pyramid(values, scales)
 
         @lru_cache(_KEPT_SETTINGS)
         def cleaned_of(channel: str, edges: str, gamma: _Gamma) -> tuple[tuple[Array, ...], Cleaned]:

@@ -23,7 +23,7 @@ from cpm_core.model.interventions import allowed_places
 from cpm_core.model.state import State
 from cpm_core.numerics.grids import in_bands
 from cpm_core.numerics.jit import compiled
-from cpm_core.numerics.types import Array, Index, Single
+from cpm_core.numerics.types import Array, Index, Mask, Single
 
 _FROM = 2**20
 """Pixels of an image above which a finer scale begins like this."""
@@ -59,21 +59,27 @@ def begun(state: State, field: ScaleField) -> State:
     if len(state.shape) != 2 or math.prod(state.shape) <= _FROM:
         return state
     first = state.count - len(allowed_places(state.start, state.scale, state.shape, state.regions))
-    edges, explained = (np.zeros(state.coverage.found.shape, np.uint8) for _ in range(2))
-    packed = field.packed  # made here: threads that find it missing would each make it
-    in_bands(partial(_mark_edges, packed, field.floor, edges), len(edges))
     place = state.particles.position
-    _mark_explained(packed, place[:first], explained)
+    edges, missing = marked_edges(field, place[:first], state.coverage.found.shape)
     row, col = _cells(place[first:], edges.shape)
-    missing, seeds = (edges & ~explained) != 0, np.zeros(edges.shape, bool)
+    seeds = np.zeros(edges.shape, bool)
     seeds[row, col] = True
     if not _around(seeds, _NEAR)[missing].all():
         return state
     stay = np.concatenate([np.ones(first, bool), _around(missing, _NEAR)[row, col]])
-    known = (edges != 0) & ~missing
+    known = edges & ~missing
     found, latest = (np.where(cells, -IDLE_STEPS, NEVER).astype(np.int32) for cells in (known, _around(known, REACH)))
     coverage = Coverage(found, latest, int(np.count_nonzero(known)))
     return replace(state, particles=state.particles.where(stay), coverage=coverage)
+
+
+def marked_edges(field: ScaleField, place: Array, shape: tuple[int, ...]) -> tuple[Mask, Mask]:
+    """Cells of a grid of this shape with edges, and those with edges that particles, shape (N, 2), do not explain."""
+    edges, explained = np.zeros((2, *shape), np.uint8)
+    packed = field.packed  # made here: threads that find it missing would each make it
+    in_bands(partial(_mark_edges, packed, field.floor, edges), len(edges))
+    _mark_explained(packed, place, explained)
+    return edges != 0, (edges & ~explained) != 0
 
 
 def _cells(place: Array, shape: tuple[int, ...]) -> Index:
@@ -81,7 +87,7 @@ def _cells(place: Array, shape: tuple[int, ...]) -> Index:
     return np.clip((place + 0.5) / CELL, 0, np.array(shape) - 1).astype(np.int64).T
 
 
-def _around(cells: NDArray[np.bool_], reach: int) -> NDArray[np.bool_]:
+def _around(cells: Mask, reach: int) -> Mask:
     """Some cells and those near them, to each side."""
     return np.asarray(scipy.ndimage.maximum_filter(cells, 2 * reach + 1), bool)
 

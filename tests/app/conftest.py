@@ -12,8 +12,10 @@ from typing import Any, TypeVar
 import numpy as np
 import pytest
 from cpm_app.model.document import edits
+from cpm_app.session.features import comparison, selector, stack_pages, timeline
 from cpm_app.session.features.workspace import Workspace
 from cpm_app.session.session import Session
+from cpm_app.session.storage import run_keeping
 from cpm_app.views.features import files
 from cpm_app.views.window import dialogs
 from cpm_app.views.window.window import MainWindow
@@ -39,17 +41,35 @@ _tests = itertools.count(1)
 _COLLECTED_EVERY = 20
 """Number of tests after which garbage is collected, which takes as long as the quickest of them."""
 
+RESTS = (
+    (stack_pages, "_QUIET"), (stack_pages, "_WHILE_RUNNING"), (selector, "_QUIET"), (comparison, "_QUIET"),
+    (timeline, "_STAYING"), (run_keeping, "_QUIET"),
+)  # fmt: skip
+"""Times without a change after which work begins [ms]."""
+
 T = TypeVar("T")
 
 ASK = dialogs.ask_about_unsaved
 KEEP_PICTURE = files.StartFeature._keep_picture
 
 
+PATIENCE = 20_000
+"""Turns of a millisecond that any effect may take; no test depends on the real time, nor fails when it is stopped."""
+
+
+def wait_until(qtbot: QtBot, condition: Callable[[], bool], patience: int = PATIENCE) -> None:
+    """Let the window work until a condition holds."""
+    for _ in range(patience):
+        if condition():
+            return
+        qtbot.wait(1)
+    pytest.fail(f"this has not happened in {patience} turns")
+
+
 class Hand:
     """Real mouse and key events on a window, and waiting for their effects."""
 
-    patience = 20_000
-    """Longest time that any effect may take [ms]; no test depends on the real time."""
+    patience = PATIENCE
 
     def __init__(self, qtbot: QtBot, window: MainWindow) -> None:
         self.qtbot = qtbot
@@ -96,7 +116,7 @@ class Hand:
 
     def wait(self, condition: Callable[[], bool]) -> None:
         """Wait until a condition holds."""
-        self.qtbot.waitUntil(condition, timeout=self.patience)
+        wait_until(self.qtbot, condition, self.patience)
 
     def wait_for_phase(self, phase: str) -> None:
         """Wait until the run is in this phase."""
@@ -149,6 +169,13 @@ def nothing_left_behind(request: pytest.FixtureRequest, kept_window: Kept) -> It
 def own_preferences(tmp_path: Path) -> None:
     """No test reads or writes the preferences of the user."""
     QSettings.setPath(QSettings.Format.IniFormat, QSettings.Scope.UserScope, str(tmp_path / "preferences"))
+
+
+@pytest.fixture(autouse=True)
+def rests_are_short(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What begins when nothing has changed for a while begins soon; no test depends on how long it rests."""
+    for module, name in RESTS:
+        monkeypatch.setattr(module, name, 10)
 
 
 @pytest.fixture(autouse=True)
@@ -245,11 +272,11 @@ def window(qtbot: QtBot, workspace: Workspace, image_file: Path, kept_window: Ke
     made = kept_window.window or new_window(qtbot, workspace)
     if kept_window.window is not None:
         begin_anew(made, kept_window.views)
-        qtbot.waitUntil(made.isActiveWindow, timeout=Hand.patience)
     elif shared:
         kept_window.keep(made)
+    wait_until(qtbot, made.isActiveWindow)  # which the keys of actions need
     session.open(image_file)
-    qtbot.waitUntil(lambda: is_open(session, image_file), timeout=Hand.patience)
+    wait_until(qtbot, lambda: is_open(session, image_file))
     yield made
     if not shared:
         close_window(made)

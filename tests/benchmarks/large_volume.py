@@ -4,7 +4,7 @@ python tests/benchmarks/large_volume.py make bodies.zarr 1024
 python tests/benchmarks/large_volume.py run bodies.zarr labels.zarr bodies.ply bodies.csv
 python tests/benchmarks/large_volume.py judge 1024 bodies.ply bodies.csv
 
-The second is cpm run bodies.zarr --auto grid --workers 2 --export ..., with the memory of all its processes sampled.
+The second is cpm run bodies.zarr --auto gradient --workers 2 --export ..., with the memory of its processes sampled.
 Bodies are balls, ellipsoids and tori around the points of a lattice, a third of them across seams of 256 voxels.
 """
 
@@ -42,7 +42,7 @@ def body(place):
             return middle - np.sqrt(a * a + b * b + c * c)
         if kind == 1:
             return short / 2.0 - np.sqrt((np.sqrt(a * a + b * b) - middle) ** 2 + c * c)
-        scaled = np.sqrt((a / long) ** 2 + (b / middle) ** 2 + (c / short) ** 2)
+        scaled = np.maximum(np.sqrt((a / long) ** 2 + (b / middle) ** 2 + (c / short) ** 2), 1e-6)
         steep = np.sqrt((a / long**2) ** 2 + (b / middle**2) ** 2 + (c / short**2) ** 2)
         return scaled * (1.0 - scaled) / np.maximum(steep, 1e-9)  # the distance to first order
 
@@ -83,7 +83,7 @@ def make(path, side):
 
 def run(path, files):
     """The run, and the largest sum of the memory of its processes."""
-    command = [sys.executable, "-m", "cpm_app", "run", path, "--auto", "grid", "--workers", "2", "--export", *files]
+    command = [sys.executable, "-m", "cpm_app", "run", path, "--auto", "gradient", "--workers", "2", "--export", *files]
     began, most, largest = time.perf_counter(), 0, 0
     with subprocess.Popen(command) as process:
         while process.poll() is None:
@@ -123,9 +123,7 @@ def judge(side, surface, table):
         box = np.array([true.min(0), true.max(0)]) + center
         seam = bool((box[0] // TILE != box[1] // TILE).any())
         rows.append((number[at], seam, np.abs(inside(own.T)), back))
-    for name, some in (
-        ("all", rows), ("across seams", [r for r in rows if r[1]]), ("others", [r for r in rows if not r[1]])
-    ):  # fmt: skip
+    for name, some in (("across seams", [r for r in rows if r[1]]), ("others", [r for r in rows if not r[1]])):
         found, away, back = np.array([r[0] for r in some]), *(np.concatenate([r[k] for r in some]) for k in (2, 3))
         precision, recall = (away <= TOLERANCE).mean(), (back <= TOLERANCE).mean()
         print(f"{name}: {len(some)} bodies, {(found == 1).sum()} found once, {(found == 0).sum()} missed, "

@@ -10,11 +10,11 @@ from typing import Literal
 
 import numpy as np
 
+from cpm_app.model.document.contours import reviewed_result
 from cpm_app.model.document.document import Document
 from cpm_app.model.document.objects import objects_result
 from cpm_app.model.text.language import from_core, tr, written
 from cpm_core import Contour, Image, Result, Skeleton
-from cpm_core.contours import apply, with_kept
 from cpm_core.formats import (
     ANIMATED,
     DRAWN,
@@ -182,7 +182,7 @@ def chosen(
         return result
     if what == "objects":  # tables measure gray levels in the image, and it says where a volume lies in space
         return replace(result, image=image)
-    shown = apply(with_kept(result, document.marks), document.marks)
+    shown = reviewed_result(document, result)
     if order.contours is None:
         return shown
     contours = tuple(contour for contour in shown.contours if contour.number in order.contours)

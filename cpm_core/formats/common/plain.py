@@ -216,6 +216,7 @@ def array_from_plain(plain: object, dtype: DTypeLike, shape: tuple[int | None, .
     if not (
         isinstance(sides, list)
         and len(sides) == len(shape)
+        and all(type(side) is int and side >= 0 for side in sides)
         and all(wanted in (None, side) for side, wanted in zip(sides, shape, strict=True))
     ):
         wanted = " x ".join("any" if side is None else str(side) for side in shape)

@@ -82,8 +82,8 @@ def _has_near(scale_field: ScaleField, place: NDArray[np.int64], positions: Arra
 
     Of two edges close to each other one rises where the other falls.
     """
-    uphill = scale_field.gradient[(slice(None), *place.T)].T
-    known = interpolate(scale_field.gradient, positions)
+    gradient = np.moveaxis(scale_field.packed, -1, 0)[2:4]
+    uphill, known = gradient[(slice(None), *place.T)].T, interpolate(gradient, positions)
     nearest = np.arange(1, min(_NEIGHBORS, len(positions)) + 1)
     distance, index = scipy.spatial.cKDTree(positions).query(
         place, k=nearest, distance_upper_bound=reach, workers=cores()

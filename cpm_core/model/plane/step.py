@@ -12,7 +12,7 @@ from cpm_core.field.interpolation import interpolate
 from cpm_core.field.placed_charges import near_charges, placed_force_at, placed_potential, radius_at
 from cpm_core.field.scale_field import GATE, ScaleField
 from cpm_core.image.volume_regions import AnyRegions
-from cpm_core.model.coverage import cover, idle_at
+from cpm_core.model.coverage import Coverage, cover, idle_at
 from cpm_core.model.equations import (
     FADED,
     IDLE_STEPS,
@@ -61,21 +61,23 @@ def idle_steps_of(state: State, scale_field: ScaleField, parameters: Parameters)
 
     `state` is the one before the step, and `scale_field` includes the placed charges.
     """
-    particles = state.particles
+    particles, step, fast = state.particles, state.step_of_scale, fast_speed(parameters)
     under_way = state.idle // _PATIENCE if state.coverage.size else 0  # before the first coverage there is no limit
-    idle = idle_at(state.coverage, particles.position, state.step_of_scale, _OUTSIDE)
-    _be_patient(idle, particles.velocity, fast_speed(parameters), under_way, state.idle)
+    idle = _idle_steps(state.coverage, particles.position, particles.velocity, step, fast, under_way, state.idle)
     if state.charges:
         _let_gather(state, scale_field, idle)
     return idle
 
 
 @compiled
-def _be_patient(idle: Index, velocity: Array, fast: float, under_way: int, others: int) -> None:
-    """Write the idle steps of the particles outside the coverage map."""
+def _idle_steps(
+    coverage: Coverage, position: Array, velocity: Array, step: int, fast: float, under_way: int, others: int
+) -> Index:
+    idle = idle_at(coverage, position, step, _OUTSIDE)
     for i in range(len(idle)):
         if idle[i] == _OUTSIDE:
             idle[i] = under_way if velocity[i, 0] ** 2 + velocity[i, 1] ** 2 > fast**2 else others
+    return idle
 
 
 def is_travelling(state: State, parameters: Parameters) -> bool:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 import scipy
 
@@ -187,7 +189,7 @@ class SegmentedObject:
         """Length of the stretches of the boundary that follow no contour, in the unit of the size of a pixel."""
         return sum(polyline.length(np.array(gap) * spacing) for gap in self.gaps)
 
-    @property
+    @cached_property
     def box(self) -> tuple[Array, Array]:
         """The least, and the largest, row and column of the boundary [px]."""
         corners = np.concatenate(self.boundary)

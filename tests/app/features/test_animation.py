@@ -113,7 +113,7 @@ def test_cancellation_leaves_no_partial_file(rested, hand, tmp_path, monkeypatch
     assert len(seen) == 3
     assert not bar.isVisible()
     assert [file.name for file in tmp_path.iterdir() if "run" in file.name] == []
-    hand.wait(lambda: all(filming.over for filming in feature(rested)._filming))
+    hand.wait(lambda: not feature(rested)._filming)
     assert rested.session.status.step == last
 
 

@@ -35,24 +35,25 @@ def test_a_killed_worker_costs_what_it_was_doing_and_no_more(tmp_path):
     assert sum(begun) <= 10  # what has been done and not been fetched yet may be done again
 
 
-def test_a_killed_run_is_continued_by_the_same_command(tmp_path):
-    row, col = np.indices((1100, 1100))
-    image = (120 * (np.hypot(row % 110 - 55, col % 110 - 55) < 22) + 20).astype(np.uint8)
-    create_levels(tmp_path / "cells.zarr", image.shape, image.dtype, 1024)
-    write_part(tmp_path / "cells.zarr", 0, np.s_[:, :], image)
+@pytest.mark.parametrize(("shape", "pitch", "count"), [((1100, 1100), 110, 100), ((264, 264, 48), 48, 36)])
+def test_a_killed_run_is_continued_by_the_same_command(tmp_path, shape, pitch, count):
+    away = np.sqrt(((np.indices(shape) % pitch - pitch // 2) ** 2).sum(axis=0))
+    image = (120 * (away < 0.2 * pitch) + 20).astype(np.uint8)
+    create_levels(tmp_path / "cells.zarr", image.shape, image.dtype, 1024 if len(shape) == 2 else 256)
+    write_part(tmp_path / "cells.zarr", 0, tuple(slice(n) for n in shape), image)
     command = [sys.executable, "-m", "cpm_app", "run", "cells.zarr", "--auto", "gradient", "--workers", "2"]
     command += ["--scales", "1", "--smoothing", "1.5", "--export", "labels.zarr", "cells.csv"]
-    chunks = tmp_path / "labels.zarr.cpm-chunks"
+    chunks, name = tmp_path / "labels.zarr.cpm-chunks", "contours_*" if len(shape) == 2 else "particles_*"
     with subprocess.Popen(command, cwd=tmp_path, start_new_session=True) as begun:
-        while not list(chunks.glob("chunk_*")):
+        while not list(chunks.glob(name)):
             assert begun.poll() is None
             time.sleep(0.05)
         os.killpg(begun.pid, signal.SIGKILL)
     assert not (tmp_path / "labels.zarr").exists()
-    kept = {path.name for path in chunks.glob("chunk_*")}
+    kept = {path.name for path in chunks.glob(name)}
     subprocess.run(command, cwd=tmp_path, check=True)
     assert 1 <= len(kept) <= 4
     labels = np.asarray(open_levels(tmp_path / "labels.zarr").arrays[0])
-    assert len(np.unique(labels)) == 101
-    assert len((tmp_path / "cells.csv").read_text().splitlines()) == 101
+    assert len(np.unique(labels)) == count + 1
+    assert len((tmp_path / "cells.csv").read_text().splitlines()) == count + 1
     assert {path.name for path in tmp_path.iterdir()} == {"cells.zarr", "labels.zarr", "cells.csv"}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Collection, Mapping, Sequence
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 import numpy as np
 
@@ -50,18 +50,6 @@ class RunMetrics:
         return self.step[1:][np.diff(self.scale) != 0]
 
 
-class Metrics(Protocol):
-    """What is plotted: values for each step, and the steps at which vertical lines are drawn."""
-
-    @property
-    def step(self) -> Array:
-        """The steps, or the pages."""
-
-    @property
-    def marks(self) -> Array:
-        """Where lines are drawn."""
-
-
 @record
 class PageMetrics:
     """Objects over the pages of a stack: area and mean gray value by track; `marks` is the page that is open."""
@@ -81,6 +69,10 @@ class PageMetrics:
                 areas[row.track][row.page - 1] = row.measures.net_area_in_units * factor**2
                 grays[row.track][row.page - 1] = np.nan if row.gray is None else row.gray
         return cls(np.arange(1.0, count + 1.0), np.array([float(here)]), areas, grays)
+
+
+Metrics = RunMetrics | PageMetrics
+"""What is plotted over the steps, or over the pages; vertical lines are drawn at the marks."""
 
 
 @frozen

@@ -1,4 +1,4 @@
-"""Contours of a document: pure edits of their review and of edits by hand."""
+"""Contours of a document: what a run finds, and pure edits of their review and of edits by hand."""
 
 from __future__ import annotations
 
@@ -7,10 +7,11 @@ from dataclasses import replace
 
 from cpm_app.model.document.document import Document
 from cpm_app.model.text.language import tr
-from cpm_core import Contour
-from cpm_core.contours import HandEdit, Mark, Outline, Verdict, outline_of
+from cpm_core import Contour, Image, Result, State, segment
+from cpm_core.contours import HandEdit, Mark, Outline, Verdict, apply, outline_of, with_kept
 from cpm_core.numerics import Position
 from cpm_core.numerics.types import record
+from cpm_core.shapes import SeedCache
 
 NAMES = {
     "cut": tr("cut contour"),
@@ -22,6 +23,18 @@ NAMES = {
     "outline": tr("draw outline"),
 }
 """What each kind of edit is called after "Undo"."""
+
+
+def reviewed_result(document: Document, result: Result) -> Result:
+    """A result with the contours that the user has kept, and without those that have been rejected."""
+    return apply(with_kept(result, document.marks), document.marks)
+
+
+def found_in(document: Document, image: Image, progress: Callable[[State], object]) -> Result:
+    """What a run of a document in an image finds, as it has been reviewed; `progress` is called with each state."""
+    seeds, parameters = document.seeds(document.seeds_in(SeedCache(image))), document.parameters
+    found = segment(image, seeds, parameters, None, progress, document.regions, document.charges)
+    return reviewed_result(document, found)
 
 
 def add_hand_edits(document: Document, edits: Sequence[HandEdit]) -> Document:

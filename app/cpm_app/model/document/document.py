@@ -26,6 +26,7 @@ from cpm_core.shapes import (
     ImageStart,
     Interest,
     Points,
+    SeedCache,
     Shape,
     Start,
     charges_of,
@@ -139,6 +140,11 @@ class Document:
         barriers = self.objects.barriers
         smoothing = self.parameters.smoothing if followed else None
         return (self.image, self.image_starts, limits, barriers, self.parameters.channel, smoothing)
+
+    def seeds_in(self, cache: SeedCache) -> ImageSeeds:
+        """The seeds of `image_starts`, as a cache of an image finds them."""
+        seen = self.parameters
+        return cache.seeds_for(self.image_starts, seen.smoothing, self.regions, seen.channel)
 
     def fitting(self, parameters: Parameters) -> Parameters:
         """The parameters with no more scales than the image has room for."""

@@ -9,7 +9,7 @@ from cpm_app.model.text.language import from_core, tr, written
 from cpm_app.model.text.wording import rich
 from cpm_core import PARAMETERS, Parameters
 from cpm_core.numerics.types import Entries, Texts, frozen
-from cpm_core.parameters import AUTOMATIC, CHOICES, OF_STARTS, Invalidates
+from cpm_core.parameters import AUTOMATIC, CHOICES, OF_STARTS, ParameterInfo
 
 RATIO = "ratio"
 HIGHEST_RATIO = 0.99
@@ -50,44 +50,16 @@ _ACTS = {
 
 
 @frozen
-class Control:
-    """One slider with its texts: what the core says of a parameter, in the language of the window.
+class Control(ParameterInfo):
+    """One slider: what the core says of a parameter, in the language of the window.
 
     Attributes
     ----------
-    name : str
-        Field of `Parameters`, or ``"ratio"`` for w₁/w₂.
-    symbol, unit, title : str
-        Its label.
-    low, high : float
-        Values that may be typed.
-    slider_low, slider_high, step : float
-        Range and increment of the slider.
     default : float or str
         Value with which work begins.
-    meaning, more, equation : str
-        What it is, what a larger value does, and its equation.
-    invalidates : {"nothing", "contours", "field", "run"}
-        What a change of it makes out of date.
-    advanced : bool
-        Whether it is hidden at first.
     """
 
-    name: str
-    symbol: str
-    unit: str
-    title: str
-    low: float
-    high: float
-    slider_low: float
-    slider_high: float
-    step: float
-    default: float | str
-    meaning: str
-    more: str
-    equation: str
-    invalidates: Invalidates
-    advanced: bool
+    default: float | str = math.nan
 
     @property
     def acts(self) -> str:

@@ -53,7 +53,7 @@ class Flag(Preference[bool]):
 
     def taken(self, stored: object) -> bool | None:
         """True or false, also as text."""
-        return {True: True, False: False, "true": True, "false": False}.get(stored) if _plain(stored) else None
+        return {"true": True, "false": False}.get(str(stored).lower())
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -68,8 +68,6 @@ class Number(Preference[float]):
 
     def taken(self, stored: object) -> float | None:
         """A number within the limits."""
-        if not _plain(stored) or isinstance(stored, bool):
-            return None
         try:
             number = float(str(stored))
         except ValueError:
@@ -95,11 +93,6 @@ class Color(Preference[str]):
     def taken(self, stored: object) -> str | None:
         """A color of six digits."""
         return stored if isinstance(stored, str) and _COLOR.fullmatch(stored) else None
-
-
-def _plain(stored: object) -> bool:
-    """Whether a stored value is a single one; a list cannot be looked up in a mapping."""
-    return isinstance(stored, str | int | float)
 
 
 PAGES = {

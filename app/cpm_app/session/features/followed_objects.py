@@ -19,7 +19,7 @@ from cpm_app.session.features.stack_pages import StackPages
 from cpm_app.session.scene import Proposal
 from cpm_app.session.session import Session
 from cpm_app.session.signals import RUNNING
-from cpm_app.session.tasks.tasks import Task
+from cpm_app.session.tasks.tasks import OVER, Task
 from cpm_core import Image, Partition, TrackEvent
 from cpm_core.numerics.types import record
 from cpm_core.objects.segmented import Click, SegmentedObject, selection_of
@@ -67,14 +67,14 @@ class FollowedObjects(QObject):
         self._session, self._pages, self._selection = session, pages, selection
         self._image: Image | None = None
         self._search: Search | None = None
-        self._task: Task | None = None
+        self._task = OVER
         selection.followed = lambda: self._search if self._image is session.image else None
         pages.changed.connect(self._look)
 
     @property
     def running(self) -> bool:
         """Whether objects are being followed in the background."""
-        return self._task is not None and not self._task.over
+        return not self._task.over
 
     def run(self) -> None:
         """Accept the objects of the open page on all that follow it, except on those with objects of their own."""

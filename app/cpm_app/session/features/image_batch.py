@@ -11,7 +11,7 @@ from cpm_app.model.text.language import cause, tr
 from cpm_app.session.exchange.messages import CommandFailed
 from cpm_app.session.session import Session
 from cpm_app.session.tasks.opening import images_in
-from cpm_app.session.tasks.tasks import Task
+from cpm_app.session.tasks.tasks import OVER, Task
 from cpm_core.formats import SUFFIX, SessionFile, save_session
 from cpm_core.numerics.types import frozen
 
@@ -31,16 +31,16 @@ class BatchDone:
     table: Path
 
 
-def apply_to_folder(session: Session, folder: Path, then: Callable[[BatchDone], object]) -> Task | None:
+def apply_to_folder(session: Session, folder: Path, then: Callable[[BatchDone], object]) -> Task:
     """Apply the session as it is to the images of a folder, on a thread; what is done there is not done again."""
     session.attempt(TOPIC)
     document = session.document
     if document.mode == "skeleton":
         session.say(tr("Skeletons are found image by image: choose another mode to run many images."), True, TOPIC)
-        return None
+        return OVER
     if not document.starts:
         session.say(document.nothing_to_start_from, True, TOPIC)
-        return None
+        return OVER
     name = tr("Running the images of {folder}…", folder=folder.name)
     work = partial(_apply, to_file(document, {}), folder)
     return session.tasks.start(name, work, tr("running many images"), partial(CommandFailed, topic=TOPIC), then=then)

@@ -5,28 +5,29 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 from cpm_app.model.display.page_rows import PageRow, page_rows
+from cpm_app.model.document.contours import found_in
 from cpm_app.model.document.document import Document, ImageReference
 from cpm_app.model.document.objects import objects_result
 from cpm_app.model.document.saving import restored, to_file
 from cpm_app.model.text.language import tr
 from cpm_app.model.volume.parts import Parts
-from cpm_app.session.exchange.messages import Core, sentence
+from cpm_app.session.exchange.messages import sentence
 from cpm_app.session.tasks.tasks import Cancelled, Task
 from cpm_app.session.timeline.plain_runs import sound
 from cpm_app.session.undo_history import History
-from cpm_core import Page, Result, load_pages
-from cpm_core.contours import apply, middle, with_kept
+from cpm_core import Page, Result, State, load_pages
+from cpm_core.contours import middle
 from cpm_core.formats import Pages, Reading, decode, encode, page_from_plain, page_to_plain
 from cpm_core.formats.sessions.recorded_run import Recorder, with_run
 from cpm_core.numerics.types import Entries, Plain, record
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.pages import Follower, StackResult, fitting, pages_of, trouble_of, without_image
-from cpm_core.shapes import SeedCache, Start, check_axes
+from cpm_core.shapes import Start, check_axes
 
 
 @record
@@ -309,12 +310,16 @@ class PageDone:
     runs: Plain = field(default_factory=dict)
 
 
+def _recorded(recorder: Recorder, task: Task, state: State) -> None:
+    task.check_cancelled()
+    recorder(state)
+
+
 def run_pages(
     source: StackSource,
     numbers: Sequence[int],
     document_of: Callable[[int, tuple[Start, ...]], tuple[Document, tuple[Start, ...]]],
     before: Sequence[Page],
-    core: Core,
     task: Task,
 ) -> Iterator[PageDone]:
     """Run pages, each as soon as the one before is done; `Cancelled` when the task has been.
@@ -330,18 +335,8 @@ def run_pages(
             image = source.pages[number - 1]
             reference = ImageReference.of(Path(source.path), image, source.reading_of(number))
             document = replace(document, image=reference, parameters=fitting(document.parameters, image.shape))
-            method = core.methods["cpm"](image, document.parameters, document.regions)
-            seen = document.parameters
-            seeds = SeedCache(image).seeds_for(document.image_starts, seen.smoothing, document.regions, seen.channel)
-            state, recorder = method.start(document.seeds(seeds)), Recorder()
-            recorder(state)
-            while not state.stop_reason:
-                task.check_cancelled()
-                state = method.step(state, document.parameters, document.charges)
-                recorder(state)
-            found = method.result(state, document.parameters)
-            assert isinstance(found, Result)
-            result = apply(with_kept(found, document.marks), document.marks)
+            recorder = Recorder()
+            result = found_in(document, image, partial(_recorded, recorder, task))
         except Cancelled:
             raise
         except Exception as error:  # one page must not end the others

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial, reduce
-from typing import Literal, get_args
+from typing import Literal, TypeVar, get_args
 
 import numpy as np
 from PySide6.QtCore import QObject, Signal
@@ -38,6 +38,8 @@ from cpm_core.objects.segmented import (
 )
 from cpm_core.objects.segmented.in_volumes import Part
 from cpm_core.shapes import sides_of
+
+T = TypeVar("T")
 
 BINS = 32
 """Number of bars of a histogram."""
@@ -297,10 +299,7 @@ class ObjectList(QObject):
     def near(self, places: Array, reach: float) -> list[SegmentedObject]:
         """The shown objects whose boxes come within reach of one of some places, shape (N, 2) [px]."""
         shown = [item for item in self.objects.items if not item.hidden and item.boundary]
-        boxes = [
-            self._parts.named(("box", item.number), partial(getattr, item, "box"), item.boundary) for item in shown
-        ]
-        low, high = np.array(boxes).reshape(-1, 2, 2).swapaxes(0, 1)
+        low, high = np.array([item.box for item in shown]).reshape(-1, 2, 2).swapaxes(0, 1)
         meets = ((low <= places.max(axis=0) + reach) & (high >= places.min(axis=0) - reach)).all(axis=1)
         return [item for item, near in zip(shown, meets.tolist(), strict=True) if near]
 
@@ -492,21 +491,37 @@ class ObjectList(QObject):
     def merge(self) -> None:
         """Make one object of several; in a volume that is done on another thread."""
         rows = [row for row in self.selected_rows if row.kind in ("object", "proposal", "closed")]
-        if self._session.document.is_about_volume:
-            items = self.items
-            if len(items) > 1:
-                self._merging.ask(lambda: reduce(union, items), partial(self._use_merged, items))
-        elif len(rows) > 1:
-            self._with_objects(tr("merge {what}"), rows, objects.merge)
+        if not self._session.document.is_about_volume:
+            if len(rows) > 1:
+                self._with_objects(tr("merge {what}"), rows, objects.merge)
+            return
+        items, rows = self.items, [row for row in rows if row.kind == "object"]
+
+        def use(whole: SegmentedObject) -> None:
+            self._edit(tr("merge {what}"), rows, lambda document: objects.merge_into(document, items, whole))
+            self.choose((whole.number,))
+
+        if len(items) > 1:
+            self._change_later(items, lambda: reduce(union, items), use)
 
     def fill_between(self) -> None:
         """Fill the slices between those across the axis in use that the selected object of a volume is painted in."""
         slices, image, items = self._session.scene.slices, self._session.document.image, self.items
-        if slices is not None and image is not None and len(items) == 1:
-            body, axis, over_others = items[0].surface[0], slices.axis, self.over_others
-            self._merging.ask(
-                lambda: between_slices(body, axis, image.spacing), partial(self._use_filled, items[0], over_others)
-            )
+        if slices is None or image is None or len(items) != 1:
+            return
+        (item,), axis, over_others = items, slices.axis, self.over_others
+        name = self.title(item)
+
+        def use(found: tuple[Part, int]) -> None:
+            part, count = found
+            if not count:
+                self._session.say(tr("{name} has no gap between the slices across this axis.", name=name))
+                return
+            words = tr("fill {what} between slices", what=name)
+            self._session.edit(words, partial(paint_in_volume, number=item.number, part=part, over_others=over_others))
+            self._session.say(tr("Slices of {name} that were filled: {count}.", name=name, count=count))
+
+        self._change_later(items, lambda: between_slices(item.surface[0], axis, image.spacing), use)
 
     def whole(self, row: Row) -> SegmentedObject | None:
         """The object that a row is, or would be once it is accepted; None for one that is hidden, rejected or open."""
@@ -514,14 +529,11 @@ class ObjectList(QObject):
 
     def split_in_volume(self, whole: SegmentedObject, first: Place, second: Place) -> None:
         """Split an object of a volume between two places, on another thread, unless it has changed meanwhile."""
-
-        def use(halves: Halves) -> None:
-            if all(item is whole or item.number != whole.number for item in self.objects.items):
-                self.split(whole, halves)
-
-        if self._session.document.image is not None:
-            sides = sides_of(self._session.document.image.spacing)
-            self._merging.ask(lambda: split_in_volume(whole, first, second, sides), use)
+        image = self._session.document.image
+        if image is not None:
+            sides, items = sides_of(image.spacing), [one for one in self.objects.items if one is whole]
+            cut: Callable[[], Halves] = lambda: split_in_volume(whole, first, second, sides)  # noqa: E731
+            self._change_later(items, cut, partial(self.split, whole))
 
     def split(self, whole: SegmentedObject, halves: Halves) -> None:
         """Put the halves of an object, or of what is not accepted yet, in its place, and choose them."""
@@ -642,27 +654,18 @@ class ObjectList(QObject):
         self._merging.forget()
         self._figures, self.bodies = {}, {}
 
-    def _use_merged(self, items: tuple[SegmentedObject, ...], whole: SegmentedObject) -> None:
-        """Put one object in the place of several, unless they have changed meanwhile."""
-        if not all(any(known is item for known in self.objects.items) for item in items):
-            self._session.say(tr("The objects changed during the merge: merge them again."), True)
-            return
-        rows = [row for row in self.rows if row.item in items]
-        self._edit(tr("merge {what}"), rows, lambda document: objects.merge_into(document, items, whole))
-        self.choose((whole.number,))
+    def _change_later(
+        self, items: Sequence[SegmentedObject], work: Callable[[], T], use: Callable[[T], object]
+    ) -> None:
+        """Change objects by what is made on another thread, unless they have changed meanwhile."""
 
-    def _use_filled(self, item: SegmentedObject, over_others: bool, found: tuple[Part, int]) -> None:
-        """Add what lies between the slices of an object, unless it has changed meanwhile, and say in how many."""
-        part, count = found
-        name = self.title(item)
-        if not any(known is item for known in self.objects.items):
-            self._session.say(tr("The objects changed meanwhile: fill between the slices again."), True)
-        elif not count:
-            self._session.say(tr("{name} has no gap between the slices across this axis.", name=name))
-        else:
-            words = tr("fill {what} between slices", what=name)
-            self._session.edit(words, partial(paint_in_volume, number=item.number, part=part, over_others=over_others))
-            self._session.say(tr("Slices of {name} that were filled: {count}.", name=name, count=count))
+        def check(made: T) -> None:
+            if all(any(known is item for known in self.objects.items) for item in items):
+                use(made)
+            else:
+                self._session.say(tr("The objects changed meanwhile: try again."), True)
+
+        self._merging.ask(work, check)
 
 
 _LEAST_MOVE = 0.3

@@ -30,7 +30,7 @@ from cpm_app.session.features.selector import (
 )
 from cpm_app.session.scene import Preview, Proposal
 from cpm_app.session.session import Session
-from cpm_app.session.tasks.tasks import Task
+from cpm_app.session.tasks.tasks import OVER, Task
 from cpm_core import Partition, Result, Selection, select_all
 from cpm_core.numerics import Place
 from cpm_core.numerics.types import Callback, frozen
@@ -48,41 +48,21 @@ def percent(selection: AnySelection) -> str:
 
 
 @frozen
-class Pointed:
-    """One more click at the pointer, on the object of the clicks before."""
-
-    selector: Selector
-    clicks: Clicks
-    said: Click
-
-    def preview(self) -> Preview | None:
-        """What it would change; None where that is not known at once."""
-        clicks = (*self.clicks, self.said)
-        after = self.selector.selection(clicks) if self.selector.quick(clicks) else None
-        return None if after is None else Preview(after, self.selector.selection(self.clicks), self.said.inside)
-
-
-@frozen
-class Stepped:
-    """By how many candidates the object of some clicks shall become larger, or smaller below 0."""
-
-    selector: Selector
-    clicks: Clicks
-    by: int
-
-
-@frozen
 class Question:
-    """What is asked for: the object of some clicks, what the run offers, what one more click would change, a step."""
+    """What is asked for: the object of some clicks, and what the run offers.
+
+    Of one more click at the pointer, `said`, what it would change of the object of the clicks before, and by how many
+    candidates an object shall become larger, or smaller below 0; both come with their selector and those clicks.
+    """
 
     selector: Selector
     clicks: Clicks
-    pointed: Pointed | None
-    stepped: Stepped | None
+    pointed: tuple[Selector, Clicks, Click] | None
+    stepped: tuple[Selector, Clicks, int] | None
 
     def answer(self) -> Answer:
         """The answer; it takes some milliseconds for each click that is new."""
-        selector, clicks, step = self.selector, self.clicks, self.stepped
+        selector, clicks = self.selector, self.clicks
         selection, offered = selector.selection(clicks), selector.proposals
         if selection is not None:
             rest = [each for each in offered if each.clicks != clicks[: len(each.clicks)]]
@@ -91,8 +71,15 @@ class Question:
             offered = (Proposal(selection, clicks, selector.edited), *rest)
         for each in offered:
             _ = each.item if each.selection.found else None  # made on this thread, not on that of the window
-        preview = self.pointed.preview() if self.pointed is not None else None
-        return offered, preview, step.selector.stepped(step.clicks, step.by) if step is not None else None
+        preview, candidate = None, None
+        if self.pointed is not None:
+            selector, before, said = self.pointed
+            after = selector.selection((*before, said)) if selector.quick((*before, said)) else None
+            preview = None if after is None else Preview(after, selector.selection(before), said.inside)
+        if self.stepped is not None:
+            selector, before, by = self.stepped
+            candidate = selector.stepped(before, by)
+        return offered, preview, candidate
 
 
 Answer = tuple[tuple[Proposal, ...], Preview | None, tuple[Clicks, int, int] | None]
@@ -122,7 +109,7 @@ class ObjectSelection(QObject):
         self._asked: Question | None = None
         self._remark, self._was_ready = "", False
         self._latest = LatestOnlyWorker(session, "cpm-objects", tr("selecting objects"))
-        self._finding: Task | None = None
+        self._finding = OVER
         self.partitions = Partitions(
             session, lambda: self._in_use or self.selecting or bool(self._offering) or self.followed() is not None
         )
@@ -156,8 +143,7 @@ class ObjectSelection(QObject):
     @property
     def idle(self) -> bool:
         """Whether the proposals are up to date."""
-        finding = self._finding is not None and not self._finding.over
-        return self._latest.idle and not finding and not self.partitions.preparing
+        return self._latest.idle and self._finding.over and not self.partitions.preparing
 
     @property
     def advice(self) -> str:
@@ -364,7 +350,7 @@ class ObjectSelection(QObject):
             return Offer(tuple(start for start in starts if isinstance(start, Drawn)), (), rejected)
         if self._searched is not partition and (search or (isinstance(source, Result) and source.stop_reason)):
             self._searched, self._found = partition, ()
-            self._end_finding()
+            self._finding.cancel()
             self._finding = self._session.tasks.start(
                 tr("Following objects…") if search else tr("Finding objects between the contours…"),
                 partial(search or all_objects, partition),
@@ -372,11 +358,6 @@ class ObjectSelection(QObject):
                 then=partial(self._use_found, partition),
             )
         return Offer((), self._found if self._searched is partition else (), rejected)
-
-    def _end_finding(self) -> None:
-        if self._finding is not None:
-            self._finding.cancel()
-            self._finding = None
 
     def _use_found(self, partition: AnyPartition, found: tuple[Proposal, ...]) -> None:
         if self._searched is partition:
@@ -408,10 +389,10 @@ class ObjectSelection(QObject):
         pointed, stepped = None, None
         if self._pointed is not None:
             clicks, number = self._before(self._corrected(self._pointed))
-            pointed = Pointed(self._selector(partition, number), clicks, self._pointed)
+            pointed = self._selector(partition, number), clicks, self._pointed
         if self._steps:
             clicks, number = self._stepping
-            stepped = Stepped(self._selector(partition, number), clicks, self._steps)
+            stepped = self._selector(partition, number), clicks, self._steps
         question = Question(self._selector(partition, known.edited), known.clicks, pointed, stepped)
         if question != self._asked:
             self._asked = question
@@ -442,19 +423,19 @@ class ObjectSelection(QObject):
         if do is not None and clicks:
             do()
 
-    def _use_step(self, step: Stepped, clicks: Clicks, number: int, count: int) -> None:
+    def _use_step(self, step: tuple[Selector, Clicks, int], clicks: Clicks, number: int, count: int) -> None:
         """Select a candidate, and report which one it is."""
-        before, edited = self._stepping
+        (_, asked, by), (before, edited) = step, self._stepping
         self._forget_steps()
-        if step.clicks != before:
+        if asked != before:
             return
         if not clicks:
             self._session.say(tr("Click an object, or select one, to make it smaller or larger."))
         elif clicks == before:
-            none = tr("There is no larger candidate.") if step.by > 0 else tr("There is no smaller candidate.")
+            none = tr("There is no larger candidate.") if by > 0 else tr("There is no smaller candidate.")
             self._session.say(none)
         else:
-            self._select(tr("larger candidate") if step.by > 0 else tr("smaller candidate"), clicks, edited)
+            self._select(tr("larger candidate") if by > 0 else tr("smaller candidate"), clicks, edited)
             self._session.say(tr("Candidate {number} of {count}.").format(number=number, count=count))
 
     def _forget_steps(self) -> None:
@@ -477,7 +458,7 @@ class ObjectSelection(QObject):
 
     def _forget(self) -> None:
         self._latest.forget()
-        self._end_finding()
+        self._finding.cancel()
         self._selectors, self._found = {}, ()
         self._asked = self._pointed = self._searched = None
         self._steps, self._over = 0, False

@@ -19,7 +19,7 @@ from cpm_app.model.text.language import tr
 from cpm_app.session.features.background import LatestOnlyWorker
 from cpm_app.session.scene import Proposal
 from cpm_app.session.session import Session
-from cpm_app.session.tasks.tasks import Task
+from cpm_app.session.tasks.tasks import OVER, Task
 from cpm_core import (
     PRESETS,
     Image,
@@ -36,7 +36,7 @@ from cpm_core import (
 from cpm_core.image import AnyRegions, of_plane
 from cpm_core.numerics import Array
 from cpm_core.numerics.polyline import as_line
-from cpm_core.numerics.types import Entries, frozen, record
+from cpm_core.numerics.types import Entries, frozen
 from cpm_core.objects import EVERYWHERE, overlap
 from cpm_core.objects.everywhere import everywhere
 from cpm_core.objects.segmented import Click, SegmentedObject, places_of, selection_of
@@ -63,12 +63,8 @@ Source = Result | Everywhere
 """What a partition is made from."""
 
 
-@record
-class Prepared:
-    """A partition, ready to select from, and what it was made from."""
-
-    source: Source
-    partition: AnyPartition
+Prepared = tuple[Source, AnyPartition]
+"""What a partition was made from, and the partition, ready to select from."""
 
 
 class Partitions(QObject):
@@ -87,10 +83,11 @@ class Partitions(QObject):
         self.partition: AnyPartition | None = None
         self._session = session
         self._wanted = wanted
-        self._made_from: Source | None = None
+        self.source: Source | None = None
+        """What `partition` was made from."""
         self._asked_for: Source | None = None
         self._everywhere: Prepared | None = None
-        self._task: Task | None = None
+        self._task = OVER
         self._latest = LatestOnlyWorker(session, "cpm-partition", tr("preparing the selection of objects"))
         self._quiet = QTimer(self, singleShot=True, interval=_QUIET)
         self._quiet.timeout.connect(self.look)
@@ -101,34 +98,29 @@ class Partitions(QObject):
     @property
     def preparing(self) -> bool:
         """Whether a run from everywhere continues."""
-        return self._task is not None and not self._task.over
-
-    @property
-    def source(self) -> Source | None:
-        """What `partition` was made from."""
-        return self._made_from
+        return not self._task.over
 
     def look(self, again: bool = False) -> None:
         """Begin to make the partition that is needed now, if there is another one; `again` where that failed before."""
         if again and self._latest.idle and not self.preparing:
-            self._asked_for = self._made_from
+            self._asked_for = self.source
         source, known = self._source(), self._everywhere
         if source is None or self._quiet.isActive() or not self._wanted():
             return
-        if known is not None and source == known.source:
-            if source != self._made_from:
+        if known is not None and source == known[0]:
+            if source != self.source:
                 self._use(known)
         elif source != self._asked_for:
             self._asked_for = source
-            self._end_task()
+            self._task.cancel()
             if isinstance(source, Everywhere):
                 alone = source.image.ndim == 3 or math.prod(source.image.shape) > MOST_OFFERED
                 if self.partition is None or alone:  # answers at once; contours follow
-                    self._use(Prepared(source, _without_run(source)))
+                    self._use((source, _without_run(source)))
                 if not alone:
                     self._run(source)
             else:
-                self._latest.ask(lambda: Prepared(source, _ready(partition(source))), self._take)
+                self._latest.ask(lambda: (source, _ready(partition(source))), self._take)
 
     def close(self) -> None:
         """End the thread."""
@@ -145,7 +137,7 @@ class Partitions(QObject):
 
     def _run(self, source: Everywhere) -> None:
         def work(task: Task) -> Prepared:
-            return Prepared(source, _ready(from_everywhere(source, task)))
+            return source, _ready(from_everywhere(source, task))
 
         name = tr("Finding contours everywhere, to outline objects exactly…")
         activity = tr("preparing the selection of objects")
@@ -153,19 +145,20 @@ class Partitions(QObject):
         self.changed.emit()
 
     def _take(self, prepared: Prepared) -> None:
-        if prepared.partition.image is not self._session.image:
+        source, made = prepared
+        if made.image is not self._session.image:
             return
-        if isinstance(prepared.source, Everywhere):
+        if isinstance(source, Everywhere):
             self._everywhere = prepared
-            if prepared.source != self._asked_for:
+            if source != self._asked_for:
                 return
         elif not isinstance(self._source(), Result):
             return  # the run has been reset
         self._use(prepared)
 
     def _use(self, prepared: Prepared) -> None:
-        self.partition = prepared.partition
-        self._made_from = self._asked_for = prepared.source
+        self.source, self.partition = prepared
+        self._asked_for = self.source
         self.changed.emit()
         self.look()
 
@@ -175,16 +168,11 @@ class Partitions(QObject):
         if isinstance(source, Everywhere) and isinstance(before, Everywhere) and source != before:
             self._quiet.start()
 
-    def _end_task(self) -> None:
-        if self._task is not None:
-            self._task.cancel()
-            self._task = None
-
     def _forget(self) -> None:
-        self._end_task()
+        self._task.cancel()
         self._latest.forget()
         self._quiet.stop()
-        self.partition = self._made_from = self._asked_for = self._everywhere = None
+        self.partition = self.source = self._asked_for = self._everywhere = None
         self.changed.emit()
 
 

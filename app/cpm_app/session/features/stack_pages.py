@@ -14,7 +14,7 @@ from cpm_app.model.display.page_rows import PageRow
 from cpm_app.model.document.document import Document
 from cpm_app.model.document.saving import to_file
 from cpm_app.model.text.language import tr
-from cpm_app.session.exchange.messages import Core, Exported, Opened, Report, Saved
+from cpm_app.session.exchange.messages import Exported, Opened, Report, Saved
 from cpm_app.session.features.background import LatestOnlyWorker
 from cpm_app.session.features.contour_review import ContourReview
 from cpm_app.session.features.kept_pages import (
@@ -64,7 +64,7 @@ class StackPages(QObject):
     found = Signal()
     """What has been found on all pages has changed: `result`."""
 
-    def __init__(self, session: Session, core: Core, review: ContourReview) -> None:
+    def __init__(self, session: Session, review: ContourReview) -> None:
         super().__init__(session)
         self.following = True
         """Whether each page starts from the contours of the one before."""
@@ -85,7 +85,6 @@ class StackPages(QObject):
         """What has been found on all pages that are done, with tracks, and its rows; nothing is left out."""
         self._measured: Measured = {}
         self.task: Task | None = None
-        self._core = core
         self._seen: Result | None = None
         self._drawn: tuple[Plain, ...] = ()
         self._linking = LatestOnlyWorker(session, "cpm-pages", tr("following objects through the pages"))
@@ -295,7 +294,7 @@ class StackPages(QObject):
             return started_by(own, given), given
 
         def work(task: Task) -> None:
-            for done in run_pages(source, numbers, document_of, before, self._core, task):
+            for done in run_pages(source, numbers, document_of, before, task):
                 self._session.tasks.call(partial(self._take_page, source.path, kept.get(done.page.number), done))
 
         title = tr("Running {count} pages…", count=len(numbers))

@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
 from cpm_app.model.display.comparison import Trial
+from cpm_app.model.document.contours import found_in
 from cpm_app.model.document.document import Document
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.contour_tracking import TrackedContours
 from cpm_app.session.exchange.messages import Reconstruction, sentence
 from cpm_app.session.scene import ReviewedContours, Scene
 from cpm_app.session.tasks.tasks import Cancelled, Task
-from cpm_core import CONTOUR_METHODS, Engine, Image, Result, Start, facts_of, measure, moments
-from cpm_core.contours import apply, with_kept
+from cpm_core import CONTOUR_METHODS, Image, Result, Start, facts_of, measure, moments
 from cpm_core.numerics import cores
 from cpm_core.objects.methods import result_of
-from cpm_core.shapes import SeedCache, outlines_of
+from cpm_core.shapes import outlines_of
 
 
 def start_of(document: Document) -> Start:
@@ -54,22 +54,6 @@ def run_trials(
     task : Task
         Its progress; cancelling it ends all of them.
     """
-    seed_cache, engines, lock, done = SeedCache(image), dict[int, Engine](), threading.Lock(), 0
-
-    def of_parameters(trial: Trial) -> Result:
-        parameters = trial.settings
-        with lock:
-            image_seeds = seed_cache.seeds_for(
-                document.image_starts, parameters.smoothing, document.regions, parameters.channel
-            )
-            if parameters.scales not in engines:
-                engines[parameters.scales] = Engine(image, parameters, document.regions)
-            engine = engines[parameters.scales]
-        state = engine.start(document.seeds(image_seeds))
-        while not state.stop_reason:
-            task.check_cancelled()
-            state = engine.step(state, parameters, document.charges)
-        return apply(with_kept(engine.result(state, parameters), document.marks), document.marks)
 
     def of_method(trial: Trial) -> Result:
         method, start, channel = CONTOUR_METHODS[trial.method], start_of(document), document.parameters.channel
@@ -81,21 +65,23 @@ def run_trials(
         return result_of(facts_of(last), last.state.contours, taken, start, trial.settings)
 
     def work(key: int) -> None:
-        nonlocal done
+        trial = trials[key]
         try:
             task.check_cancelled()
             report(key, {"state": tr("running…")})
-            trial, at = trials[key], time.perf_counter()
-            found = (of_method if trial.method else of_parameters)(trial)
+            at = time.perf_counter()
+            if trial.method:
+                found = of_method(trial)
+            else:
+                own = replace(document, parameters=trial.settings)
+                found = found_in(own, image, lambda _: task.check_cancelled())
             seconds = time.perf_counter() - at
             report(key, {"found": found, "scene": scene_of(found), "seconds": seconds, "state": ""})
         except Cancelled:
             return
         except Exception as error:  # an error is shown in its row, and the others go on
-            report(key, {"state": sentence(error, tr("running {name}", name=trials[key].title))})
-        with lock:
-            done += 1
-            task.fraction = done / len(trials)
+            report(key, {"state": sentence(error, tr("running {name}", name=trial.title))})
 
     with ThreadPoolExecutor(max(1, cores() - 1), thread_name_prefix="cpm-compare") as pool:
-        list(pool.map(work, trials))
+        for done, _ in enumerate(pool.map(work, trials), start=1):
+            task.fraction = done / len(trials)

@@ -29,7 +29,7 @@ class Workspace:
         self.navigation = TimelineNavigation(self.session)
         self.slices = ShownSlices(self.session)
         self.comparison = ComparedResults(self.session, self.navigation)
-        self.pages = StackPages(self.session, core or Core(), self.review)
+        self.pages = StackPages(self.session, self.review)
         self.object_selection.offers_for = self.pages.is_drawn
         self.followed_objects = FollowedObjects(self.session, self.pages, self.object_selection)
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TypeVar
+import json
+from typing import Any, TypeVar
 
 from PySide6.QtCore import QByteArray, QObject, QSettings, Signal
 
@@ -67,6 +68,13 @@ class Preferences(QObject):
         if self._settings.value(key) != value:
             self._settings.setValue(key, value)
             self.changed.emit(key)
+
+    def mapping(self, key: str) -> dict[str, Any]:
+        """What is kept of a key as JSON; empty where that cannot be read."""
+        try:
+            return dict(json.loads(self.get(key, "{}")))
+        except (TypeError, ValueError, RecursionError):
+            return {}
 
     def flush(self) -> None:
         """Write to the file now."""

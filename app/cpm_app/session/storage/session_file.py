@@ -17,7 +17,7 @@ from cpm_app.session.exchange.messages import CommandFailed, Opened, Report
 from cpm_app.session.session import Session
 from cpm_app.session.signals import SAVING
 from cpm_app.session.storage.run_keeping import RunKeeping
-from cpm_app.session.tasks.tasks import Task
+from cpm_app.session.tasks.tasks import OVER, Task
 from cpm_core.formats import SUFFIX, SessionFile, TruthFile, save_session
 from cpm_core.numerics.types import Plain, Texts, record
 
@@ -60,7 +60,7 @@ class DocumentFile(QObject):
         """Gives the other pages of a stack, as plain JSON; set by what keeps them."""
         self.pages_unsaved: Callable[[], bool] = lambda: False
         """Whether closing would lose changes on other pages; set by what keeps them."""
-        self._saving: Task | None = None
+        self._saving = OVER
         self._opening = 0
         self._written: dict[Task, Written] = {}
         """What has been written and not been announced yet."""
@@ -104,8 +104,7 @@ class DocumentFile(QObject):
         self._session.attempt(SAVING)
 
         def work(task: Task) -> Task:
-            if before is not None:  # one file is written at a time
-                before.wait()
+            before.wait()  # one file is written at a time
             whole, edition = file, -1
             with suppress(TimeoutError):
                 found = runs.result(_PATIENCE)
@@ -126,8 +125,7 @@ class DocumentFile(QObject):
 
     def finish(self) -> None:
         """Wait for what `save` has been asked for: closing must not overtake it."""
-        if self._saving is not None:
-            self._saving.wait()
+        self._saving.wait()
         for task in tuple(self._written):
             self._announce_written(task)
 

@@ -12,7 +12,7 @@ from cpm_app.model.export import KINDS
 from cpm_app.model.text.language import reason, tr
 from cpm_app.model.volume.parts import Parts
 from cpm_app.session.exchange.messages import Core, ImageReady, NotOpened, Opened, Report, Saved
-from cpm_app.session.tasks.tasks import Task, Tasks
+from cpm_app.session.tasks.tasks import OVER, Task, Tasks
 from cpm_core import PRESETS, Image, Parameters
 from cpm_core.formats import (
     READABLE,
@@ -200,19 +200,18 @@ class Opener:
     def __init__(self, core: Core, tasks: Tasks) -> None:
         self._core = core
         self._tasks = tasks
-        self._task: Task | None = None
+        self._task = OVER
         self._afterwards: list[Callback] = []
         tasks.changed.connect(self._go_on)
 
     @property
     def opening(self) -> str:
         """Name of the task as it is shown; empty when nothing is being opened."""
-        return self._task.name if self._task is not None and not self._task.over else ""
+        return "" if self._task.over else self._task.name
 
     def open(self, wanted: Wanted) -> Task:
         """Start to open an image or a session."""
-        if self._task is not None:
-            self._task.cancel()
+        self._task.cancel()
         name = wanted.path.name
 
         def work(task: Task) -> Report:

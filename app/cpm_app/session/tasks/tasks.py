@@ -83,6 +83,11 @@ class Task:
         self._ended.set()
 
 
+OVER = Task("")
+"""A task that is over, where there has been none."""
+OVER.end()
+
+
 class Tasks(QObject):
     """The long tasks of a session.
 

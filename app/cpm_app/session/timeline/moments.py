@@ -7,7 +7,7 @@ from array import array
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,7 +17,7 @@ from cpm_core import Method, Parameters, PlacedCharge
 from cpm_core.image import AnyRegions
 from cpm_core.numerics import Array, Place, polyline
 from cpm_core.numerics.types import Sides, frozen
-from cpm_core.segmentation import MethodState, Steerable
+from cpm_core.segmentation import MethodState
 
 BranchStep = tuple[int, int]
 """Branch and step."""
@@ -149,17 +149,6 @@ class RunRecord:
         return RunMetrics(*rows[:, : np.searchsorted(rows[0], step, side="right")])
 
 
-class RunAction(Protocol):
-    """Something done to a state; equal actions lead from the same state to the same next one."""
-
-    @property
-    def regions(self) -> AnyRegions | None:
-        """Regions of the method that did it."""
-
-    def apply(self, method: Any, state: Any) -> Any:
-        """Apply it to a state of a method with these regions."""
-
-
 @frozen
 class Stepped:
     """One step with these parameters, placed charges and regions; a run that had ended continues."""
@@ -181,7 +170,7 @@ class Joined:
     seeds: tuple[tuple[float, ...], ...]
     regions: AnyRegions | None = None
 
-    def apply(self, method: Steerable[Any], state: Any) -> Any:
+    def apply(self, method: Any, state: Any) -> Any:
         """Add the particles."""
         return method.joined(state, np.array(self.seeds))
 
@@ -194,7 +183,7 @@ class Erased:
     radius: float
     regions: AnyRegions | None = None
 
-    def apply(self, method: Steerable[Any], state: Any) -> Any:
+    def apply(self, method: Any, state: Any) -> Any:
         """Remove the particles."""
         return method.erased(state, lambda at: self.reaches(at, method.image.spacing))
 
@@ -202,3 +191,7 @@ class Erased:
         """Which places, shape (N, D), are no farther from the path than the radius."""
         sides = np.array(spacing) / min(spacing) if len(self.path[0]) == 3 else 1.0
         return polyline.distances(np.array(self.path) * sides, places * sides) <= self.radius
+
+
+RunAction = Stepped | Joined | Erased
+"""Something done to a state of a method with these regions; equal actions lead from one state to the same next one."""

@@ -82,9 +82,8 @@ class PreparedMethods:
         """Seeds of the starts of a document that depend on the image."""
         if self._seed_cache is None or self._image is None:
             return NO_SEEDS
-        image, seen = self._sized(document), document.parameters
-        cache = self._seed_cache if image is self._image else SeedCache(image)
-        return cache.seeds_for(document.image_starts, seen.smoothing, document.regions, seen.channel)
+        image = self._sized(document)
+        return document.seeds_in(self._seed_cache if image is self._image else SeedCache(image))
 
 
 _MOST_VOXELS = 1 << 26

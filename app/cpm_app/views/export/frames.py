@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-import queue
-from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future, wait
 from dataclasses import replace
 
 import numpy as np
-from PySide6.QtCore import QObject, QRectF, Qt, QTimer
+from PySide6.QtCore import QRectF, Qt
 from PySide6.QtGui import QImage, QPainter
 
 from cpm_app.model.text.language import tr
-from cpm_app.session.exchange.messages import sentence
 from cpm_app.session.scene import ReviewedContours, Scene
 from cpm_app.session.session import Session
-from cpm_app.session.signals import FILMING
 from cpm_app.session.tasks.tasks import Task
 from cpm_app.session.worker.requests import FrameTaken, take_frame
 from cpm_app.views.canvas.canvas import Canvas
@@ -23,11 +20,8 @@ from cpm_app.views.canvas.image_view import ImageView
 from cpm_core.numerics import Pixels
 from cpm_core.numerics.types import Integers, frozen
 
-_INTERVAL = 15
-"""Time between two checks whether another frame can be taken [ms]."""
-
-_AHEAD = 4
-"""Maximum number of frames that wait to be written."""
+_CHECKED_EVERY = 0.05
+"""Time between two checks for cancellation [s]."""
 
 NARROWEST, WIDEST = 64, 3840
 """Smallest and largest width of a frame [px]."""
@@ -112,83 +106,42 @@ def to_array(picture: QImage) -> Pixels:
     return rows[:, : 3 * plain.width()].reshape(plain.height(), plain.width(), 3).copy()
 
 
-class FrameRecorder(QObject):
-    """Puts the frames of an animation into a queue, one after the other and None at the end, until its task is over.
+def recorded(
+    session: Session, renderer: FrameRenderer, places: Sequence[tuple[int, int]]
+) -> Callable[[Task], Iterator[Pixels]]:
+    """What gives the frames of an animation to the thread that writes them, of branches and steps.
 
-    One frame is requested at a time and drawn in its own turn of the event loop, so that the window stays usable.
-
-    Parameters
-    ----------
-    session : Session
-        Session with the run.
-    renderer : FrameRenderer
-        Draws the frames; closed at the end.
-    task : Task
-        The task; canceling it ends the recording.
-    places : sequence of tuple of int
-        Branches and steps.
-    frames : queue.Queue
-        Takes the frames.
+    Each frame is drawn in a turn of the event loop of its own while the one before is written, so that the window stays
+    usable.
     """
+    generation, shown = session.generation, renderer.shows_contours
 
-    def __init__(
-        self,
-        session: Session,
-        renderer: FrameRenderer,
-        task: Task,
-        places: Sequence[tuple[int, int]],
-        frames: queue.Queue[Pixels | None],
-    ) -> None:
-        super().__init__(session)
-        self._session = session
-        self._renderer = renderer
-        self._task = task
-        self._waiting = deque(places)
-        self._frames = frames
-        self._generation = session.generation
-        self._due = False
-        self.over = False
-        """Whether no more frames are taken."""
-        self._timer = QTimer(self, interval=_INTERVAL)
-        self._timer.timeout.connect(self._advance)
-        self._timer.start()
-        self._advance()
+    def ask(task: Task, place: tuple[int, int]) -> Future[Pixels]:
+        found = Future[Pixels]()
 
-    def stop(self) -> None:
-        """Take no more frames."""
-        if not self.over:
-            self.over = True
-            self._timer.stop()
-            self._renderer.close()
-            self.deleteLater()
-
-    def _advance(self) -> None:
-        if self._task.over:
-            self.stop()
-        elif not self._due and self._waiting and self._frames.qsize() < _AHEAD:
-            self._due = True
-            shown, place = self._renderer.shows_contours, self._waiting[0]
-            self._session.post(take_frame(self._task, self._generation, *place, shown, self._take_frame))
-
-    def _take_frame(self, report: FrameTaken) -> None:
-        if self.over or self._task.over:
-            return
-        self._due = False
-        trouble = ""
-        if report.moment is None:
-            gone = tr("The run of the animation no longer exists, so nothing was written.")
-            trouble = report.sentence or gone
-        else:
+        def draw(taken: FrameTaken) -> None:
+            if task.over:
+                return
             try:
-                self._frames.put(self._renderer.draw(report))
-            except Exception as error:  # it would be the same for each further try
-                trouble = sentence(error, tr("drawing an animation"))
-        if trouble:
-            self._task.cancel()
-            self._session.say(trouble, True, FILMING)
-            self.stop()
-            return
-        self._waiting.popleft()
-        if not self._waiting:
-            self.stop()
-            self._frames.put(None)
+                if taken.moment is None:
+                    gone = tr("The run of the animation no longer exists, so nothing was written.")
+                    raise ValueError(taken.sentence or gone)
+                found.set_result(renderer.draw(taken))
+            except Exception as error:  # reported by the thread that waits for the frame
+                found.set_exception(error)
+
+        session.tasks.call(lambda: session.post(take_frame(task, generation, *place, shown, draw)))
+        return found
+
+    def frames(task: Task) -> Iterator[Pixels]:
+        due = ask(task, places[0])
+        for place in (*places[1:], None):
+            while not due.done():
+                task.check_cancelled()
+                wait([due], _CHECKED_EVERY)
+            frame = due.result()
+            if place is not None:
+                due = ask(task, place)
+            yield frame
+
+    return frames

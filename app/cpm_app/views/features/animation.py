@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import queue
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
@@ -11,20 +10,17 @@ from PySide6.QtCore import QRectF
 
 from cpm_app.model.document.modes import MODES
 from cpm_app.model.text.language import reason, tr
-from cpm_app.session.exchange.messages import Exported, Report
+from cpm_app.session.exchange.messages import CommandFailed, Exported, Report
 from cpm_app.session.session import Session
 from cpm_app.session.signals import FILMING
 from cpm_app.session.tasks.tasks import Task
-from cpm_app.views.export.frames import AnimationPlan, FrameRecorder, FrameRenderer
+from cpm_app.views.export.frames import AnimationPlan, FrameRenderer, recorded
 from cpm_app.views.items.item import image_rectangle
 from cpm_app.views.window.window import Feature
 from cpm_core import METHODS, write_animation
 from cpm_core.formats import check_animation, facts_on, plain_shapes, text_of
 from cpm_core.numerics import Pixels
 from cpm_core.parameters import Provenance, taken
-
-_TIMEOUT = 0.05
-"""Time between two checks for cancellation [s]."""
 
 
 def comment_on(session: Session) -> str:
@@ -42,7 +38,7 @@ def comment_on(session: Session) -> str:
 def begin_writing(session: Session, path: Path, work: Callable[[Task], Report]) -> Task:
     """Write a file on another thread."""
     doing, done = tr("Writing {name}…", name=path.name), tr("writing {name}", name=path.name)
-    return session.tasks.start(doing, work, done)
+    return session.tasks.start(doing, work, done, partial(CommandFailed, topic=FILMING))
 
 
 def begin_animation(
@@ -64,12 +60,14 @@ class AnimationFeature(Feature):
 
     def set_up(self) -> None:
         """Make its actions, and follow what they depend on."""
-        self._filming: list[FrameRecorder] = []
+        self._filming: dict[Task, FrameRenderer] = {}
+        self.session.tasks.changed.connect(self._look)
 
     def close(self) -> bool:
-        """Stop the rendering of frames."""
-        for filming in self._filming:
-            filming.stop()
+        """Close what draws frames."""
+        for task in self._filming:
+            task.cancel()
+        self._look()
         return True
 
     def write(self, branch: int, plan: AnimationPlan, path: Path) -> Task | None:
@@ -81,11 +79,10 @@ class AnimationFeature(Feature):
         except ValueError as error:
             session.say(reason(error), True, FILMING)
             return None
-        frames: queue.Queue[Pixels | None] = queue.Queue()
-        task = begin_animation(session, path, partial(_taken, frames), len(plan.steps), plan.frames_per_second)
         renderer = FrameRenderer(session.scene, canvas, self.part(), plan.size)
-        filming = FrameRecorder(session, renderer, task, [(branch, step) for step in plan.steps], frames)
-        self._filming = [*(other for other in self._filming if not other.over), filming]
+        frames = recorded(session, renderer, [(branch, step) for step in plan.steps])
+        task = begin_animation(session, path, frames, len(plan.steps), plan.frames_per_second)
+        self._filming[task] = renderer
         return task
 
     def part(self) -> QRectF:
@@ -95,15 +92,7 @@ class AnimationFeature(Feature):
         part = canvas.view.viewRect().intersected(whole)
         return whole if part.isEmpty() else part
 
-
-def _taken(frames: queue.Queue[Pixels | None], task: Task) -> Iterator[Pixels]:
-    """Frames as they arrive, until there are no more; raises when the task is canceled."""
-    while True:
-        task.check_cancelled()
-        try:
-            frame = frames.get(timeout=_TIMEOUT)
-        except queue.Empty:
-            continue
-        if frame is None:
-            return
-        yield frame
+    def _look(self) -> None:
+        """Close what has drawn frames of tasks that are over."""
+        for task in [task for task in self._filming if task.over]:
+            self._filming.pop(task).close()

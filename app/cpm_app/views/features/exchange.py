@@ -25,7 +25,7 @@ from cpm_app.session.features.import_contours import (
     read_pasted,
 )
 from cpm_app.session.signals import EXPORTING, OPENING
-from cpm_app.session.tasks.tasks import Task
+from cpm_app.session.tasks.tasks import OVER
 from cpm_app.views.export.dialog import FORMATS, Exportable, ExportDialog
 from cpm_app.views.export.frames import AnimationPlan
 from cpm_app.views.features.animation import AnimationFeature
@@ -280,13 +280,13 @@ class BatchFeature(Feature):
 
     def set_up(self) -> None:
         """Make its actions, and follow what they depend on."""
-        self._task: Task | None = None
+        self._task = OVER
         self.actions = (
             ActionSpec("apply_to_folder", "File", "Apply this session to a &folder…",
                        "Run every image in a folder with the current starts and settings, and export the "
                        "contours.",
                        self._apply, "Ctrl+Alt+E",
-                       when=lambda situation: has_image(situation) and (self._task is None or self._task.over)),
+                       when=lambda situation: has_image(situation) and self._task.over),
         )  # fmt: skip
 
     def _apply(self) -> None:

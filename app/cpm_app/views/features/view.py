@@ -9,7 +9,6 @@ from PySide6.QtWidgets import QApplication
 
 from cpm_app.model.state.situation import has_image
 from cpm_app.model.text.language import tr, written
-from cpm_app.session.storage.preferences import Preferences
 from cpm_app.views.canvas.canvas import ZOOM
 from cpm_app.views.layers.image_layer import AUTOMATIC, WHOLE, named
 from cpm_app.views.layers.layer import Layer
@@ -40,7 +39,7 @@ class LayersFeature(Feature):
         self.panels = (Panel("layers", "Layers", panel, "F8"),)
         canvas.pointed.connect(layers.forces.point_at)
         for layer in layers:
-            layer.use_view_state(_kept(window.preferences, layer))
+            layer.use_view_state(window.preferences.mapping(_KEY.format(layer=layer.name)))
             layer.changed.connect(window.refresh)
 
         def say_range() -> None:
@@ -99,14 +98,6 @@ class LayersFeature(Feature):
     def _choose_range(self, value: str) -> None:
         self.canvas.layers.image.choose("range", value)
         self.window.refresh()
-
-
-def _kept(preferences: Preferences, layer: Layer) -> dict[str, object]:
-    """The stored settings of a layer; empty if they cannot be read."""
-    try:
-        return dict(json.loads(preferences.get(_KEY.format(layer=layer.name), "{}")))
-    except (TypeError, ValueError):
-        return {}
 
 
 class KeyboardFeature(Feature):

@@ -15,7 +15,7 @@ from cpm_app.session.storage.preferences import Preferences
 from cpm_app.views.widgets.actions import add_choice
 from cpm_core.formats import Reading, from_plain
 from cpm_core.formats.images.reading import DEFAULT
-from cpm_core.numerics.types import Callback, Entries
+from cpm_core.numerics.types import Callback
 
 MOST = 12
 """Largest number of files in the list."""
@@ -52,13 +52,14 @@ class RecentFiles:
         """Keep which part of a file has been opened, where it holds several."""
         if opened.saved is not None or opened.parts is None or not opened.parts.several:
             return
-        parts = self._kept | {str(opened.path.absolute()): (opened.image.ndim == 3, opened.reading.arguments)}
+        opened_as = opened.image.ndim == 3, opened.reading.arguments
+        parts = self._preferences.mapping(_PARTS) | {str(opened.path.absolute()): opened_as}
         self._preferences.put(_PARTS, json.dumps({path: parts[path] for path in map(str, self.paths) if path in parts}))
 
     def part_of(self, path: Path) -> tuple[bool | None, Reading]:
         """Whether a file was opened as a volume last, None where that is not known, and its reading."""
         try:
-            as_volume, reading = self._kept[str(path.absolute())]
+            as_volume, reading = self._preferences.mapping(_PARTS)[str(path.absolute())]
             return bool(as_volume), from_plain(Reading, reading, "reading")
         except (KeyError, TypeError, ValueError):
             return None, DEFAULT
@@ -74,14 +75,6 @@ class RecentFiles:
             add_choice(menu, f"{key}{name}", partial(self._open_file, path), tip).setEnabled(there)
         menu.addSeparator()
         add_choice(menu, tr("&Clear this list"), self.clear).setEnabled(bool(paths))
-
-    @property
-    def _kept(self) -> Entries:
-        """What is kept of parts; nothing where that cannot be read."""
-        try:
-            return dict(json.loads(self._preferences.get(_PARTS, "{}")))
-        except (TypeError, ValueError):
-            return {}
 
     def clear(self) -> None:
         """Forget all files."""
