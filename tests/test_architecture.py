@@ -34,7 +34,7 @@ LATE_LIBRARIES = {
     "cpm_core.formats.images.nrrd": {"nrrd"},
     "cpm_core.formats.images.dicom": {"pydicom", "imagecodecs"},
     "cpm_core.formats.images.raster": {"imagecodecs"},
-    "cpm_core.cli.workers": {"distributed"},
+    "cpm_core.cli.workers": {"dask", "distributed"},
     "cpm_core.chunked.seams": {"shapely"},
     "cpm_core.chunked.results": {"pyarrow"},
     "cpm_core.chunked.volume_results": {"pyarrow"},

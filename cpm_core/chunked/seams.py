@@ -2,8 +2,8 @@
 
 A closed contour whose box is at most `Grid.whole` long belongs to the chunk with the middle of its box, which sees all
 of it undisturbed, as do all chunks whose cores it touches: none asks another. Of others each chunk keeps what lies in
-its core and a little beyond, so that pieces of neighbors overlap; there they are joined, and what one piece shares with
-another is kept once.
+its core and a little beyond, so that pieces of neighbors overlap; there they are joined, and what one
+contour shares with another at its ends is kept once.
 """
 
 from __future__ import annotations
@@ -113,14 +113,24 @@ def joined(pieces: list[Piece], chunks: Sequence[int], least: float) -> list[Con
                         ends[m, known[0]] = _End(n, end, _continued(back, pieces[n].contour.points)[1])
                         break
     left = [n for n in range(len(pieces)) if n not in gone]
-    for n, end in ((n, end) for n in left for end in (0, 1) if pieces[n].cut[end] and (n, end) not in ends):
-        near = tree.query(lines[n], "dwithin", _SAME).tolist()
-        others = shapely.union_all([lines[m] for m in near if chunks[m] != chunks[n] and m not in gone])
-        contour, way = pieces[n].contour, 1 if end == 0 else -1
-        own = np.flatnonzero(~shapely.dwithin(shapely.points(contour.points), others, _SAME)[::way])
-        first = max(int(own[0]) - 1, 0) if len(own) else 0  # shared but for the last vertex, so that they meet
-        pieces[n] = Piece(replace(contour, points=contour.points[::way][first:][::way]), pieces[n].cut)
-    return [one for one in _chains(pieces, left, ends) if one.length >= least]
+    return [one for one in _once(_chains(pieces, left, ends)) if one.length >= least]
+
+
+def _once(contours: list[Contour]) -> Iterator[Contour]:
+    """Contours without the stretches at their ends that lie on others, the shortest first."""
+    import shapely
+
+    contours = sorted(contours, key=lambda one: one.length)
+    lines = [shapely.LineString(one.path) for one in contours]
+    tree = shapely.STRtree(lines)
+    for n, one in enumerate(contours):
+        near = [] if one.closed else [lines[m] for m in tree.query(lines[n], "dwithin", _SAME).tolist() if m != n]
+        own = ~shapely.dwithin(shapely.points(one.points), shapely.union_all(near), _SAME) if near else np.ones(1, bool)
+        first, end = (max(int(way.argmax()) - 1, 0) for way in (own, own[::-1]))  # with a vertex where they meet
+        kept = one.points[first : len(one.points) - end] if own.any() else one.points[:0]
+        lines[n] = shapely.LineString(kept) if len(kept) < len(one.points) else lines[n]
+        if len(kept) > 1:
+            yield replace(one, points=kept)
 
 
 def _continued(points: Array, other: Array) -> tuple[int, int]:

@@ -495,8 +495,8 @@ class Partition(drawing.Pictured):
     @cached_property
     def _closed(self) -> ClosedRegions:
         free = self.regions is None or not (self.regions.interest or self.regions.barriers)
-        smoothing = "auto" if self.frame is None else self.frame.smoothing
-        return ClosedRegions(self.contours if free else (), self.values, smoothing)
+        contours = self.contours if free else ()
+        return ClosedRegions(contours, self.values, "auto" if self.frame is None else self.frame.smoothing)
 
     @cached_property
     def _prior(self) -> Prior:

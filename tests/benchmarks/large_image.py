@@ -4,22 +4,27 @@ python tests/benchmarks/large_image.py make nuclei.zarr 30000
 cpm run nuclei.zarr --auto gradient --scales 1 --d-min 3 --smoothing 2 --edge-floor 0.15 --export l.zarr g.geojson t.csv
 python tests/benchmarks/large_image.py judge 30000 g_*.geojson
 python tests/benchmarks/large_image.py speed nuclei.zarr 12
+python tests/benchmarks/large_image.py objects 2000 1024
 
-The last one finds the contours of so many chunks with one worker and with two.
+The one before last finds the contours of so many chunks with one worker and with two. The last one draws objects of
+many sizes and finds them in chunks of this side, and in one piece: between the same contours, and between those of a
+run in one piece.
 """
 
 import json
 import sys
 import tempfile
 import time
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import numpy as np
+import scipy
 
 import cpm_core as cpm
 from cpm_core.chunked.grid import Source, grid_for
-from cpm_core.chunked.run import Task, find
+from cpm_core.chunked.run import CONTOURS, Task, find, run
 from cpm_core.chunked.store import Store
 from cpm_core.chunked.survey import Tone, Whole
 from cpm_core.cli.workers import cluster, finished, on_one_core
@@ -28,6 +33,7 @@ from cpm_core.contours.contour import Contour, sampled
 from cpm_core.formats.images.ome_zarr import create_levels, halve_part, write_part
 from cpm_core.formats.images.reading import Reading
 from cpm_core.numerics.grids import tiles
+from cpm_core.numerics.parallel import at_most
 
 PITCH, REACH, TILE = 94.9, 40, 1024
 NOISE, BLUR = 4.0, 0.8
@@ -136,8 +142,68 @@ def speed(path, count):
             print(f"{workers} workers: {len(some)} chunks in {time.perf_counter() - began:.1f} s", flush=True)
 
 
+def of_many_sizes(side):
+    """Ellipses with radii from 11 to 330 px that do not touch, some with a second one in them, and noise."""
+    rng, values, known = np.random.default_rng(1), np.full((side, side), 30.0), []
+    row, col = np.indices(values.shape)
+    for size, count in ((330, 2), (180, 3), (90, 8), (45, 40), (22, 90), (11, 120)):
+        for _ in range(count * 20):
+            middle = rng.integers(size // 2, side - size // 2, 2)
+            narrow, level = rng.uniform(0.6, 1.0), rng.uniform(80.0, 200.0)
+            if all(np.hypot(*(middle - other)) > 1.15 * (size + far) + 6 for other, far in known):
+                known.append((middle, size))
+                away = np.hypot(row - middle[0], (col - middle[1]) / narrow)
+                values[away < size] = level
+                values[away < 0.35 * size * (rng.uniform() < 0.3)] = level + 40.0
+    blurred = scipy.ndimage.gaussian_filter(values, 1.2) + rng.normal(0.0, 4.0, values.shape)
+    return np.clip(np.rint(blurred), 0, 255).astype(np.uint8)
+
+
+def serial(function, some, title):
+    began = time.process_time()
+    yield from ((at, on_one_core(function, job)) for at, job in enumerate(some))
+    print(f"{title}: {len(some)} chunks, {time.process_time() - began:.1f} s of processor time", flush=True)
+
+
+def objects(side, core):
+    """How objects that are found chunk by chunk differ from those in one piece."""
+    values, parameters = of_many_sizes(side), cpm.Parameters(smoothing=1.5)
+    with tempfile.TemporaryDirectory() as folder:
+        path, store = Path(folder) / "drawn.zarr", Store(Path(folder) / "chunks")
+        create_levels(path, values.shape, values.dtype, TILE)
+        write_part(path, 0, np.s_[:, :], values)
+        task = Task(Source(path, Reading()), parameters, "grid", store, None, True)
+        found = run(task, serial, core)
+        several = {}
+        for contour in (one for at in range(len(found.counts)) for one in found.contours(at)):
+            several.setdefault(contour.group, []).append(contour)
+        grid = grid_for(values.shape, parameters, 1.5, core)
+        between = replace(found, kind=CONTOURS, grid=grid, counts=(0,) * len(found.counts))
+        same = [one for at in range(len(found.counts)) for one in between.contours(at)]
+    with at_most(1):
+        result = cpm.segment(cpm.Image(values), cpm.uniform_grid(values.shape), parameters)
+        for title, contours in (("the same contours", same), ("those of a run in one piece", result.contours)):
+            left, apart = list(several.values()), []
+            whole = cpm.select_all(replace(cpm.partition(result), contours=tuple(contours)))
+            for one in whole:
+                nearest = min(left, key=lambda other: np.abs(box(other) - box(one.contours)).max(), default=None)
+                if nearest and np.abs(box(nearest) - box(one.contours)).max() < 12.0:
+                    left = [other for other in left if other is not nearest]
+                    ways = ((one.contours, nearest), (nearest, one.contours))
+                    apart.append(max(distance_to(np.concatenate([c.points for c in a]), b).max() for a, b in ways))
+            print(f"{title}: {len(whole)} objects in one piece, {len(apart)} also in chunks, {len(left)} only there; "
+                  f"{sum(np.array(apart) > 0.05)} differ by more than 0.05 px, at most {max(apart):.3f}")  # fmt: skip
+
+
+def box(contours):
+    """First and last row and column of an object."""
+    return max(contours, key=lambda one: one.length).box
+
+
 if __name__ == "__main__":
-    if sys.argv[1] == "make":
+    if sys.argv[1] == "objects":
+        objects(int(sys.argv[2]), int(sys.argv[3]))
+    elif sys.argv[1] == "make":
         make(Path(sys.argv[2]), int(sys.argv[3]))
     elif sys.argv[1] == "speed":
         speed(Path(sys.argv[2]), int(sys.argv[3]))

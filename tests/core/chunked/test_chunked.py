@@ -195,6 +195,15 @@ def test_pieces_are_joined_to_closed_contours_without_a_seam():
     assert one.area == pytest.approx(np.pi * 80.0**2, rel=1e-3)
 
 
+def test_a_line_along_a_seam_that_two_chunks_see_a_little_apart_is_there_once():
+    row = np.arange(0.0, 161.0)
+    lines = [
+        np.stack([row[part], np.full(part.sum(), at)], axis=1) for part, at in ((row <= 100, 50.0), (row >= 60, 50.3))
+    ]
+    found = joined([Piece(Contour(points, False)) for points in lines], [0, 1], 8.0)
+    assert sum(one.length for one in found) == pytest.approx(160.0, abs=2.0)
+
+
 @pytest.mark.parametrize("unit", ["nm", "µm", "mm", "cm", "m"])
 def test_the_size_of_a_pixel_is_read_back_in_every_unit(tmp_path, unit):
     ome_zarr.create_levels(tmp_path / "x.zarr", (600, 600), np.uint8, SIDE, (0.5, 0.25), unit)
