@@ -35,6 +35,9 @@ _NUMBERED = np.float32(2**20)
 """Regions of a chunk away from particles are stored in place of the height, as this number plus theirs, from 1; 0 is
 that of all that has not been written."""
 
+_STEEPEST = np.float32(2**18)
+"""Largest height, where an edge has no slope: far from the surface, and below all numbers of regions."""
+
 _TAILS = 3.0
 """Widths of the Gaussian within which a particle counts."""
 
@@ -183,6 +186,7 @@ def _height_in(regions: _Regions, apart: float, chunk: Chunk) -> None:
         begin = np.array([side.start - 1 for side in relative(beyond, chunk.padded)])
         box = Box(begin, tuple(n + 2 for n in sides_of(beyond)))  # type: ignore[arg-type]
         found = height(volume.smoothed(chunk), box, levels, volume.size, width, band)
+        np.clip(found, -_STEEPEST, _STEEPEST, out=found)
         found[found == 0.0] = -np.finfo(np.float32).tiny
         parts, votes = unknown_regions(found)
         parts.fill(_NUMBERED + 1 + np.arange(parts.count, dtype=np.float32), found)

@@ -35,7 +35,7 @@ def test_a_killed_worker_costs_what_it_was_doing_and_no_more(tmp_path):
     assert sum(begun) <= 10  # what has been done and not been fetched yet may be done again
 
 
-@pytest.mark.parametrize(("shape", "pitch", "count"), [((1100, 1100), 110, 100), ((264, 264, 48), 48, 25)])
+@pytest.mark.parametrize(("shape", "pitch", "count"), [((1100, 1100), 110, 100), ((264, 264, 48), 48, 36)])
 def test_a_killed_run_is_continued_by_the_same_command(tmp_path, shape, pitch, count):
     away = np.sqrt(((np.indices(shape) % pitch - pitch // 2) ** 2).sum(axis=0))
     image = (120 * (away < 0.2 * pitch) + 20).astype(np.uint8)
