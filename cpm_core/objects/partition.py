@@ -177,6 +177,8 @@ class Partition(drawing.Pictured):
     True
     >>> bool(partition.judged(chosen.mask).overlap > 0.8)
     True
+    >>> len(partition.outlines(chosen.mask))
+    1
     >>> partition.around(chosen.mask, 301.0).shape
     (64, 64)
     >>> axes = partition.plot()
