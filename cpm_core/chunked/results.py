@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cpm_core.chunked.grid import Chunk, Grid, Source
 from cpm_core.chunked.run import Compute, Found, Task
@@ -178,7 +179,8 @@ def _rows(found: Found, chunk: Chunk) -> dict[str, Array]:
     long = [one for one in own if not (one.group or found.grid.sees(one))]
     columns: dict[str, list[Array]] = {"label": [np.array(_numbers([*short, *long]), np.int64)]}
     for some in (short, long):
-        contours, labels, gray, count = some, np.zeros((1, 1), np.int64), None, len(_numbers(some))
+        labels: NDArray[Any] = np.zeros((1, 1), np.int64)
+        contours, gray, count = some, None, len(_numbers(some))
         if some and some is short:
             window = _window(found, chunk, some)
             contours = [one for one in _with_inner(found, chunk, some) if one.closed]
