@@ -87,7 +87,7 @@ DAMAGES = {
     "nothing but the length of the header": lambda content: content[:4],
     "cut in the header": lambda content: content[: min(len(content) // 2, 40)],
     "cut in the values": lambda content: content[: len(content) * 9 // 10],
-    "cut in the last bytes": lambda content: content[:-2],
+    "cut in the last bytes": lambda content: content[:-12],  # more than the checksum of what is packed
     "another mark": lambda content: flipped(content, 344 if len(content) > 1300 else 0),
 }
 
@@ -103,8 +103,6 @@ DAMAGES = {
     ],
 )
 def test_a_damaged_volume_is_called_what_it_is(tmp_path, damage, name, kind, sound):
-    if name in ("a.nii.gz", "b.nrrd") and damage == "cut in the last bytes":
-        pytest.skip("the values are complete")
     (tmp_path / name).write_bytes(sound())
     assert np.array_equal(load_volume(tmp_path / name).values, VOLUME)
     (tmp_path / name).write_bytes(DAMAGES[damage](sound()))
