@@ -79,6 +79,12 @@ class PackedSurface:
     def __post_init__(self) -> None:
         if not len(self.surface.faces) or not self.surface.closed:
             raise ValueError("The surface around an object is not closed, so nothing is inside.")
+        sides = np.ceil(np.ptp(self.surface.vertices, axis=0)).tolist()
+        if math.prod(sides) > MOST_VOXELS:
+            raise ValueError(
+                f"The surface around an object spans {' x '.join(f'{side:g}' for side in sides)} voxels, but at most "
+                f"{MOST_VOXELS:,} in all can be filled: make it smaller."
+            )
 
     @classmethod
     def of(cls, surface: Surface) -> PackedSurface:

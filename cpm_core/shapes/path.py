@@ -72,6 +72,8 @@ class OpenPath(WithoutOutline):
 
     def __post_init__(self) -> None:
         check_positions("points", self.points, self.least)
+        if len(set(map(len, self.points))) > 1:
+            raise ValueError("points in an image and in a volume are mixed: give all of them as many numbers.")
 
     @property
     def outline(self) -> Array:

@@ -17,7 +17,7 @@ from cpm_core.numerics import polyline
 from cpm_core.numerics.types import Array, Place, Sides, Voxel, frozen
 from cpm_core.shapes.areas import OnStrongEdges, Spaced, check_spacing, evenly, finest_spacing
 from cpm_core.shapes.ellipse import Round
-from cpm_core.shapes.path import WithoutOutline, check_number
+from cpm_core.shapes.path import LARGEST, WithoutOutline, check_number
 
 SMALLEST = 1.0
 """Least side of a box [voxels], and radius of a sphere [sides of the smallest voxel]."""
@@ -52,6 +52,8 @@ class Cuboid(WithoutOutline):
 
     def __post_init__(self) -> None:
         low, high = np.sort([self.first, self.last], axis=0).tolist()
+        if not all(math.isfinite(end) and abs(end) <= LARGEST for end in (*low, *high)):
+            raise ValueError(f"the corners of the box are {self.first} and {self.last} but must be in the volume.")
         if min(map(operator.sub, high, low)) < SMALLEST - _SAME:
             raise ValueError(
                 f"the corners of the box are {self.first} and {self.last} but must be a voxel apart along every axis."
@@ -162,6 +164,8 @@ class BoxGrid(Spaced, Cuboid):
 
     def __post_init__(self) -> None:
         Cuboid.__post_init__(self)
+        for side in self.sides:
+            check_number("sides", side, 1e-3, 1e3)
         check_spacing(self.spacing, self._lengths)
 
     @classmethod
@@ -231,7 +235,11 @@ class Sphere(Round, WithoutOutline):
     sides: Voxel = (1.0, 1.0, 1.0)
 
     def __post_init__(self) -> None:
+        if len(self.center) != 3 or len(self.sides) != 3:
+            raise ValueError(f"center and sides have {len(self.center)} and {len(self.sides)} numbers but need three.")
         check_number("radius", self.radius)
+        for side in self.sides:
+            check_number("sides", side, 1e-3, 1e3)
 
     @classmethod
     def round(cls, center: Voxel, radius: float, spacing: Sides) -> Sphere:

@@ -183,4 +183,4 @@ def _contour_from(plain: Plain) -> Contour:
 
 
 def _points(plain: Plain) -> Array:
-    return np.array(plain["points"], float).reshape(-1, 2)
+    return np.array(plain["points"], float).reshape(len(plain["points"]), 2)

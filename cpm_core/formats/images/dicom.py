@@ -38,6 +38,7 @@ _CODECS = {
 }
 """End of the name of a packing -> function of imagecodecs."""
 
+_PIXELS = ("PixelData", "FloatPixelData", "DoubleFloatPixelData")
 
 # pydicom logs a warning for everything unusual in a file; the user gets one sentence on what matters instead.
 logging.getLogger("pydicom").addHandler(logging.NullHandler())
@@ -154,6 +155,8 @@ def _decoded(dataset: Any, frame: Frame, name: str) -> Decoded:
     """One image of a file: values in the unit of the file, bright where they are to be shown bright."""
     check_size(name, *frame.shape)
     stored = _unpacked(dataset, frame, name)
+    if stored.shape[:2] != frame.shape:
+        raise ValueError("the pixels have another size than the header says")
     colors = str(dataset.get("PhotometricInterpretation", "MONOCHROME2")).strip()
     if colors == "PALETTE COLOR":
         from pydicom.pixels.processing import apply_color_lut
@@ -194,6 +197,8 @@ def _unpacked(dataset: Any, frame: Frame, name: str) -> Numbers:
     from pydicom import encaps
     from pydicom.pixels.utils import pixel_array
 
+    if not any(kind in dataset for kind in _PIXELS):
+        raise UnreadableError(f"{name} holds no DICOM image: choose another file or folder.")
     try:
         return np.asarray(pixel_array(dataset, index=frame.index))
     except Exception as error:  # of any kind, as decoders do; perhaps another package unpacks it

@@ -12,7 +12,7 @@ import skimage
 
 from cpm_core.contours.contour import Label
 from cpm_core.contours.result import Result
-from cpm_core.formats.common.content import missing
+from cpm_core.formats.common.content import UnreadableError, missing
 from cpm_core.formats.common.printable import label_of
 from cpm_core.formats.common.provenance import VERSION
 from cpm_core.formats.images.decoded import Decoded
@@ -147,7 +147,8 @@ def read(path: Path) -> list[tuple[Label, list[Decoded]]]:
         label = label_of(int(segment.SegmentNumber), str(segment.get("SegmentLabel", "")), color)
         found[label.number] = label, []
     for frame, values, own in zip(frames, pixels, dataset.PerFrameFunctionalGroupsSequence, strict=True):
-        assert frame.origin is not None and frame.along is not None and frame.spacing is not None
+        if frame.origin is None or frame.along is None or frame.spacing is None:
+            raise UnreadableError(f"{path.name} does not state where its segments lie: save it again.")
         masks = {number: values == number for number in np.unique(values[values > 0]).tolist()}
         if kind == _STORAGE:
             group = own if "SegmentIdentificationSequence" in own else dataset.SharedFunctionalGroupsSequence[0]

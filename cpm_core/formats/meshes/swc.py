@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import logging
+import warnings
 from collections import deque
 from collections.abc import Callable
 from pathlib import Path
@@ -11,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import scipy
 
-from cpm_core.formats.common.content import AnyPath, content_of, decoding
+from cpm_core.formats.common.content import AnyPath, content_of
 from cpm_core.formats.common.provenance import PROGRAM, facts_on, text_of
 from cpm_core.formats.images.resolution import in_ascii
 from cpm_core.formats.meshes.coordinates import decimals_for, place_of, positions
@@ -19,6 +20,7 @@ from cpm_core.image.geometry import Convention
 from cpm_core.image.image import Image
 from cpm_core.medial_axis.centerlines import Branch, Centerlines, longest_first
 from cpm_core.numerics.types import Array
+from cpm_core.parameters.quotation import shown
 
 _LOG = logging.getLogger(__name__)
 
@@ -114,27 +116,47 @@ def load_centerlines(
     """
     file = Path(path)
     text = content_of(file).decode("utf-8-sig", "replace")
+    rows = _rows(text, file.name)
     remarks = "\n".join(line for line in text.splitlines() if line.lstrip().startswith("#"))
     place, notes = place_of(remarks, image, space)
-    with decoding(file.name, "is damaged: get a sound copy of it."):
-        rows = np.loadtxt(io.StringIO(text.replace(",", " ")), usecols=range(_COLUMNS), ndmin=2)
-        points, radii = place.voxels(rows[:, 2:5]), rows[:, 5] * place.scale
-        index = {number: k for k, number in enumerate(rows[:, 0].tolist())}
-        links = [(index[parent], k) for k, parent in enumerate(rows[:, 6].tolist()) if parent >= 0]
-        degree = np.bincount(np.array(links, np.int64).reshape(-1), minlength=len(rows))
-        same, physical = np.arange(len(rows)), points * place.spacing  # an end that lies at another point is that point
-        near, reach = scipy.spatial.KDTree(physical), _SAME * min(place.spacing)
-        for k in np.flatnonzero(degree == 1).tolist():
-            others = [one for one in near.query_ball_point(physical[k], reach) if one != k and same[one] == one]
-            if others:
-                same[k] = min(others)
-        branches = _branches(points, radii, [(int(same[a]), int(same[b])) for a, b in links if same[a] != same[b]])
+    points, radii = place.voxels(rows[:, 2:5]), rows[:, 5] * place.scale
+    index = {number: k for k, number in enumerate(rows[:, 0].tolist())}
+    parents = rows[:, 6].tolist()
+    if len(index) < len(rows) or any(parent >= 0 and parent not in index for parent in parents):
+        raise ValueError(
+            f"{file.name} has two points of the same number, or a point without its parent: write it again."
+        )
+    links = [(index[parent], k) for k, parent in enumerate(parents) if parent >= 0]
+    degree = np.bincount(np.array(links, np.int64).reshape(-1), minlength=len(rows))
+    same, physical = np.arange(len(rows)), points * place.spacing  # an end that lies at another point is that point
+    near, reach = scipy.spatial.KDTree(physical), _SAME * min(place.spacing)
+    for k in np.flatnonzero(degree == 1).tolist():
+        others = [other for other in near.query_ball_point(physical[k], reach) if other != k and same[other] == other]
+        if others:
+            same[k] = min(others)
+    branches = _branches(points, radii, [(int(same[a]), int(same[b])) for a, b in links if same[a] != same[b]])
     if not branches:
         raise ValueError(f"{file.name} holds single points and no lines: choose a file with lines.")
     for note in notes:
         warn(f"{file.name}: {note}")
     geometry = None if image is None else image.geometry
     return longest_first(Centerlines(tuple(branches), place.spacing, place.unit, file.name, geometry))
+
+
+def _rows(text: str, name: str) -> Array:
+    """The numbers of all points, shape (N, 7); ValueError when a line does not hold as many."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of a file without lines, which is refused below
+            rows = np.loadtxt(io.StringIO(text.replace(",", " ")), usecols=range(_COLUMNS), ndmin=2)
+    except (ValueError, OverflowError) as error:
+        raise ValueError(
+            f"{name} has a line that is not seven numbers (number, kind, x, y, z, radius, parent), "
+            f"{shown(str(error))}: write it again."
+        ) from error
+    if not len(rows) or not np.isfinite(rows).all():
+        raise ValueError(f"{name} holds no center lines: choose a file of SWC.")
+    return np.asarray(rows)
 
 
 def _branches(points: Array, radii: Array, links: list[tuple[int, int]]) -> list[Branch]:

@@ -66,11 +66,18 @@ def test_a_volume_cut_short_is_refused_in_one_line_and_closed(tmp_path, capfd, s
     content = bytes(SOUND[suffix]())
     path.write_bytes(content)
     assert np.array_equal(load_volume(path).values, VOLUME)
-    for share in (0.01, 0.3, 0.45, 0.8 if suffix == ".nii.gz" else 0.95):
+    for share in (0.01, 0.3, 0.45, 0.95):
         path.write_bytes(content[: int(share * len(content))])
         refusal(path)
     gc.collect()  # what is left open warns now
     assert capfd.readouterr() == ("", "")
+
+
+def test_a_packed_volume_whose_sum_is_wrong_is_damaged(tmp_path):
+    content = bytearray(gzip.compress(nifti(), mtime=0))
+    content[-8] ^= 1
+    (tmp_path / "wrong.nii.gz").write_bytes(content)
+    assert "is damaged" in refusal(tmp_path / "wrong.nii.gz")
 
 
 def flipped(content, place):
@@ -87,7 +94,7 @@ DAMAGES = {
     "nothing but the length of the header": lambda content: content[:4],
     "cut in the header": lambda content: content[: min(len(content) // 2, 40)],
     "cut in the values": lambda content: content[: len(content) * 9 // 10],
-    "cut in the last bytes": lambda content: content[:-12],  # more than the checksum of what is packed
+    "cut in the last bytes": lambda content: content[:-2],
     "another mark": lambda content: flipped(content, 344 if len(content) > 1300 else 0),
 }
 
@@ -103,6 +110,8 @@ DAMAGES = {
     ],
 )
 def test_a_damaged_volume_is_called_what_it_is(tmp_path, damage, name, kind, sound):
+    if name == "b.nrrd" and damage == "cut in the last bytes":
+        pytest.skip("the values are complete")
     (tmp_path / name).write_bytes(sound())
     assert np.array_equal(load_volume(tmp_path / name).values, VOLUME)
     (tmp_path / name).write_bytes(DAMAGES[damage](sound()))

@@ -266,6 +266,14 @@ def test_jpeg_of_twelve_bits_is_unpacked_by_imagecodecs(tmp_path):
     assert np.array_equal(load_image(tmp_path / "a.dcm").values, known)
 
 
+def test_packed_pixels_of_another_size_than_the_header_says_are_refused(tmp_path):
+    found, _ = of_twelve_bits(pytest.importorskip("imagecodecs"))
+    found.Rows = 11
+    found.save_as(tmp_path / "a.dcm")
+    with pytest.raises(ValueError, match="is damaged"):
+        load_image(tmp_path / "a.dcm")
+
+
 def test_colors_become_luminance(tmp_path):
     colors = np.stack([VALUES[0] % 251, VALUES[1] % 251, VALUES[2] % 251], -1).astype(np.uint8)
     write_slice(tmp_path / "a.dcm", VALUES[0].astype(np.uint8), SamplesPerPixel=3, PlanarConfiguration=0,
@@ -287,6 +295,12 @@ def test_old_files_without_a_mark_are_known_by_their_first_entry(tmp_path, impli
 
 def test_a_file_without_an_image_is_called_that(tmp_path):
     write_slice(tmp_path / "a.dcm", VALUES[0], Rows=None)
+    with pytest.raises(ValueError, match=r"a\.dcm holds no DICOM image: choose another file"):
+        load_image(tmp_path / "a.dcm")
+
+
+def test_a_file_whose_pixels_were_taken_out_is_called_that(tmp_path):
+    write_slice(tmp_path / "a.dcm", VALUES[0], PixelData=None)
     with pytest.raises(ValueError, match=r"a\.dcm holds no DICOM image: choose another file"):
         load_image(tmp_path / "a.dcm")
 

@@ -26,6 +26,12 @@ def packed(mask):
 ONE, FAR = ball((13, 14, 10)), ball((13, 14, 28))
 
 
+def test_a_surface_that_spans_far_more_than_a_volume_is_refused():
+    surface = VolumeTruth(ONE).surface
+    with pytest.raises(ValueError, match=r"spans .* voxels, but at most .* make it smaller"):
+        PackedSurface.of(type(surface)(100.0 * surface.vertices, surface.faces))
+
+
 def filled(voxels, shape=SHAPE):
     found = np.zeros(shape, bool)
     voxels.fill(found)

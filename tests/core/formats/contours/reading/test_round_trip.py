@@ -1,5 +1,6 @@
 """What is exported is read back: vertices to a hundredth of a pixel, with the names, colors and objects that fit in."""
 
+import json
 import string
 from dataclasses import replace
 
@@ -128,3 +129,10 @@ def test_drawings_for_cad_are_placed_by_the_image_they_belong_to(tmp_path):
     found = load_contours(tmp_path / "b.dxf", millimeters)
     assert max(off(one, original) for one, original in zip(found, RESULT.contours[:4], strict=True)) < NEAR
     assert read_contours(tmp_path / "b.dxf", plane_of(millimeters)).notes == ()
+
+
+def test_vertices_of_three_numbers_are_not_read_as_pairs():
+    content = json.loads(encoded(result_of(Contour(np.array([(1.0, 2.0), (3.0, 4.0), (5.0, 2.0)]), True)), ".json"))
+    content["contours"][0]["points"] = [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]]
+    with pytest.raises(ValueError, match=r"a\.json is damaged"):
+        decode_contours(json.dumps(content).encode(), "a.json")
