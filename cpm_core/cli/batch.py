@@ -205,16 +205,17 @@ class Batch:
         taken = {name.lower() for row in (*others, *self.rows.values()) for name in row.files}
         images = {Path(image).resolve() for image in self._images}
         stems: dict[int, str] = {}
+        tried: dict[str, int] = {}
         for job in self.jobs:
             first = f"{printable(Path(job.row.image).stem).encode()[:_LONGEST].decode(errors='ignore')}_contours"
-            for count in itertools.count(1):
+            for count in itertools.count(tried.get(first, 1)):
                 stem = first if count == 1 else f"{first}_{count}"
                 names = {f"{stem}{suffix}".lower() for suffix in self._suffixes}
                 if taken.isdisjoint(names) and images.isdisjoint(
                     (self._folder / f"{stem}{suffix}").resolve() for suffix in self._suffixes
                 ):
                     break
-            stems[job.number] = stem
+            stems[job.number], tried[first] = stem, count
             taken |= names
         return stems
 
