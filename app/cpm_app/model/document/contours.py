@@ -7,11 +7,11 @@ from dataclasses import replace
 
 from cpm_app.model.document.document import Document
 from cpm_app.model.text.language import tr
-from cpm_core import Contour, Image, Result, State, segment
+from cpm_core import Contour, Engine, Evolution, Result, State
 from cpm_core.contours import HandEdit, Mark, Outline, Verdict, apply, outline_of, with_kept
 from cpm_core.numerics import Position
 from cpm_core.numerics.types import record
-from cpm_core.shapes import SeedCache
+from cpm_core.shapes import ImageSeeds
 
 NAMES = {
     "cut": tr("cut contour"),
@@ -30,11 +30,15 @@ def reviewed_result(document: Document, result: Result) -> Result:
     return apply(with_kept(result, document.marks), document.marks)
 
 
-def found_in(document: Document, image: Image, progress: Callable[[State], object]) -> Result:
-    """What a run of a document in an image finds, as it has been reviewed; `progress` is called with each state."""
-    seeds, parameters = document.seeds(document.seeds_in(SeedCache(image))), document.parameters
-    found = segment(image, seeds, parameters, None, progress, document.regions, document.charges)
-    return reviewed_result(document, found)
+def found_by(engine: Engine, document: Document, seeds: ImageSeeds, progress: Callable[[State], object]) -> Result:
+    """What a run of a document finds, as it has been reviewed; `progress` is called with each state, first the start.
+
+    `seeds` are those of its starts that depend on the image.
+    """
+    run = Evolution(engine, engine.start(document.seeds(seeds)), document.parameters, charges=document.charges)
+    for moment in run:
+        progress(moment.state)
+    return reviewed_result(document, run.result)
 
 
 def add_hand_edits(document: Document, edits: Sequence[HandEdit]) -> Document:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
 from cpm_app.model.display.page_rows import PageRow, page_rows
-from cpm_app.model.document.contours import found_in
+from cpm_app.model.document.contours import found_by
 from cpm_app.model.document.document import Document, ImageReference
 from cpm_app.model.document.objects import objects_result
 from cpm_app.model.document.saving import restored, to_file
@@ -20,14 +20,14 @@ from cpm_app.session.exchange.messages import sentence
 from cpm_app.session.tasks.tasks import Cancelled, Task
 from cpm_app.session.timeline.plain_runs import sound
 from cpm_app.session.undo_history import History
-from cpm_core import Page, Result, State, load_pages
+from cpm_core import Engine, Page, Result, State, load_pages
 from cpm_core.contours import middle
 from cpm_core.formats import Pages, Reading, decode, encode, page_from_plain, page_to_plain
 from cpm_core.formats.sessions.recorded_run import Recorder, with_run
 from cpm_core.numerics.types import Entries, Plain, record
 from cpm_core.objects.segmented import SegmentedObjects
 from cpm_core.pages import Follower, StackResult, fitting, pages_of, trouble_of, without_image
-from cpm_core.shapes import Start, check_axes
+from cpm_core.shapes import SeedCache, Start, check_axes
 
 
 @record
@@ -336,7 +336,9 @@ def run_pages(
             reference = ImageReference.of(Path(source.path), image, source.reading_of(number))
             document = replace(document, image=reference, parameters=fitting(document.parameters, image.shape))
             recorder = Recorder()
-            result = found_in(document, image, partial(_recorded, recorder, task))
+            engine = Engine(image, document.parameters, document.regions)
+            seeds = document.seeds_in(SeedCache(image))
+            result = found_by(engine, document, seeds, partial(_recorded, recorder, task))
         except Cancelled:
             raise
         except Exception as error:  # one page must not end the others

@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
+import threading
 import time
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
 from cpm_app.model.display.comparison import Trial
-from cpm_app.model.document.contours import found_in
+from cpm_app.model.document.contours import found_by
 from cpm_app.model.document.document import Document
 from cpm_app.model.text.language import tr
 from cpm_app.session.exchange.contour_tracking import TrackedContours
 from cpm_app.session.exchange.messages import Reconstruction, sentence
 from cpm_app.session.scene import ReviewedContours, Scene
 from cpm_app.session.tasks.tasks import Cancelled, Task
-from cpm_core import CONTOUR_METHODS, Image, Result, Start, facts_of, measure, moments
+from cpm_core import CONTOUR_METHODS, Engine, Image, Result, Start, facts_of, measure, moments
 from cpm_core.numerics import cores
 from cpm_core.objects.methods import result_of
-from cpm_core.shapes import outlines_of
+from cpm_core.shapes import SeedCache, outlines_of
 
 
 def start_of(document: Document) -> Start:
@@ -54,6 +55,15 @@ def run_trials(
     task : Task
         Its progress; cancelling it ends all of them.
     """
+    seed_cache, engines, lock = SeedCache(image), dict[int, Engine](), threading.Lock()
+
+    def of_parameters(trial: Trial) -> Result:
+        own, scales = replace(document, parameters=trial.settings), trial.settings.scales
+        with lock:  # fields and seeds that trials have in common are made once
+            seeds = own.seeds_in(seed_cache)
+            if scales not in engines:
+                engines[scales] = Engine(image, trial.settings, document.regions)
+        return found_by(engines[scales], own, seeds, lambda _: task.check_cancelled())
 
     def of_method(trial: Trial) -> Result:
         method, start, channel = CONTOUR_METHODS[trial.method], start_of(document), document.parameters.channel
@@ -70,11 +80,7 @@ def run_trials(
             task.check_cancelled()
             report(key, {"state": tr("running…")})
             at = time.perf_counter()
-            if trial.method:
-                found = of_method(trial)
-            else:
-                own = replace(document, parameters=trial.settings)
-                found = found_in(own, image, lambda _: task.check_cancelled())
+            found = (of_method if trial.method else of_parameters)(trial)
             seconds = time.perf_counter() - at
             report(key, {"found": found, "scene": scene_of(found), "seconds": seconds, "state": ""})
         except Cancelled:
