@@ -85,13 +85,18 @@ class Chunk:
 
     def may_own(self, middle: Array) -> bool:
         """Whether it is the chunk of a contour with this middle, or a neighbor takes it for that."""
-        low, high = np.array([[side.start - 0.5, side.stop - 0.5] for side in self.core]).T
+        low, high = limits(self.core)
         return bool(((middle >= low - UNSURE) & (middle < high + UNSURE)).all())
+
+
+def limits(window: Window) -> Array:
+    """Where a window begins, and where it ends, shape (2, D) [px]; centers of pixels are whole numbers."""
+    return np.array([[side.start - 0.5, side.stop - 0.5] for side in window]).T
 
 
 def touches(contour: Contour, window: Window) -> bool:
     """Whether the box of a contour has pixels in a window."""
-    low, high = np.array([[side.start - 0.5, side.stop - 0.5] for side in window]).T
+    low, high = limits(window)
     return bool((contour.box[1] >= low).all() and (contour.box[0] <= high).all())
 
 
@@ -153,14 +158,16 @@ class Grid:
     def near(self, window: Window) -> list[int]:
         """Numbers of the chunks that contours with pixels in a window may belong to, if they see them as a whole."""
         wide = around(window, math.ceil(0.5 * self.whole + UNSURE) + 1, self.shape)
-        at = np.ix_(*(range(side.start // self.side, -(-side.stop // self.side)) for side in wide))
-        found: list[int] = np.ravel_multi_index(at, self.counts).ravel().tolist()
-        return found
+        return [number for number, _ in self.within(wide)]
+
+
+def disturbed(smoothing: float) -> int:
+    """Distance from the border of what a chunk sees in which what is found may differ, after a Gaussian [px]."""
+    return _DISTURBED + math.ceil(_IN_SIGMA * smoothing)
 
 
 def grid_for(shape: Extent, parameters: Parameters, smoothing: float, side: int = SIDE) -> Grid:
     """The grid for a run with these parameters and a Gaussian of `smoothing` px."""
-    disturbed = _DISTURBED + math.ceil(_IN_SIGMA * smoothing)
-    needed = disturbed + max(parameters.min_length, parameters.max_gap)
+    needed = disturbed(smoothing) + max(parameters.min_length, parameters.max_gap)
     overlap = -(-max(_OVERLAP, math.ceil(needed)) // _STEP) * _STEP
-    return Grid(shape, side, overlap, float(overlap - disturbed))
+    return Grid(shape, side, overlap, float(overlap - disturbed(smoothing)))

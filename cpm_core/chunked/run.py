@@ -12,7 +12,7 @@ import numpy as np
 from cpm_core.chunked import survey
 from cpm_core.chunked.chunk_objects import LONGEST, objects_in
 from cpm_core.chunked.chunk_run import contours_in
-from cpm_core.chunked.grid import Chunk, Grid, Source, grid_for, touches
+from cpm_core.chunked.grid import Chunk, Grid, Source, grid_for, limits, touches
 from cpm_core.chunked.seams import joined, owned, twice
 from cpm_core.chunked.store import Piece, Store, packed, unpacked
 from cpm_core.contours.contour import Contour
@@ -27,7 +27,8 @@ from cpm_core.shapes.everywhere import Kind
 Compute = Callable[[Callable[[Any], Any], Sequence[Any], str], Iterable[tuple[int, Any]]]
 """Applies a function to each of some jobs, in any order and on any workers, under a title: gives index and result."""
 
-_WHOLE = "whole.npz"
+WHOLE = "whole.npz"
+"""The file of what depends on the whole image."""
 
 CONTOURS, OBJECTS = "contours", "objects"
 """What is found in chunks; also the names of the files that hold it."""
@@ -94,7 +95,7 @@ class Found:
 
     def contours(self, chunk: int) -> list[Contour]:
         """The contours of a chunk, numbered through the image; last those that no chunk sees as a whole."""
-        store, own = self.task.store, self.task.store.load(_chunk(self.kind, chunk))
+        store, own = self.task.store, self.task.store.load(of_chunk(self.kind, chunk))
         known = store.load(f"{self.kind}.npz", "twice_chunk", "twice_at")
         again = known["twice_at"][known["twice_chunk"] == chunk]
         kept = np.setdiff1d(np.arange(len(own["boxes"])), again)
@@ -113,7 +114,7 @@ class Found:
         """The contours that reach into a window."""
         numbers = self.grid.near(window)
         found = [one for at in numbers for one in self.contours(at)]
-        low, high = np.array([[side.start - 0.5, side.stop - 0.5] for side in window]).T
+        low, high = limits(window)
         long = self.task.store.load(f"{self.kind}.npz", "long", "chunk")
         there = ((long["long"][:, 1] >= low) & (long["long"][:, 0] <= high)).all(axis=1)
         found += [one for at in np.setdiff1d(long["chunk"][there], numbers).tolist() for one in self._long(at)]
@@ -121,7 +122,7 @@ class Found:
 
     def _long(self, chunk: int) -> list[Contour]:
         """The contours of a chunk that none sees as a whole."""
-        name = _chunk("long", chunk)
+        name = of_chunk("long", chunk)
         if self.kind == OBJECTS or not self.task.store.has(name):
             return []
         known = self.task.store.load(name)
@@ -140,27 +141,30 @@ def run(task: Task, compute: Compute, side: int) -> Found:
     """Find all contours, or objects; what is in the store from an earlier run with the same settings stays."""
     task.store.begin({**task.settings, "side": side, "shape": task.source.shape})
     grid, whole = surveyed(task, compute, side)
-    _each(compute, partial(find, task, grid, whole), task.store, grid, CONTOURS)
+    in_each(compute, partial(find, task, grid, whole), task.store, grid.chunks, CONTOURS)
     least = max(shortest(whole.tone.smoothing, task.parameters), task.parameters.min_length)
     found = Found(task, grid, whole, _join(task.store, grid, least, CONTOURS))
     if whole.frame is None:
         return found
-    _each(compute, partial(find_objects, found, whole.frame), task.store, grid, OBJECTS)
+    in_each(compute, partial(find_objects, found, whole.frame), task.store, grid.chunks, OBJECTS)
     wide = replace(grid, whole=LONGEST)
     return Found(task, wide, whole, _join(task.store, wide, 0.0, OBJECTS), OBJECTS)
 
 
-def _each(compute: Compute, work: Callable[[Chunk], None], store: Store, grid: Grid, kind: str) -> None:
-    """Find what is of a kind in each chunk of which that is not known."""
-    for _ in compute(work, [chunk for chunk in grid.chunks if not store.has(_chunk(kind, chunk.number))], kind):
+def in_each(
+    compute: Compute, work: Callable[[Chunk], None], store: Store, chunks: Iterable[Chunk], kind: str, title: str = ""
+) -> None:
+    """Do some work in each of some chunks that has no file of a kind yet."""
+    todo = [chunk for chunk in chunks if not store.has(of_chunk(kind, chunk.number))]
+    for _ in compute(work, todo, title or kind):
         pass
 
 
 def surveyed(task: Task, compute: Compute, side: int) -> tuple[Grid, survey.Whole]:
     """The chunks of an image, and what depends on all of it."""
     source, parameters, shape = task.source, task.parameters, task.source.shape
-    if task.store.has(_WHOLE):
-        whole = survey.Whole.of(task.store.load(_WHOLE), shape)
+    if task.store.has(WHOLE):
+        whole = survey.Whole.of(task.store.load(WHOLE), shape)
         return grid_for(shape, parameters, whole.tone.smoothing, side), whole
     tone, frame = survey.plain_tone(shape, parameters), None
     if tone is None or task.objects:
@@ -171,7 +175,7 @@ def surveyed(task: Task, compute: Compute, side: int) -> tuple[Grid, survey.Whol
     grid = grid_for(shape, parameters, tone.smoothing, side)
     work = partial(survey.edges, source, tone=tone, parameters=parameters)
     whole = survey.whole_of(tone, in_order(compute(work, grid.chunks, "edges")), parameters, frame)
-    task.store.save(_WHOLE, **whole.numbers)
+    task.store.save(WHOLE, **whole.numbers)
     return grid, whole
 
 
@@ -182,7 +186,7 @@ def in_order(results: Iterable[tuple[int, Any]]) -> list[Any]:
 
 def find(task: Task, grid: Grid, whole: survey.Whole, chunk: Chunk) -> None:
     """Find the contours of a chunk and store what it keeps of them, unless a worker that died has done so."""
-    if task.store.has(_chunk(CONTOURS, chunk.number)):
+    if task.store.has(of_chunk(CONTOURS, chunk.number)):
         return
     found = contours_in(task.source, chunk, whole, task.parameters, task.kind, task.max_steps)
     own, pieces = owned(found, chunk, grid)
@@ -193,7 +197,7 @@ def find(task: Task, grid: Grid, whole: survey.Whole, chunk: Chunk) -> None:
 def find_objects(found: Found, frame: Frame, chunk: Chunk) -> None:
     """Find the objects between contours in a chunk and store them, unless a worker that died has done so."""
     store = found.task.store
-    if store.has(_chunk(OBJECTS, chunk.number)):
+    if store.has(of_chunk(OBJECTS, chunk.number)):
         return
     objects = list(objects_in(found.task.source, found.near, chunk, frame))
     own = [Piece(contour) for _, contours in objects for contour in contours]
@@ -207,10 +211,11 @@ def _save(
     """Store boxes of what a chunk keeps, its contours with the numbers of their boxes, and pieces of others."""
     arrays = {f"{prefix}_{key}": values for prefix, some in pieces.items() for key, values in packed(some).items()}
     where = np.array(boxes, float).reshape(-1, 2, 2)
-    store.save(_chunk(kind, chunk.number), boxes=where, item=np.array(items, np.int64), **arrays)
+    store.save(of_chunk(kind, chunk.number), boxes=where, item=np.array(items, np.int64), **arrays)
 
 
-def _chunk(kind: str, number: int) -> str:
+def of_chunk(kind: str, number: int) -> str:
+    """Name of the file of a chunk with what is of a kind."""
     return f"{kind}_{number}.npz"
 
 
@@ -221,7 +226,7 @@ def _join(store: Store, grid: Grid, least: float, kind: str) -> Integers:
     of_piece: list[int] = []
     count = len(grid.chunks)
     for number in range(count):
-        known = store.load(_chunk(kind, number))
+        known = store.load(of_chunk(kind, number))
         boxes.append(known["boxes"])
         some = unpacked(known, "piece_")
         pieces += some
@@ -238,6 +243,6 @@ def _join(store: Store, grid: Grid, least: float, kind: str) -> Integers:
         own = [Piece(long[n]) for n in np.flatnonzero(at == chunk)]
         number = 1 + counts[:chunk].sum() + alone[chunk] + np.arange(len(own))
         arrays = {f"long_{key}": values for key, values in packed(own).items()}
-        store.save(_chunk("long", chunk), number=number, **arrays)
+        store.save(of_chunk("long", chunk), number=number, **arrays)
     store.save(f"{kind}.npz", twice_chunk=chunks[again], twice_at=again - first[chunks[again]], long=extents, chunk=at)
     return tuple(counts.tolist())

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy
 
-from cpm_core.chunked.grid import UNSURE, Chunk, Grid
+from cpm_core.chunked.grid import UNSURE, Chunk, Grid, limits
 from cpm_core.chunked.store import Piece
 from cpm_core.contours.contour import Contour
 from cpm_core.numerics.types import Array, Index, Mask
@@ -29,7 +29,7 @@ _SAME = 0.5
 
 def owned(contours: Sequence[Contour], chunk: Chunk, grid: Grid) -> tuple[list[Piece], list[Piece]]:
     """What a chunk keeps of the contours that it sees: those that it owns, and pieces of long ones."""
-    low, high = np.array([[side.start - 0.5, side.stop - 0.5] for side in chunk.core]).T
+    low, high = limits(chunk.core)
     low, high = np.where(low < 0.0, -np.inf, low), np.where(high > np.array(grid.shape) - 1.0, np.inf, high)
     whole: list[Piece] = []
     pieces: list[Piece] = []

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from functools import partial
 from typing import Any
 
 import numpy as np
 
-from cpm_core.chunked.grid import Chunk, Grid
-from cpm_core.chunked.run import Compute, Task, in_order
+from cpm_core.chunked.grid import Chunk, Grid, disturbed
+from cpm_core.chunked.run import WHOLE, Compute, Task, in_each, in_order, of_chunk
 from cpm_core.chunked.survey import Edges, Tone, Whole, step_of
 from cpm_core.field.scale_field import WEAKEST_EDGE
 from cpm_core.field.volume_edges import Slopes
@@ -39,16 +38,14 @@ from cpm_core.segmentation.evolve import Evolution
 SIDE = 256
 """Side of a core [voxels]: a run on it with what is around takes about 1 GB."""
 
-_DISTURBED, _IN_SIGMA = 16, 8.0
-"""Distance from the border of what a chunk sees in which particles may differ: in voxels, and in addition in sigma."""
-
 _EVEN = 8
 """What the overlap is a multiple of, so that the pyramids of neighbors have the same voxels."""
 
 _SAMPLED = 8
 """Of so many particles one tells how far apart they are."""
 
-_WHOLE = "whole.npz"
+PARTICLES = "particles"
+"""What is stored of each chunk, as its file is named."""
 
 
 @frozen
@@ -81,7 +78,8 @@ class Volume:
     def particles(self, chunk: Chunk, low: Index, high: Index) -> tuple[Levels, Array]:
         """The particles of a chunk and its neighbors within limits [voxels], and unit vectors away from bright."""
         store, names = self.task.store, ("points", "thresholds", "slopes", "normals")
-        found = [store.load(name, *names) for at in self.grid.around(chunk.number) if store.has(name := of_chunk(at))]
+        files = (of_chunk(PARTICLES, at) for at in self.grid.around(chunk.number))
+        found = [store.load(file, *names) for file in files if store.has(file)]
         inside = [((one["points"] >= low) & (one["points"] <= high)).all(axis=1) for one in found]
         points, thresholds, slopes, normals = (
             np.concatenate([like, *(one[name][here] for one, here in zip(found, inside, strict=True))])
@@ -90,19 +88,12 @@ class Volume:
         return Levels(points, thresholds, slopes), normals
 
 
-def of_chunk(number: int) -> str:
-    """Name of the file of the particles of a chunk."""
-    return f"particles_{number}.npz"
-
-
 def run_particles(task: Task, compute: Compute, side: int) -> tuple[Volume, float]:
     """Run in all chunks; the volume, and the typical distance between the particles [smallest sides]."""
     volume, strongest = _surveyed(task, compute, side)
     some = [chunk for chunk in volume.grid.chunks if strongest[chunk.number] >= volume.whole.floor[0]]
-    todo = [chunk for chunk in some if not task.store.has(of_chunk(chunk.number))]
-    for _ in compute(partial(_find, volume), todo, "particles"):
-        pass
-    distances = [task.store.load(of_chunk(chunk.number), "distances")["distances"] for chunk in some]
+    in_each(compute, partial(_find, volume), task.store, some, PARTICLES)
+    distances = [task.store.load(of_chunk(PARTICLES, chunk.number), "distances")["distances"] for chunk in some]
     apart = np.concatenate([np.empty(0), *distances])
     if not len(apart):
         raise ValueError("No particle has found an edge in this volume: lower --edge-floor or --smoothing.")
@@ -112,8 +103,8 @@ def run_particles(task: Task, compute: Compute, side: int) -> tuple[Volume, floa
 def _surveyed(task: Task, compute: Compute, side: int) -> tuple[Volume, Array]:
     """The volume in chunks, and the largest edge strength in the core of each."""
     source, parameters = task.source, task.parameters
-    if task.store.has(_WHOLE):
-        known = task.store.load(_WHOLE)
+    if task.store.has(WHOLE):
+        known = task.store.load(WHOLE)
         whole = Whole.of(known, source.shape)
         return Volume(task, _grid_for(task, whole.tone.smoothing, side), whole), known["in_core"]
     looked: dict[float, list[Edges]] = {}
@@ -134,12 +125,12 @@ def _surveyed(task: Task, compute: Compute, side: int) -> tuple[Volume, Array]:
     floors = [weakest_edge_of(one.strongest, one.background, parameters.edge_floor)[0] for one in scales]
     whole = Whole(Tone(0.0, 0.0, 1.0, sigma, ()), tuple(one.strongest for one in scales), tuple(floors))
     in_core = np.array([one.strongest[0] for one in looked[sigma]])
-    task.store.save(_WHOLE, in_core=in_core, **whole.numbers)
+    task.store.save(WHOLE, in_core=in_core, **whole.numbers)
     return Volume(task, _grid_for(task, sigma, side), whole), in_core
 
 
 def _grid_for(task: Task, smoothing: float, side: int) -> Grid:
-    overlap = -(-math.ceil(_DISTURBED + _IN_SIGMA * smoothing) // _EVEN) * _EVEN
+    overlap = -(-disturbed(smoothing) // _EVEN) * _EVEN
     return Grid(task.source.shape, side, overlap, 0.0)
 
 
@@ -161,13 +152,13 @@ def _edges(task: Task, sigma: float, chunk: Chunk) -> Edges:
 def _find(volume: Volume, chunk: Chunk) -> None:
     """Run in a chunk, and store the particles that it owns."""
     task, corner = volume.task, np.array([side.start for side in chunk.padded])
-    if task.store.has(of_chunk(chunk.number)):
+    if task.store.has(of_chunk(PARTICLES, chunk.number)):
         return
     levels, normals, distances = _particles_in(volume, chunk)
     points = levels.points + corner
     own = np.flatnonzero(volume.grid.chunk_at(points) == chunk.number) if len(points) else np.empty(0, int)
     task.store.save(
-        of_chunk(chunk.number),
+        of_chunk(PARTICLES, chunk.number),
         points=points[own],
         thresholds=levels.thresholds[own],
         slopes=levels.slopes[own],

@@ -18,7 +18,7 @@ import scipy
 from numpy.typing import NDArray
 
 from cpm_core.chunked.grid import Chunk, Grid, Source
-from cpm_core.chunked.run import Compute, Task
+from cpm_core.chunked.run import Compute, Task, in_each, of_chunk
 from cpm_core.chunked.survey import Whole
 from cpm_core.chunked.volume_run import SIDE, Volume, run_particles
 from cpm_core.formats.images.ome_zarr import create_levels, write_part
@@ -37,6 +37,9 @@ that of all that has not been written."""
 
 _STEEPEST = np.float32(2**18)
 """Largest height, where an edge has no slope: far from the surface, and below all numbers of regions."""
+
+_NECKS = "necks"
+"""What is stored of each chunk, as its file is named."""
 
 _TAILS = 3.0
 """Widths of the Gaussian within which a particle counts."""
@@ -57,37 +60,33 @@ class _Regions:
         """The array of all numbers."""
         return self.volume.task.store.folder / f"{self.name}.zarr"
 
-    def of_chunk(self, number: int) -> str:
-        """Name of the file of a chunk."""
-        return f"{self.name}_{number}.npz"
-
     def read(self, window: Window) -> NDArray[Any]:
         """What has been written in a window."""
         return Source(self.path, Reading(), "zyx").values(window)
+
+    def load(self, number: int, *names: str) -> Entries:
+        """What has been stored of a chunk, all or some arrays."""
+        return self.volume.task.store.load(of_chunk(self.name, number), *names)
 
     def save(self, chunk: Chunk, values: NDArray[Any], **arrays: Any) -> None:
         """Write values in the core of a chunk, and store those one voxel beyond with other arrays."""
         write_part(self.path, 0, chunk.core, values[tuple(slice(n) for n in sides_of(chunk.core))])
         layers = {f"layer_{axis}": values.take(-1, axis) for axis, _ in _layers(self.volume, chunk)}
-        self.volume.task.store.save(self.of_chunk(chunk.number), **layers, **arrays)
+        self.volume.task.store.save(of_chunk(self.name, chunk.number), **layers, **arrays)
 
     def run(self, dtype: Any, work: Callable[[Chunk], None], compute: Compute, title: str) -> None:
         """Do some work on each chunk that has no file yet."""
-        grid, store = self.volume.grid, self.volume.task.store
+        grid = self.volume.grid
         if not self.path.exists():
             create_levels(self.path, grid.shape, dtype, grid.side)
-        todo = [chunk for chunk in grid.chunks if not store.has(self.of_chunk(chunk.number))]
-        for _ in compute(work, todo, title):
-            pass
+        in_each(compute, work, self.volume.task.store, grid.chunks, self.name, title)
 
     def joined(self, counts: Index, number_of: Callable[[NDArray[Any]], Index]) -> Index:
         """The group, from 0, of each region of all chunks; `number_of` gives numbers in a chunk, -1 for no region."""
-        store, first = self.volume.task.store, np.cumsum([0, *counts])
-        pairs = [np.empty(0, np.int64)]
+        first, pairs = np.cumsum([0, *counts]), [np.empty(0, np.int64)]
         for chunk in self.volume.grid.chunks:
-            name = self.of_chunk(chunk.number)
             for axis, window in _layers(self.volume, chunk):
-                mine = number_of(store.load(name, f"layer_{axis}")[f"layer_{axis}"])
+                mine = number_of(self.load(chunk.number, f"layer_{axis}")[f"layer_{axis}"])
                 theirs = number_of(self.read(window)).reshape(mine.shape)
                 both = (mine >= 0) & (theirs >= 0)
                 for number, part in self.volume.grid.within(window):
@@ -156,7 +155,7 @@ def find_heights(volume: Volume, apart: float, compute: Compute) -> Heights:
     regions = _Regions(volume, "height")
     regions.run(np.float32, partial(_height_in, regions, apart), compute, "surface near particles")
     names = ("votes", "at_border", "bright", "known")
-    known = [volume.task.store.load(regions.of_chunk(chunk.number), *names) for chunk in volume.grid.chunks]
+    known = [regions.load(chunk.number, *names) for chunk in volume.grid.chunks]
     counts = np.array([len(one["votes"]) for one in known])
     group = regions.joined(counts, _region_of)
     votes = np.bincount(group, np.concatenate([one["votes"] for one in known]))
@@ -211,14 +210,7 @@ def _at_border(volume: Volume, chunk: Chunk, values: NDArray[Any]) -> NDArray[An
 
 def find_necks(heights: Heights, compute: Compute) -> None:
     """Find the necks and threads of each chunk, and store the voxels that they raise."""
-    volume = heights.volume
-    todo = [chunk for chunk in volume.grid.chunks if not volume.task.store.has(_necks(chunk.number))]
-    for _ in compute(partial(_necks_in, heights), todo, "necks"):
-        pass
-
-
-def _necks(number: int) -> str:
-    return f"necks_{number}.npz"
+    in_each(compute, partial(_necks_in, heights), heights.volume.task.store, heights.volume.grid.chunks, _NECKS)
 
 
 def _necks_in(heights: Heights, chunk: Chunk) -> None:
@@ -232,7 +224,7 @@ def _necks_in(heights: Heights, chunk: Chunk) -> None:
         ways += spin(found, begin, around, step_width(volume.whole.tone.smoothing))
         ways = [way + [side.start for side in chunk.padded] for way in ways]
         raised += [way for way in ways if volume.grid.chunk_at(way[len(way) // 2][None]) == chunk.number]
-    volume.task.store.save(_necks(chunk.number), raised=np.concatenate(raised))
+    volume.task.store.save(of_chunk(_NECKS, chunk.number), raised=np.concatenate(raised))
 
 
 @record
@@ -279,7 +271,7 @@ class Bodies:
 
     def triangles(self, number: int) -> tuple[Index, Array, Index, Index]:
         """Of a chunk the names of vertices that lie on bodies, and these; corners by their names, and the bodies."""
-        known = self.volume.task.store.load(self.regions.of_chunk(number))
+        known = self.regions.load(number)
         body = self._bodies(number, known["pairs"])
         on, faces = body[known["pair_of_vertex"]] > 0, body[known["pair_of_face"]]
         return known["names"][on], known["vertices"][on], known["faces"][faces > 0], faces[faces > 0]
@@ -304,11 +296,10 @@ _SUMS = ("area", "volume", "moments", "corners", "supported", "particles")
 
 def find_bodies(heights: Heights, compute: Compute) -> Bodies:
     """The bodies of a volume, from the height over its edges."""
-    volume, store = heights.volume, heights.volume.task.store
+    volume = heights.volume
     parts = _Regions(volume, "parts")
     parts.run(np.uint32, partial(_parts_in, parts, heights), compute, "bodies")
-    chunks = range(len(volume.grid.chunks))
-    known = [store.load(parts.of_chunk(n), "inside", "rim", "pairs", *_SUMS) for n in chunks]
+    known = [parts.load(chunk.number, "inside", "rim", "pairs", *_SUMS) for chunk in volume.grid.chunks]
     counts = np.array([len(one["inside"]) for one in known])
     first = np.cumsum([0, *counts])
     group = parts.joined(counts, lambda values: values.astype(np.int64))
@@ -367,7 +358,7 @@ def _parts_in(files: _Regions, heights: Heights, chunk: Chunk) -> None:
     found = heights.read(outer)
     corner = np.array([side.start for side in outer])
     for at in grid.around(chunk.number):
-        voxels = store.load(_necks(at))["raised"] - corner
+        voxels = store.load(of_chunk(_NECKS, at))["raised"] - corner
         raised = tuple(voxels[((voxels >= 0) & (voxels < found.shape)).all(axis=1)].T)
         found[raised] = np.maximum(found[raised], RAISED)
     join_corners(found, RAISED)
