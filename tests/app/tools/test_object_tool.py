@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
+import threading
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from cpm_app.model.document.objects import delete
-from cpm_app.session.features import object_list, object_selection
+from cpm_app.session.features import object_list, object_selection, selector
 from cpm_app.session.features.object_selection import percent
 from cpm_app.session.features.selector import all_objects
 from cpm_app.session.storage.session_file import DocumentFile
 from cpm_app.views.widgets.fields import DecimalField
 from PySide6.QtCore import Qt
 
-from cpm_core import Partition
+from cpm_core import Partition, partition
 from cpm_core.shapes import Barrier, Circle, Polygon, Region
 
 pytestmark = pytest.mark.shared_window
@@ -443,6 +444,28 @@ def test_a_session_file_keeps_objects_classes_and_the_selection_in_progress(wind
     hand.wait(lambda: window.session.document.objects == before)
     hand.wait(lambda: bool(objects.proposals))
     assert overlap(offered(objects), disk(*LARGE)) > 0.9
+
+
+def test_each_result_of_a_run_is_partitioned_once(window, hand, objects, monkeypatch) -> None:
+    prepared, at_rest = [], threading.Event()
+
+    def slow(result):
+        """The partition of a result; that of one on the way is ready only after the run."""
+        prepared.append(result)
+        if not result.stop_reason:
+            at_rest.wait(60)
+        return partition(result)
+
+    monkeypatch.setattr(selector, "partition", slow)
+    window.actions_by_name["start_grid"].trigger()
+    hand.key(KEY.Key_Space)
+    hand.wait(lambda: bool(window.session.scene.contours.result and window.session.scene.contours.result.stop_reason))
+    at_rest.set()
+    hand.wait(lambda: objects.partitions.source is window.session.scene.contours.result)
+    chosen = objects.partitions.partition
+    hand.wait(lambda: objects.idle and len(objects.proposals) == 2)
+    assert objects.partitions.partition is chosen
+    assert len({id(each) for each in prepared}) == len(prepared)
 
 
 def test_the_proposal_follows_the_contours_of_a_run(window, hand, objects) -> None:

@@ -108,6 +108,7 @@ class Partitions(QObject):
         if source is None or self._quiet.isActive() or not self._wanted():
             return
         if known is not None and source == known[0]:
+            self._asked_for = source
             if source != self.source:
                 self._use(known)
         elif source != self._asked_for:
@@ -158,7 +159,6 @@ class Partitions(QObject):
 
     def _use(self, prepared: Prepared) -> None:
         self.source, self.partition = prepared
-        self._asked_for = self.source
         self.changed.emit()
         self.look()
 
