@@ -11,11 +11,13 @@ from cpm_app.model.document.objects import delete
 from cpm_app.session.features import object_list, object_selection, selector
 from cpm_app.session.features.object_selection import percent
 from cpm_app.session.features.selector import all_objects
+from cpm_app.session.scene import Proposal
 from cpm_app.session.storage.session_file import DocumentFile
 from cpm_app.views.widgets.fields import DecimalField
 from PySide6.QtCore import Qt
 
 from cpm_core import Partition, partition
+from cpm_core.objects.segmented import Click
 from cpm_core.shapes import Barrier, Circle, Polygon, Region
 
 pytestmark = pytest.mark.shared_window
@@ -82,13 +84,13 @@ def offered(objects) -> np.ndarray:
     return objects.proposals[0].selection.mask
 
 
-def run_everywhere(hand) -> None:
+def run_everywhere(hand, count: int = 2) -> None:
     """Start on a grid over the whole image, and wait for what is found."""
     selection = hand.window.workspace.object_selection
     hand.window.actions_by_name["start_grid"].trigger()
     hand.key(KEY.Key_Space)
     hand.wait_for_phase("finished")
-    hand.wait(lambda: selection.idle and len(selection.proposals) == 2)
+    hand.wait(lambda: selection.idle and len(selection.proposals) == count)
 
 
 def test_the_pointer_shows_what_a_click_takes_and_the_click_takes_that(window, hand, objects, layer) -> None:
@@ -298,6 +300,31 @@ def test_what_enter_leaves_keeps_its_name_and_figures_and_the_hint_names_no_key_
     assert len(taken(window)) == 2
     hand.qtbot.wait(50)
     assert not measured
+
+
+def test_the_hint_counts_what_enter_accepts_of_all_that_is_listed(window, hand, objects, monkeypatch) -> None:
+    corner = (60.0, 4.0)
+
+    def found(partition, task):
+        likely = [
+            replace(each, selection=replace(each.selection, confidence=0.9)) for each in all_objects(partition, task)
+        ]
+        doubtful = replace(partition.select(np.array([corner])), confidence=0.4)
+        return (*likely, Proposal(doubtful, (Click((corner,)),)))
+
+    monkeypatch.setattr(object_selection, "all_objects", found)
+    hint, listed = window.canvas_area.hint, window.workspace.object_list
+    run_everywhere(hand, count=3)
+    assert hint.text().startswith("2 of 3 objects are likely. Enter: accept them")
+    listed.choose(
+        row.key[1]
+        for row in listed.rows
+        if row.kind == "proposal" and row.item.encloses(np.array([SMALL[0], corner])).any()
+    )
+    assert hint.text().startswith("2 of 3 objects are selected. Enter: accept them")
+    take(hand)
+    assert len(taken(window)) == 2
+    assert any(item.encloses(np.array([corner]))[0] for item in taken(window))
 
 
 @pytest.mark.parametrize("where", [SMALL, LARGE])

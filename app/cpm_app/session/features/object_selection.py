@@ -155,6 +155,10 @@ class ObjectSelection(QObject):
             said = tr(
                 "Click to add, Shift-click to remove, [ ] for smaller and larger. Enter accepts, {key:escape} cancels."
             )
+        elif 1 < len(meant) < len(offered) and self._list.selected:
+            said = tr("{chosen} of {count} objects are selected. Enter: accept them · {key:reject}: reject them")
+        elif 1 < len(meant) < len(offered):
+            said = tr("{chosen} of {count} objects are likely. Enter: accept them · {key:reject}: reject all")
         elif len(meant) > 1 and self._in_use:
             said = tr("{count} objects found. Enter: accept all · click one: accept or correct · {key:reject}: reject")
         elif len(meant) > 1:
@@ -166,8 +170,7 @@ class ObjectSelection(QObject):
         else:
             return ""
         likely = percent(meant[0].selection) if meant else ""
-        count = len(meant) if len(meant) > 1 else len(offered)
-        return with_keys(said, count=count, likely=likely and f", {likely}")
+        return with_keys(said, count=len(offered), chosen=len(meant), likely=likely and f", {likely}")
 
     def under(self, at: Place) -> int:
         """Number of the smallest object at a place, or key of the proposal there, which comes first; 0 for none."""
