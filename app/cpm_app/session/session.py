@@ -10,7 +10,7 @@ from PySide6.QtCore import QObject, Qt, QTimer
 
 from cpm_app.model.document import edits
 from cpm_app.model.document.document import Document, ImageReference, Mode
-from cpm_app.model.document.modes import MODES, fresh_parameters, needs_start, starting
+from cpm_app.model.document.modes import MODES, fresh_parameters, needs_start, starting, use_mode
 from cpm_app.model.document.samples import sample_like
 from cpm_app.model.document.saving import restored
 from cpm_app.model.export import ExportOrder
@@ -77,6 +77,8 @@ class Session(QObject):
         self._timer.timeout.connect(self._frame)
         self.set_pace(PACES[FIRST_PACE])
         self._opener = Opener(core, self.tasks)
+        self._mode_before = self.document.mode
+        """The mode in use when the image that is being opened was asked for."""
         self._asked_scales = self._used_scales = self.document.parameters.scales
         self.keeps_parameters = False
         """Whether the next image begins with the parameters of the one before it."""
@@ -183,6 +185,11 @@ class Session(QObject):
                 self._use(after, complete=not gesture)
             if rest is not None:
                 self.run()
+
+    def use_mode(self, mode: Mode) -> None:
+        """Change the mode."""
+        name = tr("mode “{mode}”", mode=MODES[mode].title.replace("&", ""))
+        self.edit(name, lambda document: document if document.mode == mode else use_mode(document, mode))
 
     def seal(self) -> None:
         """End a gesture: the next edit is undone separately."""
@@ -340,6 +347,7 @@ class Session(QObject):
     def begin(self, wanted: Wanted) -> None:
         """Open an image or a session; see `open`."""
         self.attempt(OPENING)
+        self._mode_before = self.document.mode
         self._opener.open(wanted)
 
     def use(self, opened: Opened) -> None:
@@ -461,7 +469,7 @@ class Session(QObject):
         self._board.generation = self._board.image_generation = self._next_generation()
         self.post(run_call(None, Run.use, self._board.generation, opened.method, opened.parameters))
         # With its own document from the first moment: the shapes of the former one may have another number of axes.
-        before, document = self.document, _document(opened, self.document.mode)
+        before, document = self.document, _document(opened, self._mode_before)
         slices = Slices.of(opened.image.shape)
         first = next((shape for shape in document.shapes if isinstance(shape, Sphere)), None)
         if slices is not None and first is not None:
@@ -477,6 +485,8 @@ class Session(QObject):
             self._board.busy("preparing", _PREPARING)
             self.post(warm_up(volumes=True))
         self._restore_runs(opened)
+        if before.mode != self._mode_before and opened.saved is None and opened.image.ndim == 2:
+            self.use_mode(before.mode)  # chosen meanwhile
         if opened.notes:
             self.say(" ".join(map(from_core, opened.notes)))
 

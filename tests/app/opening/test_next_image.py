@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cpm_app.model.document import edits
-from cpm_app.model.document.modes import fresh_parameters
+from cpm_app.model.document.modes import fresh_parameters, starting
 from cpm_app.model.preferences.table import KEEP_PARAMETERS
 from cpm_app.session.exchange.messages import Core
 from cpm_app.views.features.files import OpenSaveFeature
@@ -122,6 +122,20 @@ def test_an_image_without_room_for_all_scales_limits_only_its_own(window, hand, 
 
 
 # While an image is being opened
+
+
+def test_a_mode_chosen_while_an_image_is_being_opened_is_that_of_the_image_with_its_preset(
+    window, hand, other, held
+) -> None:
+    window.open_image(str(other))
+    window.actions_by_name["mode_automatic"].trigger()
+    held.set()
+    hand.wait(lambda: window.session.document.image.name == "other.npy" and window.session.idle)
+    document = window.session.document
+    assert (document.mode, document.parameters) == ("automatic", fresh_parameters("automatic"))
+    assert document.starts == starting("automatic", ())
+    window.session.run()
+    hand.wait_for_phase("finished")
 
 
 @pytest.mark.parametrize("answer", ["cancel", "discard"])

@@ -6,7 +6,7 @@ from functools import partial
 
 from cpm_app.model.document import edits
 from cpm_app.model.document.document import Mode
-from cpm_app.model.document.modes import MODES, use_mode
+from cpm_app.model.document.modes import MODES
 from cpm_app.model.state.resolve import resolve
 from cpm_app.model.state.situation import Situation, has_image, has_shapes
 from cpm_app.model.text.language import from_core, tr
@@ -76,9 +76,7 @@ class ModesFeature(Feature):
         info, session = MODES[mode], self.session
 
         def use() -> None:
-            if session.document.mode != mode:
-                name = tr("mode “{mode}”", mode=info.title.replace("&", ""))
-                session.edit(name, lambda document: use_mode(document, mode))
+            session.use_mode(mode)
             # The action must show the state of the document even if it has not changed.
             self.window.refresh()
 
