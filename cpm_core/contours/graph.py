@@ -221,14 +221,34 @@ class Graph:
         return length(self.points[path])
 
     def contours(self, shortest: float = 0.0) -> tuple[Contour, ...]:
-        """Contours of a length of at least `shortest` [px], longest first; a cycle through one junction is closed."""
+        """Contours of a length of at least `shortest` [px], longest first.
+
+        A cycle that only dead ends leave is closed, however many they are.
+        """
         ways = self.ways()
         forks = np.stack([self.degrees[ways.first] > 2, self.degrees[ways.last] > 2], axis=1) & ~ways.closed[:, None]
-        found = []
-        for way in np.flatnonzero(ways.lengths >= shortest).tolist():
+        rings, in_ring = self._rings(forks.all(axis=1))
+        long = np.flatnonzero(rings.closed & (rings.lengths >= shortest))
+        found = [Contour(self.points[rings.path(ring)], True) for ring in long.tolist()]
+        for way in np.flatnonzero((ways.lengths >= shortest) & ~in_ring).tolist():
             before, behind = forks[way].tolist()
             found.append(Contour(self.points[ways.path(way)], bool(ways.closed[way]), junctions=(before, behind)))
         return tuple(sorted(found, key=lambda contour: -contour.length))
+
+    def _rings(self, between: Mask) -> tuple[Ways, Mask]:
+        """What paths `between` junctions make without dead ends, and which are parts of its cycles, shapes (W,)."""
+        edges, way = self.ways().edges()
+        rest = Graph(self.points, edges[between[way]])
+        rest.drop_spurs(np.inf)
+        ways = rest.ways()
+        around, ring = ways.edges()
+        part, in_ring = np.isin(self._keys(edges), self._keys(around[ways.closed[ring]])), np.zeros(len(between), bool)
+        in_ring[way[part]] = True
+        return ways, in_ring & between
+
+    def _keys(self, edges: Index) -> Index:
+        """A number for each edge, whichever way it runs."""
+        return np.sort(edges, axis=1) @ (len(self.points), 1)
 
 
 @record

@@ -1,8 +1,8 @@
-"""How a finer scale of a large image begins: with what the coarser one has found, and the seeds that it needs besides.
+"""How a finer scale begins after a start everywhere: with what the coarser one has found, and the seeds that it needs.
 
 Every scale begins with all seeds, so that what is too small for the coarser one is found as well. Most of them follow
-the field to an edge with particles on it and are deleted there. In a large image with starts everywhere these are most
-of the particles that move.
+the field to an edge with particles on it and are deleted there. After a start everywhere these are most of the
+particles that move.
 """
 
 from __future__ import annotations
@@ -25,12 +25,13 @@ from cpm_core.numerics.grids import in_bands
 from cpm_core.numerics.jit import compiled
 from cpm_core.numerics.types import Array, Index, Mask, Single
 
-_FROM = 2**20
-"""Pixels of an image above which a finer scale begins like this."""
+_LARGE = 2**20
+"""Pixels of an image above which the coarsest scale begins with fewer seeds, and a finer one after any start."""
 
 _EXPLAINED, _NEAR = 1, 4
 """Cells of the coverage to each side of a particle, whose place on the finer scale is not yet exact, in which it
-explains edges; and cells to each side of an edge in which seeds are kept: more than two seeds of a grid of 8 px."""
+explains edges; and cells to each side of an edge in which seeds are kept: more than two seeds of a grid of 8 px. Seeds
+are everywhere if none of the image is farther from one."""
 
 Directions = NDArray[np.uint8]
 """Directions in which an image rises across the edges in each cell, a bit for each eighth of a turn."""
@@ -42,28 +43,32 @@ def thinned(state: State) -> State:
     A finer scale begins with the others.
     """
     cells = state.coverage.found.shape
-    if len(state.shape) != 2 or math.prod(state.shape) <= _FROM or state.count <= math.prod(cells):
+    if len(state.shape) != 2 or math.prod(state.shape) <= _LARGE or state.count <= math.prod(cells):
         return state
     place = np.ravel_multi_index(tuple(_cells(state.particles.position, cells)), cells)
     return replace(state, particles=state.particles.taken(np.sort(np.unique(place, return_index=True)[1])))
 
 
 def begun(state: State, field: ScaleField) -> State:
-    """The first state of a scale, of a large image without the seeds that are not near an edge yet to be explained.
+    """The first state of a scale, without the seeds that are not near an edge yet to be explained.
 
     An edge is explained by a particle of the coarser scale near it where the image rises in about the same direction,
     so that one side of a thin object does not explain the other. It counts as covered for as long as the coarser scale
-    had to be idle to end: repulsion need not spread the particles along it once more. All seeds stay where they are so
-    few that an edge which is not explained has none near it: particles may come to it from afar.
+    had to be idle to end: repulsion need not spread the particles along it once more.
+
+    All seeds stay where an edge that is not explained has none near it: particles may come to it from afar. They also
+    stay in a small image in which they are not everywhere.
     """
-    if len(state.shape) != 2 or math.prod(state.shape) <= _FROM:
+    if len(state.shape) != 2:
         return state
     first = state.count - len(allowed_places(state.start, state.scale, state.shape, state.regions))
     place = state.particles.position
-    edges, missing = marked_edges(field, place[:first], state.coverage.found.shape)
-    row, col = _cells(place[first:], edges.shape)
-    seeds = np.zeros(edges.shape, bool)
+    seeds = np.zeros(state.coverage.found.shape, bool)
+    row, col = _cells(place[first:], seeds.shape)
     seeds[row, col] = True
+    if math.prod(state.shape) <= _LARGE and not _around(seeds, max(_NEAR >> state.scale, 1)).all():
+        return state
+    edges, missing = marked_edges(field, place[:first], seeds.shape)
     if not _around(seeds, _NEAR)[missing].all():
         return state
     stay = np.concatenate([np.ones(first, bool), _around(missing, _NEAR)[row, col]])

@@ -14,7 +14,7 @@ from cpm_core.contours.agreement import distance_to
 from cpm_core.contours.contour import Contour
 from cpm_core.model.starts import uniform_grid
 from cpm_core.parameters import PRESETS
-from cpm_core.segmentation import finer_scale
+from cpm_core.segmentation import engine
 from cpm_core.segmentation.evolve import segment
 
 LEAST, MOST = 3.0, 40.0
@@ -66,8 +66,9 @@ def judged(contours, truth):
 def main(side=2000, noise=10.0):
     values, truth = scene(side, noise)
     results = []
-    for words, least in (("without", np.inf), ("with", finer_scale._FROM)):
-        finer_scale._FROM = least
+    shortcuts = engine.begun, engine.thinned
+    for words, used in (("without", (lambda state, _: state, lambda state: state)), ("with", shortcuts)):
+        engine.begun, engine.thinned = used
         began = time.process_time()
         results.append(segment(values, uniform_grid(values.shape), PRESETS["automatic"]).contours)
         spent = time.process_time() - began

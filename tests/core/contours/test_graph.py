@@ -209,3 +209,33 @@ def test_contours_of_a_least_length_are_those_of_all_that_reach_it(made, shortes
     graph, _ = both(made)
     found, every = graph.contours(shortest), graph.contours()
     assert [c.points.tolist() for c in found] == [c.points.tolist() for c in every if c.length >= shortest]
+
+
+CIRCLE = [(n, (n + 1) % 12) for n in range(12)]
+
+
+def lengths(edges):
+    """Lengths of the closed contours and of the open ones of a circle of 12 vertices, others outside and one within."""
+    angle = np.pi / 6.0 * np.arange(24)
+    radius = np.repeat([10.0, 13.0], 12)
+    points = np.stack([radius * np.sin(angle), radius * np.cos(angle)], axis=1)
+    found = Graph(np.concatenate([points, [(0.0, 0.0)]]), np.array(edges)).contours()
+    return [[one.length for one in found if one.closed is closed] for closed in (True, False)]
+
+
+AROUND = 120.0 * np.sin(np.pi / 12.0) * 2.0
+
+
+@pytest.mark.parametrize("branches", [[], [3], [3, 9], [0, 1, 2], [0, 4, 5, 11]])
+def test_a_cycle_that_only_dead_ends_leave_is_closed_and_they_are_not(branches):
+    closed, opened = lengths([*CIRCLE, *((n, n + 12) for n in branches)])
+    assert closed == pytest.approx([AROUND])
+    assert opened == pytest.approx([3.0] * len(branches))
+
+
+def test_a_branch_that_forks_is_a_dead_end_and_one_that_comes_back_or_leads_to_another_cycle_is_not():
+    fork, back, chord = [(3, 15), (15, 16), (15, 14)], [(3, 15), (15, 16), (16, 4)], [(0, 24), (24, 6)]
+    assert [len(found) for found in lengths([*CIRCLE, (8, 20), *fork])] == [1, 4]
+    assert [len(found) for found in lengths([*CIRCLE, (8, 20), *back])] == [0, 5]
+    assert [len(found) for found in lengths([*CIRCLE, *chord])] == [0, 3]
+    assert [len(found) for found in lengths([*CIRCLE, (8, 20), (3, 15), (15, 16), (16, 17), (17, 15)])] == [2, 2]

@@ -1,17 +1,16 @@
-"""How a finer scale of a large image begins: the same is found with few of its seeds."""
+"""How a finer scale begins after a start everywhere: the same is found with few of its seeds."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
 from cpm_core.contours.agreement import distance_to
 from cpm_core.model.starts import circle, uniform_grid
 from cpm_core.model.state import Particles
 from cpm_core.parameters import PRESETS
-from cpm_core.segmentation import finer_scale
+from cpm_core.segmentation import engine, finer_scale
 from cpm_core.segmentation.engine import Engine
 from cpm_core.segmentation.finer_scale import begun
 
@@ -33,25 +32,22 @@ def scene():
     return values + np.random.default_rng(1).normal(0.0, 0.08 * np.ptp(values), values.shape)
 
 
-@pytest.fixture
-def small_counts_as_large(monkeypatch):
-    monkeypatch.setattr(finer_scale, "_FROM", 0)
-
-
-def ended(engine, seeds, parameters):
-    state, most = engine.start(seeds), []
+def ended(run, seeds, parameters):
+    state, most = run.start(seeds), []
     while not state.stop_reason:
-        before, state = state, engine.step(state, parameters)
+        before, state = state, run.step(state, parameters)
         if state.scale < before.scale:
             most.append(state.count)
-    return engine.result(state, parameters), most
+    return run.result(state, parameters), most
 
 
-def test_the_same_contours_are_found_with_few_of_the_seeds(request):
+def test_the_same_contours_are_found_with_few_of_the_seeds(monkeypatch):
     values, parameters, seeds = scene(), PRESETS["automatic"], uniform_grid((SIDE, SIDE))
-    whole, many = ended(Engine(values, parameters), seeds, parameters)
-    request.getfixturevalue("small_counts_as_large")
+    monkeypatch.setattr(finer_scale, "_LARGE", 0)  # so that the coarsest scale has fewer, too
     found, few = ended(Engine(values, parameters), seeds, parameters)
+    for name in ("begun", "thinned"):
+        monkeypatch.setattr(engine, name, lambda state, field=None: state)
+    whole, many = ended(Engine(values, parameters), seeds, parameters)
     assert len(found.contours) == len(whole.contours) >= 20
     for some, others in ((found, whole), (whole, found)):
         assert distance_to(np.concatenate([one.points for one in some.contours]), others.contours).max() < 0.05
@@ -62,15 +58,15 @@ def began(coarse, seeds):
     """The finest scale of a thin bar, begun with particles of the coarser one and with seeds."""
     values, parameters = np.zeros((96, 96)), PRESETS["automatic"]
     values[:, 45:51] = 1.0
-    engine = Engine(values, parameters)
-    state = engine.start(seeds)
+    run = Engine(values, parameters)
+    state = run.start(seeds)
     while state.scale:
-        state = engine.step(state, parameters)
+        state = run.step(state, parameters)
     first = Particles.at_rest(np.concatenate([coarse, state.at_scale(seeds, 0)]))
-    return begun(replace(state, particles=first), engine.scale_field(parameters))
+    return begun(replace(state, particles=first), run.scale_field(parameters))
 
 
-def test_one_side_of_a_thin_object_does_not_explain_the_other(small_counts_as_large):
+def test_one_side_of_a_thin_object_does_not_explain_the_other():
     seeds = uniform_grid((96, 96))
     rows = np.arange(0.0, 96.0, 2.0)
     left, right = (np.stack([rows, np.full_like(rows, col)], axis=1) for col in (44.5, 50.5))
@@ -79,6 +75,6 @@ def test_one_side_of_a_thin_object_does_not_explain_the_other(small_counts_as_la
     assert len(kept) and np.abs(kept[:, 1] - 50.5).max() < 24.0
 
 
-def test_few_seeds_stay_wherever_they_are(small_counts_as_large):
+def test_seeds_that_are_not_everywhere_stay():
     seeds = circle((48.0, 80.0), 4.0)
     assert began(np.array([(48.0, 44.5)]), seeds).count == 1 + len(seeds)
