@@ -43,7 +43,7 @@ class Table(dict[str, Column]):
     >>> table
     <Table 2 rows, label, name, area, area_filled, area_convex, perimeter, centroid-0, centroid-1, box…>
     >>> [round(float(area)) for area in table["area"]], table.units["area"]
-    ([309, 309], 'px²')
+    ([310, 309], 'px²')
     """
 
     def __init__(self, columns: Mapping[str, Column], units: Mapping[str, str]) -> None:

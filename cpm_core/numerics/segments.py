@@ -193,6 +193,7 @@ def rim_of(polygons: Sequence[Array]) -> Array:
         line = shapely.union_all(shapely.LineString([*corners, corners[0]]))  # cut where it crosses itself
         pieces = shapely.get_parts(shapely.polygonize([line]))
         places = shapely.get_coordinates(shapely.point_on_surface(pieces))
-        inside += pieces[winds_around(corners, places)].tolist()
+        # joined by themselves, as what they share is exactly the same: with other polygons a crack might be left
+        inside.append(shapely.union_all(pieces[winds_around(corners, places)]))
     rings = shapely.get_parts(shapely.boundary(shapely.union_all(inside)))
     return np.concatenate([np.zeros((0, 4)), *(segments_of(shapely.get_coordinates(ring)) for ring in rings)])

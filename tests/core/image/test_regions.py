@@ -109,8 +109,16 @@ def test_every_particle_stays_in_the_union_of_the_regions_of_interest(interest, 
         assert in_union(interest, after.position).all()
 
 
+# a crossing whose place is rounded, where two pieces met in a crack
+CRACKED = [
+    ((0.0, 0.0), (0.0, 24.625), (42.375, 64.0)),
+    ((13.625, 60.625), (34.625, 56.0), (16.0, -0.625), (2.5, 40.5), (19.0, 0.0), (-3.75, 25.625)),
+]
+
+
 @settings(max_examples=24, deadline=None)
 @given(st.lists(polygons, min_size=1, max_size=3), st.integers(0, 10**6))
+@example(CRACKED, 0)
 def test_the_rim_parts_the_inside_of_a_union_from_its_outside_and_nothing_else(interest, seed):
     regions = Regions(interest=tuple(interest))
     barrier_map = build_barrier_map(regions, SHAPE)
