@@ -58,10 +58,11 @@ def step_once() -> None:
 
 
 def contours_once() -> None:
-    """Run the kernels of the reconstruction, and of the forces and the coverage of many particles."""
-    places = circle((15.5, 15.5), 5.0)
+    """Run the kernels of the reconstruction, of a start everywhere, and of forces and coverage of many particles."""
+    places, coverage = circle((15.5, 15.5), 5.0), no_coverage(_IMAGE.shape)
     mesh_force(places, _IMAGE.shape, 4.0)  # which more particles than these would need
-    cover(no_coverage(_IMAGE.shape), places, np.ones(len(places), bool), 1)
+    cover(coverage, places, np.ones(len(places), bool), 1)
+    marked_edges(build_scale_field(_IMAGE, 1.0, 0.0), places, coverage.found.shape)
     _contours()
 
 
@@ -92,7 +93,6 @@ def large_once() -> None:
     slopes = partial(gradient_within, _IMAGE, 1.0)
     gradient(_TALL, 1.0, np.float32)
     part = build_scale_field(_IMAGE, 1.0, 0.0, slopes=slopes).part((slice(0, 32), slice(0, 31)))
-    marked_edges(part, circle((15.5, 15.5), 9.0), no_coverage(part.shape).found.shape)
     find_contours(circle((15.5, 15.5), 9.0), limited_to(part, part.edge_map > part.floor), _PARAMETERS)
 
 
