@@ -10,6 +10,7 @@ import sys
 
 PARTS = {
     "long": ("pytest", "-m", "long"),
+    "chance": ("pytest",),
     "faults": ("tests.faults",),
     "releases": ("tests.supply",),
     "network": ("pytest", "-n0", "tests/supply"),
@@ -17,7 +18,8 @@ PARTS = {
     "napari": ("pytest", "-n0", "tests/e2e/test_napari.py"),
     "claims": ("tests.benchmarks.claims",),
 }
-"""Long tests; broken input; releases and licenses; no network; checked indices; napari; the claims of the paper."""
+"""Long tests; examples never tried before; broken input; releases and licenses; no network; checked indices; napari;
+the claims of the paper."""
 
 
 def main() -> int:
@@ -28,7 +30,7 @@ def main() -> int:
     for part in parser.parse_args().parts or PARTS:
         if part not in PARTS:
             parser.error(f"there is no part {part}: choose of {', '.join(PARTS)}.")
-        environment = {"NUMBA_BOUNDSCHECK": "1"} if part == "indices" else {}
+        environment = {"indices": {"NUMBA_BOUNDSCHECK": "1"}, "chance": {"CPM_EXAMPLES": "chance"}}.get(part, {})
         if subprocess.run(
             [sys.executable, "-m", *PARTS[part]], env={**os.environ, **environment}, check=False
         ).returncode:

@@ -26,9 +26,12 @@ os.environ["LANGUAGE"] = "en"
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
 
-# No test depends on how fast the computer is.
-settings.register_profile("untimed", max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
-settings.load_profile("untimed")
+# No test depends on how fast the computer is, nor on chance: examples never tried before are for the second tier.
+settings.register_profile(
+    "ordinary", max_examples=40, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
+)
+settings.register_profile("chance", settings.get_profile("ordinary"), derandomize=False)
+settings.load_profile(os.environ.get("CPM_EXAMPLES", "ordinary"))
 
 
 @pytest.hookimpl(optionalhook=True)

@@ -227,7 +227,7 @@ class Graph:
         """
         ways = self.ways()
         forks = np.stack([self.degrees[ways.first] > 2, self.degrees[ways.last] > 2], axis=1) & ~ways.closed[:, None]
-        rings, in_ring = self._rings(forks.all(axis=1))
+        rings, in_ring = self._rings(forks[:, 0] & forks[:, 1])
         long = np.flatnonzero(rings.closed & (rings.lengths >= shortest))
         found = [Contour(self.points[rings.path(ring)], True) for ring in long.tolist()]
         for way in np.flatnonzero((ways.lengths >= shortest) & ~in_ring).tolist():

@@ -5,7 +5,8 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+import scipy
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from cpm_core.numerics import polyline
@@ -33,8 +34,16 @@ def off(boundary):
     return np.min([polyline.distances((*curve, curve[0]), PIXELS) for curve in boundary], axis=0)
 
 
+def alone(mask):
+    """Which pixels have no neighbor that is inside like them, or outside like them: remainders may be left out."""
+    alike = sum(scipy.ndimage.convolve((mask == kind).reshape(SHAPE).astype(int), np.ones((3, 3), int)).ravel()
+                * (mask == kind) for kind in (False, True))  # fmt: skip
+    return alike == 1
+
+
 @given(st.lists(PLACES, min_size=1, max_size=8), st.floats(1.0, 12.0), st.booleans(), st.booleans())
 @settings(max_examples=12)
+@example([(6.781, 48.5), (35.75, 0.0)], 2.0, False, False)  # cuts off a tip that is smaller than a pixel
 def test_the_boundary_encloses_the_area_and_what_the_disk_has_gone_over_or_the_area_without_it(
     path, radius, adds, hole
 ):
@@ -47,7 +56,7 @@ def test_the_boundary_encloses_the_area_and_what_the_disk_has_gone_over_or_the_a
         by_steps = painted(by_steps, step, radius, adds, SHAPE)
     for area, tolerance in ((at_once, 0.1), (by_steps, 0.1)):
         clear = (np.abs(away - radius) > tolerance) & (off(boundary) > tolerance)
-        assert not ((enclosed(area) != expected) & clear).any()
+        assert not ((enclosed(area) != expected) & clear & ~alone(expected)).any()
 
 
 @given(st.lists(PLACES, min_size=1, max_size=5), st.floats(1.0, 8.0), st.booleans())
