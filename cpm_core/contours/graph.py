@@ -242,9 +242,8 @@ class Graph:
         rest.drop_spurs(np.inf)
         ways = rest.ways()
         around, ring = ways.edges()
-        part, in_ring = np.isin(self._keys(edges), self._keys(around[ways.closed[ring]])), np.zeros(len(between), bool)
-        in_ring[way[part]] = True
-        return ways, in_ring & between
+        part = np.isin(self._keys(edges), self._keys(around[ways.closed[ring]]))
+        return ways, np.bincount(way[part], minlength=len(between)) > 0
 
     def _keys(self, edges: Index) -> Index:
         """A number for each edge, whichever way it runs."""

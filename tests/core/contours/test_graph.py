@@ -223,7 +223,7 @@ def lengths(edges):
     return [[one.length for one in found if one.closed is closed] for closed in (True, False)]
 
 
-AROUND = 120.0 * np.sin(np.pi / 12.0) * 2.0
+AROUND = 12 * 2.0 * 10.0 * np.sin(np.pi / 12.0)
 
 
 @pytest.mark.parametrize("branches", [[], [3], [3, 9], [0, 1, 2], [0, 4, 5, 11]])

@@ -155,10 +155,10 @@ class ObjectSelection(QObject):
             said = tr(
                 "Click to add, Shift-click to remove, [ ] for smaller and larger. Enter accepts, {key:escape} cancels."
             )
-        elif 1 < len(meant) < len(offered) and self._list.selected:
-            said = tr("{chosen} of {count} objects are selected. Enter: accept them · {key:reject}: reject them")
         elif 1 < len(meant) < len(offered):
-            said = tr("{chosen} of {count} objects are likely. Enter: accept them · {key:reject}: reject all")
+            said = tr("{chosen} of {count} objects are selected. Enter: accept them · {key:reject}: reject them")
+            if not self._list.selected:
+                said = tr("{chosen} of {count} objects are likely. Enter: accept them · {key:reject}: reject all")
         elif len(meant) > 1 and self._in_use:
             said = tr("{count} objects found. Enter: accept all · click one: accept or correct · {key:reject}: reject")
         elif len(meant) > 1:
